@@ -21,6 +21,7 @@ pub fn config(folder: &Path, workers: NonZeroUsize) -> Config {
         max_attempts: 3,
         adapter: Adapter::Cpu,
         export_bytes: 0,
+        brdf_limit: 16,
         pictures: PictureLimits::default(),
     }
 }

@@ -1,34 +1,36 @@
 // Layouts ltc2017, ltc2016, godot and hdrp, tables of isotropic surfaces as engines read them, and inverse and matrix33: of M
-// or of its inverse.
-// Needs ltc_math.wgsl and ltc_table.wgsl.
+// or of its inverse. Needs ltc_quadrant.wgsl.
 
-/// Weights are linear in the perceptual roughness, the square root of alpha, and in theta.
-fn ltc_even_roughness(axis: u32, x: f32) -> f32 {
-    return select(x, sqrt(x), axis == 0u);
+/// A matrix of a lobe that is symmetric in the plane of incidence: two columns in that plane, x and z, and the number across it.
+struct LtcPlane {
+    x: vec2<f32>,
+    y: f32,
+    z: vec2<f32>,
 }
 
-/// Weights are linear in the perceptual roughness and in sqrt(1 - cos theta), which is sqrt(2) sin(theta / 2).
-fn ltc_even_versine(axis: u32, x: f32) -> f32 {
-    if (axis == 2u) {
-        return ltc_sin_cos(x * 0.07957747).x;
-    }
-    return ltc_even_roughness(axis, x);
+/// Nodes are evenly spaced in the perceptual roughness, the square root of alpha, and in theta.
+fn ltc_steps_roughness(alpha: f32, wo: vec3<f32>) -> vec2<f32> {
+    return vec2(sqrt(alpha), ltc_quadrant(vec2(length(wo.xy)), vec2(wo.z)).x);
+}
+
+/// Nodes are evenly spaced in the perceptual roughness and in sqrt(1 - cos theta).
+fn ltc_steps_versine(alpha: f32, wo: vec3<f32>) -> vec2<f32> {
+    // 1 - cos, without a difference of numbers near 1.
+    return sqrt(vec2(alpha, dot(wo.xy, wo.xy) / (1.0 + max(wo.z, 0.0))));
 }
 
 /// The table stores M.
-fn ltc_restore_matrix(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {
+fn ltc_restore_matrix(stored: LtcPlane) -> LtcPlane {
     return stored;
 }
 
-/// The table stores the inverse of M, up to a factor. Only the numbers of a lobe that is symmetric in the plane of
-/// incidence count.
-fn ltc_restore_inverse(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {
-    let n = stored.m;
-    let determinant = n[0].x * n[2].z - n[2].x * n[0].z;
-    let m = mat3x3(
-        vec3(n[2].z, 0.0, -n[0].z),
-        vec3(0.0, determinant / n[1].y, 0.0),
-        vec3(-n[2].x, 0.0, n[0].x),
+/// The table stores the inverse of M, up to a factor.
+fn ltc_restore_inverse(stored: LtcPlane) -> LtcPlane {
+    let determinant = stored.x.x * stored.z.y - stored.z.x * stored.x.y;
+    let scale = inverseSqrt(stored.x.x * stored.x.x + stored.z.x * stored.z.x);
+    return LtcPlane(
+        vec2(stored.z.y, -stored.x.y) * scale,
+        determinant / stored.y * scale,
+        vec2(-stored.z.x, stored.x.x) * scale,
     );
-    return LtcLobe(m * (1.0 / length(vec2(n[0].x, n[2].x))), stored.amplitude, stored.fresnel);
 }

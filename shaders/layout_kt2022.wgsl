@@ -1,4 +1,18 @@
-// Layout kt2022: a table stores M and the terms themselves. Needs ltc_math.wgsl and ltc_table.wgsl.
+// Layout kt2022: a table stores M and the terms themselves. Needs ltc_quadrant.wgsl and
+// ltc_lookup.wgsl.
+
+/// Where a configuration lies among nodes that are evenly spaced. The first roughness and ratio may stand above their place, on
+/// the least that are fitted. Weights are linear in the values of the axes.
+fn ltc_place_kt2022(alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcPlace {
+    let angles = ltc_quadrant(vec2(length(wo.xy), wo.y), vec2(wo.z, wo.x));
+    let surface = vec2(alpha, ratio);
+    var place = ltc_place(vec4(surface, angles));
+    let low = ltc_table.start.xy + place.lower.xy * ltc_table.step.xy;
+    let below = max(low, ltc_table.roughness.xz);
+    let weight = saturate((surface - below) / (low + ltc_table.step.xy - below));
+    place.weight = vec4(weight, place.weight.zw);
+    return place;
+}
 
 /// The lobe of interpolated numbers, at a place within the table's ranges seen from wo in the first quadrant.
 fn ltc_restore_kt2022(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {

@@ -24,18 +24,22 @@ pub const LTC_EXAMPLE: &str = include_str!("ltc_example.wgsl");
 pub const LTC_FUNCTION: &str = include_str!("ltc_function.wgsl");
 /// `ltc_light.wgsl`.
 pub const LTC_LIGHT: &str = include_str!("ltc_light.wgsl");
+/// `ltc_lookup.wgsl`.
+pub const LTC_LOOKUP: &str = include_str!("ltc_lookup.wgsl");
+/// `ltc_lookup_among.wgsl`.
+pub const LTC_LOOKUP_AMONG: &str = include_str!("ltc_lookup_among.wgsl");
+/// `ltc_lookup_round.wgsl`.
+pub const LTC_LOOKUP_ROUND: &str = include_str!("ltc_lookup_round.wgsl");
 /// `ltc_math.wgsl`.
 pub const LTC_MATH: &str = include_str!("ltc_math.wgsl");
+/// `ltc_quadrant.wgsl`.
+pub const LTC_QUADRANT: &str = include_str!("ltc_quadrant.wgsl");
 /// `ltc_shapes.wgsl`.
 pub const LTC_SHAPES: &str = include_str!("ltc_shapes.wgsl");
 /// `ltc_smooth.wgsl`.
 pub const LTC_SMOOTH: &str = include_str!("ltc_smooth.wgsl");
 /// `ltc_table.wgsl`.
 pub const LTC_TABLE: &str = include_str!("ltc_table.wgsl");
-/// `nodes_storage.wgsl`.
-pub const NODES_STORAGE: &str = include_str!("nodes_storage.wgsl");
-/// `nodes_uniform.wgsl`.
-pub const NODES_UNIFORM: &str = include_str!("nodes_uniform.wgsl");
 /// `normals_arcs.wgsl`.
 pub const NORMALS_ARCS: &str = include_str!("normals_arcs.wgsl");
 /// `normals_arcs_rough.wgsl`.
@@ -54,6 +58,8 @@ pub const NORMALS_FAST: &str = include_str!("normals_fast.wgsl");
 pub const NORMALS_FINE: &str = include_str!("normals_fine.wgsl");
 /// `normals_view.wgsl`.
 pub const NORMALS_VIEW: &str = include_str!("normals_view.wgsl");
+/// `place_reflected.wgsl`.
+pub const PLACE_REFLECTED: &str = include_str!("place_reflected.wgsl");
 /// `reference_solids.wgsl`.
 pub const REFERENCE_SOLIDS: &str = include_str!("reference_solids.wgsl");
 /// `sphere.wgsl`.

@@ -23,19 +23,44 @@ fn ltc_inverse(m: mat3x3<f32>) -> LtcInverse {
     let z = cross(m[0], m[1]);
     let most = max(max(abs(x), abs(y)), abs(z));
     let largest = max(max(most.x, most.y), most.z);
-    let side = sign(dot(m[2], z));
-    if (!(largest > 1e-30 && largest < 1e30)) {
-        return LtcInverse(mat3x3<f32>(), 0.0);
-    }
-    let scale = side / largest;
+    let side = select(0.0, sign(dot(m[2], z)), largest > 1e-30 && largest < 1e30);
+    let scale = side / max(largest, 1e-30);
     return LtcInverse(transpose(mat3x3(x * scale, y * scale, z * scale)), side);
+}
+
+/// The vector at length one; zero for one without direction.
+fn ltc_unit(v: vec3<f32>) -> vec3<f32> {
+    return v * inverseSqrt(dot(v, v) + 1e-36);
+}
+
+/// The angle between two directions over its sine, less one. Error below 2.5e-5 of what half the angle is over its sine, up to a
+/// straight angle, which a sum of directions is nearer to than their product [ltcforge-studies, polynomials].
+fn ltc_bend(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    let sum = a + b;
+    let k = dot(sum, sum) + 1e-18;
+    return (3.1415927 + (0.3824614 + 0.0361113 * k) * k) * inverseSqrt(k) - (1.9987368 + (0.1384879 + 0.0044966 * k) * k);
+}
+
+/// The part of acos(a . b) (a x b).z / |a x b| beyond (a x b).z.
+fn ltc_arc(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    return (a.x * b.y - a.y * b.x) * ltc_bend(a, b);
+}
+
+/// (a x b).z around an origin.
+///
+/// For a closed outline the sum is the same for every origin. With an origin near a small light each term is as small as the
+/// sum, which rounding errors would otherwise swamp.
+fn ltc_chord(a: vec3<f32>, b: vec3<f32>, origin: vec3<f32>) -> f32 {
+    let p = a.xy - origin.xy;
+    let q = b.xy - origin.xy;
+    return p.x * q.y - p.y * q.x;
 }
 
 /// The integral over a convex polygon, added up edge by edge; what lies below the lobe's horizon is left out.
 struct LtcClip {
     sum: f32,
     /// A place near the outline.
-    origin: vec2<f32>,
+    origin: vec3<f32>,
     previous: vec3<f32>,
     previous_unit: vec3<f32>,
     /// Where the outline dips below the horizon and where it comes back.
@@ -46,33 +71,10 @@ struct LtcClip {
     ahead: vec3<f32>,
 }
 
-/// The vector at length one; zero for one without direction.
-fn ltc_unit(v: vec3<f32>) -> vec3<f32> {
-    let length2 = dot(v, v);
-    return select(vec3(0.0), v / sqrt(max(length2, 1e-36)), length2 > 1e-36);
-}
-
-/// acos(a . b) / |a x b| - 1.
-fn ltc_bend(a: vec3<f32>, b: vec3<f32>) -> f32 {
-    let c = cross(a, b);
-    let s = sqrt(dot(c, c));
-    return select(0.0, ltc_atan2(s, dot(a, b)) / max(s, 1e-18) - 1.0, s > 1e-18);
-}
-
-/// acos(a . b) (a x b).z / |a x b|, by the angle's sine and cosine: acos alone is inaccurate for short arcs.
-///
-/// For a closed outline the sum of (a x b).z is the same for every origin. With an origin near a small light each term
-/// is as small as the sum, which rounding errors would otherwise swamp.
-fn ltc_arc(a: vec3<f32>, b: vec3<f32>, origin: vec2<f32>) -> f32 {
-    let p = a.xy - origin;
-    let q = b.xy - origin;
-    return p.x * q.y - p.y * q.x + cross(a, b).z * ltc_bend(a, b);
-}
-
 /// Begins at a vertex in cosine space; ltc_clip_edge then takes each of the others in turn, and this one last.
 fn ltc_clip_begin(vertex: vec3<f32>) -> LtcClip {
     let start = ltc_unit(vertex);
-    return LtcClip(0.0, start.xy, vertex, start, vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    return LtcClip(0.0, start, vertex, start, vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
 }
 
 fn ltc_clip_edge(clip: LtcClip, b: vec3<f32>) -> LtcClip {
@@ -97,7 +99,7 @@ fn ltc_clip_edge(clip: LtcClip, b: vec3<f32>) -> LtcClip {
         from_point = next.enters;
     }
     if (a.z > 0.0 || b.z > 0.0) {
-        next.sum += ltc_arc(from_point, to_point, clip.origin);
+        next.sum += ltc_chord(from_point, to_point, clip.origin) + ltc_arc(from_point, to_point);
     }
     return next;
 }
@@ -114,19 +116,54 @@ fn ltc_clip_finish(clip: LtcClip, side: f32, two_sided: bool) -> f32 {
         return select(0.0, seen, is_lit || (two_sided && side != 0.0));
     }
     let is_cut = any(clip.leaves != clip.enters);
-    let closing = select(0.0, ltc_arc(clip.leaves, clip.enters, clip.origin), is_cut);
+    let closing = select(0.0, ltc_chord(clip.leaves, clip.enters, clip.origin) + ltc_arc(clip.leaves, clip.enters), is_cut);
     let sum = (clip.sum + closing) * 0.15915494 * side;
     return clamp(select(sum, abs(sum), two_sided), 0.0, 1.0);
 }
 
-/// A rectangle by its corners in order.
-fn ltc_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: bool) -> f32 {
+/// A rectangle with LTC_CHEAP_HORIZON.
+fn ltc_cheap_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: bool) -> f32 {
     var clip = ltc_clip_begin(inverse.m * corners[3]);
     clip = ltc_clip_edge(clip, inverse.m * corners[0]);
     clip = ltc_clip_edge(clip, inverse.m * corners[1]);
     clip = ltc_clip_edge(clip, inverse.m * corners[2]);
     clip = ltc_clip_edge(clip, inverse.m * corners[3]);
     return ltc_clip_finish(clip, inverse.side, two_sided);
+}
+
+/// A rectangle or parallelogram by its corners in order; the last is not read.
+///
+/// From its lowest corner two edges rise to the others and on to the highest one. What the horizon leaves has five corners or fewer:
+/// the highest one, what is left of the two beside it, and where both ways from the lowest one come over the horizon, which is
+/// the lowest one itself where nothing is cut off. There is no case in which these jump.
+fn ltc_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: bool) -> f32 {
+    if (LTC_CHEAP_HORIZON) {
+        return ltc_cheap_rectangle(inverse, corners, two_sided);
+    }
+    var x = inverse.m * (corners[1] - corners[0]);
+    var y = inverse.m * (corners[2] - corners[1]);
+    let falls = vec2(x.z, y.z) < vec2(0.0);
+    let turn = select(vec2(1.0), vec2(-1.0), falls);
+    x *= turn.x;
+    y *= turn.y;
+    let lowest = inverse.m * corners[0] + x * (0.5 * turn.x - 0.5) + y * (0.5 * turn.y - 0.5);
+    let a = lowest + x;
+    let b = lowest + y;
+    let highest = a + y;
+    // How much of each edge is below the horizon.
+    let per_height = vec2(1.0) / max(vec2(x.z, y.z), vec2(1e-36));
+    let low = saturate(-lowest.z * per_height);
+    let last_x = saturate(-b.z * per_height.x);
+    let last_y = saturate(-a.z * per_height.y);
+    let d = ltc_unit(lowest + low.y * y + last_x * x);
+    let e = ltc_unit(lowest + low.x * x + last_y * y);
+    let f = ltc_unit(a + last_y * y);
+    let g = ltc_unit(highest);
+    let h = ltc_unit(b + last_x * x);
+    let sum = ltc_chord(h, d, g) + ltc_chord(d, e, g) + ltc_chord(e, f, g)
+        + ltc_arc(d, e) + ltc_arc(e, f) + ltc_arc(f, g) + ltc_arc(g, h) + ltc_arc(h, d);
+    let covered = sum * 0.15915494 * (inverse.side * turn.x * turn.y);
+    return select(0.0, saturate(select(covered, abs(covered), two_sided)), highest.z > 0.0);
 }
 
 /// A convex polygon of 3 to 8 vertices in order; another count is taken as the nearest of these.

@@ -286,13 +286,11 @@ fn ltc_round(first: vec2<f32>, second: vec2<f32>) -> f32 {
     return select(1.0 - cosine, 3.0 + cosine, sine < 0.0);
 }
 
-/// An arc of a cone's border in place of its chord, as ltc_arc counts chords.
-fn ltc_border(cone: LtcCone, first: vec2<f32>, second: vec2<f32>, origin: vec2<f32>) -> f32 {
+/// An arc of a cone's border in place of its chord, around an origin as ltc_chord has it.
+fn ltc_border(cone: LtcCone, first: vec2<f32>, second: vec2<f32>, origin: vec3<f32>) -> f32 {
     let p = ltc_unit(ltc_direction_of(cone, first));
     let q = ltc_unit(ltc_direction_of(cone, second));
-    let u = p.xy - origin;
-    let v = q.xy - origin;
-    let moved = u.x * v.y - u.y * v.x - (p.x * q.y - p.y * q.x);
+    let moved = ltc_chord(p, q, origin) - (p.x * q.y - p.y * q.x);
     var border: LtcBorder;
     border.sines = vec2(second.y - first.y, first.y * second.y);
     border.cosines = vec2(second.x - first.x, first.x * second.x);

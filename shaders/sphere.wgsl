@@ -122,6 +122,18 @@ fn shade_by_table(at: Shaded) -> vec3<f32> {
         let parts = vec2(lobe.amplitude, lobe.fresnel);
         return reflected(parts * shape_covered(LtcInverse(to_cosine, inverse.side), at.position));
     }
+    // What is lit from the shaded point, in world space.
+    if (light.options.x == 4u) {
+        let p = at.position;
+        let corners = array<vec3<f32>, 4>(
+            light.vertices[0].xyz - p,
+            light.vertices[1].xyz - p,
+            light.vertices[2].xyz - p,
+            light.vertices[3].xyz - p,
+        );
+        let covered = ltc_rectangle(LtcInverse(to_cosine, inverse.side), corners, light.options.y == 1u);
+        return reflected(vec2(lobe.amplitude, lobe.fresnel) * covered);
+    }
     var clip = ltc_clip_begin(to_cosine * (light.vertices[light.options.x - 1u].xyz - at.position));
     for (var i = 0u; i < light.options.x; i++) {
         clip = ltc_clip_edge(clip, to_cosine * (light.vertices[i].xyz - at.position));

@@ -1,8 +1,8 @@
 // A table in one 2D array, for renderers that have no 3D textures or no samplers to spare: a layer for each alpha, first of what
 // ltc_table.wgsl calls a, then of b, then of terms.
 
-@group(0) @binding(2) var ltc_layers: texture_2d_array<f32>;
-@group(0) @binding(3) var ltc_sampler: sampler;
+@group(0) @binding(1) var ltc_layers: texture_2d_array<f32>;
+@group(0) @binding(2) var ltc_sampler: sampler;
 
 /// The entry at a texel; z counts the layers of one part.
 fn ltc_fetch(texel: vec3<u32>) -> LtcTexels {
@@ -24,8 +24,9 @@ fn ltc_sample_layers(at: vec2<f32>, alpha: u32) -> LtcTexels {
     );
 }
 
-/// The same between two layers, which no sampler weighs.
-fn ltc_sample(at: vec2<f32>, alpha: LtcPlace) -> LtcTexels {
-    let above = min(alpha.lower + 1u, ltc_table.nodes.x - 1u);
-    return ltc_mix(ltc_sample_layers(at, alpha.lower), ltc_sample_layers(at, above), alpha.weight);
+/// The same between two layers, which no sampler weighs; alpha counts nodes.
+fn ltc_sample(at: vec2<f32>, alpha: f32) -> LtcTexels {
+    let lower = u32(alpha);
+    let above = min(lower + 1u, ltc_table.nodes.x - 1u);
+    return ltc_mix(ltc_sample_layers(at, lower), ltc_sample_layers(at, above), fract(alpha));
 }

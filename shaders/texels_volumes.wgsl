@@ -1,18 +1,18 @@
 // A table in three 3D textures, z = alpha. For ltc_table.wgsl.
 
-@group(0) @binding(2) var ltc_matrix_a: texture_3d<f32>;
-@group(0) @binding(3) var ltc_matrix_b: texture_3d<f32>;
-@group(0) @binding(4) var ltc_terms: texture_3d<f32>;
-@group(0) @binding(5) var ltc_sampler: sampler;
+@group(0) @binding(1) var ltc_matrix_a: texture_3d<f32>;
+@group(0) @binding(2) var ltc_matrix_b: texture_3d<f32>;
+@group(0) @binding(3) var ltc_terms: texture_3d<f32>;
+@group(0) @binding(4) var ltc_sampler: sampler;
 
 /// The entry at a texel.
 fn ltc_fetch(texel: vec3<u32>) -> LtcTexels {
     return LtcTexels(textureLoad(ltc_matrix_a, texel, 0), textureLoad(ltc_matrix_b, texel, 0), textureLoad(ltc_terms, texel, 0));
 }
 
-/// What the sampler makes of the entries around a place; at is 0 to 1 across the textures.
-fn ltc_sample(at: vec2<f32>, alpha: LtcPlace) -> LtcTexels {
-    let place = vec3(at, (f32(alpha.lower) + alpha.weight + 0.5) / f32(ltc_table.nodes.x));
+/// What the sampler makes of the entries around a place; at is 0 to 1 across the textures, alpha counts nodes, from the half before the first.
+fn ltc_sample(at: vec2<f32>, alpha: f32) -> LtcTexels {
+    let place = vec3(at, alpha * ltc_table.texel.x);
     return LtcTexels(
         textureSampleLevel(ltc_matrix_a, ltc_sampler, place, 0.0),
         textureSampleLevel(ltc_matrix_b, ltc_sampler, place, 0.0),

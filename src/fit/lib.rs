@@ -40,7 +40,8 @@ pub use cost::fit_seconds;
 pub use entry::{FittedEntry, Fitter};
 pub use expectation::{Expectation, expectation};
 pub use layout::{
-    ALPHA_FLOOR, FreeNumbers, Layout, LayoutShader, Precision, RATIO_FLOOR, Reflection, ShaderNumbers, THETA_CEILING,
+    ALPHA_FLOOR, FreeNumbers, Layout, LayoutShader, Precision, RATIO_FLOOR, Reflection, ShaderAxes, ShaderNumbers,
+    ShaderPlace, THETA_CEILING,
 };
 pub use lobe::LobeModel;
 pub use lobe::ltc::{Clip, Ltc, MAX_VERTICES, Sides, cheap_form_factor, clipped_form_factor};

@@ -4,13 +4,9 @@ use super::{
     Bound, Language,
     gaussians_header::{LIGHTS, gaussians_caller},
     golden::{CASES, CORNERS, Case},
-    header::{NODES_IN_STORAGE, bindings, bound_table, checked_table, commented, fixed, listed},
+    header::{bindings, bound_table, checked_table, commented, fixed, listed},
 };
-use super::{
-    Lights, Namespace, Reading,
-    header::{included_bindings, nodes_of_include},
-    model_shader::ModelShader,
-};
+use super::{Lights, Namespace, Reading, header::included_bindings, model_shader::ModelShader};
 use ltcforge_fit::Layout;
 use ltcforge_light::Gaussian;
 
@@ -60,7 +56,7 @@ fn about(layout: Layout) -> String {
 
 /// The comment of the program, in lines that begin with `//`.
 fn gaussians_table_header(language: Language, layout: Layout) -> String {
-    let (table, bindings) = (bound_table(Bound::Volumes, NODES_IN_STORAGE), bindings(language));
+    let (table, bindings) = (bound_table(Bound::Volumes), bindings(language));
     commented(&format!("{}\n{table}  {bindings}\n\n{EXAMPLE}\n{}", about(layout), check(layout)))
 }
 
@@ -72,8 +68,7 @@ fn gaussians_table_include_header(
     _: Lights,
     namespace: &Namespace,
 ) -> String {
-    let (table, bindings) =
-        (bound_table(reading.bound, nodes_of_include(language)), included_bindings(language, reading, namespace));
+    let (table, bindings) = (bound_table(reading.bound), included_bindings(language, reading, namespace));
     commented(&format!("{}{USE}\n{table}  {bindings}\n\n{}", about(layout), check(layout)))
 }
 

@@ -51,17 +51,28 @@ pub const TOLERANCE: f64 = 2e-5;
 /// The step between the numbers of neighbouring entries: 2^-10, so that all numbers are exact in half floats.
 const STEP: f64 = 1.0 / 1024.0;
 
+/// The numbers of a matrix, by rows, that are zero for a lobe that is symmetric in the plane of incidence.
+const ACROSS: [usize; 4] = [1, 3, 5, 7];
+
 /// The table: number `k` of entry `e`, both from 0 in storage order, is `I[k] + e (k + 1) / 1024`, where `I` is the
-/// identity, an amplitude of 1 and a Fresnel term of 0. Layouts of isotropic tables have one ratio and one phi.
+/// identity, an amplitude of 1 and a Fresnel term of 0. Layouts of isotropic tables have one ratio and one phi, and zeros
+/// across the plane of incidence.
 #[must_use]
 pub fn table(layout: Layout) -> Table {
     const START: [f64; 11] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
-    let is_isotropic = layout.only_ranges().is_some_and(|ranges| ranges.ratio == [1.0; 2]);
-    let [ratio, phi] = if is_isotropic { [vec![1.0], vec![0.0]] } else { [vec![0.1, 1.0], vec![0.0, 0.6, 1.5]] };
-    let axes = PerAxis { alpha: vec![0.1, 0.4, 1.0], ratio, theta: vec![0.0, 0.7, 1.5], phi };
+    let range = layout.only_ranges().unwrap_or(PerAxis {
+        alpha: [0.1, 1.0],
+        ratio: [0.1, 1.0],
+        theta: [0.0, 1.5],
+        phi: [0.0, 1.5],
+    });
+    let is_isotropic = layout.only_ranges().is_some();
+    let [ratio, phi] = if is_isotropic { [1, 1] } else { [2, 3] };
+    let axes = layout.nodes(&range, &PerAxis { alpha: 3, ratio, theta: 3, phi });
     let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
     let entries = alpha * ratio * theta * phi;
-    let number = |entry: usize, k: usize| (START[k] + (entry * (k + 1)) as f64 * STEP) as f32;
+    let step = |k: usize| if is_isotropic && ACROSS.contains(&k) { 0.0 } else { STEP };
+    let number = |entry: usize, k: usize| (START[k] + (entry * (k + 1)) as f64 * step(k)) as f32;
     Table {
         brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,

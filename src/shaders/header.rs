@@ -6,7 +6,7 @@ use super::{
     golden::{CASES, CORNERS, Case, Golden, table},
 };
 use super::{Filter, Namespace, Reading};
-use ltcforge_fit::{Layout, PerAxis};
+use ltcforge_fit::{Layout, PerAxis, ShaderAxes};
 
 /// The light of a table of LTCs.
 pub(super) const SHADER: ModelShader = ModelShader {
@@ -21,7 +21,7 @@ pub(super) const SHADER: ModelShader = ModelShader {
 /// The files that integrate an LTC over lights.
 pub(super) fn light_files(lights: Lights) -> &'static [&'static str] {
     match lights {
-        Lights::All => &["ltc_light", "ltc_shapes"],
+        Lights::All => &["ltc_math", "ltc_light", "ltc_shapes"],
         Lights::Polygons => &["ltc_light"],
     }
 }
@@ -69,7 +69,8 @@ pub fn functions_of(lights: Lights) -> &'static str {
 const POLYGONS: &str = "  ltc_inverse(M)                    the inverse up to a factor, for all lights at the point.
   ltc_rectangle(inverse, corners, two_sided), ltc_polygon(inverse, vertices, count, two_sided)
       the part of the lobe that a light covers, 0 to 1. All is relative to the shaded point, in the tangent frame.
-      Vertices are convex and run clockwise seen from the lit side. Disks, spheres, tubes and lines were left out by
+      Vertices are convex and run clockwise seen from the lit side. A rectangle may be a parallelogram; its last corner is not
+      read. A polygon of four vertices costs more. Disks, spheres, tubes and lines were left out by
       --lights polygons.
   Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
 ";
@@ -79,7 +80,8 @@ const LIGHTS: &str = "  ltc_inverse(M)                    the inverse up to a fa
   ltc_disk(inverse, centre, half_x, half_y, two_sided), ltc_sphere(inverse, centre, radius),
   ltc_tube(inverse, start, end, radius), ltc_line(inverse, start, end, width)
       the part of the lobe that a light covers, 0 to 1. All is relative to the shaded point, in the tangent frame.
-      Vertices are convex and run clockwise seen from the lit side; a disk's is towards half_x x half_y. A tube has
+      Vertices are convex and run clockwise seen from the lit side. A rectangle may be a parallelogram; its last corner is not
+      read. A polygon of four vertices costs more. A disk's lit side is towards half_x x half_y. A tube has
       round ends; a line is the limit of a thin one, its width the diameter. Disks, spheres and tubes are exact.
       LTC_CHEAP_HORIZON, a constant, makes all but tubes and lines cheaper, and too bright by up to 0.16 at the horizon.
   Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
@@ -99,10 +101,14 @@ USE
 /// The bindings of a table, in every language.
 const TABLE: &str = "\
 BINDINGS OF A TABLE
-  uniform   8 x u32: how many nodes alpha, ratio, theta and phi have; the layout's number, not read here
-            ({numbers});
-            1 if ratio has the one node 1 and phi has one node, else 0; 0; 0
-  nodes     {nodes}: alpha's nodes, then ratio's, theta's and phi's, ascending
+  uniform   36 words, nine vectors of four, which ltcforge textures --engine wgpu writes as ltc.json. Two of u32: how many
+            nodes alpha, ratio, theta and phi have; the layout's number, not read here
+            ({numbers}),
+            1 if ratio has the one node 1 and phi has one node, else 0, and 0, 0. Seven of f32: the first node of each axis in
+            the variable in which the layout's nodes are evenly spaced, the step between nodes in it (1 for one node), and one
+            over that; 1 / alpha_nodes, 1 / (ratio_nodes theta_nodes), theta_nodes, 1 / phi_nodes; the first and last alpha,
+            the first and last ratio; the cosines of the last and first theta, 0, 0; cosine and sine of the first phi, and of
+            the last
   {textures}  Texels stand in the order of the file's entries, but their numbers have to be put together from its tensors
   matrix, amplitude and fresnel. Alpha is the larger roughness, ratio the smaller over it, theta and phi the view
   direction's angles in radians.
@@ -139,35 +145,34 @@ pub(super) fn bindings(language: Language) -> &'static str {
     match language {
         Language::Wgsl => {
             "\
-  here      group 0: uniform 0, nodes 1, matrix_a 2, matrix_b 3, terms 4, sampler 5
+  here      group 0: uniform 0, matrix_a 1, matrix_b 2, terms 3, sampler 4
             group 1, of the example: case 0, result 1
   The sampler is used where ltc_hardware_filter is true: linear, clamped to the edge, textures filterable. Else the
   entries are weighed here and it may be any."
         }
         Language::Spirv => {
             "\
-  here      set 0: uniform 0, nodes 1, matrix_a 2, matrix_b 3, terms 4
+  here      set 0: uniform 0, matrix_a 1, matrix_b 2, terms 3
             set 1, of the example: case 0, result 1
   Sampled images, no sampler: the entries are weighed here."
         }
         Language::Glsl | Language::Glsl330 | Language::GlslEs => {
             "\
-  here      uniform block 0, nodes: storage block 1, textures: units 0, 1 and 2
-            of the example: uniform block 2, storage block 3
+  here      uniform block 0, textures: units 0, 1 and 2
+            of the example: uniform block 1, storage block 0
   The entries are weighed here, texels are fetched: filter and wrap mode do not matter, but set filters without mipmaps."
         }
         Language::Hlsl => {
             "\
   matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
-  here      uniform b0, nodes t1, matrix_a t2, matrix_b t3, terms t4, all of space0
+  here      uniform b0, matrix_a t1, matrix_b t2, terms t3, all of space0
             of the example: b0 and u1 of space1
   No sampler: the entries are weighed here."
         }
         Language::Msl => {
             "\
-  here      buffers: uniform 0, nodes 1; textures: matrix_a 0, matrix_b 1, terms 2
-            of the example: buffers 2 and 3
-            buffer 4: one u32, the bytes of nodes; handed through, but nothing here depends on it
+  here      buffer: uniform 0; textures: matrix_a 0, matrix_b 1, terms 2
+            of the example: buffers 1 and 2
   No sampler: the entries are weighed here."
         }
     }
@@ -200,27 +205,27 @@ fn bound_volumes(language: Language) -> &'static str {
     match language {
         Language::Wgsl => {
             "\
-  here      group {group}: uniform {0}, nodes {1}, matrix_a {2}, matrix_b {3}, terms {4}, sampler {5}"
+  here      group {group}: uniform {0}, matrix_a {1}, matrix_b {2}, terms {3}, sampler {4}"
         }
         Language::Glsl => {
             "\
-  here      uniform block {0}, nodes: storage block {1}, textures ltc_matrix_a {2}, ltc_matrix_b {3}, ltc_terms {4}: in Vulkan
-            bindings of set {group}, the textures with samplers; {opengl}"
+  here      uniform block {0}, textures ltc_matrix_a {1}, ltc_matrix_b {2}, ltc_terms {3}: in Vulkan bindings of set
+            {group}, the textures with samplers; {opengl}"
         }
         Language::Glsl330 | Language::GlslEs => {
             "\
-  here      uniforms ltc_table.nodes and ltc_table.reading, uvec4 each; ltc_nodes.four, 128 x vec4, four nodes each, 0 after
-            the last; samplers ltc_matrix_a, ltc_matrix_b, ltc_terms"
+  here      uniforms ltc_table.nodes and .reading, uvec4 each; ltc_table.start, .step, .per_step, .texel, .roughness,
+            .cosines and .azimuths, vec4 each; samplers ltc_matrix_a, ltc_matrix_b, ltc_terms"
         }
         Language::Hlsl => {
             "\
   matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
-  here      uniform b{0}, nodes t{1}, matrix_a t{2}, matrix_b t{3}, terms t{4}, sampler s{5}{space}"
+  here      uniform b{0}, matrix_a t{1}, matrix_b t{2}, terms t{3}, sampler s{4}{space}"
         }
         Language::Msl | Language::Spirv => {
             "\
-  here      nothing is bound: functions take what they read as arguments, which are called ltc_table, ltc_nodes,
-            ltc_matrix_a, ltc_matrix_b, ltc_terms and ltc_sampler; _mslBufferSizes may be any of its type"
+  here      nothing is bound: functions take what they read as arguments, which are called ltc_table,
+            ltc_matrix_a, ltc_matrix_b, ltc_terms and ltc_sampler"
         }
     }
 }
@@ -230,32 +235,32 @@ fn bound_array(language: Language) -> &'static str {
     match language {
         Language::Wgsl => {
             "\
-  here      group {group}: uniform {0}, nodes {1}, layers {2}, sampler {3}"
+  here      group {group}: uniform {0}, layers {1}, sampler {2}"
         }
         Language::Glsl => {
             "\
-  here      uniform block {0}, nodes: storage block {1}, texture ltc_layers {2}: in Vulkan bindings of set {group}, the texture
-            with a sampler; {opengl}"
+  here      uniform block {0}, texture ltc_layers {1}: in Vulkan bindings of set {group}, the texture with a sampler;
+            {opengl}"
         }
         Language::Glsl330 | Language::GlslEs => {
             "\
-  here      uniforms ltc_table.nodes and ltc_table.reading, uvec4 each; ltc_nodes.four, 128 x vec4, four nodes each, 0 after
-            the last; sampler ltc_layers"
+  here      uniforms ltc_table.nodes and .reading, uvec4 each; ltc_table.start, .step, .per_step, .texel, .roughness,
+            .cosines and .azimuths, vec4 each; sampler ltc_layers"
         }
         Language::Hlsl => {
             "\
   matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
-  here      uniform b{0}, nodes t{1}, layers t{2}, sampler s{3}{space}"
+  here      uniform b{0}, layers t{1}, sampler s{2}{space}"
         }
         Language::Msl | Language::Spirv => {
             "\
-  here      nothing is bound: functions take what they read as arguments, which are called ltc_table, ltc_nodes, ltc_layers and
-            ltc_sampler; _mslBufferSizes may be any of its type"
+  here      nothing is bound: functions take what they read as arguments, which are called ltc_table, ltc_layers and
+            ltc_sampler"
         }
     }
 }
 
-/// The table and what it is called, with its nodes in a buffer or a uniform.
+/// The table and what it is called.
 fn about(layout: Layout, lights: Lights) -> String {
     ABOUT
         .replace("{version}", env!("CARGO_PKG_VERSION"))
@@ -263,22 +268,19 @@ fn about(layout: Layout, lights: Lights) -> String {
         .replace("{lights}", functions_of(lights))
 }
 
-pub(super) fn bound_table(bound: Bound, nodes: &str) -> String {
+pub(super) fn bound_table(bound: Bound) -> String {
     let textures = match bound {
         Bound::Volumes => VOLUMES,
         Bound::Array => ARRAY,
     };
     let numbers = Layout::ALL.iter().map(|layout| format!("{layout} {}", layout.shader().number));
     let text = TABLE.replace("{numbers}", &numbers.collect::<Vec<_>>().join(", "));
-    text.replace("{nodes}", nodes).replace("{textures}", textures)
+    text.replace("{textures}", textures)
 }
-
-/// Where nodes are in a program.
-pub(super) const NODES_IN_STORAGE: &str = "storage buffer of f32";
 
 /// The comment of the shader for `layout`, in lines that begin with `//`.
 fn header(language: Language, layout: Layout) -> String {
-    let table = bound_table(Bound::Volumes, NODES_IN_STORAGE);
+    let table = bound_table(Bound::Volumes);
     let text = format!(
         "{}{CALLED}\n{table}  {}\n\n{EXAMPLE}\n{}",
         about(layout, Lights::All),
@@ -296,15 +298,9 @@ fn table_include_header(
     lights: Lights,
     namespace: &Namespace,
 ) -> String {
-    let table = bound_table(reading.bound, nodes_of_include(language));
+    let table = bound_table(reading.bound);
     let bindings = included_bindings(language, reading, namespace);
     commented(&format!("{}{USE}\n{table}  {bindings}\n\n{}", about(layout, lights), check(layout)))
-}
-
-/// Where nodes are in a text to include.
-pub(super) fn nodes_of_include(language: Language) -> &'static str {
-    let is_loose = matches!(language, Language::Glsl330 | Language::GlslEs);
-    if is_loose { "uniform of f32, at most 512" } else { NODES_IN_STORAGE }
 }
 
 /// The text in lines that begin with `//`.
@@ -332,12 +328,19 @@ CHECK
 pub(super) fn checked_table(layout: Layout) -> String {
     let axes = table(layout).axes;
     let PerAxis { ratio: ratios, theta: thetas, phi: phis, .. } = axes.lengths();
-    let nodes = axes.named().map(|(name, nodes)| format!("{name} {}; ", listed(nodes))).concat();
+    let ShaderAxes { nodes, start, step, roughness, cosines, azimuths, .. } = layout.shader_axes(&axes);
+    let across = if ratios == 1 { " Those across the plane of incidence, k = 1 3 5 7, are 0." } else { "" };
     format!(
-        "\x20 Of the table with the nodes {}
+        "\x20 Of the table with the uniform nodes {}, start {}, step {},
+  alpha and ratio {}, cosines {}, azimuths {},
   whose entry number e = ((a * {ratios} + r) * {thetas} + t) * {phis} + p has the numbers I[k] + e * (k + 1) / 1024, k = 0 to 10: the nine
-  of the matrix by rows, amplitude, fresnel; I = 1 0 0 0 1 0 0 0 1 1 0. All are exact in 16 bits.",
-        nodes.trim_end_matches("; ")
+  of the matrix by rows, amplitude, fresnel; I = 1 0 0 0 1 0 0 0 1 1 0. All are exact in 16 bits.{across}",
+        listed(&nodes),
+        listed(&start),
+        listed(&step),
+        listed(&roughness),
+        listed(&cosines[..2]),
+        listed(&azimuths),
     )
 }
 
@@ -355,7 +358,7 @@ fn shown(case: &Case, golden: &Golden) -> String {
     )
 }
 
-pub(super) fn listed(numbers: &[f64]) -> String {
+pub(super) fn listed<T: ToString>(numbers: &[T]) -> String {
     numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }
 

@@ -19,16 +19,18 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 28] = [
+pub const SHADERS: [Shader; 30] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
-    Shader { name: "nodes_storage", source: ltcforge_wgsl::NODES_STORAGE },
-    Shader { name: "nodes_uniform", source: ltcforge_wgsl::NODES_UNIFORM },
+    Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
     Shader { name: "texels_volumes", source: ltcforge_wgsl::TEXELS_VOLUMES },
     Shader { name: "texels_array", source: ltcforge_wgsl::TEXELS_ARRAY },
     Shader { name: "ltc_smooth", source: ltcforge_wgsl::LTC_SMOOTH },
     Shader { name: "ltc_function", source: ltcforge_wgsl::LTC_FUNCTION },
     Shader { name: "ltc_decode", source: ltcforge_wgsl::LTC_DECODE },
     Shader { name: "ltc_table", source: ltcforge_wgsl::LTC_TABLE },
+    Shader { name: "ltc_lookup", source: ltcforge_wgsl::LTC_LOOKUP },
+    Shader { name: "ltc_lookup_among", source: ltcforge_wgsl::LTC_LOOKUP_AMONG },
+    Shader { name: "ltc_lookup_round", source: ltcforge_wgsl::LTC_LOOKUP_ROUND },
     Shader { name: "ltc_light", source: ltcforge_wgsl::LTC_LIGHT },
     Shader { name: "ltc_shapes", source: ltcforge_wgsl::LTC_SHAPES },
     Shader { name: "normals_view", source: ltcforge_wgsl::NORMALS_VIEW },
@@ -50,8 +52,8 @@ pub const SHADERS: [Shader; 28] = [
     Shader { name: "sphere", source: ltcforge_wgsl::SPHERE },
 ];
 
-/// Parts that read a table with nodes in storage and entries in volumes.
-const TABLE: [&str; 4] = ["ltc_math", "nodes_storage", "texels_volumes", "ltc_table"];
+/// Parts that read a table with entries in volumes.
+const TABLE: [&str; 4] = ["ltc_quadrant", "texels_volumes", "ltc_table", "ltc_lookup"];
 
 /// The named shaders as one text, in the order of [`SHADERS`].
 #[must_use]
@@ -62,44 +64,76 @@ pub fn joined(names: &[&str]) -> String {
 
 /// The named shaders as one module that reads tables of these layouts.
 ///
-/// `ltc_restore` and `ltc_even` are written here: with one layout they call that one's parts, with several they ask the
-/// table.
+/// What a lookup asks of a layout is written here: with one layout it calls that one's parts, with several it asks the
+/// table. A layout of isotropic tables by itself has a lookup of its own.
 fn module(names: &[&str], layouts: &[Layout]) -> String {
-    let restore = |layout: &Layout| {
-        let LayoutShader { restore, .. } = layout.shader();
-        format!("return {restore}(stored, alpha_x, ratio, wo);")
+    let parts = parts_of(layouts);
+    let (lookup, asked) = match layouts {
+        [only] => ("", asked_of(&only.shader())),
+        _ => ("ltc_lookup_among", asked_of_several(layouts)),
     };
-    let even = |layout: &Layout| {
-        layout.shader().even.map_or("return x;".to_owned(), |even| format!("return {even}(axis, x);"))
-    };
-    let mut parts: Vec<&str> = Vec::new();
-    for layout in layouts {
-        let LayoutShader { source, .. } = layout.shader();
-        if !parts.contains(&source) {
-            parts.push(source);
+    let is_isotropic = matches!(layouts, [only] if only.shader().is_isotropic);
+    let lookup = if is_isotropic { "ltc_lookup_round" } else { lookup };
+    let is_there = |name: &&str| !(is_isotropic && *name == "ltc_lookup");
+    let names: Vec<&str> = names.iter().copied().filter(is_there).chain([lookup]).collect();
+    format!("{}\n{}\n{asked}", joined(&names), parts.join("\n"))
+}
+
+/// The parts of these layouts, each once.
+fn parts_of(layouts: &[Layout]) -> Vec<&'static str> {
+    let mut parts = Vec::new();
+    for part in layouts.iter().flat_map(|layout| layout.shader().sources) {
+        if !parts.contains(part) {
+            parts.push(*part);
         }
     }
-    format!(
-        "{}\n{}\n\
-        /// The lobe of interpolated numbers, at a place within the table's ranges seen from wo in the first quadrant.\n\
-        fn ltc_restore(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {{\n{}}}\n\n\
-        /// The variable in which weights along an axis are linear: 0 is alpha, 1 ratio, 2 theta, 3 phi.\n\
-        fn ltc_even(axis: u32, x: f32) -> f32 {{\n{}}}\n",
-        joined(names),
-        parts.join("\n"),
-        body(layouts, "return stored;", restore),
-        body(layouts, "return x;", even),
+    parts
+}
+
+/// What a lookup asks of the one layout.
+fn asked_of(LayoutShader { place, restore, is_isotropic, .. }: &LayoutShader) -> String {
+    if *is_isotropic {
+        return format!(
+            "/// Where a configuration lies along alpha and theta, in the variables in which nodes are evenly spaced.\n\
+            fn ltc_steps(alpha: f32, wo: vec3<f32>) -> vec2<f32> {{\n    return {place}(alpha, wo);\n}}\n\n\
+            /// The lobe of interpolated numbers.\n\
+            fn ltc_restore(stored: LtcPlane) -> LtcPlane {{\n    return {restore}(stored);\n}}\n"
+        );
+    }
+    asked_with(
+        &format!("    return {place}(alpha, ratio, wo);\n"),
+        &format!("    return {restore}(stored, alpha, ratio, wo);\n"),
     )
 }
 
-/// The body of a function that does what `of` says for the table's layout; for an unknown layout, what `default` says.
-fn body(layouts: &[Layout], default: &str, of: impl Fn(&Layout) -> String) -> String {
-    if let [only] = layouts {
-        return format!("    {}\n", of(only));
-    }
-    let case = |layout: &Layout| format!("        case {}u: {{ {} }}\n", layout.shader().number, of(layout));
-    let cases: String = layouts.iter().map(case).collect();
-    format!("    switch ltc_table.reading.x {{\n{cases}        default: {{ {default} }}\n    }}\n")
+/// What a lookup asks of the layout that the table has.
+fn asked_of_several(layouts: &[Layout]) -> String {
+    let switch = |default: &str, of: &dyn Fn(&LayoutShader) -> String| {
+        let case = |layout: &Layout| {
+            let shader = layout.shader();
+            format!("        case {}u: {{ return {}; }}\n", shader.number, of(&shader))
+        };
+        let cases: String = layouts.iter().map(case).collect();
+        format!("    switch ltc_table.reading.x {{\n{cases}        default: {{ return {default}; }}\n    }}\n")
+    };
+    let place = |shader: &LayoutShader| match shader.is_isotropic {
+        true => format!("ltc_place_round({}(alpha, wo))", shader.place),
+        false => format!("{}(alpha, ratio, wo)", shader.place),
+    };
+    let restore = |shader: &LayoutShader| match shader.is_isotropic {
+        true => format!("ltc_lobe_of({}(ltc_plane_of(stored)), stored)", shader.restore),
+        false => format!("{}(stored, alpha, ratio, wo)", shader.restore),
+    };
+    asked_with(&switch("LtcPlace()", &place), &switch("stored", &restore))
+}
+
+fn asked_with(place: &str, restore: &str) -> String {
+    format!(
+        "/// Where a configuration lies among the nodes, within the table's ranges seen from wo in the first quadrant.\n\
+        fn ltc_place_of(alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcPlace {{\n{place}}}\n\n\
+        /// The lobe of interpolated numbers there.\n\
+        fn ltc_restore(stored: LtcLobe, alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {{\n{restore}}}\n"
+    )
 }
 
 /// The shaders of the preview but those of model `normals`: all other models, and its own entry points in place of their
@@ -109,7 +143,13 @@ fn previewed() -> Vec<&'static str> {
     let models = layouts.iter().flat_map(|layout| LightModel::ALL.iter().map(|model| LitBy::new(*model, *layout)));
     let others = models.flatten().filter(|lit_by| lit_by.rule().is_none());
     let lights = others.flat_map(|lit_by| (lit_by.shader().functions)(Lights::All));
-    TABLE.iter().chain(lights).chain(&["ggx_reference", "reference_solids", "sphere"]).copied().collect()
+    TABLE
+        .iter()
+        .chain(&["ltc_math"])
+        .chain(lights)
+        .chain(&["ggx_reference", "reference_solids", "sphere"])
+        .copied()
+        .collect()
 }
 
 /// The module of the preview, which reads tables of every layout, and has model `normals` by each of its rules: the names
@@ -124,10 +164,10 @@ pub fn preview_module() -> String {
     format!("{}\n{}", module(&previewed(), Layout::ALL), rules.join("\n"))
 }
 
-/// The module that reads tables of every layout, without an entry point.
+/// The module that reads tables of these layouts, without an entry point.
 #[must_use]
-pub fn table_reader(bound: Bound) -> String {
-    module(&["ltc_math", "nodes_storage", texels(bound), "ltc_table"], Layout::ALL)
+pub fn table_reader(bound: Bound, layouts: &[Layout]) -> String {
+    module(&["ltc_quadrant", texels(bound), "ltc_table", "ltc_lookup"], layouts)
 }
 
 /// The module that other renderers take.
@@ -153,18 +193,17 @@ fn texels(bound: Bound) -> &'static str {
     }
 }
 
-/// The functions alone that other renderers include; nodes come in a uniform where there are no storage buffers.
+/// The functions alone that other renderers include.
 #[must_use]
-pub fn functions(lit_by: LitBy, bound: Bound, lights: Lights, has_storage: bool) -> String {
-    let nodes = if has_storage { "nodes_storage" } else { "nodes_uniform" };
-    assembled(lit_by, ["ltc_math", nodes, texels(bound), "ltc_table"], lights, &[])
+pub fn functions(lit_by: LitBy, bound: Bound, lights: Lights) -> String {
+    assembled(lit_by, ["ltc_quadrant", texels(bound), "ltc_table", "ltc_lookup"], lights, &[])
 }
 
 /// The functions of a table's light that read no table: `smooth_at` has the coefficients.
 #[must_use]
 pub fn without_textures(smooth_at: &str, lights: Lights) -> String {
-    let LayoutShader { source, .. } = Layout::Reflected.shader();
-    let parts = ["ltc_math", "ltc_smooth", "ltc_function"];
+    let source = ltcforge_wgsl::LAYOUT_REFLECTED;
+    let parts = ["ltc_smooth", "ltc_function"];
     format!("{}\n{source}\n{smooth_at}", joined(&[&parts[..], light_files(lights)].concat()))
 }
 
@@ -177,7 +216,7 @@ mod tests {
     /// Validates the named shaders, joined with the parts of layouts where they read a table.
     fn validate(names: &[&str]) {
         assert!(names.iter().all(|name| SHADERS.iter().any(|shader| shader.name == *name)), "{names:?}");
-        if names.contains(&"ltc_table") {
+        if names.contains(&"ltc_lookup") {
             validate_text(names, &module(names, Layout::ALL));
             for layout in Layout::ALL {
                 validate_text(names, &module(names, &[*layout]));
@@ -199,11 +238,11 @@ mod tests {
     #[test]
     fn each_shader_is_valid_with_what_it_says_it_needs() {
         validate(&["ltc_math"]);
-        validate(&["ltc_math", "nodes_storage", "texels_volumes", "ltc_table"]);
-        validate(&["ltc_math", "nodes_uniform", "texels_array", "ltc_table"]);
-        validate(&["ltc_math", "ltc_light"]);
+        validate(&TABLE);
+        validate(&["ltc_quadrant", "texels_array", "ltc_table", "ltc_lookup"]);
+        validate(&["ltc_light"]);
         validate(&["ltc_math", "ltc_light", "ltc_shapes"]);
-        validate(&["ltc_math", "nodes_storage", "texels_volumes", "ltc_table", "ltc_light"]);
+        validate(&["ltc_quadrant", "texels_volumes", "ltc_table", "ltc_lookup", "ltc_light"]);
         let layouts = [None, Some(Layout::Reflected)];
         for lit_by in
             layouts.iter().flat_map(|of| LightModel::ALL.iter().map(|model| LitBy::new(*model, *of))).flatten()
@@ -227,10 +266,7 @@ mod tests {
             let path = entry.as_ref().expect("an entry").path();
             path.extension().is_some_and(|extension| extension == "wgsl")
         });
-        let mut parts: Vec<&str> = Layout::ALL.iter().map(|layout| layout.shader().source).collect();
-        parts.sort_unstable();
-        parts.dedup();
-        assert_eq!(SHADERS.len() + parts.len(), texts.count());
+        assert_eq!(SHADERS.len() + parts_of(Layout::ALL).len(), texts.count());
     }
 
     /// Those that only the preview runs: their loops go over what a scene has.
@@ -258,7 +294,7 @@ mod tests {
     /// A loop without a constant bound can keep the compiler of a driver busy for minutes.
     #[test]
     fn every_loop_of_an_emitted_shader_has_constant_bounds() {
-        let layouts = Layout::ALL.iter().map(|layout| layout.shader().source);
+        let layouts = parts_of(Layout::ALL);
         let emitted = SHADERS.iter().filter(|shader| !OF_THE_PREVIEW.contains(&shader.name));
         let mut loops = 0;
         for line in emitted.map(|shader| shader.source).chain(layouts).flat_map(str::lines).map(str::trim) {

@@ -135,7 +135,11 @@ impl Export {
             Self::Engine(engine) => {
                 let layout = engine_textures(engine, table)?;
                 let textures = layout.textures(table)?;
-                let made = engine.bundle(&textures, &table.axes, &about.and(sampling_of(table, layout)));
+                let made = engine.bundle(
+                    &textures,
+                    &table.layout.shader_axes(&table.axes),
+                    &about.and(sampling_of(table, layout)),
+                );
                 made.map_err(|source| match source {
                     TextureFileError::Missing { .. } => {
                         let recipe = recipe_like(layout.sampling().recipe, table.layout(), table);
@@ -167,7 +171,7 @@ impl Export {
         let bundle = match self {
             Self::Engine(engine) => {
                 let textures = engine_textures(engine, table)?.rules().textures(table)?;
-                engine.bundle(&textures, &table.axes, &about).map_err(ExportError::Files)?
+                engine.bundle(&textures, &table.layout.shader_axes(&table.axes), &about).map_err(ExportError::Files)?
             }
             Self::Textures { layout, container, precision } => {
                 layout.check(table)?;

@@ -24,10 +24,9 @@ pub fn include(
     namespace: &Namespace,
 ) -> Result<String, PortError> {
     let lit_by = lit_by.into();
-    let has_storage = !matches!(language, Language::Glsl330 | Language::GlslEs);
     let reading = lit_by.layout().map(|_| reading);
     let bound = reading.unwrap_or_default().bound;
-    let source = format!("{}{}", functions(lit_by, bound, lights, has_storage), (lit_by.shader().caller)(lights));
+    let source = format!("{}{}", functions(lit_by, bound, lights), (lit_by.shader().caller)(lights));
     let included = Included { source: &source, entry: "ltc_included", reading };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
     let header = lit_by.include_comment(language, reading.unwrap_or_default(), lights, namespace);

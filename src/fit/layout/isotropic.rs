@@ -25,13 +25,14 @@ use glam::{DMat3, DVec3, Mat3, Vec3};
 use super::{
     precision::Precision,
     rules::{FreeNumbers, Interpolation, LayoutRules, LayoutShader, LobeNumbers, ShaderNumbers},
+    shader_axes::{ShaderAxes, ShaderPlace},
     spacing::Spacing,
 };
 use crate::{
     axes::PerAxis,
     brdf::{LobeTerms, Mirrors},
     lobe::ltc::align,
-    math::sin_cos_turns,
+    math::quadrant,
 };
 
 /// `sqrt(1 - cos theta)`; `M^-1` over its middle element.
@@ -159,13 +160,12 @@ impl LayoutRules for Isotropic {
         self.spacing()
     }
 
-    fn even_in_shader(&self, axis: usize, x: f32) -> f32 {
-        match (axis, self.theta) {
-            (0, _) => x.sqrt(),
-            // sqrt(1 - cos theta) up to a factor.
-            (2, Spacing::Versine) => sin_cos_turns(x * 0.079_577_47).0,
-            _ => x,
-        }
+    fn place_in_shader(&self, axes: &ShaderAxes, alpha: f32, _: f32, wo: Vec3) -> ShaderPlace {
+        let theta = match self.theta {
+            Spacing::Versine => (wo.truncate().length_squared() / (1.0 + wo.z.max(0.0))).sqrt(),
+            _ => quadrant(wo.truncate().length(), wo.z),
+        };
+        axes.place([alpha.sqrt(), axes.start[1], theta, axes.start[3]])
     }
 
     fn flattest(&self, precision: Precision) -> f64 {
@@ -224,11 +224,11 @@ impl LayoutRules for Isotropic {
     }
 
     fn restore_in_shader(&self, stored: &ShaderNumbers, _: f32, _: f32, _: Vec3) -> ShaderNumbers {
-        if self.stored.is_inverse() {
-            ShaderNumbers { matrix: inverse_in_shader(&stored.matrix), ..*stored }
-        } else {
-            *stored
-        }
+        let Mat3 { x_axis: x, y_axis: y, z_axis: z } = stored.matrix;
+        // Those of the plane of incidence, and the one across it.
+        let plane = Mat3::from_cols(Vec3::new(x.x, 0.0, x.z), Vec3::Y * y.y, Vec3::new(z.x, 0.0, z.z));
+        let matrix = if self.stored.is_inverse() { inverse_in_shader(&plane) } else { plane };
+        ShaderNumbers { matrix, ..*stored }
     }
 
     // The numbers are read off tables of 12 to 64 nodes an axis, fitted with 64 samples and 8 directions. A few lobes
@@ -241,12 +241,13 @@ impl LayoutRules for Isotropic {
 
     fn shader(&self) -> LayoutShader {
         LayoutShader {
-            source: ltcforge_wgsl::LAYOUT_ISOTROPIC,
+            sources: &[ltcforge_wgsl::LAYOUT_ISOTROPIC],
             restore: if self.stored.is_inverse() { "ltc_restore_inverse" } else { "ltc_restore_matrix" },
-            even: Some(match self.theta {
-                Spacing::Versine => "ltc_even_versine",
-                _ => "ltc_even_roughness",
-            }),
+            place: match self.theta {
+                Spacing::Versine => "ltc_steps_versine",
+                _ => "ltc_steps_roughness",
+            },
+            is_isotropic: true,
             number: self.number,
         }
     }

@@ -8,12 +8,14 @@ use glam::Vec3;
 use super::{
     precision::Precision,
     rules::{Interpolation, LayoutRules, LayoutShader, LobeNumbers, ShaderNumbers},
+    shader_axes::{ShaderAxes, ShaderPlace},
     spacing::{ALPHA_FLOOR, RATIO_FLOOR, Spacing, below_ceiling},
 };
 use crate::{
     axes::PerAxis,
     brdf::{LobeTerms, Mirrors},
     lobe::ltc::align,
+    math::quadrant,
 };
 
 pub(super) struct Kt2022;
@@ -63,6 +65,17 @@ impl LayoutRules for Kt2022 {
         *stored
     }
 
+    fn place_in_shader(&self, axes: &ShaderAxes, alpha: f32, ratio: f32, wo: Vec3) -> ShaderPlace {
+        let [theta, phi] = [(wo.truncate().length(), wo.z), (wo.y, wo.x)].map(|(y, x)| quadrant(y, x));
+        let mut place = axes.place([alpha, ratio, theta, phi]);
+        let [below, above] = axes.around(place.lower);
+        for (i, (x, least)) in [(alpha, axes.roughness[0]), (ratio, axes.roughness[2])].into_iter().enumerate() {
+            let below = below[i].max(least);
+            place.weight[i] = ((x - below) / (above[i] - below)).clamp(0.0, 1.0);
+        }
+        place
+    }
+
     fn restore_in_shader(&self, stored: &ShaderNumbers, _: f32, _: f32, _: Vec3) -> ShaderNumbers {
         *stored
     }
@@ -74,6 +87,12 @@ impl LayoutRules for Kt2022 {
     }
 
     fn shader(&self) -> LayoutShader {
-        LayoutShader { source: ltcforge_wgsl::LAYOUT_KT2022, restore: "ltc_restore_kt2022", even: None, number: 0 }
+        LayoutShader {
+            sources: &[ltcforge_wgsl::LAYOUT_KT2022],
+            restore: "ltc_restore_kt2022",
+            place: "ltc_place_kt2022",
+            is_isotropic: false,
+            number: 0,
+        }
     }
 }

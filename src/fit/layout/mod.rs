@@ -10,6 +10,7 @@ mod precision;
 mod reflected;
 mod reflection;
 mod rules;
+mod shader_axes;
 mod smooth;
 mod spacing;
 
@@ -17,6 +18,7 @@ pub use precision::Precision;
 pub use reflection::Reflection;
 pub use rules::{FreeNumbers, LayoutShader, ShaderNumbers};
 pub(crate) use rules::{Interpolation, LayoutRules, LobeNumbers};
+pub use shader_axes::{ShaderAxes, ShaderPlace};
 pub(crate) use smooth::SMOOTH_NUMBERS;
 pub use spacing::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING};
 pub(crate) use spacing::{Spacing, within_limits};
@@ -93,10 +95,11 @@ impl Layout {
         self.rules().shader()
     }
 
-    /// The variable in which weights are linear, in 32 bits, for the axis of this number in storage order.
+    /// Twin of the layout's part of the shader: where a configuration lies among a table's nodes, for larger roughness,
+    /// ratio and view direction within the table's ranges, `wo` in the first quadrant.
     #[must_use]
-    pub fn even_in_shader(self, axis: usize, x: f32) -> f32 {
-        self.rules().even_in_shader(axis, x)
+    pub fn place_in_shader(self, axes: &ShaderAxes, alpha: f32, ratio: f32, wo: Vec3) -> ShaderPlace {
+        self.rules().place_in_shader(axes, alpha, ratio, wo)
     }
 
     /// Twin of the layout's part of the shader: the lobe of stored numbers in 32 bits, for larger roughness, ratio and

@@ -10,13 +10,14 @@ use super::{
     precision::Precision,
     reflection::Reflection,
     rules::{Interpolation, LayoutRules, LayoutShader, LobeNumbers, ShaderNumbers},
-    spacing::{ALPHA_FLOOR, RATIO_FLOOR, Spacing, below_ceiling},
+    shader_axes::{ShaderAxes, ShaderPlace},
+    spacing::{ALPHA_FLOOR, RATIO_FLOOR, Spacing, THETA_CEILING, below_ceiling},
 };
 use crate::{
     axes::{LEAST_ALPHA, PerAxis},
     brdf::{LobeTerms, Mirrors},
     lobe::ltc::align_to,
-    math::pow,
+    math::{pow, quadrant},
 };
 
 pub(super) struct Reflected;
@@ -69,27 +70,38 @@ impl LayoutRules for Reflected {
         LobeNumbers { matrix: reflection.matrix * stored.matrix, terms: reflection.terms(stored.terms) }
     }
 
+    fn place_in_shader(&self, axes: &ShaderAxes, alpha: f32, ratio: f32, wo: Vec3) -> ShaderPlace {
+        let theta = quadrant(wo.truncate().length(), wo.z) / THETA_CEILING as f32;
+        let u = 1.0 - (1.0 - theta).max(0.0).sqrt();
+        let mut place = axes.place([alpha.powf(0.625), ratio.powf(1.0 / 1.3), u, quadrant(wo.y, wo.x)]);
+        let [below, above] = axes.around(place.lower);
+        let values = |u: [f32; 4]| [u[0].powf(1.6), u[1].powf(1.3), (2.0 - u[2]) * u[2]];
+        let (low, high) = (values(below), values(above));
+        for (i, x) in [alpha, ratio, theta].into_iter().enumerate() {
+            place.weight[i] = ((x - low[i]) / (high[i] - low[i])).clamp(0.0, 1.0);
+        }
+        place
+    }
+
     fn restore_in_shader(&self, stored: &ShaderNumbers, alpha_x: f32, ratio: f32, wo: Vec3) -> ShaderNumbers {
-        let alpha_y = (alpha_x * ratio).max(LEAST_ALPHA as f32);
-        let halfway = Vec3::new(alpha_x * wo.x, alpha_y * wo.y, wo.z).normalize() + Vec3::Z;
-        let wm = Vec3::new(alpha_x * halfway.x, alpha_y * halfway.y, halfway.z).normalize();
+        let alpha = Vec3::new(alpha_x, (alpha_x * ratio).max(LEAST_ALPHA as f32), 1.0);
+        let seen = alpha * wo;
+        let size = seen.length();
+        let wm = (alpha * (seen / size + Vec3::Z)).normalize();
         let d = wo.dot(wm);
         let r = 2.0 * d * wm - wo;
-        let column = |tangent: Vec3| {
-            let tilt = tangent - wm.dot(tangent) * wm;
-            alpha_x * (2.0 * (wo.dot(tilt) * wm + d * tilt))
+        let column = |s: Vec3| {
+            let flat = 2.0 * alpha_x * Vec3::new(s.x, s.y, 0.0);
+            d * flat - r.dot(flat) * wm + s.z * r
         };
-        let k = Mat3::from_cols(column(Vec3::X), column(Vec3::Y), r);
-        let smith_lambda = |w: Vec3| {
-            let (x, y) = (alpha_x * w.x / w.z, alpha_y * w.y / w.z);
-            0.5 * ((1.0 + (x * x + y * y)).sqrt() - 1.0)
-        };
-        let seen = 1.0 + smith_lambda(wo);
-        let g2_over_g1 = seen / (seen + smith_lambda(r));
+        let s = &stored.matrix;
+        let matrix = Mat3::from_cols(column(s.x_axis), column(s.y_axis), column(s.z_axis));
+        let height = r.z.abs();
+        let g2_over_g1 = height * (size + wo.z) / (height * size + wo.z * (alpha * r).length()).max(1e-30);
         let amplitude = stored.amplitude * g2_over_g1 * g2_over_g1;
         let grazing = (stored.fresnel + 1.0 - d).max(0.0);
         let grazing2 = grazing * grazing;
-        ShaderNumbers { matrix: k * stored.matrix, amplitude, fresnel: amplitude * (grazing2 * grazing2 * grazing) }
+        ShaderNumbers { matrix, amplitude, fresnel: amplitude * (grazing2 * grazing2 * grazing) }
     }
 
     // The numbers are read off a full run of docs/tradeoff.md, at preset `draft` with one axis changed at a time. Those
@@ -100,9 +112,10 @@ impl LayoutRules for Reflected {
 
     fn shader(&self) -> LayoutShader {
         LayoutShader {
-            source: ltcforge_wgsl::LAYOUT_REFLECTED,
+            sources: &[ltcforge_wgsl::PLACE_REFLECTED, ltcforge_wgsl::LAYOUT_REFLECTED],
             restore: "ltc_restore_reflected",
-            even: None,
+            place: "ltc_place_reflected",
+            is_isotropic: false,
             number: 1,
         }
     }

@@ -2,7 +2,11 @@
 
 use glam::{DMat3, Mat3, Vec3};
 
-use super::{precision::Precision, spacing::Spacing};
+use super::{
+    precision::Precision,
+    shader_axes::{ShaderAxes, ShaderPlace},
+    spacing::Spacing,
+};
 use crate::{
     axes::PerAxis,
     brdf::{LobeTerms, Mirrors},
@@ -31,13 +35,15 @@ pub struct ShaderNumbers {
 /// A layout's part of the shader. Layouts may share a source.
 #[derive(Debug, Clone, Copy)]
 pub struct LayoutShader {
-    /// WGSL.
-    pub source: &'static str,
+    /// WGSL, in parts.
+    pub sources: &'static [&'static str],
     /// The function that is the twin of [`LayoutRules::restore_in_shader`].
     pub restore: &'static str,
-    /// The function that is the twin of [`LayoutRules::even_in_shader`]; without one weights are linear in the values
-    /// of the axes themselves.
-    pub even: Option<&'static str>,
+    /// The function that is the twin of [`LayoutRules::place_in_shader`]; in a layout of isotropic tables, where a
+    /// configuration lies along the two axes that these have.
+    pub place: &'static str,
+    /// Whether it is a layout of isotropic tables alone, which have two axes.
+    pub is_isotropic: bool,
     /// The number that identifies this layout in a shader that reads several.
     pub number: u32,
 }
@@ -88,10 +94,9 @@ pub(crate) trait LayoutRules: Sync {
         PerAxis { alpha: Spacing::Even, ratio: Spacing::Even, theta: Spacing::Even, phi: Spacing::Even }
     }
 
-    /// [`LayoutRules::weights`] in 32 bits, for the axis of this number in storage order.
-    fn even_in_shader(&self, _axis: usize, x: f32) -> f32 {
-        x
-    }
+    /// Twin of the layout's part of the shader: where a configuration lies among a table's nodes, with the weights of
+    /// [`LayoutRules::weights`].
+    fn place_in_shader(&self, axes: &ShaderAxes, alpha: f32, ratio: f32, wo: Vec3) -> ShaderPlace;
 
     /// The least ratio of the eigenvalues of a stored block. At grazing angles a lobe may be a curved line, which fits
     /// best with a ratio of zero. In numbers of 24 or 11 bits the determinant of a matrix stays positive if its block

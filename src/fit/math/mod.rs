@@ -16,5 +16,5 @@ pub use half::{from_half_bits, half_bits, half_bits_f64};
 pub use portable::{atan2, cos, erfc, exp, ln, pow, sin, sin_cos};
 pub use scalar::Scalar;
 pub use sequence::{Lattice, SquarePoint, concentric_cosine, cosine_hemisphere, fibonacci_hemisphere, recurrence4};
-pub use single::{atan2_upper, sin_cos_turns};
+pub use single::{atan2_upper, quadrant, sin_cos_turns};
 pub use triple::{Triple, cross, dot, minus, plus, scaled, unit};

@@ -24,6 +24,16 @@ pub fn atan2_upper(y: f32, x: f32) -> f32 {
     if x < 0.0 { PI - quarter } else { quarter }
 }
 
+/// The angle of a vector in the first quadrant from +x. Error below 4e-7. Twin of `ltc_quadrant`. Domain: vectors that
+/// are not zero.
+#[must_use]
+pub fn quadrant(y: f32, x: f32) -> f32 {
+    let t = (y - x) / (y + x);
+    let z = t * t;
+    let tail = ((0.006_811_8 * z - 0.033_604_2) * z + 0.079_623_7) * z - 0.132_333_4;
+    FRAC_PI_4 + t * (((tail * z + 0.198_078_2) * z - 0.333_173_7) * z + 0.999_996_1)
+}
+
 /// Sine and cosine of `turns` whole turns. Error below 2e-7. Domain: |turns| up to a few thousand.
 #[must_use]
 pub fn sin_cos_turns(turns: f32) -> (f32, f32) {

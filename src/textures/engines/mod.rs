@@ -15,7 +15,7 @@ mod wgpu;
 
 pub(crate) use self::rules::{EngineRules, Source};
 use super::{about::About, bundle::Bundle, file::TextureFileError, texture::Texture};
-use ltcforge_fit::{PerAxis, named_list};
+use ltcforge_fit::{ShaderAxes, named_list};
 
 named_list! {
     /// A renderer that has area lights by LTC tables, or that takes ours.
@@ -50,12 +50,7 @@ impl Engine {
     ///
     /// # Errors
     /// When a texture is missing, or its size or channels are not those of the engine.
-    pub fn bundle(
-        self,
-        textures: &[Texture],
-        axes: &PerAxis<Vec<f64>>,
-        about: &About,
-    ) -> Result<Bundle, TextureFileError> {
+    pub fn bundle(self, textures: &[Texture], axes: &ShaderAxes, about: &About) -> Result<Bundle, TextureFileError> {
         let bundle = self.rules().bundle(&Source { engine: self.name(), textures, axes, about })?;
         Ok(bundle.with_manifest("for", self.name(), about))
     }

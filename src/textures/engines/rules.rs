@@ -8,7 +8,7 @@ use crate::{
     rounding::RoundingError,
     texture::Texture,
 };
-use ltcforge_fit::{PerAxis, Precision};
+use ltcforge_fit::{Precision, ShaderAxes};
 
 /// The two textures that most engines have.
 pub(super) const FIRST: &str = "LTC_1";
@@ -20,8 +20,8 @@ pub(super) const SIZE: u32 = 64;
 pub(crate) struct Source<'a> {
     pub(super) engine: &'static str,
     pub(super) textures: &'a [Texture],
-    /// The nodes of the table.
-    pub(super) axes: &'a PerAxis<Vec<f64>>,
+    /// What shaders are told of the table's axes.
+    pub(super) axes: &'a ShaderAxes,
     pub(super) about: &'a About,
 }
 

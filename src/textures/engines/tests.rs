@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::*;
 use crate::round;
 use ltcforge_files::digest::Digest;
-use ltcforge_fit::Precision;
+use ltcforge_fit::{Layout, PerAxis, Precision};
 
 /// The file that tells what the others are.
 const MANIFEST: &str = "ltcforge.json";
@@ -21,8 +21,9 @@ fn textures(size: u32) -> Vec<Texture> {
     vec![texture("LTC_1", 1.0), texture("LTC_2", -0.01)]
 }
 
-fn axes() -> PerAxis<Vec<f64>> {
-    PerAxis { alpha: vec![0.1, 1.0], ratio: vec![1.0], theta: vec![0.0, 0.5, 1.0], phi: vec![0.0] }
+fn axes() -> ShaderAxes {
+    let axes = PerAxis { alpha: vec![0.1, 1.0], ratio: vec![1.0], theta: vec![0.0, 0.5, 1.0], phi: vec![0.0] };
+    Layout::Kt2022.shader_axes(&axes)
 }
 
 /// The textures that our own shader reads.
@@ -203,7 +204,7 @@ fn our_own_shader_finds_its_buffers() {
     let document: Value = serde_json::from_str(text(&bundle, "ltc.json")).expect("JSON");
     assert_eq!(document["ltc_table"]["nodes"], serde_json::json!([2, 1, 3, 1]));
     assert_eq!(document["ltc_table"]["reading"][1], 1, "isotropic with one phi");
-    assert_eq!(document["ltc_nodes"]["theta"], serde_json::json!([0.0, 0.5, 1.0]));
+    assert_eq!(document["ltc_table"]["step"], serde_json::json!([0.9, 1.0, 0.5, 1.0]));
     assert_eq!(document["textures"], serde_json::json!(["ltc_matrix_a.ktx2", "ltc_matrix_b.ktx2", "ltc_terms.ktx2"]));
     ktx2::Reader::new(bytes(&bundle, "ltc_terms.ktx2")).expect("KTX2");
 }

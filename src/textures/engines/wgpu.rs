@@ -29,21 +29,27 @@ impl EngineRules for Wgpu {
             let stored = source.stored(texture, Precision::F32)?;
             files.push(file(&format!("{}.ktx2", texture.name), ktx2(&stored, false, source.about)?, &[&stored]));
         }
-        let single = |nodes: &[f64]| nodes.iter().map(|node| *node as f32).collect::<Vec<f32>>();
-        let nodes = source.axes.named().map(|(name, nodes)| (name.to_owned(), json!(single(nodes))));
-        let counts = source.axes.named().map(|(_, nodes)| nodes.len());
-        let turns = source.axes.ratio == [1.0] && source.axes.phi.len() == 1;
+        let axes = source.axes;
         let document = json!({
             "textures": files.iter().map(|file| &file.path).collect::<Vec<_>>(),
-            "ltc_table": { "nodes": counts, "reading": [0, u32::from(turns), 0, 0] },
-            "ltc_nodes": serde_json::Map::from_iter(nodes),
+            "ltc_table": {
+                "nodes": axes.nodes,
+                "reading": axes.reading,
+                "start": axes.start,
+                "step": axes.step,
+                "per_step": axes.per_step,
+                "texel": axes.texel,
+                "roughness": axes.roughness,
+                "cosines": axes.cosines,
+                "azimuths": axes.azimuths,
+            },
             "about": source.about.lines(),
         });
         let bytes = format!("{document:#}\n").into_bytes();
         files.push(TextureFile { path: "ltc.json".to_owned(), bytes, rounding: RoundingError::default() });
         let steps = [
-            "Load each texture as 3D, in the order of ltc.json, at bindings 2 to 4 of the shader that ltcforge shader writes.",
-            "Binding 0 is ltc_table of ltc.json; binding 1 the lists of ltc_nodes one after another: alpha, ratio, theta, phi.",
+            "Load each texture as 3D, in the order of ltc.json, at bindings 1 to 3 of the shader that ltcforge shader writes.",
+            "Binding 0 is ltc_table of ltc.json: its lists one after another, nodes and reading u32, the others f32.",
         ];
         Ok(Bundle { files, steps: steps.map(str::to_owned).into() })
     }

@@ -5,8 +5,8 @@ use super::{Bound, Language};
 /// The names of a table's bindings without the sampler, which is last, in the order of the bindings in WGSL.
 fn names(bound: Bound) -> &'static [&'static str] {
     match bound {
-        Bound::Volumes => &["ltc_table", "ltc_nodes", "ltc_matrix_a", "ltc_matrix_b", "ltc_terms"],
-        Bound::Array => &["ltc_table", "ltc_nodes", "ltc_layers"],
+        Bound::Volumes => &["ltc_table", "ltc_matrix_a", "ltc_matrix_b", "ltc_terms"],
+        Bound::Array => &["ltc_table", "ltc_layers"],
     }
 }
 

@@ -4,7 +4,7 @@ use half::f16;
 
 use super::{Mode, Scene};
 use crate::picture::short_digest;
-use ltcforge_fit::{BrdfKind, BrdfModel, Layout, LobeModel, PerAxis, Table, named_list};
+use ltcforge_fit::{BrdfKind, BrdfModel, Layout, LobeModel, PerAxis, ShaderAxes, Table, named_list};
 
 named_list! {
     /// How wide the numbers of a texel are.
@@ -25,11 +25,10 @@ pub struct ShaderTable {
     pub(super) lobe: LobeModel,
     pub(super) layout: Layout,
     pub(super) format: TexelFormat,
-    pub(super) nodes: PerAxis<Vec<f32>>,
+    /// What shaders are told of the axes.
+    pub(super) axes: ShaderAxes,
     /// `m00 m01 m02 m10`, `m11 m12 m20 m21`, `m22 amplitude fresnel 0` of each entry; rounded to the format.
     pub(super) texels: [Vec<[f32; 4]>; 3],
-    /// Whether its surfaces are isotropic and it has one phi: its lobes then turn with the view direction.
-    pub(super) turns_with_view: bool,
     /// Its name in pictures.
     pub(super) label: Option<String>,
 }
@@ -44,15 +43,20 @@ impl ShaderTable {
             lobe: LobeModel::Ltc,
             layout: Layout::Kt2022,
             format: TexelFormat::F32,
-            nodes: PerAxis { alpha: vec![1.0], ratio: vec![1.0], theta: vec![0.0], phi: vec![0.0] },
+            axes: Layout::Kt2022.shader_axes(&PerAxis {
+                alpha: vec![1.0],
+                ratio: vec![1.0],
+                theta: vec![0.0],
+                phi: vec![0.0],
+            }),
             texels: [texel([1.0, 0.0, 0.0, 0.0]), texel([1.0, 0.0, 0.0, 0.0]), texel([1.0, 1.0, 0.0, 0.0])],
-            turns_with_view: false,
             label: None,
         }
     }
 
     /// The table with its numbers rounded to `format`. A table without terms gets neutral ones: with `kt2022` all light
-    /// is reflected, with `reflected` as much as by the reflection in the middle of the lobe.
+    /// is reflected, with `reflected` as much as by the reflection in the middle of the lobe. Domain: nodes of the table's
+    /// layout, which those of every file are.
     #[must_use]
     pub fn new(table: &Table, format: TexelFormat) -> Self {
         let rounded = |x: f32| match format {
@@ -66,21 +70,13 @@ impl ShaderTable {
             [[m[0], m[1], m[2], m[3]], [m[4], m[5], m[6], m[7]], [m[8], amplitude, fresnel, 0.0]]
                 .map(|texel| texel.map(rounded))
         };
-        let axes = &table.axes;
-        let single = |nodes: &[f64]| nodes.iter().map(|node| *node as f32).collect();
         Self {
             brdf: table.brdf.clone(),
             lobe: table.lobe,
             layout: table.layout,
             format,
-            nodes: PerAxis {
-                alpha: single(&axes.alpha),
-                ratio: single(&axes.ratio),
-                theta: single(&axes.theta),
-                phi: single(&axes.phi),
-            },
+            axes: table.layout.shader_axes(&table.axes),
             texels: [0, 1, 2].map(|texel| (0..table.matrix.len()).map(|index| entry(index)[texel]).collect()),
-            turns_with_view: axes.ratio == [1.0] && axes.phi.len() == 1,
             label: None,
         }
     }
@@ -110,7 +106,7 @@ impl ShaderTable {
         }
     }
 
-    /// Bytes of its texels and nodes in a GPU's memory.
+    /// Bytes of its texels in a GPU's memory.
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
         let number = match self.format {
@@ -118,13 +114,7 @@ impl ShaderTable {
             TexelFormat::F16 => size_of::<f16>(),
         };
         let texels: usize = self.texels.iter().map(Vec::len).sum();
-        let nodes: usize = self.nodes.named().iter().map(|(_, nodes)| nodes.len()).sum();
-        (texels * 4 * number + nodes * size_of::<f32>()) as u64
-    }
-
-    /// The number by which shaders know the layout.
-    pub(super) fn layout_code(&self) -> u32 {
-        self.layout.shader().number
+        (texels * 4 * number) as u64
     }
 }
 
@@ -144,10 +134,9 @@ mod tests {
             differ += usize::from(a != b);
         }
         assert!(differ > single.texels[0].len());
-        // Twelve numbers an entry, and the nodes in 32 bits.
-        let nodes = 4 * table.axes.named().iter().map(|(_, nodes)| nodes.len() as u64).sum::<u64>();
+        // Twelve numbers an entry.
         let entries = table.matrix.len() as u64;
-        assert_eq!([single.gpu_bytes(), half.gpu_bytes()], [48 * entries + nodes, 24 * entries + nodes]);
+        assert_eq!([single.gpu_bytes(), half.gpu_bytes()], [48 * entries, 24 * entries]);
         assert!(half.texels[0][0][0] > 0.0, "alpha = 1e-4 became a singular matrix");
     }
 }

@@ -1,14 +1,9 @@
-//! Twin of `ltc_table.wgsl`.
+//! Twin of `ltc_table.wgsl` and `ltc_lookup.wgsl`.
 
-use std::f32::consts::FRAC_PI_2;
-
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 
 use crate::preview::ShaderTable;
-use ltcforge_fit::{
-    ShaderNumbers,
-    math::{atan2_upper, sin_cos_turns},
-};
+use ltcforge_fit::{ShaderAxes, ShaderNumbers};
 
 /// The floor of both roughnesses, in the numbers of a shader.
 pub(super) const LEAST_ALPHA: f32 = ltcforge_fit::LEAST_ALPHA as f32;
@@ -16,82 +11,67 @@ pub(super) const LEAST_ALPHA: f32 = ltcforge_fit::LEAST_ALPHA as f32;
 struct Fold {
     alpha: f32,
     ratio: f32,
-    theta: f32,
-    phi: f32,
-    mirror: Vec3,
-    swap: bool,
+    wo: Vec3,
+    x: Vec2,
+    y: Vec2,
 }
 
 impl Fold {
-    fn of(alpha_x: f32, alpha_y: f32, wo: Vec3) -> Self {
+    fn of(axes: &ShaderAxes, alpha_x: f32, alpha_y: f32, wo: Vec3) -> Self {
         let (x, y) = (alpha_x.max(LEAST_ALPHA), alpha_y.max(LEAST_ALPHA));
         let swap = y > x;
-        let alpha = x.max(y);
-        let flat = (wo.x.abs(), wo.y.abs());
-        let (phi_y, phi_x) = if swap { flat } else { (flat.1, flat.0) };
+        let larger = x.max(y);
+        let [least, most, least_ratio, most_ratio] = axes.roughness;
         let mirrored = |x: f32| if x < 0.0 { -1.0 } else { 1.0 };
-        Self {
-            alpha,
-            ratio: x.min(y) / alpha,
-            theta: atan2_upper((flat.0 * flat.0 + flat.1 * flat.1).sqrt(), wo.z).min(FRAC_PI_2),
-            phi: atan2_upper(phi_y, phi_x),
-            mirror: Vec3::new(mirrored(wo.x), mirrored(wo.y), 1.0),
-            swap,
+        let mirror = [Vec2::X * mirrored(wo.x), Vec2::Y * mirrored(wo.y)];
+        let [frame_x, frame_y] = if swap { [mirror[1], mirror[0]] } else { mirror };
+        let upright = wo.truncate().abs();
+        let flat = (if swap { Vec2::new(upright.y, upright.x) } else { upright }) + Vec2::new(1e-18, 0.0);
+        let ahead = flat / flat.dot(flat).sqrt();
+        let [first_x, first_y, last_x, last_y] = axes.azimuths;
+        let (first, last) = (Vec2::new(first_x, first_y), Vec2::new(last_x, last_y));
+        let mut towards = ahead;
+        if first.x * ahead.y < first.y * ahead.x {
+            towards = first;
         }
+        if last.x * ahead.y > last.y * ahead.x {
+            towards = last;
+        }
+        let height = wo.z.max(axes.cosines[0]).min(axes.cosines[1]);
+        let is_within = height.to_bits() == wo.z.to_bits();
+        let size = if is_within { flat.dot(ahead) } else { (1.0 - height * height).sqrt() };
+        let fold = Self {
+            alpha: larger.max(least).min(most),
+            ratio: (x.min(y) / larger).max(least_ratio).min(most_ratio),
+            wo: (towards * size).extend(height),
+            x: frame_x,
+            y: frame_y,
+        };
+        if axes.reading[1] == 0 {
+            return fold;
+        }
+        let turn = Vec2::new(first.dot(ahead), first.perp_dot(ahead));
+        Self { x: turn.x * fold.x + turn.y * fold.y, y: turn.x * fold.y - turn.y * fold.x, ..fold }
     }
 
     fn unfold(&self, folded: Mat3) -> Mat3 {
-        let m = if self.swap {
-            let yxz = |v: Vec3| Vec3::new(v.y, v.x, v.z);
-            Mat3::from_cols(yxz(folded.y_axis), yxz(folded.x_axis), yxz(folded.z_axis))
-        } else {
-            folded
-        };
-        let mirror = self.mirror;
-        Mat3::from_cols(m.x_axis * mirror * mirror.x, m.y_axis * mirror * mirror.y, m.z_axis * mirror)
+        let f = Mat3::from_cols(self.x.extend(0.0), self.y.extend(0.0), Vec3::Z);
+        f * folded * f.transpose()
     }
-}
-
-fn between(nodes: &[f32], x: f32, even: impl Fn(f32) -> f32) -> (usize, f32) {
-    let upper = nodes.partition_point(|node| *node <= x);
-    if upper == 0 || upper == nodes.len() {
-        return (upper.max(1) - 1, 0.0);
-    }
-    let below = even(nodes[upper - 1]);
-    (upper - 1, (even(x) - below) / (even(nodes[upper]) - below))
-}
-
-fn turned(m: Mat3, angle: f32) -> Mat3 {
-    let (sin, cos) = sin_cos_turns(angle * 0.159_154_94);
-    let r = Mat3::from_cols(Vec3::new(cos, sin, 0.0), Vec3::new(-sin, cos, 0.0), Vec3::Z);
-    r * m * r.transpose()
-}
-
-/// `x`, or the nearest end of an axis.
-fn nearest(nodes: &[f32], x: f32) -> f32 {
-    x.clamp(nodes[0], nodes[nodes.len() - 1])
 }
 
 pub(super) fn lookup(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) -> ShaderNumbers {
-    let fold = Fold::of(alpha_x, alpha_y, wo);
-    let nodes = &table.nodes;
-    let counts = nodes.lengths();
-    let layout = table.layout;
-    let place = |axis: usize, nodes: &[f32], x: f32| between(nodes, x, |x| layout.even_in_shader(axis, x));
-    let places = [
-        place(0, &nodes.alpha, fold.alpha),
-        place(1, &nodes.ratio, fold.ratio),
-        place(2, &nodes.theta, fold.theta),
-        place(3, &nodes.phi, fold.phi),
-    ];
-    let lasts = [counts.alpha - 1, counts.ratio - 1, counts.theta - 1, counts.phi - 1];
+    let (axes, layout) = (&table.axes, table.layout);
+    let fold = Fold::of(axes, alpha_x, alpha_y, wo);
+    let place = layout.place_in_shader(axes, fold.alpha, fold.ratio, fold.wo);
+    let counts = axes.nodes.map(|n| n as usize);
     let mut sum = [[0.0_f32; 4]; 3];
     for corner in 0..16_usize {
         let step = |axis: usize| (corner >> (3 - axis)) & 1;
-        let weight = |axis: usize| if step(axis) == 1 { places[axis].1 } else { 1.0 - places[axis].1 };
-        let entry = |axis: usize| (places[axis].0 + step(axis)).min(lasts[axis]);
+        let weight = |axis: usize| if step(axis) == 1 { place.weight[axis] } else { 1.0 - place.weight[axis] };
+        let entry = |axis: usize| (place.lower[axis] as usize + step(axis)).min(counts[axis] - 1);
         let weight = weight(0) * weight(1) * weight(2) * weight(3);
-        let index = ((entry(0) * counts.ratio + entry(1)) * counts.theta + entry(2)) * counts.phi + entry(3);
+        let index = ((entry(0) * counts[1] + entry(1)) * counts[2] + entry(2)) * counts[3] + entry(3);
         for (sum, texels) in sum.iter_mut().zip(&table.texels) {
             for (sum, number) in sum.iter_mut().zip(texels[index]) {
                 *sum += weight * number;
@@ -100,20 +80,9 @@ pub(super) fn lookup(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) 
     }
     let [a, b, terms] = sum;
     let m = Mat3::from_cols(Vec3::new(a[0], a[3], b[2]), Vec3::new(a[1], b[0], b[3]), Vec3::new(a[2], b[1], terms[0]));
-    // Outside the table's ranges all of it answers as at their nearest end.
-    let (near_theta, near_phi) = (nearest(&nodes.theta, fold.theta), nearest(&nodes.phi, fold.phi));
-    let view = if near_theta.to_bits() == fold.theta.to_bits() && near_phi.to_bits() == fold.phi.to_bits() {
-        let (x, y) = (wo.x.abs(), wo.y.abs());
-        if fold.swap { Vec3::new(y, x, wo.z) } else { Vec3::new(x, y, wo.z) }
-    } else {
-        let (polar, azimuth) = (sin_cos_turns(near_theta * 0.159_154_94), sin_cos_turns(near_phi * 0.159_154_94));
-        Vec3::new(polar.0 * azimuth.1, polar.0 * azimuth.0, polar.1)
-    };
     let stored = ShaderNumbers { matrix: m, amplitude: terms[1], fresnel: terms[2] };
-    let (alpha, ratio) = (nearest(&nodes.alpha, fold.alpha), nearest(&nodes.ratio, fold.ratio));
-    let lobe = layout.restore_in_shader(&stored, alpha, ratio, view);
-    let m = if table.turns_with_view { turned(lobe.matrix, fold.phi - nodes.phi[0]) } else { lobe.matrix };
-    ShaderNumbers { matrix: fold.unfold(m), ..lobe }
+    let lobe = layout.restore_in_shader(&stored, fold.alpha, fold.ratio, fold.wo);
+    ShaderNumbers { matrix: fold.unfold(lobe.matrix), ..lobe }
 }
 
 #[cfg(test)]

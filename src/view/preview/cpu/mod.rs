@@ -40,11 +40,10 @@ pub(super) fn covers(table: &ShaderTable, alpha_x: f32, alpha_y: f32) -> bool {
     /// A quotient of f32 numbers may be off a node that it stands for by this part of it.
     const ROUNDING: f32 = 1e-6;
     let (x, y) = (alpha_x.max(lookup::LEAST_ALPHA), alpha_y.max(lookup::LEAST_ALPHA));
-    let is_within = |nodes: &[f32], value: f32| {
-        let [Some(first), Some(last)] = [nodes.first(), nodes.last()] else { return false };
-        (first * (1.0 - ROUNDING)..=last * (1.0 + ROUNDING)).contains(&value)
-    };
-    is_within(&table.nodes.alpha, x.max(y)) && is_within(&table.nodes.ratio, x.min(y) / x.max(y))
+    let is_within =
+        |first: f32, last: f32, value: f32| (first * (1.0 - ROUNDING)..=last * (1.0 + ROUNDING)).contains(&value);
+    let [alpha, most_alpha, ratio, most_ratio] = table.axes.roughness;
+    is_within(alpha, most_alpha, x.max(y)) && is_within(ratio, most_ratio, x.min(y) / x.max(y))
 }
 
 /// Where a lobe's picture shows a direction, in pixels; `None` on the far side of the sphere of directions.

@@ -218,10 +218,9 @@ pub(super) fn table_bindings(samples_weighed: bool, textures: Bound) -> Vec<wgpu
     };
     let sampler =
         if samples_weighed { wgpu::SamplerBindingType::Filtering } else { wgpu::SamplerBindingType::NonFiltering };
-    let nodes = buffer(wgpu::BufferBindingType::Storage { read_only: true });
     let table = buffer(wgpu::BufferBindingType::Uniform);
     let textures = std::iter::repeat_n(texture, count);
-    [table, nodes].into_iter().chain(textures).chain([wgpu::BindingType::Sampler(sampler)]).collect()
+    [table].into_iter().chain(textures).chain([wgpu::BindingType::Sampler(sampler)]).collect()
 }
 
 /// Bindings from zero on, for compute shaders.

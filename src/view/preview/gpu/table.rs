@@ -8,8 +8,8 @@ use crate::preview::{ShaderTable, TexelFormat};
 
 /// Group 0 of the shaders for a table. Fails for one that is larger than textures may be.
 pub(super) fn upload(gpu: &Device, table: &ShaderTable) -> Result<wgpu::BindGroup, GpuFailure> {
-    let counts = table.nodes.lengths();
-    let size = [counts.phi, counts.ratio * counts.theta, counts.alpha];
+    let [alpha, ratio, theta, phi] = table.axes.nodes.map(|n| n as usize);
+    let size = [phi, ratio * theta, alpha];
     let most = gpu.wgpu.limits().max_texture_dimension_3d;
     if size.iter().any(|n| *n > most as usize) {
         return Err(GpuFailure::TableTooLarge { size, most });
@@ -25,8 +25,8 @@ pub(super) fn texture(
     dimension: wgpu::TextureDimension,
     texels: &[[f32; 4]],
 ) -> wgpu::TextureView {
-    let counts = table.nodes.lengths();
-    let (width, height) = (counts.phi, counts.ratio * counts.theta);
+    let [_, ratio, theta, phi] = table.axes.nodes.map(|n| n as usize);
+    let (width, height) = (phi, ratio * theta);
     let (format, bytes) = match table.format {
         TexelFormat::F32 => (wgpu::TextureFormat::Rgba32Float, bytemuck::cast_slice(texels).to_vec()),
         TexelFormat::F16 => {
@@ -67,16 +67,12 @@ pub(super) fn bound(
         min_filter: filter,
         ..Default::default()
     });
-    let buffer = |contents: &[u8], usage| {
-        gpu.wgpu.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some("table"), contents, usage })
-    };
-    let counts = table.nodes.lengths();
-    let counts = [counts.alpha, counts.ratio, counts.theta, counts.phi].map(|n| n as u32);
-    let header = [counts, [table.layout_code(), u32::from(table.turns_with_view), 0, 0]];
-    let header = buffer(bytemuck::cast_slice(&header), wgpu::BufferUsages::UNIFORM);
-    let nodes: Vec<f32> = table.nodes.named().into_iter().flat_map(|(_, nodes)| nodes).copied().collect();
-    let nodes = buffer(bytemuck::cast_slice(&nodes), wgpu::BufferUsages::STORAGE);
-    let mut resources = vec![header.as_entire_binding(), nodes.as_entire_binding()];
+    let header = gpu.wgpu.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some("table"),
+        contents: bytemuck::cast_slice(&table.axes.words()),
+        usage: wgpu::BufferUsages::UNIFORM,
+    });
+    let mut resources = vec![header.as_entire_binding()];
     resources.extend(views.iter().map(wgpu::BindingResource::TextureView));
     resources.push(wgpu::BindingResource::Sampler(&sampler));
     bind(gpu, layout, &resources)

@@ -129,8 +129,14 @@ fn compare(table: &Table, format: TexelFormat, name: &str) {
     let mut all = vec![("twin", twin)];
     let (groups, rest) = cases.as_chunks::<256>();
     assert!(rest.is_empty(), "the shader takes 256 at a time");
-    for (who, textures) in [("shader", Bound::Volumes), ("shader of an array", Bound::Array)] {
-        let source = table_reader(textures) + ENTRY;
+    let only = [table.layout];
+    for (who, textures, layouts) in [
+        ("shader", Bound::Volumes, Layout::ALL),
+        ("shader of the layout", Bound::Volumes, &only),
+        ("shader of an array", Bound::Array, Layout::ALL),
+        ("shader of the layout's array", Bound::Array, &only),
+    ] {
+        let source = table_reader(textures, layouts) + ENTRY;
         match example::run::<_, [[f32; 12]; 256]>(&source, "looked_up", Some((&shader_table, textures)), groups) {
             Ok(found) => all.push((who, found.into_flattened())),
             Err(GpuFailure::Absent(reason)) => tell_skipped(&reason),

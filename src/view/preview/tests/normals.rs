@@ -124,7 +124,7 @@ fn the_shader_gives_what_f64_does_for_any_light() {
 fn check(rule: NormalsRule, entry: &str, lights: &[Lit], limits: [f64; 2]) {
     let normals =
         LitBy::new(LightModel::Normals, None).and_then(|normals| normals.by_rule(Some(rule))).expect("a rule");
-    let source = functions(normals, Bound::Volumes, Lights::All, true) + ENTRY;
+    let source = functions(normals, Bound::Volumes, Lights::All) + ENTRY;
     let table = shader_table(TexelFormat::F32);
     let lights: Vec<Single> = lights.iter().map(Single::of).collect();
     let words: Vec<[f32; 40]> = lights.iter().map(Single::words).collect();

@@ -6,24 +6,20 @@ use ltcforge_fit::{
 };
 
 /// A table whose entries are the limit of sharp lobes, `[2 alpha_x (v_z x + v_x z), 2 alpha_y (v_z y + v_y z), r]` with
-/// `r` the mirror direction: not far from fitted ones, and made in no time. Its axes are not uniform.
+/// `r` the mirror direction: not far from fitted ones, and made in no time.
 pub(in crate::preview) fn planted() -> Table {
-    sharp(PerAxis {
-        alpha: vec![1e-4, 0.02, 0.1, 0.4, 1.0],
-        ratio: vec![1e-4, 0.1, 0.5, 1.0],
-        theta: vec![0.0, 0.4, 0.8, 1.1, 1.4, 1.57],
-        phi: vec![0.0, 0.5, 1.0, std::f64::consts::FRAC_PI_2],
-    })
+    sharp(Layout::Kt2022.nodes(&whole([0.0, 1.0]), &PerAxis { alpha: 5, ratio: 4, theta: 6, phi: 4 }))
+}
+
+/// All views and ratios, and these roughnesses.
+fn whole(alpha: [f64; 2]) -> PerAxis<[f64; 2]> {
+    PerAxis { alpha, ratio: [0.0, 1.0], theta: [0.0, 1.57], phi: [0.0, std::f64::consts::FRAC_PI_2] }
 }
 
 /// The same of isotropic surfaces: one ratio and one phi, whose lobes turn with the view.
 pub(in crate::preview) fn isotropic() -> Table {
-    sharp(PerAxis {
-        alpha: vec![1e-4, 0.02, 0.1, 0.4, 1.0],
-        ratio: vec![1.0],
-        theta: vec![0.0, 0.4, 0.8, 1.1, 1.4, 1.57],
-        phi: vec![0.3],
-    })
+    let range = PerAxis { ratio: [1.0; 2], phi: [0.3; 2], ..whole([0.0, 1.0]) };
+    sharp(Layout::Kt2022.nodes(&range, &PerAxis { alpha: 5, ratio: 1, theta: 6, phi: 1 }))
 }
 
 fn sharp(axes: PerAxis<Vec<f64>>) -> Table {
@@ -51,12 +47,7 @@ fn sharp(axes: PerAxis<Vec<f64>>) -> Table {
 /// A table of layout `reflected` whose entries are near the limit of sharp lobes, `diag(1, ratio, 1)`, on axes that end
 /// within the domain.
 pub(in crate::preview) fn reflected() -> Table {
-    let axes = PerAxis {
-        alpha: vec![1e-4, 0.02, 0.1, 0.4, 0.9],
-        ratio: vec![1e-4, 0.1, 0.5, 1.0],
-        theta: vec![0.0, 0.4, 0.8, 1.1, 1.4, 1.57],
-        phi: vec![0.0, 0.5, 1.0, std::f64::consts::FRAC_PI_2],
-    };
+    let axes = Layout::Reflected.nodes(&whole([0.0, 0.9]), &PerAxis { alpha: 5, ratio: 4, theta: 6, phi: 4 });
     let PerAxis { ratio, theta, phi, .. } = axes.lengths();
     let (alphas, ratios) = (axes.alpha.clone(), axes.ratio.clone());
     let planted = table(axes, |entry| {
@@ -74,8 +65,7 @@ pub(in crate::preview) fn reflected() -> Table {
 
 /// A table of which every entry is the clamped cosine, all of it reflected.
 pub(super) fn diffuse() -> Table {
-    let two = || vec![0.0, 1.0];
-    let axes = PerAxis { alpha: two(), ratio: two(), theta: vec![0.0, 1.5], phi: two() };
+    let axes = Layout::Kt2022.nodes(&whole([0.0, 1.0]), &PerAxis { alpha: 2, ratio: 2, theta: 2, phi: 2 });
     table(axes, |_| (DMat3::IDENTITY, 1.0, 0.0))
 }
 

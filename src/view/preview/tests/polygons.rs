@@ -190,6 +190,6 @@ fn small_lights_keep_their_digits() {
         errors.sort_by(f64::total_cmp);
         let part = |of_a_thousand: usize| errors[errors.len() * of_a_thousand / 1000];
         assert!(errors.len() > 2000, "{who}: {}", errors.len());
-        assert!(part(500) < 1e-3 && part(990) < 0.05, "{who}: {:e}, {:e}", part(500), part(990));
+        assert!(part(500) < 1e-3 && part(990) < 0.08, "{who}: {:e}, {:e}", part(500), part(990));
     }
 }

@@ -1,0 +1,117 @@
+// Reads a table: fold, fetch, restore what the layout stores, unfold. Needs ltc_math.wgsl, ltc_table.wgsl, and functions
+// ltc_steps, ltc_weights and ltc_restore that call a layout's, which `ltcforge shader` writes.
+
+/// A configuration in the table's frame, which has the larger roughness along x and the view in its first quadrant.
+struct LtcFold {
+    alpha: f32,
+    ratio: f32,
+    wo: vec3<f32>,
+    /// The axes of that frame in the surface's.
+    x: vec2<f32>,
+    y: vec2<f32>,
+}
+
+/// wo: view direction in the tangent frame, normal +z, of unit length. Outside the table's ranges all is at the nearest end.
+fn ltc_fold(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcFold {
+    let a = max(vec2(alpha_x, alpha_y), vec2(LTC_LEAST_ALPHA));
+    let swap = a.y > a.x;
+    let mirror = select(vec2(1.0), vec2(-1.0), wo.xy < vec2(0.0));
+    let larger = max(a.x, a.y);
+    var fold: LtcFold;
+    fold.alpha = clamp(larger, ltc_table.roughness.x, ltc_table.roughness.y);
+    fold.ratio = clamp(min(a.x, a.y) / larger, ltc_table.roughness.z, ltc_table.roughness.w);
+    fold.x = select(vec2(mirror.x, 0.0), vec2(0.0, mirror.y), swap);
+    fold.y = select(vec2(0.0, mirror.y), vec2(mirror.x, 0.0), swap);
+    // Seen from straight above, phi is 0.
+    let flat = select(abs(wo.xy), abs(wo.yx), swap) + vec2(1e-18, 0.0);
+    let per_size = inverseSqrt(dot(flat, flat));
+    let ahead = flat * per_size;
+    let first = ltc_table.azimuths.xy;
+    let last = ltc_table.azimuths.zw;
+    var towards = ahead;
+    if (first.x * ahead.y < first.y * ahead.x) {
+        towards = first;
+    }
+    if (last.x * ahead.y > last.y * ahead.x) {
+        towards = last;
+    }
+    let height = clamp(wo.z, ltc_table.cosines.x, ltc_table.cosines.y);
+    let size = select(sqrt(1.0 - height * height), dot(flat, ahead), height == wo.z);
+    fold.wo = vec3(towards * size, height);
+    if (ltc_table.reading.y == 1u) {
+        // The lobe turns with the view.
+        let turn = vec2(dot(first, ahead), first.x * ahead.y - first.y * ahead.x);
+        let x = fold.x;
+        fold.x = turn.x * x + turn.y * fold.y;
+        fold.y = turn.x * fold.y - turn.y * x;
+    }
+    return fold;
+}
+
+/// A place between the nodes lower and lower + 1 of each axis; the latter's weight.
+struct LtcPlace {
+    lower: vec4<f32>,
+    weight: vec4<f32>,
+}
+
+/// The place of variables in which nodes are evenly spaced.
+fn ltc_place(steps: vec4<f32>) -> LtcPlace {
+    let most = max(vec4<f32>(ltc_table.nodes) - vec4(2.0), vec4(0.0));
+    let at = (steps - ltc_table.start) * ltc_table.per_step;
+    let lower = clamp(floor(at), vec4(0.0), most);
+    return LtcPlace(lower, saturate(at - lower));
+}
+
+/// The 16 entries around a place, interpolated here: exact weights, any texture format.
+fn ltc_fetch_weighed(lower: vec4<f32>, upper: vec4<f32>) -> LtcTexels {
+    var sum = LtcTexels(vec4(0.0), vec4(0.0), vec4(0.0));
+    let first = vec4<u32>(lower);
+    let last = ltc_table.nodes - vec4(1u);
+    for (var corner = 0u; corner < 16u; corner++) {
+        let step = (vec4(corner) >> vec4(3u, 2u, 1u, 0u)) & vec4(1u);
+        let weights = select(vec4(1.0) - upper, upper, step == vec4(1u));
+        let weight = weights.x * weights.y * weights.z * weights.w;
+        // Beyond the last node there is no entry; its weight is zero.
+        let entry = min(first + step, last);
+        let fetched = ltc_fetch(vec3(entry.w, entry.y * ltc_table.nodes.z + entry.z, entry.x));
+        sum.a += weight * fetched.a;
+        sum.b += weight * fetched.b;
+        sum.terms += weight * fetched.terms;
+    }
+    return sum;
+}
+
+/// The same, interpolated by the sampler along all axes but ratio.
+fn ltc_fetch_filtered(lower: vec4<f32>, upper: vec4<f32>) -> LtcTexels {
+    // A row beyond the last ratio is clamped by the sampler; its weight is zero.
+    let texel = ltc_table.texel;
+    let place = lower + upper + vec4(0.5);
+    let row = (lower.y * texel.z + place.z) * texel.y;
+    let above = row + texel.z * texel.y;
+    let x = place.w * texel.w;
+    return ltc_mix(ltc_sample(vec2(x, row), place.x), ltc_sample(vec2(x, above), place.x), upper.y);
+}
+
+/// The table at a surface and a view direction, wo as in ltc_fold.
+fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
+    let fold = ltc_fold(alpha_x, alpha_y, wo);
+    let place = ltc_place_of(fold.alpha, fold.ratio, fold.wo);
+    var texels: LtcTexels;
+    if (ltc_hardware_filter) {
+        texels = ltc_fetch_filtered(place.lower, place.weight);
+    } else {
+        texels = ltc_fetch_weighed(place.lower, place.weight);
+    }
+    let stored = transpose(mat3x3(
+        texels.a.xyz,
+        vec3(texels.a.w, texels.b.xy),
+        vec3(texels.b.zw, texels.terms.x),
+    ));
+    var lobe = ltc_restore(LtcLobe(stored, texels.terms.y, texels.terms.z), fold.alpha, fold.ratio, fold.wo);
+    // F M F^T, where F maps from the table's frame to the surface's.
+    let f = transpose(mat2x2(fold.x, fold.y));
+    let x = vec3(lobe.m[0].xy * f, lobe.m[0].z);
+    let y = vec3(lobe.m[1].xy * f, lobe.m[1].z);
+    lobe.m = mat3x3(x * fold.x.x + y * fold.y.x, x * fold.x.y + y * fold.y.y, vec3(lobe.m[2].xy * f, lobe.m[2].z));
+    return lobe;
+}

@@ -1,0 +1,44 @@
+// Reads a table of isotropic surfaces: the lobe is symmetric in the plane of incidence and turns with the view. Needs
+// ltc_table.wgsl, and functions ltc_steps and ltc_restore that call a layout's, which `ltcforge shader` writes.
+
+/// The 4 entries around a place, interpolated here: exact weights, any texture format.
+fn ltc_fetch_weighed(place: vec2<f32>) -> LtcTexels {
+    let last = ltc_table.nodes.xz - vec2(1u);
+    let at = clamp(place, vec2(0.0), vec2<f32>(last));
+    let lower = vec2<u32>(at);
+    let upper = min(lower + vec2(1u), last);
+    let weight = fract(at);
+    let low = ltc_mix(ltc_fetch(vec3(0u, lower.yx)), ltc_fetch(vec3(0u, upper.y, lower.x)), weight.y);
+    let high = ltc_mix(ltc_fetch(vec3(0u, lower.y, upper.x)), ltc_fetch(vec3(0u, upper.yx)), weight.y);
+    return ltc_mix(low, high, weight.x);
+}
+
+/// The table at a surface and a view direction; of an anisotropic surface the larger roughness counts. wo: view direction in the
+/// tangent frame, normal +z, of unit length.
+fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
+    let alpha = max(max(alpha_x, alpha_y), LTC_LEAST_ALPHA);
+    // Seen from straight above, the azimuth is 0.
+    let flat = wo.xy + vec2(1e-18, 0.0);
+    let ahead = flat * inverseSqrt(dot(flat, flat));
+    let place = (ltc_steps(alpha, vec3(flat, wo.z)) - ltc_table.start.xz) * ltc_table.per_step.xz;
+    var texels: LtcTexels;
+    if (ltc_hardware_filter) {
+        let middle = place + vec2(0.5);
+        texels = ltc_sample(vec2(0.5, middle.y * ltc_table.texel.y), middle.x);
+    } else {
+        texels = ltc_fetch_weighed(place);
+    }
+    // The columns in the plane of incidence, and the number across it.
+    let x = vec2(texels.a.x, texels.b.z);
+    let z = vec2(texels.a.z, texels.terms.x);
+    let plane = ltc_restore(LtcPlane(x, texels.b.x, z));
+    // Turned by the view's azimuth.
+    let along = plane.x.x * ahead;
+    let across = plane.y * ahead;
+    let m = mat3x3(
+        vec3(along * ahead.x + vec2(across.y, -across.x) * ahead.y, plane.x.y * ahead.x),
+        vec3(along * ahead.y - vec2(across.y, -across.x) * ahead.x, plane.x.y * ahead.y),
+        vec3(plane.z.x * ahead, plane.z.y),
+    );
+    return LtcLobe(m, texels.terms.y, texels.terms.z);
+}

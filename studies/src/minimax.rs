@@ -1,0 +1,117 @@
+//! The polynomials of `shaders/ltc_light.wgsl` and `shaders/ltc_math.wgsl` with the least largest error.
+
+use std::fmt::Write as _;
+
+/// A function that is approximated by a sum of others, each times a number.
+struct Asked<const N: usize> {
+    terms: fn(f64) -> [f64; N],
+    wanted: fn(f64) -> f64,
+}
+
+/// The numbers of a sum, and its largest error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sum {
+    /// One for each term.
+    pub numbers: Vec<f64>,
+    /// From the exact function.
+    pub error: f64,
+}
+
+/// Places from 0 to 1 at which errors are looked at, denser at the ends.
+const PLACES: usize = 4001;
+const ROUNDS: usize = 40;
+
+/// Remez's exchange: the error alternates between extremes of one size, which the next round looks for again.
+fn minimax<const N: usize>(asked: &Asked<N>) -> Sum {
+    let place = |i: usize| 0.5 - 0.5 * (std::f64::consts::PI * i as f64 / (PLACES - 1) as f64).cos();
+    // Without the ends, where quotients are 0 over 0.
+    let places: Vec<f64> = (1..PLACES - 1).map(place).collect();
+    let mut extremes: Vec<usize> = (0..=N).map(|i| i * (places.len() - 1) / N).collect();
+    let mut sum = Sum { numbers: vec![0.0; N], error: f64::INFINITY };
+    for _ in 0..ROUNDS {
+        let rows = extremes.iter().enumerate().map(|(i, at)| {
+            let x = places[*at];
+            let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+            (asked.terms)(x).into_iter().chain([sign, (asked.wanted)(x)]).collect()
+        });
+        let mut numbers = solved(rows.collect());
+        numbers.truncate(N);
+        let errors: Vec<f64> = places.iter().map(|x| value(asked, &numbers, *x) - (asked.wanted)(*x)).collect();
+        sum = Sum { numbers, error: errors.iter().fold(0.0, |most, error| most.max(error.abs())) };
+        // The largest error of each run of one sign.
+        let mut runs: Vec<usize> = Vec::new();
+        for (i, error) in errors.iter().enumerate() {
+            match runs.last_mut() {
+                Some(last) if errors[*last] * error > 0.0 => {
+                    if error.abs() > errors[*last].abs() {
+                        *last = i;
+                    }
+                }
+                _ => runs.push(i),
+            }
+        }
+        if runs.len() != N + 1 {
+            break;
+        }
+        extremes = runs;
+    }
+    sum
+}
+
+fn value<const N: usize>(asked: &Asked<N>, numbers: &[f64], x: f64) -> f64 {
+    (asked.terms)(x).iter().zip(numbers).map(|(term, number)| term * number).sum()
+}
+
+/// Gauss's elimination, of rows with the right side last.
+fn solved(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
+    let n = rows.len();
+    for column in 0..n {
+        let pivot = (column..n).max_by(|a, b| rows[*a][column].abs().total_cmp(&rows[*b][column].abs()));
+        rows.swap(column, pivot.unwrap_or(column));
+        let chosen = rows[column].clone();
+        for (_, row) in rows.iter_mut().enumerate().filter(|(i, _)| *i != column) {
+            let factor = row[column] / chosen[column];
+            row.iter_mut().zip(&chosen).for_each(|(x, y)| *x -= factor * y);
+        }
+    }
+    (0..n).map(|i| rows[i][n] / rows[i][i]).collect()
+}
+
+/// An angle over its sine, of `k`, the squared length of the sum of both directions, up to a straight angle:
+/// `(pi + k (n_0 + k n_1)) / sqrt k - d_0 - k (d_1 + k d_2)`.
+///
+/// The cosine of half the angle is `c = sqrt k / 2`. Times `c`, half the angle over the sine of half of it is wanted, and its error
+/// is the least.
+#[must_use]
+pub fn angle_over_sine() -> Sum {
+    minimax(&Asked {
+        terms: |c| {
+            let k = 4.0 * c * c;
+            [0.5 * k, 0.5 * k * k, -c, -c * k, -c * k * k]
+        },
+        wanted: |c| c.acos() / (1.0 - c * c).sqrt() - std::f64::consts::FRAC_PI_2,
+    })
+}
+
+/// The arc tangent up to an angle of pi/4, in odd powers.
+#[must_use]
+pub fn arc_tangent() -> Sum {
+    minimax(&Asked {
+        terms: |x| {
+            let z = x * x;
+            [x, x * z, x * z * z, x * z.powi(3), x * z.powi(4), x * z.powi(5), x * z.powi(6)]
+        },
+        wanted: f64::atan,
+    })
+}
+
+/// Both, for a reader.
+#[must_use]
+pub fn told() -> String {
+    let mut text = String::new();
+    for (name, sum) in [("angle over sine", angle_over_sine()), ("arc tangent", arc_tangent())] {
+        let numbers: Vec<String> = sum.numbers.iter().map(|number| format!("{number:.7}")).collect();
+        let _ = writeln!(text, "{name}: {}; error {:.1e}", numbers.join(" "), sum.error);
+    }
+    text
+}
