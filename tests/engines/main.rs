@@ -2,8 +2,8 @@
 //!
 //! `node` runs the engines in Chromium, see `run.js` and `example.js`; here their errors are judged. `make test`
 //! installs what this needs; where it cannot, the tests say that they are skipped.
-//! `UPDATE_GOLDEN=three cargo test --test engines` writes `examples/three/normals.glsl`, `table.glsl` and `table/`
-//! anew, `UPDATE_PICTURES=1 cargo test --test engines` the pictures in `docs/engines/`.
+//! `UPDATE_GOLDEN=three cargo test --test engines` writes `examples/three/shaders` and `table` anew,
+//! `UPDATE_PICTURES=1 cargo test --test engines` the pictures in `docs/engines/`.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -293,14 +293,27 @@ fn the_example_is_nearer_to_the_truth_than_three() {
     assert!(stock > 100.0 * normals && stock > 5.0 * table, "{:?}", example.errors);
 }
 
+/// The files of `examples/three/shaders`, and the words after `ltcforge shader` that print them. three's area lights are
+/// rectangles.
+const EXAMPLE_SHADERS: [(&str, &[&str]); 7] = [
+    ("normals_fast.glsl.js", &["--language", "glsl-es", "--model", "normals", "--rule", "fast"]),
+    ("normals_balanced.glsl.js", &["--language", "glsl-es", "--model", "normals", "--rule", "balanced"]),
+    ("normals_fine.glsl.js", &["--language", "glsl-es", "--model", "normals", "--rule", "fine"]),
+    ("normals_fast.wgsl.js", &["--language", "wgsl", "--model", "normals", "--rule", "fast"]),
+    ("normals_balanced.wgsl.js", &["--language", "wgsl", "--model", "normals", "--rule", "balanced"]),
+    ("normals_fine.wgsl.js", &["--language", "wgsl", "--model", "normals", "--rule", "fine"]),
+    ("table.glsl.js", &["--language", "glsl-es", "--layout", "reflected", "--lights", "polygons"]),
+];
+
 #[test]
-fn the_example_has_the_shader_that_the_command_prints() {
+fn the_example_has_the_shaders_that_the_command_prints() {
     let folder = tempfile::tempdir().expect("a folder");
-    let of_table = ["--layout", "reflected", "--lights", "polygons"];
-    for (lit_by, file) in [(&["--model", "normals"][..], "normals.glsl"), (&of_table, "table.glsl")] {
-        let words = ["shader", "--language", "glsl-es"].into_iter().chain(lit_by.iter().copied());
-        let printed = run(folder.path(), words).exited(0).stdout;
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/three").join(file);
+    let shaders = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/three/shaders");
+    for (file, words) in EXAMPLE_SHADERS {
+        let text = run(folder.path(), ["shader"].iter().chain(words)).exited(0).stdout;
+        assert!(!text.contains(['`', '$', '\\']), "{file}: the text is no template of JavaScript");
+        let printed = format!("export default /* {} */ `{text}`;\n", if file.contains("wgsl") { "wgsl" } else { "glsl" });
+        let path = shaders.join(file);
         if env::var("UPDATE_GOLDEN").is_ok_and(|name| name == "three") {
             fs::write(&path, printed).expect("the example");
             continue;
