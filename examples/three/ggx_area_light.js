@@ -1,157 +1,214 @@
-// Area lights on anisotropic GGX for three.js: replaces the lookup of linearly transformed cosines, which knows round
-// lobes only. Either by the closed form that `ltcforge shader --model normals --language glsl-es` writes, which needs no
-// table, or by a table that `ltcforge export --for wgpu` writes, with `ltcforge shader --layout reflected --language glsl-es`.
+// Area lights on anisotropic GGX for WebGLRenderer of three.js: replaces the lookup of linearly transformed cosines, which
+// knows round lobes only. Either by the closed form that `ltcforge shader --model normals --language glsl-es` writes, which
+// needs no table, or by a table that `ltcforge export --for wgpu` writes, with `ltcforge shader --layout reflected`.
 //
 // Works on MeshStandardMaterial and MeshPhysicalMaterial with three's own RectAreaLight, `roughness`, `anisotropy`,
-// `anisotropyRotation` and anisotropyMap. Diffuse light and clearcoat stay three's.
+// `anisotropyRotation`, anisotropyMap and clearcoat. Diffuse light stays three's. WebGPURenderer: see webgpu.js.
 
-import { ShaderChunk } from 'three';
+import { REVISION, ShaderChunk } from 'three';
 
-/** Where three declares what a rectangular light does to a physical material, and the line that adds the gloss. */
-const DECLARATION = '#if NUM_RECT_AREA_LIGHTS > 0';
-const STOCK_GLOSS =
-	'reflectedLight.directSpecular += lightColor * fresnel * LTC_Evaluate( normal, viewDir, position, mInv, rectCoords );';
-const OUR_GLOSS = 'reflectedLight.directSpecular += lightColor * rect_area_gloss( normal, viewDir, position, rectCoords, material );';
+import { BY_NORMALS, BY_TABLE, PATCHES } from './patches.js';
 
-/** What both ways need: everything is in view space, `reflected` turns the parts of the light into what is seen. */
-const glossOf = ( reflected ) => /* glsl */ `
-	// What a rectangle of radiance one reflects by a material's GGX lobe. Everything is in view space.
-	vec3 rect_area_gloss( const in vec3 normal, const in vec3 viewDir, const in vec3 position, const in vec3 rectCoords[ 4 ], const in PhysicalMaterial material ) {
+export { setAlphas } from './alphas.js';
 
-		float alpha = pow2( material.roughness );
-
-		#ifdef USE_ANISOTROPY
-			vec3 along = material.anisotropyT;
-			vec2 alphas = vec2( material.alphaT, alpha );
-		#else
-			vec3 along = abs( normal.x ) < 0.9 ? vec3( 1.0, 0.0, 0.0 ) : vec3( 0.0, 1.0, 0.0 );
-			vec2 alphas = vec2( alpha );
-		#endif
-
-		// The tangent frame. GGX does not tell y from -y, so the frame is right-handed whatever the texture coordinates are.
-		vec3 tangent = normalize( along - normal * dot( normal, along ) );
-		mat3 toTangentFrame = transpose( mat3( tangent, cross( normal, tangent ), normal ) );
-
-		// An interpolated normal may face away from the viewer.
-		vec3 wo = toTangentFrame * viewDir;
-		wo = normalize( vec3( wo.xy, max( wo.z, 1e-3 ) ) );
-
-		// three's corners run counterclockwise seen from the lit side; these have to run clockwise.
-		vec3 corners[ 4 ] = vec3[ 4 ](
-			toTangentFrame * ( rectCoords[ 3 ] - position ),
-			toTangentFrame * ( rectCoords[ 2 ] - position ),
-			toTangentFrame * ( rectCoords[ 1 ] - position ),
-			toTangentFrame * ( rectCoords[ 0 ] - position )
-		);
-
-		${ reflected }
-
-	}
-`;
-
-const BY_NORMALS = glossOf( /* glsl */ `
-		vec2 parts = normals_rectangle( normals_view( alphas.x, alphas.y, wo ), corners, false );
-
-		// Schlick: y is the part of x that (1 - cos)^5 weighs.
-		return material.specularColorBlended * ( parts.x - parts.y ) + material.specularF90 * parts.y;` );
-
-const BY_TABLE = glossOf( /* glsl */ `
-		LtcLobe lobe = ltc_lookup( alphas.x, alphas.y, wo );
-		float covered = ltc_rectangle( ltc_inverse( lobe.m ), corners, false );
-
-		// Schlick: fresnel is the part of amplitude that (1 - cos)^5 weighs.
-		vec3 reflectance = material.specularColorBlended * ( lobe.amplitude - lobe.fresnel ) + material.specularF90 * lobe.fresnel;
-		return covered * reflectance;` );
+/** What is known of a patched material. */
+const patches = new WeakMap();
 
 /**
- * Lights a material's gloss by three's rectangular lights in closed form.
+ * Lights a material's gloss and clearcoat by three's rectangular lights in closed form.
  *
- * @param {import('three').MeshStandardMaterial} material - Patched in place, before it is first drawn.
- * @param {string} normalsGlsl - What `ltcforge shader --model normals --language glsl-es` prints.
+ * @param {import('three').MeshStandardMaterial} material - Patched in place.
+ * @param {string} normalsGlsl - What `ltcforge shader --model normals --language glsl-es` prints, of any rule.
  * @returns {import('three').MeshStandardMaterial} The material.
  */
 export function withClosedFormAreaLights( material, normalsGlsl ) {
 
-	return patched( material, 'ltcforge normals', normalsGlsl + BY_NORMALS, {} );
+	requireText( normalsGlsl, 'normals_rectangle(', 'ltcforge shader --model normals --language glsl-es' );
+	return patch( material, normalsGlsl + BY_NORMALS, {} );
 
 }
 
 /**
- * Lights a material's gloss by three's rectangular lights with a table.
+ * Lights a material's gloss and clearcoat by three's rectangular lights with a table.
  *
- * @param {import('three').MeshStandardMaterial} material - Patched in place, before it is first drawn.
+ * @param {import('three').MeshStandardMaterial} material - Patched in place.
  * @param {string} tableGlsl - What `ltcforge shader --layout reflected --language glsl-es` prints.
- * @param {Object} table - What {@link loadTable} gave. Materials share it.
+ * @param {{ uniforms: Object }} table - What {@link loadTable} gave. Materials share it.
  * @returns {import('three').MeshStandardMaterial} The material.
  */
 export function withTableAreaLights( material, tableGlsl, table ) {
 
-	return patched( material, 'ltcforge table', tableGlsl + BY_TABLE, table );
+	requireText( tableGlsl, 'ltc_rectangle(', 'ltcforge shader --layout reflected --language glsl-es' );
+	if ( ! table || ! table.uniforms ) throw new TypeError( 'table has to be what loadTable gave' );
+	return patch( material, tableGlsl + BY_TABLE, table.uniforms );
+
+}
+
+/**
+ * Takes the patch off a material, and leaves the user's own hooks. A material that has none stays as it is.
+ *
+ * @param {import('three').Material} material - The material, which is compiled anew at its next use.
+ * @returns {import('three').Material} The material.
+ */
+export function withoutAreaLights( material ) {
+
+	const patched = patches.get( material );
+	if ( ! patched ) return material;
+	patches.delete( material );
+	for ( const name of OWN ) delete material[ name ];
+	for ( const [ name, value ] of Object.entries( patched.own ) ) material[ name ] = value;
+	material.needsUpdate = true;
+	return material;
 
 }
 
 /**
  * Loads a table that `ltcforge export --for wgpu` wrote.
  *
- * @param {string} address - Of the folder, with a slash at its end.
+ * @param {string | URL} address - Of the folder, with a slash at its end.
  * @param {import('three/addons/loaders/KTX2Loader.js').KTX2Loader} loader - After `detectSupport( renderer )`.
- * @returns {Promise<Object>} The shader's uniforms.
+ * @returns {Promise<{ uniforms: Object, dispose: function(): void }>} The shader's uniforms, and what frees the textures.
  */
 export async function loadTable( address, loader ) {
 
 	const answer = await fetch( `${ address }ltc.json` );
 	if ( ! answer.ok ) throw new Error( `${ address }ltc.json: ${ answer.status }` );
 	const { textures, ltc_table, ltc_nodes } = await answer.json();
-	const [ ltc_matrix_a, ltc_matrix_b, ltc_terms ] = await Promise.all( textures.map( ( path ) => loader.loadAsync( address + path ) ) );
+	const loaded = await Promise.all( textures.map( ( path ) => loader.loadAsync( address + path ) ) );
+	const [ ltc_matrix_a, ltc_matrix_b, ltc_terms ] = loaded;
 	const four = new Float32Array( 512 );
 	four.set( [ 'alpha', 'ratio', 'theta', 'phi' ].flatMap( ( axis ) => ltc_nodes[ axis ] ) );
-	const uniforms = { ltc_table, ltc_nodes: { four }, ltc_matrix_a, ltc_matrix_b, ltc_terms };
-	return Object.fromEntries( Object.entries( uniforms ).map( ( [ name, value ] ) => [ name, { value } ] ) );
+	const values = { ltc_table, ltc_nodes: { four }, ltc_matrix_a, ltc_matrix_b, ltc_terms };
+	return {
+		uniforms: Object.fromEntries( Object.entries( values ).map( ( [ name, value ] ) => [ name, { value } ] ) ),
+		dispose: () => loaded.forEach( ( texture ) => texture.dispose() ),
+	};
 
 }
 
-/** A material whose shader has other gloss under rectangular lights. */
-function patched( material, name, glsl, uniforms ) {
+/** What a patched material has of its own, where others have their class's. */
+const OWN = [ 'onBeforeCompile', 'customProgramCacheKey', 'clone', 'setupLightingModel' ];
 
-	material.onBeforeCompile = ( shader ) => {
+/** Patches a material, or patches one anew. */
+function patch( material, glsl, uniforms ) {
 
+	requireMaterial( material );
+	// Tells at once, rather than at the first frame, that this three.js has other lines.
+	for ( const [ chunk, lines ] of Object.entries( PATCHES ) ) for ( const [ line ] of lines ) requireOnce( ShaderChunk[ chunk ] || '', line, `ShaderChunk.${ chunk }` );
+
+	withoutAreaLights( material );
+	const own = Object.fromEntries( OWN.filter( ( name ) => Object.hasOwn( material, name ) ).map( ( name ) => [ name, material[ name ] ] ) );
+	const patched = { glsl, uniforms, own };
+	patches.set( material, patched );
+
+	hook( material, patched, 'onBeforeCompile', ( users ) => function ( shader, renderer ) {
+
+		users.call( this, shader, renderer );
+		// A hook of the user's that calls this one may outlive the patch.
+		if ( patches.get( material ) !== patched ) return;
 		Object.assign( shader.uniforms, uniforms );
-		let chunk = ShaderChunk.lights_physical_pars_fragment;
-		chunk = replaced( chunk, STOCK_GLOSS, OUR_GLOSS );
-		chunk = replaced( chunk, DECLARATION, `${ DECLARATION }\n${ glsl }` );
-		shader.fragmentShader = replaced( shader.fragmentShader, '#include <lights_physical_pars_fragment>', chunk );
+		shader.fragmentShader = patchedShader( shader.fragmentShader, glsl );
 
-	};
+	} );
+	hook( material, patched, 'customProgramCacheKey', ( users ) => function () {
 
-	// three tells programs apart by the text of the function above, which is the same for both ways.
-	material.customProgramCacheKey = () => name;
+		return patches.get( material ) === patched ? `${ glsl }\n${ users.call( this ) }` : users.call( this );
+
+	} );
+
+	// three's clone() leaves hooks behind, the user's too.
+	Object.defineProperty( material, 'clone', { configurable: true, writable: true, value() {
+
+		return patch( ( patched.own.clone || Object.getPrototypeOf( this ).clone ).call( this ), glsl, uniforms );
+
+	} } );
+
+	// WebGPURenderer makes a node material of this one, with all that can be enumerated, and never calls the hooks.
+	Object.defineProperty( material, 'setupLightingModel', { configurable: true, enumerable: true, value() {
+
+		throw new Error( 'this material is patched for WebGLRenderer; WebGPURenderer takes those of ltcforge-three/webgpu' );
+
+	} } );
+	material.needsUpdate = true;
 	return material;
 
 }
 
 /**
- * Sets the roughness of GGX along the tangent and across it. three has it as `roughness` and `anisotropy`, which
- * stretches the lobe along a direction that `anisotropyRotation` turns: alpha = roughness^2 across, and along it
- * alpha + (1 - alpha) anisotropy^2. three raises roughness to 0.045.
+ * Makes a hook of a material one that also does ours, whenever the user sets it.
  *
- * @param {import('three').MeshPhysicalMaterial} material - The material.
- * @param {number} alphaX - GGX alpha along the tangent, in (0, 1].
- * @param {number} alphaY - GGX alpha across it, in (0, 1].
+ * @param {function(function): function} around - Makes the hook that calls the user's.
  */
-export function setAlphas( material, alphaX, alphaY ) {
+function hook( material, patched, name, around ) {
 
-	const small = Math.min( alphaX, alphaY );
-	const large = Math.max( alphaX, alphaY );
-	material.roughness = Math.sqrt( small );
-	material.anisotropy = small < 1 ? Math.sqrt( ( large - small ) / ( 1 - small ) ) : 0;
-	material.anisotropyRotation = alphaX >= alphaY ? 0 : Math.PI / 2;
+	const stock = () => Object.getPrototypeOf( material )[ name ];
+	let both;
+	const set = ( users ) => {
+
+		if ( users ) patched.own[ name ] = users; else delete patched.own[ name ];
+		// three's key is the text of `onBeforeCompile`: of the user's, since ours has the same text for all.
+		const isStockKey = name === 'customProgramCacheKey' && ( users || stock() ) === stock();
+		both = around( isStockKey ? () => String( patched.own.onBeforeCompile || '' ) : users || stock() );
+
+	};
+
+	set( patched.own[ name ] );
+	// A hook that calls the one before it calls ours too: the patch is made once, see `patchedShader`.
+	Object.defineProperty( material, name, { configurable: true, enumerable: true, get: () => both, set } );
 
 }
 
-/** Replaces the one place where a text has `what`. Another version of three may have none. */
-function replaced( text, what, by ) {
+/** Tells a shader that is patched. */
+const MARK = '// ltcforge: gloss of rectangular lights';
 
-	if ( text.split( what ).length !== 2 ) throw new Error( `this version of three.js has not exactly one place with: ${ what }` );
-	return text.replace( what, () => by );
+/** A fragment shader with our gloss. */
+function patchedShader( shader, glsl ) {
+
+	if ( shader.includes( MARK ) ) return shader;
+	for ( const [ chunk, lines ] of Object.entries( PATCHES ) ) {
+
+		// A hook of the user's may have put the chunk's text here already.
+		shader = shader.replace( `#include <${ chunk }>`, () => ShaderChunk[ chunk ] );
+		for ( const [ line, by ] of lines ) {
+
+			requireOnce( shader, line, 'the fragment shader, after the material\'s own onBeforeCompile,' );
+			shader = shader.replace( placesOf( line ), () => typeof by === 'function' ? by( `${ MARK }\n${ glsl }` ) : by );
+
+		}
+
+	}
+
+	return shader;
+
+}
+
+/** Where a text has a line: three's builds leave out white space that its sources have. */
+function placesOf( line ) {
+
+	return new RegExp( line.trim().split( /\s+/ ).map( ( word ) => word.replace( /[^\w]/g, '\\$&' ) ).join( '\\s+' ), 'g' );
+
+}
+
+function requireOnce( text, line, where ) {
+
+	if ( ( text.match( placesOf( line ) ) || [] ).length === 1 ) return;
+	throw new Error( `${ where } of three.js r${ REVISION } has not exactly one place with \`${ line.trim() }\`; this patch is for r187` );
+
+}
+
+function requireText( text, needed, command ) {
+
+	if ( typeof text !== 'string' || ! text.includes( needed ) ) throw new TypeError( `the shader has to be the text that \`${ command }\` prints` );
+
+}
+
+function requireMaterial( material ) {
+
+	if ( material && material.isNodeMaterial ) throw new TypeError( `${ material.type } is a node material of WebGPURenderer: ltcforge-three/webgpu lights those` );
+	if ( ! material || ! material.isMeshStandardMaterial ) {
+
+		throw new TypeError( `${ material && material.type || material } has no GGX lobe: MeshStandardMaterial and MeshPhysicalMaterial have one` );
+
+	}
 
 }

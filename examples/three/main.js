@@ -1,17 +1,23 @@
-// Draws the scene by three.js as it is, by a table, by the closed form, and shows the truth beside them.
-// ?width=96&height=64 sets the size of each picture in pixels, ?scale=2 how large a pixel is shown.
+// Draws the scene by three.js as it is, by a table, by the closed form's three rules, and shows the truth beside them.
+// ?width=96&height=64 sets the size of each picture in pixels, ?scale=2 how large a pixel is shown, ?lights=4 how many
+// lights there are.
 
 import * as THREE from 'three';
 import { RectAreaLightUniformsLib } from 'three/addons/lights/RectAreaLightUniformsLib.js';
 import { KTX2Loader } from 'three/addons/loaders/KTX2Loader.js';
 
 import { loadTable, setAlphas, withClosedFormAreaLights, withTableAreaLights } from './ggx_area_light.js';
-import { axesOf, camera as eye, light as lamp, surfaces } from './scene.js';
+import { axesOf, camera as eye, lightsOf, surfaces } from './scene.js';
+import balanced from './shaders/normals_balanced.glsl.js';
+import fast from './shaders/normals_fast.glsl.js';
+import fine from './shaders/normals_fine.glsl.js';
+import tableGlsl from './shaders/table.glsl.js';
 
 const query = new URLSearchParams( location.search );
 const width = Number( query.get( 'width' ) || 288 );
 const height = Number( query.get( 'height' ) || 216 );
 const scale = Number( query.get( 'scale' ) || 1 );
+const lamps = lightsOf( Number( query.get( 'lights' ) || 1 ) );
 
 /** Turns an object so that its axes are those of a surface, and moves it there. */
 function place( object, surface, turned = 1 ) {
@@ -56,11 +62,16 @@ function sceneOf( patch ) {
 
 	}
 
-	const colour = new THREE.Color( ...lamp.radiance );
-	// three's rectangular lights shine along -z.
-	scene.add( place( new THREE.RectAreaLight( colour, 1, lamp.width, lamp.height ), lamp, - 1 ) );
-	const glow = new THREE.MeshBasicMaterial( { color: colour } );
-	scene.add( place( new THREE.Mesh( new THREE.PlaneGeometry( lamp.width, lamp.height ), glow ), lamp ) );
+	for ( const lamp of lamps ) {
+
+		const colour = new THREE.Color( ...lamp.radiance );
+		// three's rectangular lights shine along -z.
+		scene.add( place( new THREE.RectAreaLight( colour, 1, lamp.width, lamp.height ), lamp, - 1 ) );
+		const glow = new THREE.MeshBasicMaterial( { color: colour } );
+		scene.add( place( new THREE.Mesh( new THREE.PlaneGeometry( lamp.width, lamp.height ), glow ), lamp ) );
+
+	}
+
 	return scene;
 
 }
@@ -145,7 +156,6 @@ async function fetched( address ) {
 
 }
 
-const [ normalsGlsl, tableGlsl ] = await Promise.all( [ 'normals.glsl', 'table.glsl' ].map( async ( file ) => ( await fetched( file ) ).text() ) );
 const renderer = new THREE.WebGLRenderer();
 const table = await loadTable( 'table/', new KTX2Loader().detectSupport( renderer ) );
 // Stock three needs its own tables; ours and the closed form do not.
@@ -154,7 +164,8 @@ RectAreaLightUniformsLib.init();
 const pictures = {
 	stock: render( renderer, sceneOf( ( material ) => material ) ),
 	table: render( renderer, sceneOf( ( material ) => withTableAreaLights( material, tableGlsl, table ) ) ),
-	normals: render( renderer, sceneOf( ( material ) => withClosedFormAreaLights( material, normalsGlsl ) ) ),
+	...Object.fromEntries( Object.entries( { fast, balanced, fine } ).map( ( [ rule, text ] ) =>
+		[ rule, render( renderer, sceneOf( ( material ) => withClosedFormAreaLights( material, text ) ) ) ] ) ),
 };
 for ( const [ name, pixels ] of Object.entries( pictures ) ) show( name, pixels );
 
@@ -162,7 +173,7 @@ const caption = document.querySelector( '#truth + figcaption' );
 try {
 
 	caption.textContent = 'truth: being computed';
-	const answer = await fetched( `truth?width=${ width }&height=${ height }` );
+	const answer = await fetched( `truth?width=${ width }&height=${ height }&lights=${ lamps.length }` );
 	const truth = new Float32Array( await answer.arrayBuffer() );
 	show( 'truth', truth );
 	caption.textContent = 'truth';

@@ -4,15 +4,17 @@
 
 export const camera = { eye: [ 0, 2.3, 3.6 ], target: [ 0, 0.1, - 0.1 ], fov: 40 };
 
-/** One-sided rectangle; it shines along its normal, `width` runs along `right`. Radiance is red, green, blue. */
-export const light = {
-	centre: [ 0.1, 1.05, - 2.2 ],
-	normal: [ 0, - 0.25, 1 ],
-	right: [ 1, 0, 0 ],
-	width: 2.4,
-	height: 1,
-	radiance: [ 2, 1.94, 1.8 ],
-};
+/** One-sided rectangles; they shine along their normals, `width` runs along `right`. Radiance is red, green, blue. */
+const all = [
+	{ centre: [ 0.1, 1.05, - 2.2 ], normal: [ 0, - 0.25, 1 ], right: [ 1, 0, 0 ], width: 2.4, height: 1, radiance: [ 2, 1.94, 1.8 ] },
+	{ centre: [ - 2.3, 0.9, - 0.4 ], normal: [ 1, - 0.3, 0.1 ], right: [ 0, 0, 1 ], width: 1.6, height: 0.5, radiance: [ 0.5, 1, 2 ] },
+	{ centre: [ 2.2, 0.8, - 0.6 ], normal: [ - 1, - 0.2, 0 ], right: [ 0, 0.1, 1 ], width: 0.8, height: 1.2, radiance: [ 2, 0.7, 0.4 ] },
+	// A strip that stands on the table.
+	{ centre: [ - 0.2, 0.06, - 1.4 ], normal: [ 0, 0, 1 ], right: [ 1, 0, 0 ], width: 3, height: 0.12, radiance: [ 0.6, 2, 0.8 ] },
+];
+
+/** The lights of the picture, of which `?lights=4` of the page asks for more than the first; eight for a shader's compile time. */
+export const lightsOf = ( count ) => Array.from( { length: count }, ( _, i ) => all[ i % all.length ] );
 
 /**
  * Rectangles of `size` and rings from `radii[ 0 ]` to `radii[ 1 ]`. `right` is tangential to the surface. `alpha` is GGX
@@ -68,10 +70,11 @@ export function cornersOf( rectangle ) {
 /**
  * What the middle of a pixel sees.
  *
- * @returns {?{ surface: number, view: number[], corners: number[][] }} Nothing, the light (`surface` is -1), or a surface:
- * its number, the direction to the eye and the light's corners around the point, both in its tangent frame.
+ * @returns {?{ surface: number, light: number, view: number[], corners: number[][][] }} Nothing, a light (`surface` is -1,
+ * `light` its number), or a surface: its number, the direction to the eye and each light's corners around the point, all
+ * in its tangent frame.
  */
-export function seenBy( column, row, width, height ) {
+export function seenBy( column, row, width, height, lights ) {
 
 	const back = unit( minus( camera.eye, camera.target ) );
 	const right = unit( cross( [ 0, 1, 0 ], back ) );
@@ -83,7 +86,7 @@ export function seenBy( column, row, width, height ) {
 
 	let nearest = Infinity;
 	let seen = null;
-	[ ...surfaces, { ...light, size: [ light.width, light.height ] } ].forEach( ( surface, number ) => {
+	[ ...surfaces, ...lights.map( ( light ) => ( { ...light, size: [ light.width, light.height ] } ) ) ].forEach( ( surface, number ) => {
 
 		const axes = axesOf( surface );
 		const facing = - dot( ray, axes[ 2 ] );
@@ -99,9 +102,9 @@ export function seenBy( column, row, width, height ) {
 		if ( ! within ) return;
 
 		nearest = distance;
-		if ( number === surfaces.length ) {
+		if ( number >= surfaces.length ) {
 
-			seen = { surface: - 1 };
+			seen = { surface: - 1, light: number - surfaces.length };
 			return;
 
 		}
@@ -115,7 +118,7 @@ export function seenBy( column, row, width, height ) {
 		seen = {
 			surface: number,
 			view: inFrame( scaled( ray, - 1 ) ),
-			corners: cornersOf( light ).map( ( corner ) => inFrame( minus( corner, point ) ) ),
+			corners: lights.map( ( light ) => cornersOf( light ).map( ( corner ) => inFrame( minus( corner, point ) ) ) ),
 		};
 
 	} );

@@ -70,22 +70,25 @@ export function program() {
 
 }
 
-/** The truth as an address answers it: `?width=96&height=64`. */
+/** Most lights. */
+const MOST_LIGHTS = 8;
+
+/** The truth as an address answers it: `?width=96&height=64&lights=1`. */
 export async function truthAnswer( query ) {
 
-	const [ width, height ] = [ 'width', 'height' ].map( ( name ) => {
+	const [ width, height, lights ] = [ [ 'width', MOST_PIXELS ], [ 'height', MOST_PIXELS ], [ 'lights', MOST_LIGHTS ] ].map( ( [ name, most ] ) => {
 
-		const pixels = Number( query.get( name ) );
-		if ( ! Number.isInteger( pixels ) || pixels < 1 || pixels > MOST_PIXELS ) {
+		const number = Number( query.get( name ) );
+		if ( ! Number.isInteger( number ) || number < 1 || number > most ) {
 
-			throw new Error( `${ name } is ${ query.get( name ) }: it has to be a whole number from 1 to ${ MOST_PIXELS }` );
+			throw new Error( `${ name } is ${ query.get( name ) }: it has to be a whole number from 1 to ${ most }` );
 
 		}
 
-		return pixels;
+		return number;
 
 	} );
-	const pixels = await truth( program(), width, height );
+	const pixels = await truth( program(), width, height, lights );
 	return new Uint8Array( pixels.buffer );
 
 }

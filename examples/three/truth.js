@@ -4,28 +4,33 @@
 import { spawn } from 'node:child_process';
 import { availableParallelism } from 'node:os';
 
-import { light, seenBy, surfaces } from './scene.js';
+import { lightsOf, seenBy, surfaces } from './scene.js';
 
 /**
  * @param {string} ltcforge - The program.
  * @returns {Promise<Float32Array>} Red, green and blue radiance and the surface's number for each pixel, from the top
  * left: -1 for the light, -2 where nothing is seen.
  */
-export async function truth( ltcforge, width, height ) {
+export async function truth( ltcforge, width, height, count = 1 ) {
 
+	const lights = lightsOf( count );
 	const pixels = new Float32Array( width * height * 4 );
 	const asked = [];
 	const rows = [];
 	for ( let i = 0; i < width * height; i ++ ) {
 
-		const seen = seenBy( i % width, Math.floor( i / width ), width, height );
-		pixels.set( seen && seen.surface === - 1 ? light.radiance : [ 0, 0, 0 ], 4 * i );
+		const seen = seenBy( i % width, Math.floor( i / width ), width, height, lights );
+		pixels.set( seen && seen.surface === - 1 ? lights[ seen.light ].radiance : [ 0, 0, 0 ], 4 * i );
 		pixels[ 4 * i + 3 ] = seen ? seen.surface : - 2;
 		if ( ! seen || seen.surface < 0 ) continue;
 
 		const [ x, y, z ] = seen.view;
-		asked.push( i );
-		rows.push( [ ...surfaces[ seen.surface ].alpha, Math.acos( z ), Math.atan2( y, x ), 1, ...seen.corners.flat() ].join( ',' ) );
+		seen.corners.forEach( ( corners, light ) => {
+
+			asked.push( [ i, lights[ light ] ] );
+			rows.push( [ ...surfaces[ seen.surface ].alpha, Math.acos( z ), Math.atan2( y, x ), 1, ...corners.flat() ].join( ',' ) );
+
+		} );
 
 	}
 
@@ -34,12 +39,12 @@ export async function truth( ltcforge, width, height ) {
 	const shares = [];
 	for ( let start = 0; start < rows.length; start += share ) shares.push( reflected( ltcforge, rows.slice( start, start + share ) ) );
 	const answers = ( await Promise.all( shares ) ).flat();
-	asked.forEach( ( i, n ) => {
+	asked.forEach( ( [ i, light ], n ) => {
 
 		const { energy, fresnel } = answers[ n ];
 		surfaces[ pixels[ 4 * i + 3 ] ].f0.forEach( ( f0, channel ) => {
 
-			pixels[ 4 * i + channel ] = light.radiance[ channel ] * ( f0 * ( energy - fresnel ) + fresnel );
+			pixels[ 4 * i + channel ] += light.radiance[ channel ] * ( f0 * ( energy - fresnel ) + fresnel );
 
 		} );
 

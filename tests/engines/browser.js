@@ -11,8 +11,8 @@ const FLAGS = [ '--no-sandbox', '--use-gl=angle', '--use-angle=gl-egl', '--ignor
  */
 const DEADLINE = 600_000;
 
-/** Runs `work` with a browser, and ends it. */
-export async function withBrowser( program, work ) {
+/** Runs `work` with a browser, started with more flags, and ends it. */
+export async function withBrowser( program, work, flags = [] ) {
 
 	const deadline = setTimeout( () => {
 
@@ -20,7 +20,7 @@ export async function withBrowser( program, work ) {
 		process.exit( 1 );
 
 	}, DEADLINE );
-	const browser = await chromium.launch( { executablePath: program, args: FLAGS, timeout: 0 } );
+	const browser = await chromium.launch( { executablePath: program, args: [ ...FLAGS, ...flags ], timeout: 0 } );
 	try {
 
 		return await work( browser );

@@ -17,6 +17,9 @@ export const roughnesses = [ 0.1, 0.25, 0.4, 0.6, 0.8 ];
 /** Reflectance seen from above: white metal, and black plastic. At grazing angles both have 1. */
 export const reflectances = [ 1, 0.04 ];
 
+/** White metal under clearcoat, whose reflectance is 0.04 and 1. */
+export const coated = { roughness: 0.6, clearcoatRoughness: 0.25 };
+
 /** From above to grazing. Nothing is symmetrical, so that a mirrored picture cannot pass. */
 export const views = [
 	{ eye: [ 0.5, 3.1, 1.9 ], target: [ 0.2, 0, 0 ], fov: 40 },

@@ -1,4 +1,4 @@
-// Linearly Transformed Cosines: area lights on anisotropic GGX, by a table that ltcforge fitted.
+export default /* glsl */ `// Linearly Transformed Cosines: area lights on anisotropic GGX, by a table that ltcforge fitted.
 // Made by ltcforge 0.1.0. SPDX-License-Identifier: MIT OR Apache-2.0
 //
 // Reads tables of layout reflected, and takes every table for one.
@@ -543,3 +543,4 @@ float ltc_polygon(LtcInverse inverse_1, vec3 vertices_1[8], uint count_1, bool t
     float _e35 = ltc_clip_finish(_e33, inverse_1.side, two_sided_2);
     return _e35;
 }
+`;

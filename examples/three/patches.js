@@ -1,0 +1,127 @@
+// The lines of three's shader that are replaced, and by what. Everything is in view space.
+
+/**
+ * By chunk, what stands there and what stands in its place: a text, or what makes one of the text of the lobe, which is
+ * `BY_NORMALS` or `BY_TABLE` behind what it calls.
+ */
+export const PATCHES = {
+	lights_physical_pars_fragment: [
+		[ '	void RE_Direct_RectArea_Physical(', ( lobe ) => `${ lobe }\n	void RE_Direct_RectArea_Physical(` ],
+		[
+			'reflectedLight.directSpecular += lightColor * fresnel * LTC_Evaluate( normal, viewDir, position, mInv, rectCoords );',
+			'reflectedLight.directSpecular += lightColor * rect_area_gloss( rectAreaBase, material.specularColorBlended, material.specularF90, position, rectCoords );',
+		],
+		[
+			'clearcoatSpecularDirect += lightColor * fresnelClearcoat * LTC_Evaluate( Ncc, viewDir, position, mInvClearcoat, rectCoords );',
+			'clearcoatSpecularDirect += lightColor * rect_area_gloss( rectAreaCoat, material.clearcoatF0, material.clearcoatF90, position, rectCoords );',
+		],
+	],
+	lights_fragment_begin: [
+		// three unrolls the loop, so that drivers compile the gloss anew for each light.
+		[
+			`	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_RECT_AREA_LIGHTS; i ++ ) {
+
+		rectAreaLight = rectAreaLights[ i ];
+		RE_Direct_RectArea( rectAreaLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+
+	}
+	#pragma unroll_loop_end`,
+			`	rect_area_begin( geometryNormal, geometryViewDir, geometryClearcoatNormal, material );
+
+	for ( int i = 0; i < NUM_RECT_AREA_LIGHTS; i ++ ) {
+
+		rectAreaLight = rectAreaLights[ i ];
+		RE_Direct_RectArea( rectAreaLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+
+	}`,
+		],
+	],
+};
+
+/**
+ * What both ways need.
+ *
+ * @param {string} members - Of a lobe as a light meets it.
+ * @param {string} lobe - Sets these of `lobe` from `alphas` and `wo`.
+ * @param {string} gloss - Returns what is seen of `corners`, which are in the tangent frame.
+ */
+const glossOf = ( members, lobe, gloss ) => /* glsl */ `
+	// What no light changes.
+	struct RectAreaLobe {
+		mat3 toTangentFrame;
+		${ members }
+	};
+	RectAreaLobe rectAreaBase;
+	RectAreaLobe rectAreaCoat;
+
+	RectAreaLobe rect_area_lobe( const in vec3 normal, const in vec3 viewDir, const in vec3 along, const in vec2 alphas ) {
+
+		// The tangent frame. GGX does not tell y from -y, so the frame is right-handed whatever the texture coordinates are.
+		vec3 tangent = normalize( along - normal * dot( normal, along ) );
+		RectAreaLobe lobe;
+		lobe.toTangentFrame = transpose( mat3( tangent, cross( normal, tangent ), normal ) );
+
+		// An interpolated normal may face away from the viewer.
+		vec3 wo = lobe.toTangentFrame * viewDir;
+		wo = normalize( vec3( wo.xy, max( wo.z, 1e-3 ) ) );
+		${ lobe }
+		return lobe;
+
+	}
+
+	vec3 rect_area_any_tangent( const in vec3 normal ) {
+
+		return abs( normal.x ) < 0.9 ? vec3( 1.0, 0.0, 0.0 ) : vec3( 0.0, 1.0, 0.0 );
+
+	}
+
+	// Once a fragment, before the loop over lights.
+	void rect_area_begin( const in vec3 normal, const in vec3 viewDir, const in vec3 clearcoatNormal, const in PhysicalMaterial material ) {
+
+		float alpha = pow2( material.roughness );
+
+		#ifdef USE_ANISOTROPY
+			rectAreaBase = rect_area_lobe( normal, viewDir, material.anisotropyT, vec2( material.alphaT, alpha ) );
+		#else
+			rectAreaBase = rect_area_lobe( normal, viewDir, rect_area_any_tangent( normal ), vec2( alpha ) );
+		#endif
+
+		#ifdef USE_CLEARCOAT
+			rectAreaCoat = rect_area_lobe( clearcoatNormal, viewDir, rect_area_any_tangent( clearcoatNormal ), vec2( pow2( material.clearcoatRoughness ) ) );
+		#endif
+
+	}
+
+	// What a rectangle of radiance one reflects by a lobe.
+	vec3 rect_area_gloss( const in RectAreaLobe lobe, const in vec3 f0, const in float f90, const in vec3 position, const in vec3 rectCoords[ 4 ] ) {
+
+		// three's corners run counterclockwise seen from the lit side; these have to run clockwise.
+		vec3 corners[ 4 ] = vec3[ 4 ](
+			lobe.toTangentFrame * ( rectCoords[ 3 ] - position ),
+			lobe.toTangentFrame * ( rectCoords[ 2 ] - position ),
+			lobe.toTangentFrame * ( rectCoords[ 1 ] - position ),
+			lobe.toTangentFrame * ( rectCoords[ 0 ] - position )
+		);
+
+		${ gloss }
+
+	}
+`;
+
+export const BY_NORMALS = glossOf(
+	'NormalsView view;',
+	'lobe.view = normals_view( alphas.x, alphas.y, wo );',
+	`// Schlick: y is the part of x that (1 - cos)^5 weighs.
+		vec2 parts = normals_rectangle( lobe.view, corners, false );
+		return f0 * ( parts.x - parts.y ) + f90 * parts.y;` );
+
+export const BY_TABLE = glossOf(
+	'LtcInverse inverse_; float amplitude; float fresnel;',
+	`LtcLobe stored = ltc_lookup( alphas.x, alphas.y, wo );
+		lobe.inverse_ = ltc_inverse( stored.m );
+		lobe.amplitude = stored.amplitude;
+		lobe.fresnel = stored.fresnel;`,
+	`// Schlick: fresnel is the part of amplitude that (1 - cos)^5 weighs.
+		vec3 reflectance = f0 * ( lobe.amplitude - lobe.fresnel ) + f90 * lobe.fresnel;
+		return reflectance * ltc_rectangle( lobe.inverse_, corners, false );` );

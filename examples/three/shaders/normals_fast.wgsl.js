@@ -1,0 +1,219 @@
+export default /* wgsl */ `// SPDX-License-Identifier: MIT OR Apache-2.0
+// Area lights on GGX without a table, in the space of its normals, by rule fast. Made by ltcforge 0.1.0.
+//
+//   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
+//   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in that frame and
+//       run clockwise seen from the lit side. Light of radiance L arrives as L (f0 (x - y) + f90 y).
+//
+// Check, of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
+//   0.3 0.15 (0.36 0.48 0.8): 0.695826 0.000554
+//   0.2 0.6 (-0.64 0.48 0.6): 0.544658 0.002454
+//   0.05 0.02 (0.576 -0.768 0.28): 0.989556 0.186976
+
+/// A surface seen from a direction. A = diag(alpha, 1).
+struct NormalsView {
+    alpha: vec2<f32>,
+    per_alpha: vec2<f32>,
+    wo: vec3<f32>,
+    image: vec3<f32>, // A^-1 wo
+    stretched: vec3<f32>, // A wo
+    length: f32, // of A wo
+    rise: f32, // of wo
+}
+
+/// alpha in (0, 1]; wo of length one in the tangent frame.
+fn normals_view(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> NormalsView {
+    let alpha = max(vec2(alpha_x, alpha_y), vec2(1e-5));
+    let stretched = vec3(alpha * wo.xy, wo.z);
+    let length = sqrt(dot(stretched, stretched));
+    return NormalsView(alpha, 1.0 / alpha, wo, vec3(wo.xy / alpha, wo.z), stretched, length, wo.z / length);
+}
+
+/// One over the length; finite for no length.
+fn normals_per_length(v: vec3<f32>) -> f32 {
+    return inverseSqrt(v.x * v.x + (v.y * v.y + (v.z * v.z + 1e-30)));
+}
+
+/// Height z / |A w| of a direction, zero below the surface.
+fn normals_rise(view: NormalsView, w: vec3<f32>) -> f32 {
+    return max(w.z, 0.0) * normals_per_length(vec3(view.alpha * w.xy, w.z));
+}
+
+/// What is not shadowed, G2/G1, by a direction's rise.
+fn normals_weight_of(view: NormalsView, rise: f32) -> f32 {
+    return (1.0 + view.rise) * rise / (rise + view.rise);
+}
+
+/// The same of the normal A c, of any length and sign, and 1 - wo . h.
+fn normals_weight(view: NormalsView, c: vec3<f32>) -> vec2<f32> {
+    let normal = vec3(view.alpha * c.xy, c.z);
+    let h = normal * normals_per_length(normal);
+    let cosine = dot(view.wo, h);
+    let rise = normals_rise(view, 2.0 * cosine * h - view.wo);
+    return vec2(normals_weight_of(view, rise), saturate(1.0 - abs(cosine)));
+}
+
+/// An angle over its sine, off by 8e-4 of itself at most.
+fn normals_angle(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    let h = a.x * b.x + (a.y * b.y + (a.z * b.z + 1.0000002));
+    return (2.2214415 + h * 0.4152027) * inverseSqrt(h) + (-0.9720743 + h * -0.09337349);
+}
+
+/// Adds the integral of c x dc along the great circles' arcs from a to q to n.
+fn normals_arcs(flux: vec3<f32>, a: vec3<f32>, q: vec3<f32>, n: vec3<f32>) -> vec3<f32> {
+    let s = normals_angle(q, n) * n - normals_angle(a, q) * a;
+    return vec3(flux.x + q.y * s.z - q.z * s.y, flux.y + q.z * s.x - q.x * s.z, flux.z + q.x * s.y - q.y * s.x);
+}
+
+/// A light's corner: its direction, its image A^-1 (wo + w), that at length one, and its length.
+struct NormalsCorner {
+    w: vec3<f32>,
+    image: vec3<f32>,
+    c: vec3<f32>,
+    length: f32,
+}
+
+fn normals_corner(view: NormalsView, v: vec3<f32>) -> NormalsCorner {
+    let w = v * normals_per_length(v);
+    let image = w * vec3(view.per_alpha, 1.0) + view.image;
+    let length2 = image.x * image.x + (image.y * image.y + (image.z * image.z + 1e-30));
+    let per_length = inverseSqrt(length2);
+    return NormalsCorner(w, image, image * per_length, length2 * per_length);
+}
+
+/// Adds the integral along an edge's image, the conic a + 2 t b + t^2 c, by four arcs.
+fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: NormalsCorner) -> vec3<f32> {
+    let a = begin.c;
+    let c = end.c;
+    let sum = begin.w + end.w;
+    let y = sum.x * sum.x + (sum.y * sum.y + (sum.z * sum.z + 1e-10));
+    let image = begin.image + end.image + (0.5 * y - 2.0) * view.image;
+    let b = image * inverseSqrt(y * (begin.length * end.length));
+    // It is halved where it is equally far from both ends, if they are apart.
+    let apart = a - c;
+    let bend = 2.0 * dot(b, apart) / (apart.x * apart.x + (apart.y * apart.y + (apart.z * apart.z + 1e-8)));
+    let t = bend + sqrt(bend * bend + 1.0);
+    let left = a + t * b;
+    let right = b + t * c;
+    let middle = left + t * right;
+    let per_length = normals_per_length(middle);
+    let n = per_length * middle;
+    // The arcs of a half meet a little outside of it, so that they enclose its area.
+    let root = sqrt(per_length);
+    let least = 3.3 * root;
+    let more = 0.6 * per_length * root;
+    let q = a + n + (least + more * dot(left, left)) * left;
+    let r = c + n + (least + more * dot(right, right)) * right;
+    return normals_arcs(normals_arcs(flux, a, q * normals_per_length(q), n), n, r * normals_per_length(r), c);
+}
+
+/// What is reflected of a rectangle of radiance one: for a Fresnel factor of one, and by Schlick's (1 - wo . h)^5.
+fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
+    // Both sides are turned to rise. A corner below the surface slides up along its side.
+    let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
+    let along = corners[1] - corners[0];
+    let across = corners[3] - corners[0];
+    let x = (1.0 - 2.0 * falls.x) * along;
+    let y = (1.0 - 2.0 * falls.y) * across;
+    let low = corners[0] + falls.x * along + falls.y * across;
+    let right = low + x;
+    let left = low + y;
+    if (right.z + y.z <= 0.0) {
+        return vec2(0.0);
+    }
+    let slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
+    let right_up = right + saturate(right.z * slide.y) * y;
+    let left_up = left + saturate(left.z * slide.x) * x;
+    // The side on the horizon, or one point.
+    let a = normals_corner(view, select(low + saturate(low.z * slide.y) * y, left_up, left.z <= 0.0));
+    let b = normals_corner(view, select(low + saturate(low.z * slide.x) * x, right_up, right.z <= 0.0));
+    var flux = normals_edge(view, vec3(0.0), a, b);
+    let c = normals_corner(view, right_up);
+    flux = normals_edge(view, flux, b, c);
+    let high = normals_corner(view, right + y);
+    flux = normals_edge(view, flux, c, high);
+    let d = normals_corner(view, left_up);
+    flux = normals_edge(view, normals_edge(view, flux, high, d), d, a);
+    let seen = select(1.0, -1.0, falls.x != falls.y) * dot(flux, view.stretched);
+    let rise = normals_rise(view, a.w) + normals_rise(view, c.w) + normals_rise(view, d.w) + normals_rise(view, high.w);
+    return normals_mean(view, flux, seen, 0.25 * rise, two_sided);
+}
+
+/// The same of a convex polygon of 3 to 8 vertices.
+fn normals_polygon(
+    view: NormalsView,
+    vertices: ptr<function, array<vec3<f32>, 8>>,
+    count: u32,
+    two_sided: bool,
+) -> vec2<f32> {
+    let number = clamp(count, 3u, 8u);
+    var a = (*vertices)[number - 1u];
+    var setting = normals_corner(view, a);
+    var rising = setting;
+    var flux = vec3(0.0);
+    var rise = 0.0;
+    for (var i = 0u; i < 8u; i++) {
+        if (i < number) {
+            let b = (*vertices)[i];
+            if (a.z > 0.0 || b.z > 0.0) {
+                let cut = vec3(a.xy * abs(b.z) + b.xy * abs(a.z), 0.0);
+                let begin = normals_corner(view, select(cut, a, a.z > 0.0));
+                let end = normals_corner(view, select(cut, b, b.z > 0.0));
+                flux = normals_edge(view, flux, begin, end);
+                if (a.z <= 0.0) {
+                    rising = begin;
+                }
+                if (b.z <= 0.0) {
+                    setting = end;
+                }
+            }
+            rise += normals_rise(view, b);
+            a = b;
+        }
+    }
+    if (rise <= 0.0) {
+        return vec2(0.0);
+    }
+    flux = normals_edge(view, flux, setting, rising);
+    return normals_mean(view, flux, dot(flux, view.stretched), rise / f32(number), two_sided);
+}
+
+/// The part of the visible normals times their mean weight: that of the mean normal, a share of that of the vertices, and more
+/// by the part. A network of rectified linear units tells these.
+fn normals_mean(view: NormalsView, flux: vec3<f32>, seen: f32, rise: f32, two_sided: bool) -> vec2<f32> {
+    let part = saturate(select(seen, abs(seen), two_sided) * 0.31830989 / (view.wo.z + view.length));
+    let at_mean = normals_weight(view, flux);
+    let at_vertices = normals_weight_of(view, rise);
+    let per_length = normals_per_length(flux);
+    let alpha = vec2(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y));
+    let first = vec4(part, view.rise, at_mean);
+    let second = vec4(abs(flux.z) * per_length, alpha, at_vertices);
+    let told = normals_network(first, second);
+    let weight = saturate(at_mean.x + told.z * (at_vertices - at_mean.x) + told.x * part);
+    let m2 = at_mean.y * at_mean.y;
+    return part * vec2(weight, clamp(weight * m2 * m2 * at_mean.y + told.y * part, 0.0, weight));
+}
+
+/// More of the weight and of Schlick's part, and the share of the vertices.
+fn normals_network(first: vec4<f32>, second: vec4<f32>) -> vec3<f32> {
+    let units_0 = max(
+        mat4x3(0.957, -0.2205, 0.6027, -1.39, -0.5151, 0.9099, -10.86, 9.136, -6.964, 0.2335, -0.0706, 0.5823) * first
+        + mat4x3(0.1728, 0.4426, -1.059, -1.234, -0.7694, 2.05, -0.7549, -0.2645, 1.341, -0.01225, -0.1219, 1.024) * second
+        + vec3(10.96, -8.294, 4.826),
+        vec3(0.0),
+    );
+    return mat3x3(-0.03396, -0.1141, -0.04112, 0.01311, -0.004379, -0.3055, -0.04821, 0.008404, 0.1643) * units_0
+        + vec3(-0.005077, 0.001849, 0.1108);
+}
+
+/// The same of a disk by perpendicular half axes, lit from the side of half_x x half_y: the regular octagon of its area.
+fn normals_disk(view: NormalsView, centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>, two_sided: bool) -> vec2<f32> {
+    var vertices: array<vec3<f32>, 8>;
+    var turn = vec2(0.97368348, 0.4033129);
+    for (var i = 0u; i < 8u; i++) {
+        vertices[i] = centre + half_x * turn.x + half_y * turn.y;
+        turn = 0.70710678 * vec2(turn.x + turn.y, turn.y - turn.x);
+    }
+    return normals_polygon(view, &vertices, 8u, two_sided);
+}
+`;

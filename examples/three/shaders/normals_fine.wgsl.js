@@ -1,0 +1,316 @@
+export default /* wgsl */ `// SPDX-License-Identifier: MIT OR Apache-2.0
+// Area lights on GGX without a table, in the space of its normals, by rule fine. Made by ltcforge 0.1.0.
+//
+//   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
+//   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in that frame and
+//       run clockwise seen from the lit side. Light of radiance L arrives as L (f0 (x - y) + f90 y).
+//
+// Check, of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
+//   0.3 0.15 (0.36 0.48 0.8): 0.700339 0.000289
+//   0.2 0.6 (-0.64 0.48 0.6): 0.551536 0.002191
+//   0.05 0.02 (0.576 -0.768 0.28): 0.993359 0.187111
+
+/// A surface seen from a direction. A = diag(alpha, 1).
+struct NormalsView {
+    alpha: vec2<f32>,
+    per_alpha: vec2<f32>,
+    wo: vec3<f32>,
+    image: vec3<f32>, // A^-1 wo
+    stretched: vec3<f32>, // A wo
+    length: f32, // of A wo
+    rise: f32, // of wo
+}
+
+/// alpha in (0, 1]; wo of length one in the tangent frame.
+fn normals_view(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> NormalsView {
+    let alpha = max(vec2(alpha_x, alpha_y), vec2(1e-5));
+    let stretched = vec3(alpha * wo.xy, wo.z);
+    let length = sqrt(dot(stretched, stretched));
+    return NormalsView(alpha, 1.0 / alpha, wo, vec3(wo.xy / alpha, wo.z), stretched, length, wo.z / length);
+}
+
+/// One over the length; finite for no length.
+fn normals_per_length(v: vec3<f32>) -> f32 {
+    return inverseSqrt(v.x * v.x + (v.y * v.y + (v.z * v.z + 1e-30)));
+}
+
+/// Height z / |A w| of a direction, zero below the surface.
+fn normals_rise(view: NormalsView, w: vec3<f32>) -> f32 {
+    return max(w.z, 0.0) * normals_per_length(vec3(view.alpha * w.xy, w.z));
+}
+
+/// What is not shadowed, G2/G1, by a direction's rise.
+fn normals_weight_of(view: NormalsView, rise: f32) -> f32 {
+    return (1.0 + view.rise) * rise / (rise + view.rise);
+}
+
+/// The same of the normal A c, of any length and sign, and 1 - wo . h.
+fn normals_weight(view: NormalsView, c: vec3<f32>) -> vec2<f32> {
+    let normal = vec3(view.alpha * c.xy, c.z);
+    let h = normal * normals_per_length(normal);
+    let cosine = dot(view.wo, h);
+    let rise = normals_rise(view, 2.0 * cosine * h - view.wo);
+    return vec2(normals_weight_of(view, rise), saturate(1.0 - abs(cosine)));
+}
+
+/// An angle over its sine, off by 2e-5 of itself at most.
+fn normals_angle(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    let h = a.x * b.x + (a.y * b.y + (a.z * b.z + 1.0000002));
+    let over_root = 2.2214415 + h * (0.53970425 + h * 0.10004498);
+    return over_root * inverseSqrt(h) + (-0.99856362 + h * (-0.27447702 + h * -0.017381236));
+}
+
+/// Adds the integral of c x dc along the great circles' arcs from a to q to n.
+fn normals_arcs(flux: vec3<f32>, a: vec3<f32>, q: vec3<f32>, n: vec3<f32>) -> vec3<f32> {
+    // q x q is zero; differences keep the digits of short arcs.
+    let s = normals_angle(q, n) * (n - q) - normals_angle(a, q) * (a - q);
+    return vec3(flux.x + q.y * s.z - q.z * s.y, flux.y + q.z * s.x - q.x * s.z, flux.z + q.x * s.y - q.y * s.x);
+}
+
+/// A light's corner: its direction, its image A^-1 (wo + w), that at length one, and its length.
+struct NormalsCorner {
+    w: vec3<f32>,
+    image: vec3<f32>,
+    c: vec3<f32>,
+    length: f32,
+}
+
+fn normals_corner(view: NormalsView, v: vec3<f32>) -> NormalsCorner {
+    let w = v * normals_per_length(v);
+    let image = w * vec3(view.per_alpha, 1.0) + view.image;
+    let length2 = image.x * image.x + (image.y * image.y + (image.z * image.z + 1e-30));
+    let per_length = inverseSqrt(length2);
+    return NormalsCorner(w, image, image * per_length, length2 * per_length);
+}
+
+/// Adds the integral along an edge's image, the conic a + 2 t b + t^2 c, by four arcs.
+fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: NormalsCorner) -> vec3<f32> {
+    let a = begin.c;
+    let c = end.c;
+    let sum = begin.w + end.w;
+    let y = sum.x * sum.x + (sum.y * sum.y + (sum.z * sum.z + 1e-10));
+    let image = begin.image + end.image + (0.5 * y - 2.0) * view.image;
+    let b = image * inverseSqrt(y * (begin.length * end.length));
+    // It is halved where it is equally far from both ends, if they are apart.
+    let apart = a - c;
+    let bend = 2.0 * dot(b, apart) / (apart.x * apart.x + (apart.y * apart.y + (apart.z * apart.z + 1e-8)));
+    let t = bend + sqrt(bend * bend + 1.0);
+    let left = a + t * b;
+    let right = b + t * c;
+    let middle = left + t * right;
+    let per_length = normals_per_length(middle);
+    let n = per_length * middle;
+    // The arcs of a half meet a little outside of it, so that they enclose its area.
+    let root = sqrt(per_length);
+    let least = 3.3 * root;
+    let more = 0.6 * per_length * root;
+    let q = a + n + (least + more * dot(left, left)) * left;
+    let r = c + n + (least + more * dot(right, right)) * right;
+    return normals_arcs(normals_arcs(flux, a, q * normals_per_length(q), n), n, r * normals_per_length(r), c);
+}
+
+/// The normal at which all triangles of a light meet, its mean normal, and what they have in common.
+struct NormalsTip {
+    c: vec3<f32>,
+    /// The part of the visible normals, and what makes it of an integral along A wo; negative for a light that turns right.
+    part: f32,
+    side: f32,
+    /// The view's rise, the larger and the smaller alpha, and the weight of the tip.
+    shared_inputs: vec4<f32>,
+}
+
+/// Sums over triangles: parts times the means of the weight and of Schlick's part; sizes of parts times these, and sizes.
+struct NormalsSum {
+    signed: vec2<f32>,
+    sizes: vec3<f32>,
+}
+
+/// An edge's part above the surface.
+struct NormalsSide {
+    begin: NormalsCorner,
+    end: NormalsCorner,
+}
+
+fn normals_side(view: NormalsView, a: vec3<f32>, b: vec3<f32>) -> NormalsSide {
+    let cut = vec3(a.xy * abs(b.z) + b.xy * abs(a.z), 0.0);
+    let begin = normals_corner(view, select(cut, a, a.z > 0.0));
+    return NormalsSide(begin, normals_corner(view, select(cut, b, b.z > 0.0)));
+}
+
+fn normals_tip(view: NormalsView, flux: vec3<f32>) -> NormalsTip {
+    let seen = dot(flux, view.stretched);
+    let side = select(0.31830989, -0.31830989, seen < 0.0) / (view.wo.z + view.length);
+    let c = flux * (select(1.0, -1.0, seen < 0.0) * normals_per_length(flux));
+    let alpha = vec2(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y));
+    return NormalsTip(c, saturate(seen * side), side, vec4(view.rise, alpha, normals_weight(view, c).x));
+}
+
+/// The integral of c x dc along the great circle's arc from the tip to a corner.
+fn normals_spoke(tip: NormalsTip, corner: NormalsCorner) -> vec3<f32> {
+    return normals_angle(tip.c, corner.c) * cross(tip.c, corner.c);
+}
+
+/// Adds a triangle between the tip and an edge's image, around which the integral of c x dc is flux: its part of the visible
+/// normals times their mean weight. That is the weight of its mean normal, shares of those of its outer corners and of the
+/// tip, and more by its part. A network of rectified linear units tells these.
+fn normals_triangle(
+    view: NormalsView,
+    tip: NormalsTip,
+    sum: NormalsSum,
+    flux: vec3<f32>,
+    begin: NormalsCorner,
+    end: NormalsCorner,
+) -> NormalsSum {
+    let seen = dot(flux, view.stretched);
+    let part = seen * tip.side;
+    let size = abs(part);
+    // A triangle that runs back is turned around.
+    let c = flux * (select(1.0, -1.0, seen < 0.0) * normals_per_length(flux));
+    let at_mean = normals_weight(view, c);
+    let rises = vec2(normals_rise(view, begin.w), normals_rise(view, end.w));
+    let at_corners = normals_weight_of(view, 0.5 * (rises.x + rises.y));
+    let first = vec4(size, at_mean, at_corners);
+    let second = vec4(dot(c, tip.c), dot(c, begin.c + end.c), abs(c.z), abs(rises.x - rises.y));
+    let told = normals_network(first, second, tip.shared_inputs);
+    let known = at_mean.x + told.z * (at_corners - at_mean.x) + told.w * (tip.shared_inputs.w - at_mean.x);
+    let weight = saturate(known + size * told.x);
+    let m2 = at_mean.y * at_mean.y;
+    let means = vec2(weight, clamp(weight * m2 * m2 * at_mean.y + size * told.y, 0.0, weight));
+    return NormalsSum(sum.signed + part * means, sum.sizes + size * vec3(means, 1.0));
+}
+
+/// What triangles add up to. Where they overlap, they may take all of it from each other, although it is reflected.
+fn normals_total(tip: NormalsTip, sum: NormalsSum, is_lit: bool) -> vec2<f32> {
+    let both = max(sum.signed, sum.sizes.xy * (0.5 * tip.part / max(sum.sizes.z, 1e-30)));
+    let energy = min(both.x, tip.part);
+    return select(vec2(0.0), vec2(energy, clamp(both.y, 0.0, energy)), is_lit);
+}
+
+/// What is reflected of a rectangle of radiance one: for a Fresnel factor of one, and by Schlick's (1 - wo . h)^5.
+fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
+    // Both sides are turned to rise. A corner below the surface slides up along its side.
+    let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
+    let along = corners[1] - corners[0];
+    let across = corners[3] - corners[0];
+    let x = (1.0 - 2.0 * falls.x) * along;
+    let y = (1.0 - 2.0 * falls.y) * across;
+    let low = corners[0] + falls.x * along + falls.y * across;
+    let right = low + x;
+    let left = low + y;
+    if (right.z + y.z <= 0.0) {
+        return vec2(0.0);
+    }
+    let slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
+    let right_up = right + saturate(right.z * slide.y) * y;
+    let left_up = left + saturate(left.z * slide.x) * x;
+    // The side on the horizon, or one point.
+    let a = normals_corner(view, select(low + saturate(low.z * slide.y) * y, left_up, left.z <= 0.0));
+    let b = normals_corner(view, select(low + saturate(low.z * slide.x) * x, right_up, right.z <= 0.0));
+    let c = normals_corner(view, right_up);
+    let high = normals_corner(view, right + y);
+    let d = normals_corner(view, left_up);
+    let none = vec3(0.0);
+    let ab = normals_edge(view, none, a, b);
+    let bc = normals_edge(view, none, b, c);
+    let ch = normals_edge(view, none, c, high);
+    let hd = normals_edge(view, none, high, d);
+    let da = normals_edge(view, none, d, a);
+    let tip = normals_tip(view, ab + bc + ch + hd + da);
+    let to_a = normals_spoke(tip, a);
+    let to_b = normals_spoke(tip, b);
+    var sum = normals_triangle(view, tip, NormalsSum(vec2(0.0), vec3(0.0)), ab + to_a - to_b, a, b);
+    let to_c = normals_spoke(tip, c);
+    sum = normals_triangle(view, tip, sum, bc + to_b - to_c, b, c);
+    let to_high = normals_spoke(tip, high);
+    sum = normals_triangle(view, tip, sum, ch + to_c - to_high, c, high);
+    let to_d = normals_spoke(tip, d);
+    sum = normals_triangle(view, tip, sum, hd + to_high - to_d, high, d);
+    sum = normals_triangle(view, tip, sum, da + to_d - to_a, d, a);
+    return normals_total(tip, sum, two_sided || (tip.side > 0.0) == (falls.x == falls.y));
+}
+
+/// The same of a convex polygon of 3 to 8 vertices.
+fn normals_polygon(
+    view: NormalsView,
+    vertices: ptr<function, array<vec3<f32>, 8>>,
+    count: u32,
+    two_sided: bool,
+) -> vec2<f32> {
+    let number = clamp(count, 3u, 8u);
+    var a = (*vertices)[number - 1u];
+    var setting = normals_corner(view, a);
+    var rising = setting;
+    var flux = vec3(0.0);
+    var highest = 0.0;
+    for (var i = 0u; i < 8u; i++) {
+        if (i < number) {
+            let b = (*vertices)[i];
+            if (a.z > 0.0 || b.z > 0.0) {
+                let side = normals_side(view, a, b);
+                flux = normals_edge(view, flux, side.begin, side.end);
+                if (a.z <= 0.0) {
+                    rising = side.begin;
+                }
+                if (b.z <= 0.0) {
+                    setting = side.end;
+                }
+            }
+            highest = max(highest, b.z);
+            a = b;
+        }
+    }
+    if (highest <= 0.0) {
+        return vec2(0.0);
+    }
+    let horizon = normals_edge(view, vec3(0.0), setting, rising);
+    let tip = normals_tip(view, flux + horizon);
+    let spokes = normals_spoke(tip, setting) - normals_spoke(tip, rising);
+    var sum = NormalsSum(vec2(0.0), vec3(0.0));
+    sum = normals_triangle(view, tip, sum, horizon + spokes, setting, rising);
+    for (var i = 0u; i < 8u; i++) {
+        if (i < number) {
+            let b = (*vertices)[i];
+            if (a.z > 0.0 || b.z > 0.0) {
+                let side = normals_side(view, a, b);
+                let spokes = normals_spoke(tip, side.begin) - normals_spoke(tip, side.end);
+                let triangle = normals_edge(view, spokes, side.begin, side.end);
+                sum = normals_triangle(view, tip, sum, triangle, side.begin, side.end);
+            }
+            a = b;
+        }
+    }
+    return normals_total(tip, sum, two_sided || tip.side > 0.0);
+}
+
+/// More of the weight and of Schlick's part, and the shares of the outer corners and of the tip.
+fn normals_network(first: vec4<f32>, second: vec4<f32>, third: vec4<f32>) -> vec4<f32> {
+    let units_0 = max(
+        mat4x4(0.002458, -0.3085, 0.4481, -0.2037, 4.334, 8.807, -0.178, -1.829, -0.021, -0.1121, -0.5536, 0.7055, -0.2705, -0.7018, 1.211, -0.7771) * first
+        + mat4x4(0.06174, 6.212, -2.993, 0.1471, 0.006822, 0.4145, 1.069, 0.2788, -0.006708, 0.1209, 0.8084, 0.8091, -0.2165, 1.82, -1.944, -0.05929) * second
+        + mat4x4(-0.2034, 1.687, -5.491, -1.371, -0.4874, 2.243, 1.753, -0.9754, -0.1453, 0.3208, 2.159, -1.791, 5.038, -6.212, 13.25, -2.874) * third
+        + vec4(-8.279, -12.7, -13.67, 4.934),
+        vec4(0.0),
+    );
+    let units_1 = max(
+        mat4x4(-1.506, -1.09, 0.3733, -1.398, 1.812, -2.525, 2.187, 0.6716, 0.5547, 0.799, 0.167, -0.4288, 0.02498, 1.141, -0.4547, 0.2108) * first
+        + mat4x4(-0.2243, -0.364, 0.7185, -0.3129, -0.02329, 0.225, 0.05971, -0.2066, 0.2175, -0.5217, -0.9236, 1.052, -0.5081, -0.4998, -0.2099, -2.278) * second
+        + mat4x4(-0.2047, 0.252, 0.5268, -0.1954, -0.4169, 0.0728, 1.437, 1.193, 0.4758, 2.545, 1.127, -0.1801, 0.6371, 1.09, -6.474, 0.4106) * third
+        + vec4(-3.017, 0.0739, 3.512, -1.3),
+        vec4(0.0),
+    );
+    return mat4x4(0.02167, -0.003482, -0.07942, -0.7569, 0.01344, -0.009918, 0.08061, -0.01264, 0.01744, 0.03595, -0.1031, -0.4409, -0.04171, -0.1199, -0.02374, 0.02207) * units_0
+        + mat4x4(0.09729, 0.01279, -0.1212, -0.05903, -0.001573, -0.0185, 0.08699, 0.3479, -0.02264, 0.01916, 0.06157, -0.04364, 0.002402, -0.02149, -0.08563, -0.33) * units_1
+        + vec4(-0.01374, 0.002538, 0.05454, 0.0326);
+}
+
+/// The same of a disk by perpendicular half axes, lit from the side of half_x x half_y: the regular octagon of its area.
+fn normals_disk(view: NormalsView, centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>, two_sided: bool) -> vec2<f32> {
+    var vertices: array<vec3<f32>, 8>;
+    var turn = vec2(0.97368348, 0.4033129);
+    for (var i = 0u; i < 8u; i++) {
+        vertices[i] = centre + half_x * turn.x + half_y * turn.y;
+        turn = 0.70710678 * vec2(turn.x + turn.y, turn.y - turn.x);
+    }
+    return normals_polygon(view, &vertices, 8u, two_sided);
+}
+`;

@@ -1,0 +1,65 @@
+// How long three.js takes to a first draw, compiling its shader, by ways of lighting and numbers of lights. Prints lines of
+// a table for docs/engines.md: medians, in milliseconds and as multiples of stock three.js.
+//
+//   node first_draw.js [--chromium PROGRAM] [--runs 3] [--lights 1,2,4,8] [--ways stock,fast,balanced,fine,table] [--clearcoat]
+//
+// Each run has a browser of its own, and no cache of shaders.
+
+import { fileURLToPath } from 'node:url';
+import { parseArgs } from 'node:util';
+
+import { serve } from '../../examples/three/serve.js';
+import { openPage, withBrowser } from './browser.js';
+
+const { values } = parseArgs( { options: {
+	chromium: { type: 'string', default: '/usr/bin/chromium-headless-shell' },
+	runs: { type: 'string', default: '3' },
+	lights: { type: 'string', default: '1,2,4,8' },
+	ways: { type: 'string', default: 'stock,fast,balanced,fine,table' },
+	clearcoat: { type: 'boolean' },
+} } );
+
+// Mesa's cache; Chromium's is off with the flag below.
+process.env.MESA_SHADER_CACHE_DISABLE = 'true';
+const FLAGS = [ '--disable-gpu-program-cache', '--disable-gpu-shader-disk-cache' ];
+
+const here = fileURLToPath( new URL( '.', import.meta.url ) );
+const server = await serve( { '/': here, '/example/': `${ here }../../examples/three`, '/node_modules/': `${ here }node_modules` } );
+const address = `http://127.0.0.1:${ server.address().port }/pages/first_draw.html`;
+
+async function firstDraw( way, lights ) {
+
+	return withBrowser( values.chromium, async ( browser ) => {
+
+		const page = await openPage( browser, way, `${ address }?way=${ way }&lights=${ lights }${ values.clearcoat ? '&clearcoat' : '' }` );
+		const failed = new Promise( ( _, reject ) => page.on( 'pageerror', reject ) );
+		await Promise.race( [ page.waitForFunction( 'window.milliseconds' ), failed ] );
+		return page.evaluate( 'window.milliseconds' );
+
+	}, FLAGS );
+
+}
+
+try {
+
+	const ways = values.ways.split( ',' );
+	console.log( `| lights | ${ ways.join( ' | ' ) } |\n|${ '---|'.repeat( ways.length + 1 ) }` );
+	for ( const lights of values.lights.split( ',' ) ) {
+
+		const times = ways.map( () => [] );
+		for ( let run = 0; run < Number( values.runs ); run ++ ) {
+
+			for ( const [ i, way ] of ways.entries() ) times[ i ].push( await firstDraw( way, lights ) );
+
+		}
+
+		const medians = times.map( ( those ) => those.sort( ( a, b ) => a - b )[ Math.floor( those.length / 2 ) ] );
+		console.log( `| ${ lights } | ${ medians.map( ( ms, i ) => `${ Math.round( ms ) }${ i ? ` (${ ( ms / medians[ 0 ] ).toFixed( 1 ) })` : '' }` ).join( ' | ' ) } |` );
+
+	}
+
+} finally {
+
+	server.close();
+
+}

@@ -1,0 +1,104 @@
+// The package of examples/three as npm packs it, in a browser. Prints one JSON document: what its patch does to materials,
+// the errors of its pictures of clearcoat, and what the page of its README shows.
+//
+//   node patch.js --ltcforge PROGRAM --chromium PROGRAM --package FOLDER [--picture FILE]
+
+import { readFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { parseArgs } from 'node:util';
+
+import { serve } from '../../examples/three/serve.js';
+import { reflected } from '../../examples/three/truth.js';
+import { openPage, withBrowser } from './browser.js';
+import { coated, pointsOf, questionOf, views } from './world.js';
+
+const { values } = parseArgs( { options: {
+	ltcforge: { type: 'string' }, chromium: { type: 'string' }, package: { type: 'string' }, picture: { type: 'string' },
+} } );
+
+/** The truth at the pixels that show the floor, as three.js layers a coat: the base times what the coat lets through, and the coat. */
+async function truthOfCoat() {
+
+	const points = pointsOf( views[ 1 ] );
+	const pixels = points.flatMap( ( point, i ) => point ? [ i ] : [] );
+	const layers = [ coated.roughness, coated.clearcoatRoughness ];
+	const answers = await reflected( values.ltcforge, layers.flatMap( ( roughness ) => pixels.map( ( i ) => questionOf( roughness, views[ 1 ], points[ i ] ) ) ) );
+	return pixels.map( ( pixel, n ) => {
+
+		const coat = answers[ pixels.length + n ];
+		const toEye = views[ 1 ].eye.map( ( value, k ) => value - points[ pixel ][ k ] );
+		const cosine = toEye[ 1 ] / Math.hypot( ...toEye );
+		// three's exp2( - 5.55473 x - 6.98316 ) for Schlick's fifth power.
+		const through = 1 - 0.04 - 0.96 * 2 ** ( ( - 5.55473 * cosine - 6.98316 ) * cosine );
+		return { pixel, radiance: answers[ n ].energy * through + 0.04 * ( coat.energy - coat.fresnel ) + coat.fresnel };
+
+	} );
+
+}
+
+const here = fileURLToPath( new URL( '.', import.meta.url ) );
+const readme = await readFile( join( values.package, 'README.md' ), 'utf8' );
+const pageOfReadme = /```html\n([\s\S]*?)```/.exec( readme )[ 1 ];
+const server = await serve( {
+	'/': here, '/example/': values.package, '/node_modules/': join( here, 'node_modules' ), '/node_modules/ltcforge-three/': values.package,
+}, { '/readme.html': async () => pageOfReadme } );
+const address = `http://127.0.0.1:${ server.address().port }`;
+
+try {
+
+	const truth = await truthOfCoat();
+	const report = await withBrowser( values.chromium, async ( browser ) => {
+
+		const faults = [];
+		const page = await openPage( browser, 'patch', `${ address }/pages/?engine=patch`, faults );
+		await page.waitForFunction( 'window.draw' );
+		const { pictures, ...told } = await page.evaluate( 'window.draw()' );
+		await page.close();
+
+		const errors = {};
+		const brightness = {};
+		for ( const [ name, picture ] of Object.entries( pictures ) ) {
+
+			errors[ name ] = truth.reduce( ( sum, { pixel, radiance } ) => sum + Math.abs( picture[ pixel ] - radiance ), 0 ) / truth.length;
+			// As bright as `ours`, where nothing is dark.
+			const ratios = truth.filter( ( { radiance } ) => radiance > 0.01 ).map( ( { pixel } ) => picture[ pixel ] / pictures.ours[ pixel ] );
+			brightness[ name ] = [ Math.min( ...ratios ), Math.max( ...ratios ) ];
+
+		}
+
+		const same = Object.keys( pictures ).filter( ( name ) => JSON.stringify( pictures[ name ] ) === JSON.stringify( pictures.ours ) );
+		const undone = JSON.stringify( pictures.undone ) === JSON.stringify( pictures.stock );
+		return { errors, brightness, same, undone, ...told, readme: await shownByReadme( browser, faults ), faults };
+
+	} );
+	console.log( JSON.stringify( report ) );
+
+} finally {
+
+	server.close();
+
+}
+
+/** The share of pixels of the README's page that are lit. */
+async function shownByReadme( browser, faults ) {
+
+	const page = await openPage( browser, 'readme', `${ address }/readme.html`, faults );
+	await page.setViewportSize( { width: 480, height: 320 } );
+	await page.waitForFunction( 'document.querySelector( "canvas" )' );
+	// The second frame shows what the first drew.
+	await page.evaluate( () => new Promise( ( done ) => requestAnimationFrame( () => requestAnimationFrame( done ) ) ) );
+	const shot = ( await page.screenshot( { path: values.picture } ) ).toString( 'base64' );
+	return page.evaluate( async ( shot ) => {
+
+		const image = await createImageBitmap( await ( await fetch( `data:image/png;base64,${ shot }` ) ).blob() );
+		const context = new OffscreenCanvas( image.width, image.height ).getContext( '2d' );
+		context.drawImage( image, 0, 0 );
+		const { data } = context.getImageData( 0, 0, image.width, image.height );
+		let lit = 0;
+		for ( let i = 0; i < data.length; i += 4 ) if ( data[ i ] > 60 ) lit ++;
+		return 4 * lit / data.length;
+
+	}, shot );
+
+}
