@@ -101,11 +101,9 @@ export async function loadTable( address, loader ) {
 
 	const answer = await fetch( `${ address }ltc.json` );
 	if ( ! answer.ok ) throw new Error( `${ address }ltc.json: ${ answer.status }` );
-	const { textures, ltc_table, ltc_nodes } = await answer.json();
+	const { textures, ltc_table } = await answer.json();
 	const [ ltc_matrix_a, ltc_matrix_b, ltc_terms ] = await Promise.all( textures.map( ( path ) => loader.loadAsync( address + path ) ) );
-	const four = new Float32Array( 512 );
-	four.set( [ 'alpha', 'ratio', 'theta', 'phi' ].flatMap( ( axis ) => ltc_nodes[ axis ] ) );
-	const uniforms = { ltc_table, ltc_nodes: { four }, ltc_matrix_a, ltc_matrix_b, ltc_terms };
+	const uniforms = { ltc_table, ltc_matrix_a, ltc_matrix_b, ltc_terms };
 	return Object.fromEntries( Object.entries( uniforms ).map( ( [ name, value ] ) => [ name, { value } ] ) );
 
 }
