@@ -4,7 +4,7 @@ use ltcforge::{Layout, Metric, Preset, Recipe, RecipeDocument as _, Solver, ligh
 use ltcforge_studies::{
     best, expected,
     expected::Extent,
-    glass, l3, models,
+    glass, l3, minimax, models,
     tables::fitted,
     weight::{self, Asked, find},
 };
@@ -28,6 +28,18 @@ fn the_numbers_of_the_weight_are_printed_as_the_sources_have_them() {
         assert!(NORMALS.contains(&rust), "{rust}");
         let shader = weight::as_wgsl(&forms, rule == WeightRule::Fine);
         assert!(SHADER.contains(&shader), "{shader}");
+    }
+}
+
+/// The polynomials of tables' shaders are printed as they stand there.
+#[test]
+fn the_polynomials_of_the_shaders_are_those_with_the_least_error() {
+    let shaders = [include_str!("../../shaders/ltc_light.wgsl"), include_str!("../../shaders/ltc_quadrant.wgsl")];
+    for ((name, numbers, error), shader) in minimax::told().into_iter().zip(shaders) {
+        for number in numbers {
+            assert!(shader.contains(&number), "{name}: {number}");
+        }
+        assert!(error < 2.6e-5, "{name}: {error}");
     }
 }
 
