@@ -13,13 +13,14 @@ fn ltc_restore_reflected(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32
     let reflected = 2.0 * d * wm - wo;
     // The reflected direction moves by 2 (d t - (reflected . t) wm) as the normal wm tilts along t: the columns of a matrix K for
     // t along x and y, times alpha_x, and reflected itself. M is K times what is stored.
-    let double = 2.0 * alpha_x;
     let s = stored.m;
-    let flat = mat3x2(double * s[0].xy, double * s[1].xy, double * s[2].xy);
-    let turned = mat3x3(
-        vec3(d * flat[0], 0.0) - dot(reflected.xy, flat[0]) * wm + s[0].z * reflected,
-        vec3(d * flat[1], 0.0) - dot(reflected.xy, flat[1]) * wm + s[1].z * reflected,
-        vec3(d * flat[2], 0.0) - dot(reflected.xy, flat[2]) * wm + s[2].z * reflected,
+    let x = 2.0 * alpha_x * s[0].xy;
+    let y = 2.0 * alpha_x * s[1].xy;
+    let z = 2.0 * alpha_x * s[2].xy;
+    let m = mat3x3(
+        vec3(d * x, 0.0) - dot(reflected.xy, x) * wm + s[0].z * reflected,
+        vec3(d * y, 0.0) - dot(reflected.xy, y) * wm + s[1].z * reflected,
+        vec3(d * z, 0.0) - dot(reflected.xy, z) * wm + s[2].z * reflected,
     );
     // Smith's G2 over G1, of lengths where the surface is a hemisphere.
     let out = alpha * reflected;
@@ -29,5 +30,5 @@ fn ltc_restore_reflected(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32
     let amplitude = stored.amplitude * g2_over_g1 * g2_over_g1;
     let grazing = max(stored.fresnel + 1.0 - d, 0.0);
     let grazing2 = grazing * grazing;
-    return LtcLobe(turned, amplitude, amplitude * (grazing2 * grazing2 * grazing));
+    return LtcLobe(m, amplitude, amplitude * (grazing2 * grazing2 * grazing));
 }

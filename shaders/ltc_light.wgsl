@@ -152,9 +152,9 @@ fn ltc_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: b
     let highest = a + y;
     // How much of each edge is below the horizon.
     let per_height = vec2(1.0) / max(vec2(x.z, y.z), vec2(1e-36));
-    let low = saturate(-lowest.z * per_height);
-    let last_x = saturate(-b.z * per_height.x);
-    let last_y = saturate(-a.z * per_height.y);
+    let low = clamp(-lowest.z * per_height, vec2(0.0), vec2(1.0));
+    let last_x = clamp(-b.z * per_height.x, 0.0, 1.0);
+    let last_y = clamp(-a.z * per_height.y, 0.0, 1.0);
     let d = ltc_unit(lowest + low.y * y + last_x * x);
     let e = ltc_unit(lowest + low.x * x + last_y * y);
     let f = ltc_unit(a + last_y * y);
@@ -163,7 +163,7 @@ fn ltc_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: b
     let sum = ltc_chord(h, d, g) + ltc_chord(d, e, g) + ltc_chord(e, f, g)
         + ltc_arc(d, e) + ltc_arc(e, f) + ltc_arc(f, g) + ltc_arc(g, h) + ltc_arc(h, d);
     let covered = sum * 0.15915494 * (inverse.side * turn.x * turn.y);
-    return select(0.0, saturate(select(covered, abs(covered), two_sided)), highest.z > 0.0);
+    return select(0.0, clamp(select(covered, abs(covered), two_sided), 0.0, 1.0), highest.z > 0.0);
 }
 
 /// A convex polygon of 3 to 8 vertices in order; another count is taken as the nearest of these.

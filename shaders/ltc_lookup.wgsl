@@ -59,7 +59,7 @@ fn ltc_place(steps: vec4<f32>) -> LtcPlace {
     let most = max(vec4<f32>(ltc_table.nodes) - vec4(2.0), vec4(0.0));
     let at = (steps - ltc_table.start) * ltc_table.per_step;
     let lower = clamp(floor(at), vec4(0.0), most);
-    return LtcPlace(lower, saturate(at - lower));
+    return LtcPlace(lower, clamp(at - lower, vec4(0.0), vec4(1.0)));
 }
 
 /// The 16 entries around a place, interpolated here: exact weights, any texture format.
@@ -109,9 +109,10 @@ fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
     ));
     var lobe = ltc_restore(LtcLobe(stored, texels.terms.y, texels.terms.z), fold.alpha, fold.ratio, fold.wo);
     // F M F^T, where F maps from the table's frame to the surface's.
-    let f = transpose(mat2x2(fold.x, fold.y));
-    let x = vec3(lobe.m[0].xy * f, lobe.m[0].z);
-    let y = vec3(lobe.m[1].xy * f, lobe.m[1].z);
-    lobe.m = mat3x3(x * fold.x.x + y * fold.y.x, x * fold.x.y + y * fold.y.y, vec3(lobe.m[2].xy * f, lobe.m[2].z));
+    let m = lobe.m;
+    let x = vec3(fold.x * m[0].x + fold.y * m[0].y, m[0].z);
+    let y = vec3(fold.x * m[1].x + fold.y * m[1].y, m[1].z);
+    let z = vec3(fold.x * m[2].x + fold.y * m[2].y, m[2].z);
+    lobe.m = mat3x3(x * fold.x.x + y * fold.y.x, x * fold.x.y + y * fold.y.y, z);
     return lobe;
 }

@@ -12,7 +12,7 @@ fn ltc_place_reflected(alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcPlace {
     let above = below + ltc_table.step.xyz;
     let low = vec3(pow(below.xy, powers), (2.0 - below.z) * below.z);
     let high = vec3(pow(above.xy, powers), (2.0 - above.z) * above.z);
-    let weight = saturate((vec3(surface, theta) - low) / (high - low));
+    let weight = clamp((vec3(surface, theta) - low) / (high - low), vec3(0.0), vec3(1.0));
     place.weight = vec4(weight, place.weight.w);
     return place;
 }

@@ -73,12 +73,10 @@ export async function loadTable( address, loader ) {
 
 	const answer = await fetch( `${ address }ltc.json` );
 	if ( ! answer.ok ) throw new Error( `${ address }ltc.json: ${ answer.status }` );
-	const { textures, ltc_table, ltc_nodes } = await answer.json();
+	const { textures, ltc_table } = await answer.json();
 	const loaded = await Promise.all( textures.map( ( path ) => loader.loadAsync( address + path ) ) );
 	const [ ltc_matrix_a, ltc_matrix_b, ltc_terms ] = loaded;
-	const four = new Float32Array( 512 );
-	four.set( [ 'alpha', 'ratio', 'theta', 'phi' ].flatMap( ( axis ) => ltc_nodes[ axis ] ) );
-	const values = { ltc_table, ltc_nodes: { four }, ltc_matrix_a, ltc_matrix_b, ltc_terms };
+	const values = { ltc_table, ltc_matrix_a, ltc_matrix_b, ltc_terms };
 	return {
 		uniforms: Object.fromEntries( Object.entries( values ).map( ( [ name, value ] ) => [ name, { value } ] ) ),
 		dispose: () => loaded.forEach( ( texture ) => texture.dispose() ),

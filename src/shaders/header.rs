@@ -159,7 +159,7 @@ pub(super) fn bindings(language: Language) -> &'static str {
         Language::Glsl | Language::Glsl330 | Language::GlslEs => {
             "\
   here      uniform block 0, textures: units 0, 1 and 2
-            of the example: uniform block 1, storage block 0
+            of the example: uniform block 1, storage block 2
   The entries are weighed here, texels are fetched: filter and wrap mode do not matter, but set filters without mipmaps."
         }
         Language::Hlsl => {

@@ -21,14 +21,13 @@ use ltcforge_shaders::{Bound, Filter, Language, LitBy, Reading};
 type Slot = (ResourceBinding, u8, Resource);
 
 /// The slots of a shader that reads a table.
-const TABLE_SLOTS: [Slot; 7] = [
+const TABLE_SLOTS: [Slot; 6] = [
     (ResourceBinding { group: 0, binding: 0 }, 0, Resource::Buffer),
-    (ResourceBinding { group: 0, binding: 1 }, 1, Resource::Buffer),
-    (ResourceBinding { group: 0, binding: 2 }, 0, Resource::Texture),
-    (ResourceBinding { group: 0, binding: 3 }, 1, Resource::Texture),
-    (ResourceBinding { group: 0, binding: 4 }, 2, Resource::Texture),
-    (ResourceBinding { group: 1, binding: 0 }, 2, Resource::Buffer),
-    (ResourceBinding { group: 1, binding: 1 }, 3, Resource::WrittenBuffer),
+    (ResourceBinding { group: 0, binding: 1 }, 0, Resource::Texture),
+    (ResourceBinding { group: 0, binding: 2 }, 1, Resource::Texture),
+    (ResourceBinding { group: 0, binding: 3 }, 2, Resource::Texture),
+    (ResourceBinding { group: 1, binding: 0 }, 1, Resource::Buffer),
+    (ResourceBinding { group: 1, binding: 1 }, 2, Resource::WrittenBuffer),
 ];
 
 /// The slots of a shader that reads none.
@@ -50,21 +49,19 @@ enum Resource {
 }
 
 /// The slots of a table's resources in a text to include, each a number of its own.
-const INCLUDED_SLOTS: [Slot; 6] = [
+const INCLUDED_SLOTS: [Slot; 5] = [
     (ResourceBinding { group: 0, binding: 0 }, 0, Resource::Buffer),
-    (ResourceBinding { group: 0, binding: 1 }, 1, Resource::Buffer),
+    (ResourceBinding { group: 0, binding: 1 }, 1, Resource::Texture),
     (ResourceBinding { group: 0, binding: 2 }, 2, Resource::Texture),
     (ResourceBinding { group: 0, binding: 3 }, 3, Resource::Texture),
-    (ResourceBinding { group: 0, binding: 4 }, 4, Resource::Texture),
-    (ResourceBinding { group: 0, binding: 5 }, 5, Resource::Sampler),
+    (ResourceBinding { group: 0, binding: 4 }, 4, Resource::Sampler),
 ];
 
 /// The same of a table in one array.
-const INCLUDED_ARRAY_SLOTS: [Slot; 4] = [
+const INCLUDED_ARRAY_SLOTS: [Slot; 3] = [
     (ResourceBinding { group: 0, binding: 0 }, 0, Resource::Buffer),
-    (ResourceBinding { group: 0, binding: 1 }, 1, Resource::Buffer),
-    (ResourceBinding { group: 0, binding: 2 }, 2, Resource::Texture),
-    (ResourceBinding { group: 0, binding: 3 }, 3, Resource::Sampler),
+    (ResourceBinding { group: 0, binding: 1 }, 1, Resource::Texture),
+    (ResourceBinding { group: 0, binding: 2 }, 2, Resource::Sampler),
 ];
 
 /// The start of a translation: the function that keeps all others in it, and where resources go.

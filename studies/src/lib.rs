@@ -13,6 +13,7 @@ pub mod l3;
 pub mod lights;
 pub mod linear;
 pub mod markdown;
+pub mod minimax;
 pub mod models;
 pub mod networks;
 pub mod source;

@@ -14,7 +14,7 @@ use ltcforge::{
 use ltcforge_studies::{
     best, costs, expected,
     figures::Figure,
-    glass, l3, models,
+    glass, l3, minimax, models,
     networks::{self, Asked, Numbers},
 };
 
@@ -72,6 +72,8 @@ enum Study {
         #[arg(long, num_args = 2)]
         shipped: Option<Vec<PathBuf>>,
     },
+    /// The polynomials of tables' shaders: `shaders/ltc_light.wgsl` and `shaders/ltc_quadrant.wgsl`
+    Polynomials,
     /// The tables of docs/refraction.md: light through rough interfaces
     Glass,
     /// The figures of docs/figures.md
@@ -124,6 +126,11 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),
         Study::L3 { shipped } => print!("{}", l3::tables(pair(shipped.as_deref()))?),
         Study::Glass => print!("{}\n{}", glass::errors(), glass::differences()),
+        Study::Polynomials => {
+            for (name, numbers, error) in minimax::told() {
+                println!("{name}: {}; error {error:.1e}", numbers.join(" "));
+            }
+        }
         Study::Figures { names, adapter, out } => {
             let mut preview = Preview::new(adapter);
             for figure in Figure::ALL.iter().filter(|figure| names.is_empty() || names.contains(figure)) {

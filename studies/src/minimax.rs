@@ -1,6 +1,4 @@
-//! The polynomials of `shaders/ltc_light.wgsl` and `shaders/ltc_math.wgsl` with the least largest error.
-
-use std::fmt::Write as _;
+//! The polynomials of `shaders/ltc_light.wgsl` and `shaders/ltc_quadrant.wgsl` with the least largest error.
 
 /// A function that is approximated by a sum of others, each times a number.
 struct Asked<const N: usize> {
@@ -29,12 +27,7 @@ fn minimax<const N: usize>(asked: &Asked<N>) -> Sum {
     let mut extremes: Vec<usize> = (0..=N).map(|i| i * (places.len() - 1) / N).collect();
     let mut sum = Sum { numbers: vec![0.0; N], error: f64::INFINITY };
     for _ in 0..ROUNDS {
-        let rows = extremes.iter().enumerate().map(|(i, at)| {
-            let x = places[*at];
-            let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
-            (asked.terms)(x).into_iter().chain([sign, (asked.wanted)(x)]).collect()
-        });
-        let mut numbers = solved(rows.collect());
+        let mut numbers = levelled(asked, extremes.iter().map(|at| places[*at]));
         numbers.truncate(N);
         let errors: Vec<f64> = places.iter().map(|x| value(asked, &numbers, *x) - (asked.wanted)(*x)).collect();
         sum = Sum { numbers, error: errors.iter().fold(0.0, |most, error| most.max(error.abs())) };
@@ -58,23 +51,27 @@ fn minimax<const N: usize>(asked: &Asked<N>) -> Sum {
     sum
 }
 
-fn value<const N: usize>(asked: &Asked<N>, numbers: &[f64], x: f64) -> f64 {
-    (asked.terms)(x).iter().zip(numbers).map(|(term, number)| term * number).sum()
-}
-
-/// Gauss's elimination, of rows with the right side last.
-fn solved(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
-    let n = rows.len();
-    for column in 0..n {
-        let pivot = (column..n).max_by(|a, b| rows[*a][column].abs().total_cmp(&rows[*b][column].abs()));
-        rows.swap(column, pivot.unwrap_or(column));
+/// The numbers for which the error at these places has one size and alternates, and that error: Gauss's elimination.
+fn levelled<const N: usize>(asked: &Asked<N>, places: impl Iterator<Item = f64>) -> Vec<f64> {
+    let row =
+        |(i, x): (i32, f64)| (asked.terms)(x).into_iter().chain([(-1.0_f64).powi(i), (asked.wanted)(x)]).collect();
+    let mut rows: Vec<Vec<f64>> = (0..).zip(places).map(row).collect();
+    let size = rows.len();
+    for column in 0..size {
+        let largest = |a: &usize, b: &usize| rows[*a][column].abs().total_cmp(&rows[*b][column].abs());
+        let pivot = (column..size).max_by(largest).unwrap_or(column);
+        rows.swap(column, pivot);
         let chosen = rows[column].clone();
         for (_, row) in rows.iter_mut().enumerate().filter(|(i, _)| *i != column) {
             let factor = row[column] / chosen[column];
             row.iter_mut().zip(&chosen).for_each(|(x, y)| *x -= factor * y);
         }
     }
-    (0..n).map(|i| rows[i][n] / rows[i][i]).collect()
+    (0..size).map(|i| rows[i][size] / rows[i][i]).collect()
+}
+
+fn value<const N: usize>(asked: &Asked<N>, numbers: &[f64], x: f64) -> f64 {
+    (asked.terms)(x).iter().zip(numbers).map(|(term, number)| term * number).sum()
 }
 
 /// An angle over its sine, of `k`, the squared length of the sum of both directions, up to a straight angle:
@@ -105,13 +102,13 @@ pub fn arc_tangent() -> Sum {
     })
 }
 
-/// Both, for a reader.
+/// Both, with the numbers as the shaders have them: of the first, `d_0` is one more, as the quotient less one is wanted there.
 #[must_use]
-pub fn told() -> String {
-    let mut text = String::new();
-    for (name, sum) in [("angle over sine", angle_over_sine()), ("arc tangent", arc_tangent())] {
-        let numbers: Vec<String> = sum.numbers.iter().map(|number| format!("{number:.7}")).collect();
-        let _ = writeln!(text, "{name}: {}; error {:.1e}", numbers.join(" "), sum.error);
-    }
-    text
+pub fn told() -> Vec<(&'static str, Vec<String>, f64)> {
+    let mut bend = angle_over_sine();
+    bend.numbers[2] += 1.0;
+    let written = |name, Sum { numbers, error }: Sum| {
+        (name, numbers.iter().map(|number| format!("{:.7}", number.abs())).collect(), error)
+    };
+    vec![written("angle over sine, less one", bend), written("arc tangent", arc_tangent())]
 }
