@@ -49,7 +49,7 @@ impl EngineRules for Wgpu {
         files.push(TextureFile { path: "ltc.json".to_owned(), bytes, rounding: RoundingError::default() });
         let steps = [
             "Load each texture as 3D, in the order of ltc.json, at bindings 1 to 3 of the shader that ltcforge shader writes.",
-            "Binding 0 is ltc_table of ltc.json: its lists one after another, nodes and reading u32, the others f32.",
+            "Binding 0 is ltc_table of ltc.json, in the shader's order: nodes, reading, start, step, per_step, texel, roughness, cosines, azimuths; the first two u32, the others f32.",
         ];
         Ok(Bundle { files, steps: steps.map(str::to_owned).into() })
     }
