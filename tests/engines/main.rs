@@ -399,6 +399,39 @@ fn the_package_patches_materials_and_leaves_what_is_the_user_s() {
     assert!((0.05..0.5).contains(&patch.readme), "{}", patch.readme);
 }
 
+/// The output of `webgpu.js` for a backend of `WebGPURenderer`.
+#[derive(Deserialize)]
+struct Backend {
+    /// As those of [`Example`]; by `node` materials, a `clone` and a material whose patch was `undone`.
+    errors: BTreeMap<String, f64>,
+    refusal: Option<String>,
+    faults: Vec<String>,
+}
+
+/// The errors lie below, under four lights: by WebGPU of `SwiftShader` 0.00073, 0.00062 and 0.00050, by WebGL 0.00056, 0.00042
+/// and 0.00028.
+const WEBGPU_ERRORS: [(&str, f64); 5] =
+    [("fast", 0.001), ("balanced", 0.0009), ("fine", 0.0007), ("node", 0.0009), ("clone", 0.0009)];
+
+#[test]
+fn the_example_lights_webgpu_renderer() {
+    let Some(backends) = script::<BTreeMap<String, Backend>>("webgpu.js", &[]) else { return };
+    if !backends.contains_key("WebGPUBackend") {
+        tell_skipped("the browser has no WebGPU; WebGPURenderer is tested by WebGL 2 alone");
+    }
+    assert!(backends.contains_key("WebGLBackend"));
+    for (backend, Backend { errors, refusal, faults }) in backends {
+        tell(&format!("examples/three, {backend}, 4 lights: mean errors {errors:.5?}"));
+        assert_eq!(faults, [""; 0], "{backend}");
+        for (way, most) in WEBGPU_ERRORS {
+            assert!(errors[way] < most && errors["stock"] > 50.0 * most, "{backend}, {way}: {errors:?}");
+        }
+        assert_eq!(errors["undone"], errors["stock"], "{backend}");
+        assert_eq!(errors["node"], errors["clone"], "{backend}");
+        assert!(refusal.is_some_and(|text| text.contains("has no GGX lobe")), "{backend}");
+    }
+}
+
 /// The files of `examples/three/shaders`, and the words after `ltcforge shader` that print them. three's area lights are
 /// rectangles.
 const EXAMPLE_SHADERS: [(&str, &[&str]); 7] = [

@@ -83,8 +83,9 @@ try {
 /** The share of pixels of the README's page that are lit. */
 async function shownByReadme( browser, faults ) {
 
-	const page = await openPage( browser, 'readme', `${ address }/readme.html`, faults );
+	const page = await openPage( browser, 'readme', 'about:blank', faults );
 	await page.setViewportSize( { width: 480, height: 320 } );
+	await page.goto( `${ address }/readme.html` );
 	await page.waitForFunction( 'document.querySelector( "canvas" )' );
 	// The second frame shows what the first drew.
 	await page.evaluate( () => new Promise( ( done ) => requestAnimationFrame( () => requestAnimationFrame( done ) ) ) );

@@ -1,0 +1,174 @@
+// The closed form for WebGPURenderer of three.js, for its node materials and for MeshStandardMaterial and
+// MeshPhysicalMaterial, which it turns into node materials. Diffuse light stays three's.
+
+import { wgsl, wgslFn, glsl, glslFn, anisotropyT, alphaT, clearcoatNormalView, clearcoatRoughness, float, normalView, positionView, positionViewDirection, roughness, specularColorBlended, specularF90, vec2, vec3 } from 'three/tsl';
+
+export { setAlphas } from './alphas.js';
+
+/**
+ * By language, the functions behind the text of the closed form, for a lobe of a name. What no light changes stands in a
+ * variable of the module: three declares a function's variables before our types. `begin` sets it; it returns a number,
+ * since three takes no function that returns nothing. three's corners run counterclockwise seen from the lit side.
+ */
+const WGSL = {
+	kept: ( name ) => /* wgsl */ `
+struct Lobe_${ name } { to_tangent_frame: mat3x3<f32>, view: NormalsView }
+var<private> lobe_${ name }: Lobe_${ name };
+`,
+	begin: ( name ) => /* wgsl */ `
+fn begin_${ name }(normal: vec3<f32>, view_dir: vec3<f32>, along: vec3<f32>, alphas: vec2<f32>) -> f32 {
+	let tangent = normalize(along - normal * dot(normal, along));
+	let to_tangent_frame = transpose(mat3x3(tangent, cross(normal, tangent), normal));
+	let wo = to_tangent_frame * view_dir;
+	lobe_${ name } = Lobe_${ name }(to_tangent_frame, normals_view(alphas.x, alphas.y, normalize(vec3(wo.xy, max(wo.z, 1e-3)))));
+	return 0.0;
+}`,
+	gloss: ( name ) => /* wgsl */ `
+fn gloss_${ name }(f0: vec3<f32>, f90: f32, centre: vec3<f32>, half_width: vec3<f32>, half_height: vec3<f32>) -> vec3<f32> {
+	let c = lobe_${ name }.to_tangent_frame * centre;
+	let x = lobe_${ name }.to_tangent_frame * half_width;
+	let y = lobe_${ name }.to_tangent_frame * half_height;
+	let parts = normals_rectangle(lobe_${ name }.view, array(c + x + y, c - x + y, c - x - y, c + x - y), false);
+	return f0 * (parts.x - parts.y) + f90 * parts.y;
+}`,
+};
+const GLSL = {
+	kept: ( name ) => /* glsl */ `
+struct Lobe_${ name } { mat3 to_tangent_frame; NormalsView view; };
+Lobe_${ name } lobe_${ name };
+`,
+	begin: ( name ) => /* glsl */ `
+float begin_${ name }(vec3 normal, vec3 view_dir, vec3 along, vec2 alphas) {
+	vec3 tangent = normalize(along - normal * dot(normal, along));
+	mat3 to_tangent_frame = transpose(mat3(tangent, cross(normal, tangent), normal));
+	vec3 wo = to_tangent_frame * view_dir;
+	lobe_${ name } = Lobe_${ name }(to_tangent_frame, normals_view(alphas.x, alphas.y, normalize(vec3(wo.xy, max(wo.z, 1e-3)))));
+	return 0.0;
+}`,
+	gloss: ( name ) => /* glsl */ `
+vec3 gloss_${ name }(vec3 f0, float f90, vec3 centre, vec3 half_width, vec3 half_height) {
+	vec3 c = lobe_${ name }.to_tangent_frame * centre;
+	vec3 x = lobe_${ name }.to_tangent_frame * half_width;
+	vec3 y = lobe_${ name }.to_tangent_frame * half_height;
+	vec2 parts = normals_rectangle(lobe_${ name }.view, vec3[4](c + x + y, c - x + y, c - x - y, c + x - y), false);
+	return f0 * (parts.x - parts.y) + f90 * parts.y;
+}`,
+};
+
+/** What is known of a patched material: its own properties of these names, before the patch. */
+const patches = new WeakMap();
+const OWN = [ 'setupLightingModel', 'customProgramCacheKey', 'clone' ];
+
+/**
+ * Lights a material's gloss and clearcoat by three's rectangular lights in closed form.
+ *
+ * @param {import('three').MeshStandardMaterial | import('three/webgpu').MeshStandardNodeMaterial} material - Patched in place.
+ * @param {{ wgsl: string, glsl?: string }} texts - What `ltcforge shader --model normals` prints in WGSL, and in GLSL ES for
+ * where WebGPURenderer falls back on WebGL 2.
+ * @returns {Object} The material.
+ */
+export function withClosedFormAreaLights( material, texts ) {
+
+	if ( ! material || ! ( material.isMeshStandardMaterial || material.isMeshStandardNodeMaterial ) ) {
+
+		throw new TypeError( `${ material && material.type || material } has no GGX lobe: MeshStandardMaterial, MeshPhysicalMaterial and their node materials have one` );
+
+	}
+
+	if ( ! texts || ! String( texts.wgsl ).includes( 'fn normals_rectangle(' ) ) throw new TypeError( 'texts.wgsl has to be what `ltcforge shader --model normals --language wgsl` prints' );
+	if ( texts.glsl !== undefined && ! String( texts.glsl ).includes( 'vec2 normals_rectangle(' ) ) throw new TypeError( 'texts.glsl has to be what `ltcforge shader --model normals --language glsl-es` prints' );
+	withoutAreaLights( material );
+	const own = Object.fromEntries( OWN.filter( ( name ) => Object.hasOwn( material, name ) ).map( ( name ) => [ name, material[ name ] ] ) );
+	patches.set( material, own );
+	const before = ( name, object ) => own[ name ] || Object.getPrototypeOf( object )[ name ];
+
+	// WebGPURenderer copies this to the node material that it makes of another, whose class has the method that is called.
+	Object.defineProperty( material, 'setupLightingModel', { configurable: true, enumerable: true, writable: true, value( builder ) {
+
+		return lit( before( 'setupLightingModel', this ).call( this, builder ), texts );
+
+	} } );
+	Object.defineProperty( material, 'customProgramCacheKey', { configurable: true, writable: true, value() {
+
+		return `${ texts.wgsl }\n${ before( 'customProgramCacheKey', this ).call( this ) }`;
+
+	} } );
+	Object.defineProperty( material, 'clone', { configurable: true, writable: true, value() {
+
+		return withClosedFormAreaLights( before( 'clone', this ).call( this ), texts );
+
+	} } );
+	material.needsUpdate = true;
+	return material;
+
+}
+
+/**
+ * Takes the patch off a material. One that has none stays as it is.
+ *
+ * @returns {Object} The material, which is compiled anew at its next use.
+ */
+export function withoutAreaLights( material ) {
+
+	const own = patches.get( material );
+	if ( ! own ) return material;
+	patches.delete( material );
+	for ( const name of OWN ) delete material[ name ];
+	Object.assign( material, own );
+	material.needsUpdate = true;
+	return material;
+
+}
+
+/** A physical lighting model that lights gloss and clearcoat by our functions. */
+function lit( model, texts ) {
+
+	if ( typeof model.directRectArea !== 'function' || typeof model.start !== 'function' ) throw new Error( 'this three.js has another lighting model; this patch is for r187' );
+	const stock = { start: model.start, directRectArea: model.directRectArea };
+	const gloss = {};
+
+	model.start = function ( builder ) {
+
+		const isWebGPU = builder.renderer.backend.isWebGPUBackend === true;
+		if ( ! isWebGPU && ! texts.glsl ) throw new Error( 'WebGPURenderer draws by WebGL 2 here, for which texts.glsl is needed' );
+		const [ code, fn, own ] = isWebGPU ? [ wgsl, wgslFn, WGSL ] : [ glsl, glslFn, GLSL ];
+		const text = code( isWebGPU ? texts.wgsl : texts.glsl );
+
+		// Once a fragment, before the lights.
+		const begin = ( name, normal, along, alphas ) => {
+
+			const kept = code( own.kept( name ), [ text ] );
+			fn( own.begin( name ), [ kept ] )( normal, positionViewDirection, along, alphas ).toVar();
+			gloss[ name ] = fn( own.gloss( name ), [ kept ] );
+
+		};
+		const anyTangent = ( normal ) => normal.x.abs().lessThan( 0.9 ).select( vec3( 1, 0, 0 ), vec3( 0, 1, 0 ) );
+		const alpha = roughness.pow2();
+		if ( this.anisotropy ) begin( 'base', normalView, anisotropyT, vec2( alphaT.max( alpha ), alpha ) );
+		else begin( 'base', normalView, anyTangent( normalView ), vec2( alpha, alpha ) );
+		if ( this.clearcoat ) begin( 'coat', clearcoatNormalView, anyTangent( clearcoatNormalView ), vec2( clearcoatRoughness.pow2() ) );
+		// This calls the lights.
+		stock.start.call( this, builder );
+
+	};
+
+	model.directRectArea = function ( data, builder ) {
+
+		const { lightColor, lightPosition, halfWidth, halfHeight, reflectedLight } = data;
+		const centre = lightPosition.sub( positionView );
+		const seen = ( name, f0, f90 ) => lightColor.mul( gloss[ name ]( f0, f90, centre, halfWidth, halfHeight ) );
+		reflectedLight.directSpecular.addAssign( seen( 'base', specularColorBlended, specularF90 ) );
+		const { clearcoat } = this;
+		if ( clearcoat ) this.clearcoatSpecularDirect.addAssign( seen( 'coat', vec3( 0.04 ), float( 1 ) ) );
+
+		// three's method adds diffuse light and gloss, of which the second is dropped.
+		this.clearcoat = false;
+		const diffuse = { ...reflectedLight, directSpecular: { addAssign() {} } };
+		stock.directRectArea.call( this, { ...data, reflectedLight: diffuse }, builder );
+		this.clearcoat = clearcoat;
+
+	};
+
+	return model;
+
+}
