@@ -63,7 +63,7 @@ pub(super) async fn manifest(
     _: QueryOf<NoParameters>,
     PathOf(digest): PathOf<Digest>,
 ) -> Result<Response, Problem> {
-    let manifest = api.call(move |service| service.manifest(digest)).await?.ok_or_else(|| unknown(digest))?;
+    let manifest = api.read(move |service| service.manifest(digest)).await?.ok_or_else(|| unknown(digest))?;
     Ok(([(header::CONTENT_TYPE, "application/json")], manifest).into_response())
 }
 

@@ -7,7 +7,6 @@ use std::{
 };
 
 use jiff::Timestamp;
-use sha2::{Digest as _, Sha256};
 
 use super::{StoreError, files};
 use ltcforge_files::digest::Digest;
@@ -64,20 +63,11 @@ pub trait Blobs: Send + Sync + std::fmt::Debug {
         Ok(self.get(digest)?.map(part))
     }
 
-    /// A blob checked against its digest, as by [`Self::get`]. A long one is read part by part, of which none is kept.
+    /// A blob checked against its digest, as by [`Self::get`]. A long one may be read without being kept.
     ///
     /// # Errors
     /// As [`Self::get`].
     fn checked(&self, digest: Digest) -> Result<Option<Checked>, StoreError> {
-        if let Some(length) = self.length(digest)?.filter(|length| *length > SHORT_BYTES) {
-            let mut hasher = Sha256::new();
-            for from in (0..length).step_by(SHORT_BYTES as usize) {
-                hasher.update(self.part(digest, from, SHORT_BYTES as usize)?.unwrap_or_default());
-            }
-            if hasher.finalize().as_slice() == digest.as_bytes() {
-                return Ok(Some(Checked::Long(length)));
-            }
-        }
         Ok(self.get(digest)?.map(Checked::Bytes))
     }
 
@@ -210,6 +200,16 @@ impl Blobs for FileBlobs {
         let moved_to = files::move_to_quarantine(&path, &self.quarantine, &digest.hex())?;
         tracing::error!(%digest, %actual, moved_to = %moved_to.display(), "a damaged blob was moved to quarantine");
         Err(StoreError::Corrupt { expected: digest, actual, moved_to })
+    }
+
+    fn checked(&self, digest: Digest) -> Result<Option<Checked>, StoreError> {
+        if let Some(length) = self.length(digest)?.filter(|length| *length > SHORT_BYTES) {
+            let path = self.path(digest);
+            if regular(files::open_regular(&path).and_then(Digest::of_stream), path)? == Some(digest) {
+                return Ok(Some(Checked::Long(length)));
+            }
+        }
+        Ok(self.get(digest)?.map(Checked::Bytes))
     }
 
     fn length(&self, digest: Digest) -> Result<Option<u64>, StoreError> {

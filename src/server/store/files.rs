@@ -102,7 +102,8 @@ pub(super) fn regular_length(path: &Path) -> io::Result<u64> {
     Ok(metadata.len())
 }
 
-fn open_regular(path: &Path) -> io::Result<fs::File> {
+/// A regular file, opened to be read.
+pub(super) fn open_regular(path: &Path) -> io::Result<fs::File> {
     regular_length(path)?;
     // It may have been replaced since.
     let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();

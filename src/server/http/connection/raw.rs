@@ -25,27 +25,49 @@ pub(super) fn answer(problem: &Problem) -> Vec<u8> {
     [head.into_bytes(), body].concat()
 }
 
-/// The answer to write in place of `written`, if that is one that hyper gives by itself to a head that it cannot read:
+/// The answer to write in place of `written`, if that is one that hyper gives by itself to a `head` that it cannot read:
 /// a status and no document. The service's own answers of these statuses have a content type.
-pub(super) fn in_place_of(written: &[u8]) -> Option<Vec<u8>> {
+pub(super) fn in_place_of(written: &[u8], head: &[u8]) -> Option<Vec<u8>> {
     if written.len() > LONGEST_BARE {
         return None;
     }
-    let head = str::from_utf8(written).ok()?;
-    let status = head.strip_prefix("HTTP/1.1 ").or_else(|| head.strip_prefix("HTTP/1.0 "))?.get(..3)?;
-    if !head.ends_with("\r\n\r\n") || head.contains("content-type:") {
+    let bare = str::from_utf8(written).ok()?;
+    let status = bare.strip_prefix("HTTP/1.1 ").or_else(|| bare.strip_prefix("HTTP/1.0 "))?.get(..3)?;
+    if !bare.ends_with("\r\n\r\n") || bare.contains("content-type:") {
         return None;
     }
-    let (kind, detail) = match status {
-        "400" => (ProblemKind::BadRequest, "the head of the request is not that of HTTP/1.1"),
-        "414" => (ProblemKind::UriTooLong, "path and query of a request take at most 65534 bytes"),
-        "431" => (
-            ProblemKind::HeadTooLarge,
-            "the head of a request takes at most 131072 bytes and 100 fields, and its Content-Length is below 2^64 - 2",
-        ),
+    let problem = match status {
+        "400" | "431" if let Some(problem) = length_problem(head) => problem,
+        "400" => Problem::new(ProblemKind::BadRequest, "the head of the request is not that of HTTP/1.1"),
+        "414" => Problem::new(ProblemKind::UriTooLong, "path and query of a request take at most 65534 bytes"),
+        "431" => {
+            let detail = "the head of a request takes at most 131072 bytes and 100 fields";
+            Problem::new(ProblemKind::HeadTooLarge, detail)
+        }
         _ => return None,
     };
-    Some(answer(&Problem::new(kind, detail)))
+    Some(answer(&problem))
+}
+
+/// Why hyper refuses the `Content-Length` of a head, if it does: it takes one number, of at most 2^64 - 3.
+fn length_problem(head: &[u8]) -> Option<Problem> {
+    let lines = head.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii).take_while(|line| !line.is_empty());
+    let fields = lines.filter_map(|line| line.split_at_checked(line.iter().position(|byte| *byte == b':')?));
+    let lengths = fields.filter(|(name, _)| name.eq_ignore_ascii_case(b"content-length"));
+    let lengths: Vec<_> = lengths.map(|(_, value)| String::from_utf8_lossy(&value[1..]).trim().to_owned()).collect();
+    let is_number = |length: &&String| !length.is_empty() && length.bytes().all(|byte| byte.is_ascii_digit());
+    if let Some(other) = lengths.iter().find(|length| !is_number(length)) {
+        let detail = format!("Content-Length is «{other}», which is no number of bytes");
+        return Some(Problem::new(ProblemKind::BadRequest, detail));
+    }
+    if let Some(long) = lengths.iter().find(|length| length.parse::<u64>().map_or(true, |bytes| bytes >= u64::MAX - 1))
+    {
+        let detail = format!("Content-Length is {long}, and no body may be as long");
+        return Some(Problem::new(ProblemKind::BodyTooLarge, detail));
+    }
+    let first = lengths.first()?;
+    let other = lengths.iter().find(|length| *length != first)?;
+    Some(Problem::new(ProblemKind::BadRequest, format!("Content-Length is both {first} and {other}")))
 }
 
 #[cfg(test)]
@@ -60,7 +82,7 @@ mod tests {
             format!("HTTP/1.1 {status}\r\nconnection: close\r\ncontent-length: 0\r\ndate: Thu, 01 Jan 1970\r\n\r\n")
         };
         for status in ["400 Bad Request", "414 URI Too Long", "431 Request Header Fields Too Large"] {
-            let problem = in_place_of(bare(status).as_bytes()).expect(status);
+            let problem = in_place_of(bare(status).as_bytes(), b"").expect(status);
             let text = String::from_utf8(problem).expect("UTF-8");
             assert!(text.starts_with(&format!("HTTP/1.1 {}", &status[..4])), "{text}");
             assert!(text.contains("application/problem+json") && text.contains("/problems/"), "{text}");
@@ -73,7 +95,7 @@ mod tests {
             String::new(),
         ];
         for other in others {
-            assert_eq!(in_place_of(other.as_bytes()), None, "{other}");
+            assert_eq!(in_place_of(other.as_bytes(), b""), None, "{other}");
         }
     }
 

@@ -14,7 +14,7 @@ use tokio::{
     time::{Sleep, sleep},
 };
 
-use super::raw;
+use super::{super::limits::HEAD_LIMIT_BYTES, raw};
 
 /// A client's TCP stream under a time limit for writing.
 #[derive(Debug)]
@@ -24,6 +24,8 @@ pub(super) struct ClientStream {
     /// Runs while the system takes no more bytes for the client. It takes more only once a good part of those that it
     /// has were read, so a client cannot keep its connection by reading a byte now and then.
     stalled: Option<Pin<Box<Sleep>>>,
+    /// What was read since the last answer, no longer than a head may be: hyper does not tell what it refuses of it.
+    head: Vec<u8>,
     /// The unwritten rest of an answer that replaces one of hyper's own.
     replacement: Option<Vec<u8>>,
 }
@@ -31,7 +33,7 @@ pub(super) struct ClientStream {
 impl ClientStream {
     /// A stream that fails once the client has read nothing for as long as `limit`.
     pub(super) fn new(tcp: TcpStream, limit: Duration) -> Self {
-        Self { tcp, limit, stalled: None, replacement: None }
+        Self { tcp, limit, stalled: None, head: Vec::new(), replacement: None }
     }
 
     /// The bare stream.
@@ -67,7 +69,11 @@ impl ClientStream {
 
 impl AsyncRead for ClientStream {
     fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.tcp).poll_read(cx, buf)
+        let before = buf.filled().len();
+        ready!(Pin::new(&mut self.tcp).poll_read(cx, buf))?;
+        let (read, room) = (&buf.filled()[before..], HEAD_LIMIT_BYTES - self.head.len());
+        self.head.extend_from_slice(&read[..read.len().min(room)]);
+        Poll::Ready(Ok(()))
     }
 }
 
@@ -85,8 +91,9 @@ impl AsyncWrite for ClientStream {
         if this.replacement.is_none()
             && let [answer] = bufs
         {
-            this.replacement = raw::in_place_of(answer);
+            this.replacement = raw::in_place_of(answer, &this.head);
         }
+        this.head.clear();
         if this.replacement.is_some() {
             return this.poll_replacement(cx, bufs.iter().map(|buf| buf.len()).sum());
         }

@@ -147,6 +147,36 @@ fn lights_that_end_within_a_lobe_are_right_but_for_its_sharpness() {
     }
 }
 
+/// Parallelograms by three of their corners: `ltc_rectangle` cuts them at the horizon without a case.
+#[test]
+fn ten_thousand_rectangles_in_32_bits_agree_with_64_bits() {
+    let source = joined(&["ltc_light"])
+        + &ENTRY.replace("ltc_polygon(inverse, vertices, given.count.x,", "ltc_rectangle(inverse, corners,").replace(
+            "    found[index]",
+            "    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vec3(0.0));\n    found[index]",
+        );
+    for (aimed, most) in [(false, 1e-4), (true, 3e-3)] {
+        let cases: Vec<Case> = random_cases(COUNT)
+            .map(|(polygon, m)| {
+                let place = |v: DVec3| if aimed { m * v } else { v };
+                let vertices: Vec<Vec3> = polygon[..3].iter().map(|v| place(*v).as_vec3()).collect();
+                let [a, b, c] = [0, 1, 2].map(|i| vertices[i].as_dvec3());
+                let m = m.as_mat3();
+                let ltc = Ltc::new(m.as_dmat3()).expect("regular");
+                Case { m, vertices, wanted: ltc.polygon(&[a, b, c, a + c - b], Sides::Two) }
+            })
+            .collect();
+        let Some(found) = by_gpu(&cases, &source) else { return };
+        let errors: Vec<f64> = cases.iter().zip(found).map(|(case, found)| error(case, "GPU", found)).collect();
+        let largest = errors.iter().copied().fold(0.0, f64::max);
+        let beyond = errors.iter().filter(|error| **error > 1e-4).count();
+        let cut = cases.iter().filter(|case| (0.01..0.99).contains(&case.wanted)).count();
+        println!("{largest:e}, {beyond} beyond 1e-4, {cut} in part");
+        assert!(largest < most && beyond <= 20, "{largest:e}, {beyond} of {COUNT} beyond 1e-4");
+        assert!(cut > 2000, "{cut}");
+    }
+}
+
 /// With `LTC_CHEAP_HORIZON`: the cheap fit for the sphere of the same vector form factor.
 #[test]
 fn the_cheap_horizon_of_polygons_is_the_fit_for_spheres() {
