@@ -104,5 +104,5 @@ fn check(rule: NormalsRule) -> String {
             format!("  {} {} ({}): {}\n", case.alpha_x, case.alpha_y, listed(&case.wo), parts.join(" "))
         })
         .collect();
-    format!("Check, of the rectangle {corners}, alpha_x alpha_y (wo): x y, within 0.00002\n{}", values.concat())
+    format!("CHECK of the rectangle {corners}, alpha_x alpha_y (wo): x y, within 0.00002\n{}", values.concat())
 }

@@ -127,7 +127,7 @@ const TABLE_CALL: &str = "
 const NORMALS_CALL: &str = "
     NormalsView view = normals_view(0.4, 0.2, normalize(vec3(place, 1.0)));
     vec3 corners[4] = vec3[4](vec3(-1, -1, 1), vec3(-1, 1, 1), vec3(1, 1, 1), vec3(1, -1, 1));
-    colour = vec4(normals_rectangle(view, corners, true, 0u), 0.0, 1.0);
+    colour = vec4(normals_rectangle(view, corners, true), 0.0, 1.0);
 ";
 const GAUSSIANS_CALL: &str = "
     GaussiansView view = gaussians_view(1u, 0.4, 0.2, normalize(vec3(place, 1.0)));
@@ -151,7 +151,7 @@ const TABLE_CALL_HLSL: &str = "
 const NORMALS_CALL_HLSL: &str = "
     NormalsView view = normals_view(0.4, 0.2, normalize(float3(place, 1.0)));
     float3 corners[4] = { float3(-1, -1, 1), float3(-1, 1, 1), float3(1, 1, 1), float3(1, -1, 1) };
-    return float4(normals_rectangle(view, corners, true, 0u), 0.0, 1.0);
+    return float4(normals_rectangle(view, corners, true), 0.0, 1.0);
 ";
 const GAUSSIANS_CALL_HLSL: &str = "
     GaussiansView view = gaussians_view(1u, 0.4, 0.2, normalize(float3(place, 1.0)));

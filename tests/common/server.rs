@@ -201,6 +201,13 @@ impl Server {
         line.split_whitespace().next().and_then(|kilobytes| kilobytes.parse::<u64>().ok()).expect("a number") * 1024
     }
 
+    /// Bytes that the process has read from files and connections so far.
+    pub(crate) fn bytes_read(&self) -> u64 {
+        let io = std::fs::read_to_string(format!("/proc/{}/io", self.child.id())).expect("Linux");
+        let read = io.lines().find_map(|line| line.strip_prefix("rchar: "));
+        read.and_then(|bytes| bytes.parse().ok()).expect("a number")
+    }
+
     /// Takes the power away.
     pub(crate) fn kill(mut self) {
         self.child.kill().expect("a running service");

@@ -16,7 +16,7 @@ use crate::common::{
     server::{Server, text},
 };
 
-const OCTETS: (&str, &str) = ("content-type", "application/octet-stream");
+pub(crate) const OCTETS: (&str, &str) = ("content-type", "application/octet-stream");
 
 /// The recipe of a file, small and with one row of views.
 fn recipe(name: &str) -> String {
@@ -156,6 +156,25 @@ fn sent_in_parts(server: &Server, path: &str, bytes: &[u8]) {
     drop(unread);
     let grown = server.most_memory() - before;
     assert!(grown < bytes.len() as u64, "{grown} bytes more");
+}
+
+/// Four files are read whole at once. Those who wait for that, and have left, are not waited for.
+#[test]
+fn no_file_is_read_for_clients_that_have_left() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (digest, bytes) = plant_large(folder.path(), "value");
+    let server = Server::start(folder.path(), &[]);
+    let path = format!("/v1/brdfs/{digest}");
+    let address = server.url.strip_prefix("http://").expect("an address");
+    let before = server.bytes_read();
+    for _ in 0..64 {
+        let mut client = TcpStream::connect(address).expect("a connection");
+        write!(client, "GET {path} HTTP/1.1\r\nHost: {address}\r\n\r\n").expect("a request");
+    }
+    // It waits for those before it.
+    assert!(server.get(&path).with_status(200).body == bytes);
+    let read = (server.bytes_read() - before) / bytes.len() as u64;
+    assert!((2..16).contains(&read), "{read} times the file");
 }
 
 #[test]

@@ -4,9 +4,14 @@ use std::fs;
 
 use serde_json::Value;
 
-use super::clients::{host, request, send, try_answer};
+use super::{
+    brdfs::OCTETS,
+    clients::{host, request, send, try_answer},
+};
 use crate::common::{
-    ENDLESS, SMALL, eventually,
+    ENDLESS, SMALL,
+    command::run,
+    eventually,
     server::{Server, text},
 };
 
@@ -111,6 +116,24 @@ fn met(name: &str, server: &Server) -> Value {
             server.fit(SMALL);
             server.get(&format!("/v1/preview?{MOST_EXPENSIVE}")).with_status(422).json()
         }
+        name if name.starts_with("tabulated BRDFs that are stored") => {
+            let folder = tempfile::tempdir().expect("a folder");
+            let [first, second] = ["0.2,1", "0.3,1"].map(|alpha| {
+                run(folder.path(), ["tabulate", "oren_nayar", "--alpha", alpha, "-o", "brdf.safetensors"]).exited(0);
+                fs::read(folder.path().join("brdf.safetensors")).expect("the file")
+            });
+            server.request("POST", "/v1/brdfs", &[OCTETS], Some(&first)).with_status(201);
+            server.request("POST", "/v1/brdfs", &[OCTETS], Some(&second)).json()
+        }
+        name if name.starts_with("tabulated BRDFs that are received") => {
+            let fields = [("host", host(server)), OCTETS, ("content-length", "1000")];
+            let held = request("POST /v1/brdfs", &fields);
+            // The bodies never come: those that are waited for end with 408, and their places go to the next.
+            let held: Vec<_> = (0..8).map(|_| send(server, &held)).collect();
+            let answers: Vec<_> = held.into_iter().map(|client| try_answer(client).expect("an answer")).collect();
+            let (_, _, body) = answers.iter().find(|(status, ..)| *status == 503).expect("one that waited in vain");
+            serde_json::from_str(body).expect("a document")
+        }
         other => panic!("no test meets the limit «{other}»"),
     }
 }
@@ -120,7 +143,10 @@ fn arguments(name: &str) -> &'static [&'static str] {
     match name {
         "connections open in all" => &["--connections", "1"],
         "connections from one address, or one IPv6 network of 64 bits" => &["--connections-per-address", "1"],
-        name if name.starts_with("time until") => &["--client-seconds", "1"],
+        name if name.starts_with("time until") || name.starts_with("tabulated BRDFs that are received") => {
+            &["--client-seconds", "1"]
+        }
+        name if name.starts_with("tabulated BRDFs that are stored") => &["--brdf-limit", "1"],
         "jobs that wait or run" => &["--queue-limit", "1"],
         "entries of a table" => &["--entry-limit", "15"],
         "predicted seconds of a job, with all workers on it" => &["--job-seconds", "1"],

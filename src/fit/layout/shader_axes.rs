@@ -2,7 +2,7 @@
 
 use std::array::from_fn;
 
-use super::{Layout, rules::LayoutRules};
+use super::spacing::Spacing;
 use crate::{axes::PerAxis, math::sin_cos};
 
 /// What a shader is told of a table's axes: `LtcTable` of `shaders/ltc_table.wgsl`, whose fields say more.
@@ -31,6 +31,46 @@ pub struct ShaderAxes {
 }
 
 impl ShaderAxes {
+    /// Those of a layout with a number, whose nodes are spaced so. Domain: nodes of this layout.
+    pub(super) fn new(number: u32, spacing: PerAxis<Spacing>, axes: &PerAxis<Vec<f64>>) -> Self {
+        let spaced = [
+            (&axes.alpha, spacing.alpha),
+            (&axes.ratio, spacing.ratio),
+            (&axes.theta, spacing.theta),
+            (&axes.phi, spacing.phi),
+        ];
+        // From the end: the first node may have been moved onto a floor.
+        let spaced = spaced.map(|(nodes, spacing)| match nodes[..] {
+            [.., before, last] => {
+                let [before, last] = [before, last].map(|node| spacing.invert(node));
+                let step = last - before;
+                [last - step * (nodes.len() - 1) as f64, step]
+            }
+            [only] => [spacing.invert(only), 1.0],
+            [] => [0.0, 1.0],
+        });
+        let ends = |nodes: &[f64]| [nodes.first(), nodes.last()].map(|node| node.copied().unwrap_or(0.0));
+        let [alpha, ratio, theta, phi] = axes.named().map(|(_, nodes)| ends(nodes));
+        let nodes = axes.named().map(|(_, nodes)| u32::try_from(nodes.len()).unwrap_or(u32::MAX));
+        let [of_alpha, of_ratio, of_theta, of_phi] = nodes.map(|count| count as f32);
+        let turns = axes.ratio == [1.0] && axes.phi.len() == 1;
+        let [[sin_first, cos_first], [sin_last, cos_last]] = phi.map(|phi| {
+            let (sin, cos) = sin_cos(phi);
+            [sin as f32, cos as f32]
+        });
+        Self {
+            nodes,
+            reading: [number, u32::from(turns), 0, 0],
+            start: spaced.map(|[start, _]| start as f32),
+            step: spaced.map(|[_, step]| step as f32),
+            per_step: spaced.map(|[_, step]| (1.0 / step) as f32),
+            texel: [1.0 / of_alpha, 1.0 / (of_ratio * of_theta), of_theta, 1.0 / of_phi],
+            roughness: [alpha[0], alpha[1], ratio[0], ratio[1]].map(|x| x as f32),
+            cosines: [sin_cos(theta[1]).1 as f32, sin_cos(theta[0]).1 as f32, 0.0, 0.0],
+            azimuths: [cos_first, sin_first, cos_last, sin_last],
+        }
+    }
+
     /// The words of the uniform, in its order.
     #[must_use]
     pub fn words(&self) -> [u32; 36] {
@@ -63,49 +103,4 @@ pub struct ShaderPlace {
     pub lower: [f32; 4],
     /// Weight of the node above, 0 where there is none.
     pub weight: [f32; 4],
-}
-
-impl Layout {
-    /// What a shader is told of axes. Domain: nodes of this layout, as [`Layout::nodes`] has them.
-    #[must_use]
-    pub fn shader_axes(self, axes: &PerAxis<Vec<f64>>) -> ShaderAxes {
-        let rules: &dyn LayoutRules = self.rules();
-        let spacing = rules.spacing();
-        let spaced = [
-            (&axes.alpha, spacing.alpha),
-            (&axes.ratio, spacing.ratio),
-            (&axes.theta, spacing.theta),
-            (&axes.phi, spacing.phi),
-        ];
-        // From the end: the first node may have been moved onto a floor.
-        let spaced = spaced.map(|(nodes, spacing)| match nodes[..] {
-            [.., before, last] => {
-                let [before, last] = [before, last].map(|node| spacing.invert(node));
-                let step = last - before;
-                [last - step * (nodes.len() - 1) as f64, step]
-            }
-            [only] => [spacing.invert(only), 1.0],
-            [] => [0.0, 1.0],
-        });
-        let ends = |nodes: &[f64]| [nodes.first(), nodes.last()].map(|node| node.copied().unwrap_or(0.0));
-        let [alpha, ratio, theta, phi] = axes.named().map(|(_, nodes)| ends(nodes));
-        let nodes = axes.named().map(|(_, nodes)| u32::try_from(nodes.len()).unwrap_or(u32::MAX));
-        let [of_alpha, of_ratio, of_theta, of_phi] = nodes.map(|count| count as f32);
-        let turns = axes.ratio == [1.0] && axes.phi.len() == 1;
-        let [[sin_first, cos_first], [sin_last, cos_last]] = phi.map(|phi| {
-            let (sin, cos) = sin_cos(phi);
-            [sin as f32, cos as f32]
-        });
-        ShaderAxes {
-            nodes,
-            reading: [rules.shader().number, u32::from(turns), 0, 0],
-            start: spaced.map(|[start, _]| start as f32),
-            step: spaced.map(|[_, step]| step as f32),
-            per_step: spaced.map(|[_, step]| (1.0 / step) as f32),
-            texel: [1.0 / of_alpha, 1.0 / (of_ratio * of_theta), of_theta, 1.0 / of_phi],
-            roughness: [alpha[0], alpha[1], ratio[0], ratio[1]].map(|x| x as f32),
-            cosines: [sin_cos(theta[1]).1 as f32, sin_cos(theta[0]).1 as f32, 0.0, 0.0],
-            azimuths: [cos_first, sin_first, cos_last, sin_last],
-        }
-    }
 }

@@ -70,7 +70,7 @@ fn names_of_several_lights_differ_in_every_language() {
             for (text, prefix) in lights(language, reading) {
                 let names = globals(&text);
                 let name = language.name();
-                assert!(names.len() > 15 && names.contains(&format!("{prefix}_disk")), "{name}: {names:?}");
+                assert!(names.len() > 12 && names.contains(&format!("{prefix}_disk")), "{name}: {names:?}");
                 let capital = prefix[..1].to_uppercase() + &prefix[1..];
                 for own in names {
                     let begins = [format!("{prefix}_"), format!("{}_", prefix.to_uppercase()), capital.clone()];
@@ -91,7 +91,7 @@ fn shown() -> @location(0) vec4<f32> {
     let view = normals_view(0.5, 0.5, wo);
     let corners = array<vec3<f32>, 4>(wo, wo, wo, wo);
     return vec4(ltc_lookup(0.5, 0.5, wo).amplitude, iso2_lookup(0.5, 0.5, wo).amplitude,
-        smooth_lookup(0.5, 0.5, wo).amplitude, normals_rectangle(view, corners, true, NORMALS_FAN).x
+        smooth_lookup(0.5, 0.5, wo).amplitude, normals_rectangle(view, corners, true).x
             + gaussians_rectangle(gaussians_view(GAUSSIANS_ASG, 0.5, 0.5, wo), corners, true).x
             + fitted_rectangle(fitted_lookup(FITTED_ASG, 0.5, 0.5, wo), corners, true).x);
 }
@@ -120,7 +120,11 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
             .expect("a translation");
         let name = language.name();
         assert!(text.contains(line) && text.contains("//   iso2_lookup(alpha_x, alpha_y, wo)"), "{name}:\n{text}");
-        assert!(!text.contains("ltc_lookup"), "{name}");
+        // But for the names of files.
+        assert!(
+            !text.replace("ltc_lookup.wgsl", "").replace("ltc_lookup_round.wgsl", "").contains("ltc_lookup"),
+            "{name}"
+        );
     }
     for (language, line) in [
         (Language::Wgsl, "group 3: uniform 5, matrix_a 6"),
@@ -146,7 +150,7 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
         &namespace("iso2", 5),
     )
     .expect("a translation");
-    for register in ["b6)", "t7)", "t8)", "t9)", "t10)", "s11)"] {
+    for register in ["b5)", "t6)", "t7)", "t8)", "s9)"] {
         assert_eq!(hlsl.matches(&format!("register({register}")).count(), 1, "{register}");
     }
 }

@@ -188,7 +188,8 @@ pub(super) mod tests {
         let text = rows().text();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 1 + 7 + 1, "{text}");
-        let names = ["ltc reflected", "normals fan", "normals mean", "normals fine", "sg ", "asg ", "asg reflected"];
+        let names =
+            ["ltc reflected", "normals balanced", "normals fast", "normals fine", "sg ", "asg ", "asg reflected"];
         for (line, name) in lines[1..].iter().zip(names) {
             assert!(line.starts_with(name), "{line}");
             assert_eq!(line.len(), lines[0].len(), "{line}");
