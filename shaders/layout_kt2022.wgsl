@@ -7,9 +7,9 @@ fn ltc_place_kt2022(alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcPlace {
     let angles = ltc_quadrant(vec2(length(wo.xy), wo.y), vec2(wo.z, wo.x));
     let surface = vec2(alpha, ratio);
     var place = ltc_place(vec4(surface, angles));
-    let low = ltc_table.start.xy + place.lower.xy * ltc_table.step.xy;
+    let low = ltc_table.start.xy + place.lower.xy * ltc_table.spacing.xy;
     let below = max(low, ltc_table.roughness.xz);
-    let weight = clamp((surface - below) / (low + ltc_table.step.xy - below), vec2(0.0), vec2(1.0));
+    let weight = clamp((surface - below) / (low + ltc_table.spacing.xy - below), vec2(0.0), vec2(1.0));
     place.weight = vec4(weight, place.weight.zw);
     return place;
 }

@@ -17,7 +17,7 @@ struct LtcTable {
     /// The first node of each axis in the variable in which the layout's nodes are evenly spaced, the step between nodes, and
     /// one over it; an axis of one node has the step 1.
     start: vec4<f32>,
-    step: vec4<f32>,
+    spacing: vec4<f32>,
     per_step: vec4<f32>,
     /// For the sampler: one over the nodes of alpha, one over those of ratio and theta, those of theta, one over those of phi.
     texel: vec4<f32>,

@@ -29,7 +29,7 @@ try {
 		if ( values.picture ) {
 
 			await page.setViewportSize( { width: 3 * Number( width ) + 56, height: 2 * Number( height ) + 104 } );
-			await page.screenshot( { path: values.picture } );
+			await page.screenshot( { path: values.picture, fullPage: true } );
 
 		}
 

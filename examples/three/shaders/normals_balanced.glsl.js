@@ -5,10 +5,10 @@ export default /* glsl */ `// SPDX-License-Identifier: MIT OR Apache-2.0
 //   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in that frame and
 //       run clockwise seen from the lit side. Light of radiance L arrives as L (f0 (x - y) + f90 y).
 //
-// Check, of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
-//   0.3 0.15 (0.36 0.48 0.8): 0.698486 0.000198
-//   0.2 0.6 (-0.64 0.48 0.6): 0.546075 0.003081
-//   0.05 0.02 (0.576 -0.768 0.28): 0.989197 0.187579
+// CHECK of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
+//   0.3 0.15 (0.36 0.48 0.8): 0.698599 0.000000
+//   0.2 0.6 (-0.64 0.48 0.6): 0.547130 0.000000
+//   0.05 0.02 (0.576 -0.768 0.28): 0.990901 0.187277
 
 
 precision highp float;
@@ -109,26 +109,22 @@ vec3 normals_edge(NormalsView view_4, vec3 flux_1, NormalsCorner begin, NormalsC
     return _e92;
 }
 
-vec3 normals_network(vec4 first, vec4 second, vec4 third) {
-    vec4 units_0_ = max(((((mat4x4(vec4(-0.9354, 0.3392, 0.901, 0.8184), vec4(0.06939, 1.973, 0.7174, -0.5905), vec4(-5.548, -1.308, -4.657, -10.01), vec4(-1.921, 0.03933, 3.627, 2.526)) * first) + (mat4x4(vec4(-2.568, 0.1459, 3.309, -0.128), vec4(-0.1699, 1.817, -0.2266, -0.4018), vec4(0.2633, 0.7666, -1.943, -0.4549), vec4(1.911, 0.623, 0.03777, 0.02032)) * second)) + (mat4x4(vec4(2.098, -1.183, -2.054, -0.7316), vec4(-4.466, -0.07308, -0.3089, -0.215), vec4(-0.109, -0.1926, -0.002601, 0.2204), vec4(0.04332, 0.06559, -0.02132, -0.01499)) * third)) + vec4(4.547, -0.7266, -0.8663, 8.579)), vec4(0.0));
-    vec4 units_1_ = max(((((mat4x4(vec4(0.6477, 1.515, -2.204, -3.046), vec4(-0.694, 0.0419, 2.159, 2.215), vec4(0.1061, 2.5, -1.076, -1.853), vec4(1.589, -0.03674, 4.327, 4.146)) * first) + (mat4x4(vec4(0.2575, -2.166, -0.949, -0.4878), vec4(-0.5416, 2.396, 2.191, 2.432), vec4(-0.3327, -0.9711, 2.921, -2.265), vec4(-0.5585, 0.2379, 2.755, 3.295)) * second)) + (mat4x4(vec4(-3.606, 1.975, -0.4173, 0.2039), vec4(-0.9847, 0.1395, -3.315, -3.135), vec4(1.333, 0.7253, 0.4845, 0.6164), vec4(-0.01515, 0.01943, 0.5687, 0.6633)) * third)) + vec4(0.3426, -5.247, -5.019, -4.998)), vec4(0.0));
-    vec4 units_2_ = max(((((mat4x4(vec4(0.74, -0.1652, -1.324, -8.85), vec4(0.9079, -0.2555, -2.65, 0.8941), vec4(-11.14, 12.12, -13.68, -1.982), vec4(0.4566, -0.02314, -2.036, 4.191)) * first) + (mat4x4(vec4(-1.068, 0.1236, 2.726, -0.09983), vec4(1.252, -0.5095, 0.3149, 2.472), vec4(1.543, -0.1216, -0.6891, -0.6191), vec4(0.988, -0.01941, -0.4513, -0.3021)) * second)) + (mat4x4(vec4(-0.4826, 0.2351, 4.428, 0.4689), vec4(-0.5691, 0.007494, -0.7105, -1.696), vec4(-0.07313, 0.0004897, 0.4579, -2.729), vec4(0.006034, -0.002308, 0.008641, -0.3128)) * third)) + vec4(9.743, -11.63, 10.16, 0.8425)), vec4(0.0));
-    return ((((mat4x3(vec3(-0.02834, -0.02664, 0.1041), vec3(-0.01883, -0.01512, 0.09821), vec3(0.007351, 0.06988, 0.01708), vec3(-0.01147, -0.1042, -0.02192)) * units_0_) + (mat4x3(vec3(-0.001762, -0.0824, -0.02879), vec3(-0.008193, 0.01041, 0.1278), vec3(-0.01512, 0.005387, 0.1031), vec3(0.00705, -0.001201, -0.1004)) * units_1_)) + (mat4x3(vec3(-0.04486, 0.01646, 0.09211), vec3(0.02413, -0.01387, -0.1807), vec3(-0.01519, -0.01256, -0.1395), vec3(0.03092, 0.0857, 0.1504)) * units_2_)) + vec3(-0.009406, 0.005604, 0.06389));
-}
-
-vec2 normals_mean(NormalsView view_5, vec3 flux_2, float seen, vec3 rises, float width, bool two_sided) {
+vec2 normals_mean(NormalsView view_5, vec3 flux_2, float seen, vec2 rises, vec2 ends, bool two_sided) {
     float part = clamp((((two_sided ? abs(seen) : seen) * 0.3183099) / (view_5.wo.z + view_5.length_)), 0.0, 1.0);
     vec2 _e16 = normals_weight(view_5, flux_2);
     float _e18 = normals_weight_of(view_5, rises.x);
     float _e19 = normals_per_length(flux_2);
     vec2 alpha_1 = vec2(max(view_5.alpha.x, view_5.alpha.y), min(view_5.alpha.x, view_5.alpha.y));
-    vec4 first_1 = vec4(part, view_5.rise, _e16);
-    vec4 second_1 = vec4((abs(flux_2.z) * _e19), alpha_1, _e18);
-    vec4 third_1 = vec4(((abs(seen) * _e19) / view_5.length_), rises.yz, width);
-    vec3 _e43 = normals_network(first_1, second_1, third_1);
-    float weight = clamp(((_e16.x + (_e43.z * (_e18 - _e16.x))) + (_e43.x * part)), 0.0, 1.0);
+    vec4 first = vec4(part, view_5.rise, _e16);
+    vec4 second = vec4((abs(flux_2.z) * _e19), alpha_1, _e18);
+    vec4 third = vec4(((abs(seen) * _e19) / view_5.length_), ends, rises.y);
+    vec4 units_0_ = max(((((mat4x4(vec4(-0.4517, -5.272, 1.779, -0.2389), vec4(-1.26, 1.688, 0.5576, -1.128), vec4(-4.275, 1.481, 30.76, -13.12), vec4(-1.536, 4.015, 0.03746, -0.6128)) * first) + (mat4x4(vec4(0.4828, -0.123, -3.655, 0.951), vec4(0.6037, 1.921, 2.182, 0.009572), vec4(0.3429, -0.8065, 1.27, -1.125), vec4(-0.02034, -0.7458, 1.34, -0.6957)) * second)) + (mat4x4(vec4(3.5, -0.5266, -4.763, 1.63), vec4(-0.2434, -2.357, -0.1187, 0.2569), vec4(0.06323, 2.151, -0.3276, 0.2598), vec4(-0.02792, -9.115, -1.102, 0.1882)) * third)) + vec4(2.287, -3.08, -27.36, 11.93)), vec4(0.0));
+    vec4 units_1_ = max(((((mat4x4(vec4(2.373, 1.101, -0.2881, -0.2746), vec4(0.894, 2.18, -3.53, 4.745), vec4(1.452, 0.5634, -9.116, 1.627), vec4(-0.4989, 0.7647, -2.529, 1.858)) * first) + (mat4x4(vec4(-3.776, -0.923, 0.6106, 5.323), vec4(2.5, 2.561, 0.8376, 0.6629), vec4(-1.425, 2.694, 0.7314, -7.277), vec4(0.1632, 1.109, 0.502, 1.195)) * second)) + (mat4x4(vec4(0.3068, -2.404, 5.645, -8.7), vec4(-0.1651, -0.7696, -0.4272, 2.286), vec4(0.2761, 0.01648, 0.2228, 1.936), vec4(0.144, -0.2423, -0.456, -10.35)) * third)) + vec4(-2.005, -2.343, 6.88, -4.838)), vec4(0.0));
+    vec4 units_2_ = max(((((mat4x4(vec4(0.8842, -0.6139, 0.483, -0.342), vec4(-1.322, 0.0633, 0.8474, 1.882), vec4(-11.05, -4.906, -14.09, 0.4059), vec4(0.3262, -0.117, 0.09231, 0.7526)) * first) + (mat4x4(vec4(-0.4565, -1.156, -0.5831, 0.413), vec4(-0.2157, -0.8456, 1.176, 0.5174), vec4(-0.3535, 2.117, 0.5998, 0.4314), vec4(0.1399, 3.433, -0.06966, 0.702)) * second)) + (mat4x4(vec4(-1.07, 0.7266, -0.5591, -0.1247), vec4(-0.02631, -5.466, -0.07689, 0.3231), vec4(0.2429, -0.07201, -0.05384, 0.7153), vec4(-0.08406, -1.691, 0.174, 0.4504)) * third)) + vec4(12.45, 3.613, 13.75, -5.645)), vec4(0.0));
+    vec3 told = ((((mat4x3(vec3(-0.003988, -0.2249, 0.01139), vec3(0.1556, 0.04211, 0.2543), vec3(0.05126, -0.008541, -0.02405), vec3(0.01138, 0.03835, -0.1487)) * units_0_) + (mat4x3(vec3(-0.03438, 0.005577, 0.0775), vec3(-0.05159, -0.00132, 0.04855), vec3(-3.237e-5, 0.1057, -0.02174), vec3(-0.09208, -0.05101, -0.2338)) * units_1_)) + (mat4x3(vec3(-0.01082, -0.09808, 0.02568), vec3(0.008448, 0.007935, 0.1418), vec3(-0.04663, 0.02314, 0.09929), vec3(0.125, 0.09136, -0.1615)) * units_2_)) + vec3(-8.466e-6, 0.000105, 0.0002346));
+    float weight = clamp(((_e16.x + (told.z * (_e18 - _e16.x))) + (told.x * part)), 0.0, 1.0);
     float m2_ = (_e16.y * _e16.y);
-    return (part * vec2(weight, clamp(((((weight * m2_) * m2_) * _e16.y) + (_e43.y * part)), 0.0, weight)));
+    return (part * vec2(weight, clamp(((((weight * m2_) * m2_) * _e16.y) + (told.y * part)), 0.0, weight)));
 }
 
 vec2 normals_rectangle(NormalsView view_6, vec3 corners[4], bool two_sided_1) {
@@ -170,14 +166,13 @@ vec2 normals_rectangle(NormalsView view_6, vec3 corners[4], bool two_sided_1) {
     float _e121 = normals_rise(view_6, _e97.w);
     float _e123 = normals_rise(view_6, _e104.w);
     float _e125 = normals_rise(view_6, _e101.w);
-    vec4 rises_2 = vec4(_e119, _e121, _e123, _e125);
-    float least_1 = min(min(rises_2.x, rises_2.y), min(rises_2.z, rises_2.w));
-    float most = max(max(rises_2.x, rises_2.y), max(rises_2.z, rises_2.w));
-    float mean = (0.25 * (((rises_2.x + rises_2.y) + rises_2.z) + rises_2.w));
-    vec3 apart_1 = (_e81.w - _e92.w);
-    vec3 _e153 = flux_3;
-    vec2 _e158 = normals_mean(view_6, _e153, seen_1, vec3(mean, least_1, most), (0.5 * dot(apart_1, apart_1)), two_sided_1);
-    return _e158;
+    vec4 rises_1 = vec4(_e119, _e121, _e123, _e125);
+    float least_1 = min(min(rises_1.x, rises_1.y), min(rises_1.z, rises_1.w));
+    float most = max(max(rises_1.x, rises_1.y), max(rises_1.z, rises_1.w));
+    vec2 sums_1 = vec2((((rises_1.x + rises_1.y) + rises_1.z) + rises_1.w), dot(rises_1, rises_1));
+    vec3 _e150 = flux_3;
+    vec2 _e154 = normals_mean(view_6, _e150, seen_1, (0.25 * sums_1), vec2(least_1, most), two_sided_1);
+    return _e154;
 }
 
 vec2 normals_polygon(NormalsView view_7, inout vec3 vertices_1[8], uint count, bool two_sided_2) {
@@ -185,7 +180,8 @@ vec2 normals_polygon(NormalsView view_7, inout vec3 vertices_1[8], uint count, b
     NormalsCorner setting = NormalsCorner(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
     NormalsCorner rising = NormalsCorner(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
     vec3 flux_4 = vec3(0.0);
-    vec3 rises_1 = vec3(0.0, 1.0, 0.0);
+    vec2 sums = vec2(0.0);
+    vec2 ends_1 = vec2(1.0, 0.0);
     uint i = 0u;
     bool local = false;
     uint number = min(max(count, 3u), 8u);
@@ -199,73 +195,67 @@ vec2 normals_polygon(NormalsView view_7, inout vec3 vertices_1[8], uint count, b
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e93 = i;
-            i = (_e93 + 1u);
+            uint _e97 = i;
+            i = (_e97 + 1u);
         }
         loop_init = false;
-        uint _e27 = i;
-        if ((_e27 < 8u)) {
+        uint _e29 = i;
+        if ((_e29 < 8u)) {
         } else {
             break;
         }
         {
-            uint _e30 = i;
-            if ((_e30 < number)) {
-                uint _e32 = i;
-                vec3 b_2 = vertices_1[_e32];
-                float _e36 = a_2.z;
-                if (!((_e36 > 0.0))) {
+            uint _e32 = i;
+            if ((_e32 < number)) {
+                uint _e34 = i;
+                vec3 b_2 = vertices_1[_e34];
+                float _e38 = a_2.z;
+                if (!((_e38 > 0.0))) {
                     local = (b_2.z > 0.0);
                 } else {
                     local = true;
                 }
-                bool _e46 = local;
-                if (_e46) {
-                    vec3 _e47 = a_2;
-                    float _e54 = a_2.z;
-                    vec3 cut = vec3(((_e47.xy * abs(b_2.z)) + (b_2.xy * abs(_e54))), 0.0);
-                    vec3 _e60 = a_2;
-                    float _e62 = a_2.z;
-                    NormalsCorner _e66 = normals_corner(view_7, ((_e62 > 0.0) ? _e60 : cut));
-                    NormalsCorner _e71 = normals_corner(view_7, ((b_2.z > 0.0) ? b_2 : cut));
-                    vec3 _e72 = flux_4;
-                    vec3 _e73 = normals_edge(view_7, _e72, _e66, _e71);
-                    flux_4 = _e73;
-                    float _e75 = a_2.z;
-                    if ((_e75 <= 0.0)) {
-                        rising = _e66;
+                bool _e48 = local;
+                if (_e48) {
+                    vec3 _e49 = a_2;
+                    float _e56 = a_2.z;
+                    vec3 cut = vec3(((_e49.xy * abs(b_2.z)) + (b_2.xy * abs(_e56))), 0.0);
+                    vec3 _e62 = a_2;
+                    float _e64 = a_2.z;
+                    NormalsCorner _e68 = normals_corner(view_7, ((_e64 > 0.0) ? _e62 : cut));
+                    NormalsCorner _e73 = normals_corner(view_7, ((b_2.z > 0.0) ? b_2 : cut));
+                    vec3 _e74 = flux_4;
+                    vec3 _e75 = normals_edge(view_7, _e74, _e68, _e73);
+                    flux_4 = _e75;
+                    float _e77 = a_2.z;
+                    if ((_e77 <= 0.0)) {
+                        rising = _e68;
                     }
                     if ((b_2.z <= 0.0)) {
-                        setting = _e71;
+                        setting = _e73;
                     }
                 }
-                float _e81 = normals_rise(view_7, b_2);
-                float _e83 = rises_1.x;
-                float _e86 = rises_1.y;
-                float _e89 = rises_1.z;
-                rises_1 = vec3((_e83 + _e81), min(_e86, _e81), max(_e89, _e81));
+                float _e83 = normals_rise(view_7, b_2);
+                vec2 _e84 = sums;
+                sums = (_e84 + (_e83 * vec2(1.0, _e83)));
+                float _e90 = ends_1.x;
+                float _e93 = ends_1.y;
+                ends_1 = vec2(min(_e90, _e83), max(_e93, _e83));
                 a_2 = b_2;
             }
         }
     }
-    float _e96 = rises_1.z;
-    if ((_e96 <= 0.0)) {
-        return vec2(0.0);
-    }
-    vec3 _e101 = flux_4;
-    NormalsCorner _e102 = setting;
-    NormalsCorner _e103 = rising;
-    vec3 _e104 = normals_edge(view_7, _e101, _e102, _e103);
-    flux_4 = _e104;
-    vec3 _e106 = setting.w;
-    vec3 _e108 = rising.w;
-    vec3 apart_2 = (_e106 - _e108);
-    vec3 _e110 = flux_4;
-    vec3 _e111 = flux_4;
-    float _e115 = rises_1.x;
-    vec3 _e118 = rises_1;
-    vec2 _e124 = normals_mean(view_7, _e110, dot(_e111, view_7.stretched), vec3((_e115 / float(number)), _e118.yz), (0.5 * dot(apart_2, apart_2)), two_sided_2);
-    return _e124;
+    vec3 _e99 = flux_4;
+    NormalsCorner _e100 = setting;
+    NormalsCorner _e101 = rising;
+    vec3 _e102 = normals_edge(view_7, _e99, _e100, _e101);
+    flux_4 = _e102;
+    vec3 _e103 = flux_4;
+    vec3 _e104 = flux_4;
+    vec2 _e107 = sums;
+    vec2 _e111 = ends_1;
+    vec2 _e112 = normals_mean(view_7, _e103, dot(_e104, view_7.stretched), (_e107 / vec2(float(number))), _e111, two_sided_2);
+    return _e112;
 }
 
 vec2 normals_disk(NormalsView view_8, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_3) {

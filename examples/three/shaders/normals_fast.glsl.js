@@ -5,7 +5,7 @@ export default /* glsl */ `// SPDX-License-Identifier: MIT OR Apache-2.0
 //   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in that frame and
 //       run clockwise seen from the lit side. Light of radiance L arrives as L (f0 (x - y) + f90 y).
 //
-// Check, of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
+// CHECK of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
 //   0.3 0.15 (0.36 0.48 0.8): 0.695826 0.000554
 //   0.2 0.6 (-0.64 0.48 0.6): 0.544658 0.002454
 //   0.05 0.02 (0.576 -0.768 0.28): 0.989556 0.186976
@@ -108,23 +108,19 @@ vec3 normals_edge(NormalsView view_4, vec3 flux_1, NormalsCorner begin, NormalsC
     return _e92;
 }
 
-vec3 normals_network(vec4 first, vec4 second) {
-    vec3 units_0_ = max((((mat4x3(vec3(0.957, -0.2205, 0.6027), vec3(-1.39, -0.5151, 0.9099), vec3(-10.86, 9.136, -6.964), vec3(0.2335, -0.0706, 0.5823)) * first) + (mat4x3(vec3(0.1728, 0.4426, -1.059), vec3(-1.234, -0.7694, 2.05), vec3(-0.7549, -0.2645, 1.341), vec3(-0.01225, -0.1219, 1.024)) * second)) + vec3(10.96, -8.294, 4.826)), vec3(0.0));
-    return ((mat3x3(vec3(-0.03396, -0.1141, -0.04112), vec3(0.01311, -0.004379, -0.3055), vec3(-0.04821, 0.008404, 0.1643)) * units_0_) + vec3(-0.005077, 0.001849, 0.1108));
-}
-
 vec2 normals_mean(NormalsView view_5, vec3 flux_2, float seen, float rise_1, bool two_sided) {
     float part = clamp((((two_sided ? abs(seen) : seen) * 0.3183099) / (view_5.wo.z + view_5.length_)), 0.0, 1.0);
     vec2 _e15 = normals_weight(view_5, flux_2);
     float _e16 = normals_weight_of(view_5, rise_1);
     float _e17 = normals_per_length(flux_2);
     vec2 alpha_1 = vec2(max(view_5.alpha.x, view_5.alpha.y), min(view_5.alpha.x, view_5.alpha.y));
-    vec4 first_1 = vec4(part, view_5.rise, _e15);
-    vec4 second_1 = vec4((abs(flux_2.z) * _e17), alpha_1, _e16);
-    vec3 _e35 = normals_network(first_1, second_1);
-    float weight = clamp(((_e15.x + (_e35.z * (_e16 - _e15.x))) + (_e35.x * part)), 0.0, 1.0);
+    vec4 first = vec4(part, view_5.rise, _e15);
+    vec4 second = vec4((abs(flux_2.z) * _e17), alpha_1, _e16);
+    vec3 units_0_ = max((((mat4x3(vec3(0.957, -0.2205, 0.6027), vec3(-1.39, -0.5151, 0.9099), vec3(-10.86, 9.136, -6.964), vec3(0.2335, -0.0706, 0.5823)) * first) + (mat4x3(vec3(0.1728, 0.4426, -1.059), vec3(-1.234, -0.7694, 2.05), vec3(-0.7549, -0.2645, 1.341), vec3(-0.01225, -0.1219, 1.024)) * second)) + vec3(10.96, -8.294, 4.826)), vec3(0.0));
+    vec3 told = ((mat3x3(vec3(-0.03396, -0.1141, -0.04112), vec3(0.01311, -0.004379, -0.3055), vec3(-0.04821, 0.008404, 0.1643)) * units_0_) + vec3(-0.005077, 0.001849, 0.1108));
+    float weight = clamp(((_e15.x + (told.z * (_e16 - _e15.x))) + (told.x * part)), 0.0, 1.0);
     float m2_ = (_e15.y * _e15.y);
-    return (part * vec2(weight, clamp(((((weight * m2_) * m2_) * _e15.y) + (_e35.y * part)), 0.0, weight)));
+    return (part * vec2(weight, clamp(((((weight * m2_) * m2_) * _e15.y) + (told.y * part)), 0.0, weight)));
 }
 
 vec2 normals_rectangle(NormalsView view_6, vec3 corners[4], bool two_sided_1) {
@@ -238,20 +234,16 @@ vec2 normals_polygon(NormalsView view_7, inout vec3 vertices_1[8], uint count, b
             }
         }
     }
-    float _e84 = rise_2;
-    if ((_e84 <= 0.0)) {
-        return vec2(0.0);
-    }
+    vec3 _e84 = flux_4;
+    NormalsCorner _e85 = setting;
+    NormalsCorner _e86 = rising;
+    vec3 _e87 = normals_edge(view_7, _e84, _e85, _e86);
+    flux_4 = _e87;
+    vec3 _e88 = flux_4;
     vec3 _e89 = flux_4;
-    NormalsCorner _e90 = setting;
-    NormalsCorner _e91 = rising;
-    vec3 _e92 = normals_edge(view_7, _e89, _e90, _e91);
-    flux_4 = _e92;
-    vec3 _e93 = flux_4;
-    vec3 _e94 = flux_4;
-    float _e97 = rise_2;
-    vec2 _e100 = normals_mean(view_7, _e93, dot(_e94, view_7.stretched), (_e97 / float(number)), two_sided_2);
-    return _e100;
+    float _e92 = rise_2;
+    vec2 _e95 = normals_mean(view_7, _e88, dot(_e89, view_7.stretched), (_e92 / float(number)), two_sided_2);
+    return _e95;
 }
 
 vec2 normals_disk(NormalsView view_8, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_3) {

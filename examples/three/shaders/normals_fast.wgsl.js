@@ -5,7 +5,7 @@ export default /* wgsl */ `// SPDX-License-Identifier: MIT OR Apache-2.0
 //   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in that frame and
 //       run clockwise seen from the lit side. Light of radiance L arrives as L (f0 (x - y) + f90 y).
 //
-// Check, of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
+// CHECK of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
 //   0.3 0.15 (0.36 0.48 0.8): 0.695826 0.000554
 //   0.2 0.6 (-0.64 0.48 0.6): 0.544658 0.002454
 //   0.05 0.02 (0.576 -0.768 0.28): 0.989556 0.186976
@@ -109,7 +109,7 @@ fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: N
 
 /// What is reflected of a rectangle of radiance one: for a Fresnel factor of one, and by Schlick's (1 - wo . h)^5.
 fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
-    // Both sides are turned to rise. A corner below the surface slides up along its side.
+    // Sides are turned to rise. A corner below slides up along its side.
     let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
     let along = corners[1] - corners[0];
     let across = corners[3] - corners[0];
@@ -140,12 +140,7 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
 }
 
 /// The same of a convex polygon of 3 to 8 vertices.
-fn normals_polygon(
-    view: NormalsView,
-    vertices: ptr<function, array<vec3<f32>, 8>>,
-    count: u32,
-    two_sided: bool,
-) -> vec2<f32> {
+fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8>>, count: u32, two_sided: bool) -> vec2<f32> {
     let number = clamp(count, 3u, 8u);
     var a = (*vertices)[number - 1u];
     var setting = normals_corner(view, a);
@@ -171,15 +166,12 @@ fn normals_polygon(
             a = b;
         }
     }
-    if (rise <= 0.0) {
-        return vec2(0.0);
-    }
     flux = normals_edge(view, flux, setting, rising);
     return normals_mean(view, flux, dot(flux, view.stretched), rise / f32(number), two_sided);
 }
 
 /// The part of the visible normals times their mean weight: that of the mean normal, a share of that of the vertices, and more
-/// by the part. A network of rectified linear units tells these.
+/// by the part, as a network tells.
 fn normals_mean(view: NormalsView, flux: vec3<f32>, seen: f32, rise: f32, two_sided: bool) -> vec2<f32> {
     let part = saturate(select(seen, abs(seen), two_sided) * 0.31830989 / (view.wo.z + view.length));
     let at_mean = normals_weight(view, flux);
@@ -188,25 +180,20 @@ fn normals_mean(view: NormalsView, flux: vec3<f32>, seen: f32, rise: f32, two_si
     let alpha = vec2(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y));
     let first = vec4(part, view.rise, at_mean);
     let second = vec4(abs(flux.z) * per_length, alpha, at_vertices);
-    let told = normals_network(first, second);
-    let weight = saturate(at_mean.x + told.z * (at_vertices - at_mean.x) + told.x * part);
-    let m2 = at_mean.y * at_mean.y;
-    return part * vec2(weight, clamp(weight * m2 * m2 * at_mean.y + told.y * part, 0.0, weight));
-}
-
-/// More of the weight and of Schlick's part, and the share of the vertices.
-fn normals_network(first: vec4<f32>, second: vec4<f32>) -> vec3<f32> {
     let units_0 = max(
         mat4x3(0.957, -0.2205, 0.6027, -1.39, -0.5151, 0.9099, -10.86, 9.136, -6.964, 0.2335, -0.0706, 0.5823) * first
         + mat4x3(0.1728, 0.4426, -1.059, -1.234, -0.7694, 2.05, -0.7549, -0.2645, 1.341, -0.01225, -0.1219, 1.024) * second
         + vec3(10.96, -8.294, 4.826),
         vec3(0.0),
     );
-    return mat3x3(-0.03396, -0.1141, -0.04112, 0.01311, -0.004379, -0.3055, -0.04821, 0.008404, 0.1643) * units_0
+    let told = mat3x3(-0.03396, -0.1141, -0.04112, 0.01311, -0.004379, -0.3055, -0.04821, 0.008404, 0.1643) * units_0
         + vec3(-0.005077, 0.001849, 0.1108);
+    let weight = saturate(at_mean.x + told.z * (at_vertices - at_mean.x) + told.x * part);
+    let m2 = at_mean.y * at_mean.y;
+    return part * vec2(weight, clamp(weight * m2 * m2 * at_mean.y + told.y * part, 0.0, weight));
 }
 
-/// The same of a disk by perpendicular half axes, lit from the side of half_x x half_y: the regular octagon of its area.
+/// The same of a disk by its half axes, lit from the side of their cross product: the octagon of its area.
 fn normals_disk(view: NormalsView, centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>, two_sided: bool) -> vec2<f32> {
     var vertices: array<vec3<f32>, 8>;
     var turn = vec2(0.97368348, 0.4033129);

@@ -70,7 +70,7 @@ struct LtcTable {
     uvec4 nodes;
     uvec4 reading;
     vec4 start;
-    vec4 step_;
+    vec4 spacing;
     vec4 per_step;
     vec4 texel;
     vec4 roughness;
@@ -240,9 +240,9 @@ LtcPlace ltc_place_reflected(float alpha, float ratio, vec3 wo_1) {
     place = _e31;
     vec4 _e35 = ltc_table.start;
     vec4 _e38 = place.lower;
-    vec4 _e42 = ltc_table.step_;
+    vec4 _e42 = ltc_table.spacing;
     vec3 below = (_e35.xyz + (_e38.xyz * _e42.xyz));
-    vec4 _e48 = ltc_table.step_;
+    vec4 _e48 = ltc_table.spacing;
     vec3 above = (below + _e48.xyz);
     vec3 low = vec3(pow(below.xy, powers), ((2.0 - below.z) * below.z));
     vec3 high = vec3(pow(above.xy, powers), ((2.0 - above.z) * above.z));

@@ -204,7 +204,7 @@ fn our_own_shader_finds_its_buffers() {
     let document: Value = serde_json::from_str(text(&bundle, "ltc.json")).expect("JSON");
     assert_eq!(document["ltc_table"]["nodes"], serde_json::json!([2, 1, 3, 1]));
     assert_eq!(document["ltc_table"]["reading"][1], 1, "isotropic with one phi");
-    assert_eq!(document["ltc_table"]["step"], serde_json::json!([0.9_f32, 1.0, 0.5, 1.0]));
+    assert_eq!(document["ltc_table"]["spacing"], serde_json::json!([0.9_f32, 1.0, 0.5, 1.0]));
     assert_eq!(document["textures"], serde_json::json!(["ltc_matrix_a.ktx2", "ltc_matrix_b.ktx2", "ltc_terms.ktx2"]));
     ktx2::Reader::new(bytes(&bundle, "ltc_terms.ktx2")).expect("KTX2");
 }

@@ -36,7 +36,7 @@ impl EngineRules for Wgpu {
                 "nodes": axes.nodes,
                 "reading": axes.reading,
                 "start": axes.start,
-                "step": axes.step,
+                "spacing": axes.step,
                 "per_step": axes.per_step,
                 "texel": axes.texel,
                 "roughness": axes.roughness,
@@ -49,7 +49,7 @@ impl EngineRules for Wgpu {
         files.push(TextureFile { path: "ltc.json".to_owned(), bytes, rounding: RoundingError::default() });
         let steps = [
             "Load each texture as 3D, in the order of ltc.json, at bindings 1 to 3 of the shader that ltcforge shader writes.",
-            "Binding 0 is ltc_table of ltc.json, in the shader's order: nodes, reading, start, step, per_step, texel, roughness, cosines, azimuths; the first two u32, the others f32.",
+            "Binding 0 is ltc_table of ltc.json, in the shader's order: nodes, reading, start, spacing, per_step, texel, roughness, cosines, azimuths; the first two u32, the others f32.",
         ];
         Ok(Bundle { files, steps: steps.map(str::to_owned).into() })
     }
