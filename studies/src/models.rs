@@ -104,7 +104,7 @@ pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
     let _ = writeln!(out, "\ndocs/normals.md, V by four arcs an edge:\n\n| light | four arcs |\n|---|---|");
     for (i, kind) in ARCS.into_iter().enumerate() {
         let cases = cases(kind, 1040 + i as u64, lights);
-        let _ = writeln!(out, "| {} | {} |", kind.name(), spread(visible_errors(&cases)));
+        let _ = writeln!(out, "| V, {} | {} |", kind.name(), spread(visible_errors(&cases)));
     }
 
     let _ = writeln!(out, "\ndocs/normals.md, {walls} walls a row:\n");

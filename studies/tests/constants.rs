@@ -50,7 +50,7 @@ fn the_polynomials_of_the_shaders_are_those_with_the_least_error() {
 /// A short search from nothing comes near to the numbers that stand, on lights that neither saw.
 #[test]
 fn a_short_search_comes_near_to_the_numbers_of_networks() {
-    for (rule, most) in [(NormalsRule::Fast, 1.3), (NormalsRule::Balanced, 1.6), (NormalsRule::Fine, 1.6)] {
+    for (rule, most) in [(NormalsRule::Fast, 1.3), (NormalsRule::Balanced, 2.5), (NormalsRule::Fine, 2.5)] {
         let found = networks::find(&Asked { rule, lights: 6000, rounds: 40, starts: 2, seed: 71 });
         let [standing, end] = found.held_out;
         println!("{rule}: {end:.6}; stands: {standing:.6}; seen: {:.6?}", found.seen);
