@@ -101,7 +101,7 @@ USE
 /// The bindings of a table, in every language.
 const TABLE: &str = "\
 BINDINGS OF A TABLE
-  uniform   36 words, nine vectors of four, which ltcforge textures --engine wgpu writes as ltc.json. Two of u32: how many
+  uniform   36 words, nine vectors of four, which ltcforge export --for wgpu writes as ltc.json. Two of u32: how many
             nodes alpha, ratio, theta and phi have; the layout's number, not read here
             ({numbers}),
             1 if ratio has the one node 1 and phi has one node, else 0, and 0, 0. Seven of f32: the first node of each axis in
@@ -329,7 +329,7 @@ pub(super) fn checked_table(layout: Layout) -> String {
     let axes = table(layout).axes;
     let PerAxis { ratio: ratios, theta: thetas, phi: phis, .. } = axes.lengths();
     let ShaderAxes { nodes, start, step, roughness, cosines, azimuths, .. } = layout.shader_axes(&axes);
-    let across = if ratios == 1 { " Those across the plane of incidence, k = 1 3 5 7, are 0." } else { "" };
+    let across = if ratios == 1 { "\n  Those across the plane of incidence, k = 1 3 5 7, are 0." } else { "" };
     format!(
         "\x20 Of the table with the uniform nodes {}, start {}, step {},
   alpha and ratio {}, cosines {}, azimuths {},
