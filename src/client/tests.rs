@@ -106,13 +106,13 @@ fn gzip_is_undone_under_each_of_its_names() {
     }
     // A file that unpacks to more than it may have is cut as any other.
     let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
-    encoder.write_all(&[0; 1 << 16]).expect("memory");
+    encoder.write_all(&vec![0; 1 << 16]).expect("memory");
     let packed = encoder.finish().expect("memory");
     let head = "HTTP/1.1 200 OK\r\ncontent-encoding: x-gzip\r\nconnection: close\r\n\r\n";
     let file = [head.as_bytes(), &packed].concat();
     let send = move |mut stream: TcpStream| stream.write_all(&file).expect("the client listens");
     let (url, _requests) = server_of(vec![Box::new(send)]);
-    let refused = table(&Client::new(&url).expect("a URL"), &[0; 1 << 16], Some(1000)).expect_err("it is longer");
+    let refused = table(&Client::new(&url).expect("a URL"), &vec![0; 1 << 16], Some(1000)).expect_err("it is longer");
     assert!(matches!(refused, DownloadError::Client(ClientError::TooLong { limit_bytes: 1000, .. })), "{refused:?}");
 }
 

@@ -116,13 +116,19 @@ fn asked_of_several(layouts: &[Layout]) -> String {
         let cases: String = layouts.iter().map(case).collect();
         format!("    switch ltc_table.reading.x {{\n{cases}        default: {{ return {default}; }}\n    }}\n")
     };
-    let place = |shader: &LayoutShader| match shader.is_isotropic {
-        true => format!("ltc_place_round({}(alpha, wo))", shader.place),
-        false => format!("{}(alpha, ratio, wo)", shader.place),
+    let place = |shader: &LayoutShader| {
+        if shader.is_isotropic {
+            format!("ltc_place_round({}(alpha, wo))", shader.place)
+        } else {
+            format!("{}(alpha, ratio, wo)", shader.place)
+        }
     };
-    let restore = |shader: &LayoutShader| match shader.is_isotropic {
-        true => format!("ltc_lobe_of({}(ltc_plane_of(stored)), stored)", shader.restore),
-        false => format!("{}(stored, alpha, ratio, wo)", shader.restore),
+    let restore = |shader: &LayoutShader| {
+        if shader.is_isotropic {
+            format!("ltc_lobe_of({}(ltc_plane_of(stored)), stored)", shader.restore)
+        } else {
+            format!("{}(stored, alpha, ratio, wo)", shader.restore)
+        }
     };
     asked_with(&switch("LtcPlace()", &place), &switch("stored", &restore))
 }

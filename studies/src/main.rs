@@ -27,7 +27,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Study {
-    /// The numbers of a rule of model `normals`: src/light/normals/numbers.rs and shaders/normals_RULE.wgsl
+    /// The numbers of a rule of model `normals`: src/light/normals/numbers.rs and `shaders/normals_RULE.wgsl`
     Networks {
         /// The rule: fast, balanced or fine
         #[arg(value_parser = rule)]

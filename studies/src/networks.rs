@@ -368,8 +368,12 @@ fn trained(asked: &Asked, start: u64, lessons: &[Lesson]) -> Search {
         }
         for batch in order.chunks(BATCH) {
             let mut slope = vec![0.0; count];
-            batch.iter().for_each(|i| search.learn(&lessons[*i], &mut units, &mut slope));
-            slope.iter_mut().for_each(|slope| *slope /= batch.len() as f32);
+            for i in batch {
+                search.learn(&lessons[*i], &mut units, &mut slope);
+            }
+            for slope in &mut slope {
+                *slope /= batch.len() as f32;
+            }
             let length = STEP * (0.5 + 0.5 * (PI * step as f32 / steps as f32).cos()).powf(1.5) + 1e-5;
             search.step(&mut adam, &slope, length);
             step += 1;

@@ -52,8 +52,8 @@ pub(super) fn whole<T: Scalar>(view: &View<T>, vertices: &[Triple<T>], flux: Tri
     let count = T::of(vertices.len() as f64);
     let mean_rise = rises().fold(T::ZERO, |sum, rise| sum + rise) / count;
     let mean_square = rises().fold(T::ZERO, |sum, rise| sum + rise * rise) / count;
-    let lowest = rises().fold(T::ONE, |least, rise| least.min(rise));
-    let highest = rises().fold(T::ZERO, |most, rise| most.max(rise));
+    let lowest = rises().fold(T::ONE, T::min);
+    let highest = rises().fold(T::ZERO, T::max);
     let at_corners = view.weight_of(mean_rise);
     let [larger, smaller] = roughness(view);
     Region {

@@ -27,8 +27,8 @@ mod exact;
 mod mean;
 mod model;
 mod network;
-/// A row of a network is a line.
 #[rustfmt::skip]
+#[allow(clippy::unreadable_literal, reason = "a program prints them, a row a line")]
 mod numbers;
 mod outline;
 mod view;

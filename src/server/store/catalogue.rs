@@ -202,6 +202,7 @@ fn encode(row: &impl Serialize) -> Result<Vec<u8>, StoreError> {
 }
 
 /// The place of a file in a list by age.
+#[must_use]
 pub fn age_key(stored_at: Timestamp, digest: Digest) -> Vec<u8> {
     let age = u64::try_from(stored_at.as_microsecond()).unwrap_or(0);
     [age.to_be_bytes().as_slice(), digest.as_bytes()].concat()

@@ -156,7 +156,7 @@ async fn a_content_length_that_fits_in_no_number_is_named() {
         (vec!["5", "6"], "400", "Content-Length is both 5 and 6"),
     ];
     for (lengths, status, named) in cases {
-        let fields: String = lengths.iter().map(|length| format!("CONTENT-length:{length} \r\n")).collect();
+        let fields = lengths.iter().map(|length| format!("CONTENT-length:{length} \r\n")).collect::<Vec<_>>().concat();
         let body_of = "\r\ncontent-length: x";
         let head = format!("POST / HTTP/1.1\r\nhost: h\r\n{fields}{body_of}");
         let answer = rest(send(&served, &head).await).await;

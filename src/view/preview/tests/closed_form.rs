@@ -9,7 +9,7 @@ const LIMITS: [(NamedScene, f64); 4] = [
     (NamedScene::Sphere, 6e-4),
     (NamedScene::Figure14, 6e-4),
     (NamedScene::BrushedFloor, 10e-4),
-    (NamedScene::Horizon, 25e-4),
+    (NamedScene::Horizon, 30e-4),
 ];
 
 #[test]
