@@ -20,7 +20,7 @@ export default /* glsl */ `// Linearly Transformed Cosines: area lights on aniso
 //   A second table in the same shader needs names and bindings of its own: ltcforge shader --prefix --first-binding.
 //
 // BINDINGS OF A TABLE
-//   uniform   36 words, nine vectors of four, which ltcforge textures --engine wgpu writes as ltc.json. Two of u32: how many
+//   uniform   36 words, nine vectors of four, which ltcforge export --for wgpu writes as ltc.json. Two of u32: how many
 //             nodes alpha, ratio, theta and phi have; the layout's number, not read here
 //             (reflected 1, kt2022 0, ltc2017 2, ltc2016 3, godot 4, hdrp 5, inverse 6, matrix33 7),
 //             1 if ratio has the one node 1 and phi has one node, else 0, and 0, 0. Seven of f32: the first node of each axis in
