@@ -36,8 +36,11 @@ pub(super) fn in_place_of(written: &[u8], head: &[u8]) -> Option<Vec<u8>> {
     if !bare.ends_with("\r\n\r\n") || bare.contains("content-type:") {
         return None;
     }
+    let of_length = if ["400", "431"].contains(&status) { length_problem(head) } else { None };
+    if let Some(problem) = of_length {
+        return Some(answer(&problem));
+    }
     let problem = match status {
-        "400" | "431" if let Some(problem) = length_problem(head) => problem,
         "400" => Problem::new(ProblemKind::BadRequest, "the head of the request is not that of HTTP/1.1"),
         "414" => Problem::new(ProblemKind::UriTooLong, "path and query of a request take at most 65534 bytes"),
         "431" => {
