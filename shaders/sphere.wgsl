@@ -30,11 +30,16 @@ struct Scene {
 
 /// Puts a constant in place of the table, to measure what a lookup costs.
 override lookup_is_constant: bool = false;
-/// Which Gaussian lights and whether a table has it, and whether the light of models without a table is other than a
-/// rectangle. These are constants of the pipeline, since software drivers run both sides of a branch.
+/// The rule of model normals, which Gaussian lights and whether a table has it, and whether the light of models without a
+/// table is other than a rectangle. These are constants of the pipeline, since software drivers run both sides of a branch.
+override normals_rule: u32 = RULE_BALANCED;
 override gaussian: u32 = 0u;
 override gaussian_is_fitted: bool = false;
 override light_is_polygon: bool = true;
+
+const RULE_BALANCED: u32 = 0u;
+const RULE_FAST: u32 = 1u;
+const RULE_FINE: u32 = 2u;
 
 const SURFACE_SPHERE: u32 = 0u;
 const SURFACE_FLOOR: u32 = 1u;
@@ -122,7 +127,7 @@ fn shade_by_table(at: Shaded) -> vec3<f32> {
         let parts = vec2(lobe.amplitude, lobe.fresnel);
         return reflected(parts * shape_covered(LtcInverse(to_cosine, inverse.side), at.position));
     }
-    // What is lit from the shaded point, in world space.
+    // The outline of the light from the shaded point, in world space.
     if (light.options.x == 4u) {
         let p = at.position;
         let corners = array<vec3<f32>, 4>(
@@ -180,40 +185,31 @@ fn outline_of(at: Shaded) -> array<vec3<f32>, 8> {
     return vertices;
 }
 
-/// Radiance towards the eye, by model normals, rule balanced.
-fn shade_by_balanced(at: Shaded) -> vec3<f32> {
+/// Radiance towards the eye, by model normals.
+fn shade_by_normals(at: Shaded) -> vec3<f32> {
     var vertices = outline_of(at);
+    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
+    let count = light.options.x;
+    let two_sided = light.options.y == 1u;
+    if (normals_rule == RULE_FAST) {
+        let view = fast_view(at.alpha.x, at.alpha.y, at.wo);
+        if (light_is_polygon) {
+            return reflected(fast_polygon(view, &vertices, count, two_sided));
+        }
+        return reflected(fast_rectangle(view, corners, two_sided));
+    }
+    if (normals_rule == RULE_FINE) {
+        let view = fine_view(at.alpha.x, at.alpha.y, at.wo);
+        if (light_is_polygon) {
+            return reflected(fine_polygon(view, &vertices, count, two_sided));
+        }
+        return reflected(fine_rectangle(view, corners, two_sided));
+    }
     let view = balanced_view(at.alpha.x, at.alpha.y, at.wo);
-    let two_sided = light.options.y == 1u;
     if (light_is_polygon) {
-        return reflected(balanced_polygon(view, &vertices, light.options.x, two_sided));
+        return reflected(balanced_polygon(view, &vertices, count, two_sided));
     }
-    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
     return reflected(balanced_rectangle(view, corners, two_sided));
-}
-
-/// Radiance towards the eye, by model normals, rule fast.
-fn shade_by_fast(at: Shaded) -> vec3<f32> {
-    var vertices = outline_of(at);
-    let view = fast_view(at.alpha.x, at.alpha.y, at.wo);
-    let two_sided = light.options.y == 1u;
-    if (light_is_polygon) {
-        return reflected(fast_polygon(view, &vertices, light.options.x, two_sided));
-    }
-    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
-    return reflected(fast_rectangle(view, corners, two_sided));
-}
-
-/// Radiance towards the eye, by model normals, rule fine.
-fn shade_by_fine(at: Shaded) -> vec3<f32> {
-    var vertices = outline_of(at);
-    let view = fine_view(at.alpha.x, at.alpha.y, at.wo);
-    let two_sided = light.options.y == 1u;
-    if (light_is_polygon) {
-        return reflected(fine_polygon(view, &vertices, light.options.x, two_sided));
-    }
-    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
-    return reflected(fine_rectangle(view, corners, two_sided));
 }
 
 /// Radiance towards the eye, by a Gaussian.
@@ -273,7 +269,7 @@ fn surface_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invo
 }
 
 @compute @workgroup_size(8, 8)
-fn surface_by_balanced(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+fn surface_by_normals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
     let pixel = pixel_of(group, local);
     if (any(pixel >= vec2(scene.options.x))) {
         return;
@@ -281,35 +277,7 @@ fn surface_by_balanced(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_i
     let seen = see(place_of(pixel));
     var radiance = scene.background.xyz;
     if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_balanced(seen.at), seen.coverage);
-    }
-    write(pixel, radiance);
-}
-
-@compute @workgroup_size(8, 8)
-fn surface_by_fast(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
-    let pixel = pixel_of(group, local);
-    if (any(pixel >= vec2(scene.options.x))) {
-        return;
-    }
-    let seen = see(place_of(pixel));
-    var radiance = scene.background.xyz;
-    if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_fast(seen.at), seen.coverage);
-    }
-    write(pixel, radiance);
-}
-
-@compute @workgroup_size(8, 8)
-fn surface_by_fine(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
-    let pixel = pixel_of(group, local);
-    if (any(pixel >= vec2(scene.options.x))) {
-        return;
-    }
-    let seen = see(place_of(pixel));
-    var radiance = scene.background.xyz;
-    if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_fine(seen.at), seen.coverage);
+        radiance = mix(radiance, shade_by_normals(seen.at), seen.coverage);
     }
     write(pixel, radiance);
 }

@@ -137,13 +137,14 @@ impl Device {
         if let Some((_, pipeline)) = self.pipelines.iter().find(|(known, _)| *known == key) {
             return pipeline.clone();
         }
-        let Program { entry_point, gaussian } = Program::of(estimator);
+        let Program { entry_point, gaussian, rule } = Program::of(estimator);
         let flag = |is_so: bool| f64::from(u8::from(is_so));
         let constants = [
             ("ltc_hardware_filter", flag(self.samples_weighed)),
             ("lookup_is_constant", flag(self.lookup_is_constant)),
             ("light_shape", f64::from(key.shape)),
             ("light_is_polygon", flag(key.is_polygon)),
+            ("normals_rule", f64::from(rule as u32)),
             ("gaussian", f64::from(gaussian as u32)),
             ("gaussian_is_fitted", flag(matches!(estimator, Estimator::Table(_)))),
         ];
@@ -173,6 +174,8 @@ struct Program {
     entry_point: &'static str,
     /// The Gaussian, for an estimator that lights by one.
     gaussian: Gaussian,
+    /// The rule of model `normals`.
+    rule: NormalsRule,
 }
 
 impl Program {
@@ -186,18 +189,14 @@ impl Program {
         };
         match model {
             LightModel::Ltc => Self::new("surface_by_table"),
-            LightModel::Normals => Self::new(match rule {
-                NormalsRule::Balanced => "surface_by_balanced",
-                NormalsRule::Fast => "surface_by_fast",
-                NormalsRule::Fine | NormalsRule::Exact => "surface_by_fine",
-            }),
+            LightModel::Normals => Self { rule, ..Self::new("surface_by_normals") },
             LightModel::Sg => Self::new("surface_by_gaussian"),
             LightModel::Asg => Self { gaussian: Gaussian::Asg, ..Self::new("surface_by_gaussian") },
         }
     }
 
     fn new(entry_point: &'static str) -> Self {
-        Self { entry_point, gaussian: Gaussian::Sg }
+        Self { entry_point, gaussian: Gaussian::Sg, rule: NormalsRule::ALL[0] }
     }
 }
 
