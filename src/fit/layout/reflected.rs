@@ -71,11 +71,12 @@ impl LayoutRules for Reflected {
     }
 
     fn place_in_shader(&self, axes: &ShaderAxes, alpha: f32, ratio: f32, wo: Vec3) -> ShaderPlace {
+        let power = |x: f32, y: f64| pow(f64::from(x), y) as f32;
         let theta = quadrant(wo.truncate().length(), wo.z) / THETA_CEILING as f32;
         let u = 1.0 - (1.0 - theta).max(0.0).sqrt();
-        let mut place = axes.place([alpha.powf(0.625), ratio.powf(1.0 / 1.3), u, quadrant(wo.y, wo.x)]);
+        let mut place = axes.place([power(alpha, 0.625), power(ratio, 1.0 / 1.3), u, quadrant(wo.y, wo.x)]);
         let [below, above] = axes.around(place.lower);
-        let values = |u: [f32; 4]| [u[0].powf(1.6), u[1].powf(1.3), (2.0 - u[2]) * u[2]];
+        let values = |u: [f32; 4]| [power(u[0], 1.6), power(u[1], 1.3), (2.0 - u[2]) * u[2]];
         let (low, high) = (values(below), values(above));
         for (i, x) in [alpha, ratio, theta].into_iter().enumerate() {
             place.weight[i] = ((x - low[i]) / (high[i] - low[i])).clamp(0.0, 1.0);
