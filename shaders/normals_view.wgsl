@@ -27,7 +27,7 @@ fn normals_rise(view: NormalsView, w: vec3<f32>) -> f32 {
     return max(w.z, 0.0) * normals_per_length(vec3(view.alpha * w.xy, w.z));
 }
 
-/// What is not shadowed, G2/G1, by a direction's rise.
+/// The part that is not shadowed, G2/G1, by a direction's rise.
 fn normals_weight_of(view: NormalsView, rise: f32) -> f32 {
     return (1.0 + view.rise) * rise / (rise + view.rise);
 }

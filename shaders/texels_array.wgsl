@@ -14,7 +14,7 @@ fn ltc_fetch(texel: vec3<u32>) -> LtcTexels {
     );
 }
 
-/// What the sampler makes of the entries around a place, within the layers of one alpha; at is 0 to 1 across them.
+/// The sampler's mean of the entries around a place, within the layers of one alpha. at runs from 0 to 1 across them.
 fn ltc_sample_layers(at: vec2<f32>, alpha: u32) -> LtcTexels {
     let count = ltc_table.nodes.x;
     return LtcTexels(

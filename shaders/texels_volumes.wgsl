@@ -10,7 +10,8 @@ fn ltc_fetch(texel: vec3<u32>) -> LtcTexels {
     return LtcTexels(textureLoad(ltc_matrix_a, texel, 0), textureLoad(ltc_matrix_b, texel, 0), textureLoad(ltc_terms, texel, 0));
 }
 
-/// What the sampler makes of the entries around a place; at is 0 to 1 across the textures, alpha counts nodes, from the half before the first.
+/// The sampler's mean of the entries around a place. at runs from 0 to 1 across the textures; alpha counts nodes, from half a
+/// node before the first.
 fn ltc_sample(at: vec2<f32>, alpha: f32) -> LtcTexels {
     let place = vec3(at, alpha * ltc_table.texel.x);
     return LtcTexels(

@@ -23,7 +23,7 @@ named_list! {
     }
 }
 
-/// A model of light without a table, and its rule of the weight.
+/// A model of light without a table, and its rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ClosedForm {
     model: LightModel,

@@ -80,8 +80,8 @@ const LIGHTS: &str = "  ltc_inverse(M)                    the inverse up to a fa
   ltc_disk(inverse, centre, half_x, half_y, two_sided), ltc_sphere(inverse, centre, radius),
   ltc_tube(inverse, start, end, radius), ltc_line(inverse, start, end, width)
       the part of the lobe that a light covers, 0 to 1. All is relative to the shaded point, in the tangent frame.
-      Vertices are convex and run clockwise seen from the lit side. A rectangle may be a parallelogram; its last corner is not
-      read. A polygon of four vertices costs more. A disk's lit side is towards half_x x half_y. A tube has
+      Vertices are convex and run clockwise seen from the lit side. A rectangle may be a parallelogram; its last corner
+      is not read. A polygon of four vertices costs more. A disk's lit side is towards half_x x half_y. A tube has
       round ends; a line is the limit of a thin one, its width the diameter. Disks, spheres and tubes are exact.
       LTC_CHEAP_HORIZON, a constant, makes all but tubes and lines cheaper, and too bright by up to 0.16 at the horizon.
   Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
@@ -101,14 +101,14 @@ USE
 /// The bindings of a table, in every language.
 const TABLE: &str = "\
 BINDINGS OF A TABLE
-  uniform   36 words, nine vectors of four, which ltcforge export --for wgpu writes as ltc.json. Two of u32: how many
-            nodes alpha, ratio, theta and phi have; the layout's number, not read here
+  uniform   36 words, nine vectors of four, which ltcforge export --for wgpu writes as ltc.json. Two of u32: how
+            many nodes alpha, ratio, theta and phi have; the layout's number, not read here
             ({numbers}),
-            1 if ratio has the one node 1 and phi has one node, else 0, and 0, 0. Seven of f32: the first node of each axis in
-            the variable in which the layout's nodes are evenly spaced, the step between nodes in it (1 for one node), and one
-            over that; 1 / alpha_nodes, 1 / (ratio_nodes theta_nodes), theta_nodes, 1 / phi_nodes; the first and last alpha,
-            the first and last ratio; the cosines of the last and first theta, 0, 0; cosine and sine of the first phi, and of
-            the last
+            1 if ratio has the one node 1 and phi has one node, else 0, and 0, 0. Seven of f32: the first node of
+            each axis in the variable in which the layout's nodes are evenly spaced, the step between nodes in it
+            (1 for one node), and one over that; 1 / alpha_nodes, 1 / (ratio_nodes theta_nodes), theta_nodes,
+            1 / phi_nodes; the first and last alpha, the first and last ratio; the cosines of the last and first
+            theta, 0, 0; cosine and sine of the first phi, and of the last
   {textures}  Texels stand in the order of the file's entries, but their numbers have to be put together from its tensors
   matrix, amplitude and fresnel. Alpha is the larger roughness, ratio the smaller over it, theta and phi the view
   direction's angles in radians.
@@ -333,8 +333,9 @@ pub(super) fn checked_table(layout: Layout) -> String {
     format!(
         "\x20 Of the table with the uniform nodes {}, start {}, step {},
   alpha and ratio {}, cosines {}, azimuths {},
-  whose entry number e = ((a * {ratios} + r) * {thetas} + t) * {phis} + p has the numbers I[k] + e * (k + 1) / 1024, k = 0 to 10: the nine
-  of the matrix by rows, amplitude, fresnel; I = 1 0 0 0 1 0 0 0 1 1 0. All are exact in 16 bits.{across}",
+  whose entry number e = ((a * {ratios} + r) * {thetas} + t) * {phis} + p has the numbers I[k] + e * (k + 1) / 1024,
+  k = 0 to 10: the nine of the matrix by rows, amplitude, fresnel; I = 1 0 0 0 1 0 0 0 1 1 0. All are exact in
+  16 bits.{across}",
         listed(&nodes),
         listed(&start),
         listed(&step),

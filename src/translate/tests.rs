@@ -53,7 +53,7 @@ fn every_language_has_header_and_functions_of_either_layout() {
             let name = language.name();
             let header = header(language, layout);
             assert!(
-                header.is_ascii() && header.lines().all(|line| line.starts_with("//") && line.len() <= 136),
+                header.is_ascii() && header.lines().all(|line| line.starts_with("//") && line.len() <= 124),
                 "{name}"
             );
             assert!(after_version(&text).starts_with(&header), "{name}");
@@ -92,7 +92,7 @@ fn every_language_has_the_shader_of_a_table_of_gaussians() {
         for language in programs().filter(|language| *language != Language::Spirv) {
             let (text, name) = (text(language, lit_by), language.name());
             let header = lit_by.comment(language);
-            assert!(header.is_ascii() && header.lines().all(|l| l.starts_with("//") && l.len() <= 136), "{name}");
+            assert!(header.is_ascii() && header.lines().all(|l| l.starts_with("//") && l.len() <= 124), "{name}");
             assert!(after_version(&text).starts_with(&header) && header.contains(layout.name()), "{name}");
             let code = code(&text);
             for function in GAUSSIANS_TABLE_FUNCTIONS {
@@ -109,7 +109,7 @@ fn every_language_has_the_shaders_without_a_table() {
     for language in programs().filter(|language| *language != Language::Spirv) {
         for (lit_by, header, functions) in without_a_table(language) {
             let (text, name) = (text(language, lit_by), language.name());
-            assert!(header.is_ascii() && header.lines().all(|l| l.starts_with("//") && l.len() <= 136), "{name}");
+            assert!(header.is_ascii() && header.lines().all(|l| l.starts_with("//") && l.len() <= 124), "{name}");
             assert!(after_version(&text).starts_with(&header), "{name}");
             let code = code(&text);
             for function in functions {

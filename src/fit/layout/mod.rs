@@ -89,7 +89,7 @@ impl Layout {
         self.rules().free_numbers()
     }
 
-    /// What a shader is told of axes. Domain: nodes of this layout, as [`Layout::nodes`] has them.
+    /// A table's axes as shaders read them. Domain: nodes of this layout, as [`Layout::nodes`] has them.
     #[must_use]
     pub fn shader_axes(self, axes: &PerAxis<Vec<f64>>) -> ShaderAxes {
         ShaderAxes::new(self.shader().number, self.rules().spacing(), axes)

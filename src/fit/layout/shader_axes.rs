@@ -1,11 +1,11 @@
-//! What a shader is told of a table's axes.
+//! A table's axes as shaders read them.
 
 use std::array::from_fn;
 
 use super::spacing::Spacing;
 use crate::{axes::PerAxis, math::sin_cos};
 
-/// What a shader is told of a table's axes: `LtcTable` of `shaders/ltc_table.wgsl`, whose fields say more.
+/// A table's axes as shaders read them: `LtcTable` of `shaders/ltc_table.wgsl`, whose fields say more.
 ///
 /// Nodes are evenly spaced in a variable that the layout has, so that a lookup needs no search for them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,6 +101,6 @@ impl ShaderAxes {
 pub struct ShaderPlace {
     /// Number of the node below.
     pub lower: [f32; 4],
-    /// Weight of the node above, 0 where there is none.
+    /// Weight of the node above; 0 beyond the last node.
     pub weight: [f32; 4],
 }

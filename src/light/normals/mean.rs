@@ -1,4 +1,4 @@
-//! The mean weight over a region of normals: what is known of the region, and what is made of it.
+//! The mean weight over a region of normals: numbers of the region, and the mean by a network's outputs.
 
 use super::{
     arcs::AnglePerSine,
@@ -7,9 +7,9 @@ use super::{
 };
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
-/// How many numbers of a region a network has.
+/// How many inputs a network has at most.
 pub const INPUTS: usize = 12;
-/// How many numbers of a region a network tells.
+/// How many outputs it has.
 pub const OUTPUTS: usize = 4;
 
 /// A region of the visible normals: all those that reflect a light, or a triangle of them.
@@ -25,7 +25,7 @@ pub struct Region<T> {
     pub at_corners: T,
     /// The weight of the light's mean normal, which is a corner of a triangle; of the whole region that of its own.
     pub at_tip: T,
-    /// What its network is given.
+    /// The inputs of its network.
     pub inputs: [T; INPUTS],
 }
 

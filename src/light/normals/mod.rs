@@ -95,7 +95,7 @@ impl NormalsRule {
     }
 }
 
-/// What a light is reflected at: the whole region of its normals, or the triangles of it.
+/// The visible normals that reflect a light: one region, or the triangles that it falls into.
 #[derive(Debug, Clone)]
 pub struct Regions<T> {
     /// V: the part of the visible normals that reflect the light.
@@ -104,8 +104,8 @@ pub struct Regions<T> {
     pub regions: Vec<Region<T>>,
 }
 
-/// Where triangles of normals overlap, their signed sum may be down to nothing although none of their weights is: it is
-/// this part at least of the mean of all of them.
+/// Overlapping triangles cancel in the signed sum. The light is at least this part of the mean over all triangles, each
+/// by its size.
 pub const LEAST_OF_OVERLAPPING: f64 = 0.5;
 
 impl<T: Scalar> Regions<T> {
@@ -145,7 +145,7 @@ pub fn reflected<T: Scalar>(
         .map_or([T::ZERO; 2], |regions| regions.reflected(|region| network.at(&region.inputs[..rule.inputs()])))
 }
 
-/// What a rule's mean is taken over; `None` where nothing is reflected.
+/// The regions over which a rule takes its mean; `None` where nothing is reflected.
 #[must_use]
 pub fn regions<T: Scalar>(
     alpha: [T; 2],

@@ -20,7 +20,7 @@ pub(super) const SIZE: u32 = 64;
 pub(crate) struct Source<'a> {
     pub(super) engine: &'static str,
     pub(super) textures: &'a [Texture],
-    /// What shaders are told of the table's axes.
+    /// The table's axes as shaders read them.
     pub(super) axes: &'a ShaderAxes,
     pub(super) about: &'a About,
 }

@@ -25,7 +25,7 @@ pub struct ShaderTable {
     pub(super) lobe: LobeModel,
     pub(super) layout: Layout,
     pub(super) format: TexelFormat,
-    /// What shaders are told of the axes.
+    /// The axes as shaders read them.
     pub(super) axes: ShaderAxes,
     /// `m00 m01 m02 m10`, `m11 m12 m20 m21`, `m22 amplitude fresnel 0` of each entry; rounded to the format.
     pub(super) texels: [Vec<[f32; 4]>; 3],

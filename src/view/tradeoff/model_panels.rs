@@ -230,9 +230,9 @@ mod tests {
     #[test]
     fn marks_stand_in_the_order_of_their_numbers() {
         let svg = panels();
-        let [fan, mean, fine] = diamonds(&svg, 0)[..] else { panic!("{svg}") };
-        assert!(mean[0] < fan[0] && fan[0] < fine[0], "{svg}");
-        assert!(mean[1] < fan[1] && fan[1] < fine[1], "{svg}");
+        let [balanced, fast, fine] = diamonds(&svg, 0)[..] else { panic!("{svg}") };
+        assert!(fast[0] < balanced[0] && balanced[0] < fine[0], "{svg}");
+        assert!(fast[1] < balanced[1] && balanced[1] < fine[1], "{svg}");
     }
 
     #[test]
