@@ -10,6 +10,7 @@ pub mod transmission;
 
 #[cfg(any(test, feature = "testing"))]
 pub mod cases;
+pub mod engines;
 mod error;
 mod measure;
 mod model;

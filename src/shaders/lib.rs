@@ -10,6 +10,7 @@
 mod gaussians_header;
 mod gaussians_table_header;
 mod golden;
+mod gpu_cost;
 mod header;
 mod language;
 mod lit_by;
@@ -22,6 +23,7 @@ mod text;
 
 pub use gaussians_header::SG_LIGHT;
 pub use golden::{CASES, CORNERS, Case, Golden, TOLERANCE, table as golden_table};
+pub use gpu_cost::{COMPILER, GpuCost};
 pub use header::{commented, functions_of, table_caller};
 pub use language::Language;
 pub use lit_by::{Bound, Filter, Lights, LitBy, LitByError, Reading};

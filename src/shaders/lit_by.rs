@@ -84,6 +84,15 @@ impl LitBy {
         }
     }
 
+    /// The model, and its layout or rule where it has one: `ltc reflected`, `normals fast`, `sg`.
+    #[must_use]
+    pub fn name(self) -> String {
+        match self.layout.map(Layout::name).or(self.rule.map(NormalsRule::name)) {
+            Some(kind) => format!("{} {kind}", self.model),
+            None => self.model.name().to_owned(),
+        }
+    }
+
     /// The rule, of a model that has any.
     #[must_use]
     pub fn rule(self) -> Option<NormalsRule> {

@@ -9,6 +9,7 @@ pub mod costs;
 pub mod expected;
 pub mod figures;
 pub mod glass;
+pub mod gpu_costs;
 pub mod l3;
 pub mod lights;
 pub mod linear;

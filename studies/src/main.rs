@@ -1,9 +1,10 @@
 //! Programs that find the constants of the sources anew, print rows of the documents and draw their figures: see studies/README.md.
 
 use std::{
+    env,
     error::Error,
     path::{Path, PathBuf},
-    process::ExitCode,
+    process::{Command, ExitCode},
 };
 
 use clap::{Parser, Subcommand};
@@ -11,10 +12,11 @@ use ltcforge::{
     light::NormalsRule,
     view::preview::{Adapter, Preview},
 };
+use ltcforge_driver::FAMILY_VARIABLE;
 use ltcforge_studies::{
     best, costs, expected,
     figures::Figure,
-    glass, l3, minimax, models,
+    glass, gpu_costs, l3, minimax, models,
     networks::{self, Asked, Numbers},
 };
 
@@ -74,6 +76,12 @@ enum Study {
     },
     /// The polynomials of tables' shaders: `shaders/ltc_light.wgsl` and `shaders/ltc_quadrant.wgsl`
     Polynomials,
+    /// What the texts cost a GPU: src/shaders/gpu_cost.rs. Needs Mesa's RADV, no GPU
+    GpuCosts {
+        /// The GPU that is taken for there
+        #[arg(long, default_value = "navi21")]
+        family: String,
+    },
     /// The tables of docs/refraction.md: light through rough interfaces
     Glass,
     /// The figures of docs/figures.md
@@ -126,6 +134,15 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),
         Study::L3 { shipped } => print!("{}", l3::tables(pair(shipped.as_deref()))?),
         Study::Glass => print!("{}\n{}", glass::errors(), glass::differences()),
+        Study::GpuCosts { family } => {
+            // RADV reads the variable when it is loaded, so it is set for a process of its own.
+            if env::var_os(FAMILY_VARIABLE).is_none() {
+                let mut again = Command::new(env::current_exe()?);
+                let status = again.args(env::args_os().skip(1)).env(FAMILY_VARIABLE, family).status()?;
+                return if status.success() { Ok(()) } else { Err("no figures".into()) };
+            }
+            print!("{}", gpu_costs::told()?);
+        }
         Study::Polynomials => {
             for (name, numbers, error) in minimax::told() {
                 println!("{name}: {}; error {error:.1e}", numbers.join(" "));

@@ -1,0 +1,214 @@
+//! Area lights as engines and papers ship them, to be measured beside the models: each by its published formula.
+//!
+//! Engines whose tables are isotropic know one roughness. Here it is the geometric mean of a surface's two, by which
+//! they are nearer to the truth than by either.
+
+use glam::DVec3;
+
+use super::{LightError, LitPoint, PolygonLight, by_table, rules::lit};
+use ltcforge_fit::{
+    Configuration, LEAST_ALPHA, Layout, Ltc, Sides, Table,
+    brdf::{Brdf, Ggx},
+    cheap_form_factor,
+    math::{atan2, direction, from_row_major},
+    named_list,
+};
+
+named_list! {
+    /// How engines and papers light by a rectangle.
+    pub enum EngineWay {
+        /// The isotropic table, of a light's vector form factor what the sphere of the same one leaves above the horizon
+        /// [Hill and Heitz 2016]: three.js, Babylon.js, PlayCanvas, Bevy and Godot light so.
+        Clipless = "ltc2017, clipless",
+        /// The same after directions are stretched along x and y by alpha over the mean one, which keeps the shadows of an
+        /// anisotropic surface [Heitz 2014, section 5.3].
+        Stretched = "ltc2017, stretched",
+        /// The anisotropic table, with the light cut at the lobe's horizon [KT et al. 2022].
+        Anisotropic = "kt2022, its own",
+        /// GGX towards the point of the light that is nearest to the mirrored view, by the light's solid angle
+        /// [Lagarde and de Rousiers 2014], with the lobe's peak lowered as much as the light widens it [Karis 2013].
+        RepresentativePoint = "representative point",
+    }
+}
+
+impl EngineWay {
+    /// The layout of its table; `None` for a way that reads none.
+    #[must_use]
+    pub fn layout(self) -> Option<Layout> {
+        match self {
+            Self::Clipless | Self::Stretched => Some(Layout::Ltc2017),
+            Self::Anisotropic => Some(Layout::Kt2022),
+            Self::RepresentativePoint => None,
+        }
+    }
+
+    /// The light that a surface reflects of a parallelogram, for a Fresnel factor of one.
+    ///
+    /// Domain: a table of [`EngineWay::layout`], with terms, or any where there is none; a light of four vertices.
+    ///
+    /// # Errors
+    /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon,
+    /// [`LightError::NoTerms`] and [`LightError::Singular`] for a table that does not tell.
+    pub fn reflected(self, table: &Table, at: &Configuration, light: &PolygonLight) -> Result<f64, LightError> {
+        let mean = (at.alpha_x * at.alpha_y).sqrt();
+        let isotropic = Configuration { alpha_x: mean, alpha_y: mean, ..*at };
+        match self {
+            Self::Clipless => clipless(table, &isotropic, light.vertices(), light.sides()),
+            Self::Stretched => {
+                let mean = mean.max(LEAST_ALPHA);
+                let stretch = DVec3::new(at.alpha_x.max(LEAST_ALPHA) / mean, at.alpha_y.max(LEAST_ALPHA) / mean, 1.0);
+                let wo = stretch * direction(at.theta, at.phi);
+                let (theta, phi) = (atan2(wo.truncate().length(), wo.z), atan2(wo.y, wo.x));
+                let vertices: Vec<DVec3> = light.vertices().iter().map(|v| stretch * *v).collect();
+                clipless(table, &Configuration { theta, phi, ..isotropic }, &vertices, light.sides())
+            }
+            Self::Anisotropic => Ok(by_table(table, at, light)?.energy),
+            Self::RepresentativePoint => Ok(lit(at, light.into(), |at| [representative_point(at), 0.0])?.energy),
+        }
+    }
+}
+
+/// By a table, without clipping at the lobe's horizon.
+fn clipless(table: &Table, at: &Configuration, vertices: &[DVec3], sides: Sides) -> Result<f64, LightError> {
+    let found = table.lookup(at);
+    let amplitude = found.amplitude.ok_or(LightError::NoTerms)?;
+    let ltc = Ltc::new(from_row_major(&found.matrix)).ok_or(LightError::Singular)?;
+    if !faces(vertices, sides) {
+        return Ok(0.0);
+    }
+    let flux = ltc.vector_form_factor(vertices);
+    let length = flux.length();
+    Ok(if length > 0.0 { amplitude * length * cheap_form_factor(flux.z / length, length) } else { 0.0 })
+}
+
+/// Whether the origin is on a lit side: the vertices run clockwise as seen from there.
+fn faces(vertices: &[DVec3], sides: Sides) -> bool {
+    sides == Sides::Two || volume(vertices) > 0.0
+}
+
+/// Six times the volume between a parallelogram's first three corners and the origin.
+fn volume(vertices: &[DVec3]) -> f64 {
+    (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]).dot(vertices[0])
+}
+
+/// By the point of the light that is nearest to the ray of the mirrored view.
+fn representative_point(at: &LitPoint<'_, f64>) -> f64 {
+    let vertices: Vec<DVec3> = at.vertices.iter().map(|v| DVec3::from_array(*v)).collect();
+    if !faces(&vertices, at.sides) {
+        return 0.0;
+    }
+    let [corner, x, y] = [vertices[0], vertices[1] - vertices[0], vertices[3] - vertices[0]];
+    let across = x.cross(y);
+    let wo = DVec3::from_array(at.wo);
+    let mirrored = DVec3::new(-wo.x, -wo.y, wo.z);
+    // A ray that leaves the plane meets it, by its direction along the plane, as far away as makes no difference.
+    let descent = mirrored.dot(across) / corner.dot(across);
+    let met = if descent > 1e-4 { mirrored / descent } else { 1e4 * mirrored } - corner;
+    let part = |side: DVec3| (met.dot(side) / side.length_squared()).clamp(0.0, 1.0);
+    let point = corner + part(x) * x + part(y) * y;
+    let centre = corner + 0.5 * (x + y);
+    let radius = 0.5 * across.length().sqrt();
+    let widened = |alpha: f64| (alpha + radius / (2.0 * centre.length())).min(1.0);
+    let peak = at.alpha.iter().map(|alpha| alpha / widened(*alpha)).product::<f64>();
+    let ggx = Ggx { alpha_x: at.alpha[0], alpha_y: at.alpha[1] };
+    let reflected = ggx.eval_cos(wo, point.normalize_or_zero()) * peak * solid_angle(&vertices);
+    reflected.clamp(0.0, 1.0)
+}
+
+/// Of a parallelogram as seen from the origin, by two triangles [Van Oosterom and Strackee 1983].
+fn solid_angle(vertices: &[DVec3]) -> f64 {
+    let unit: Vec<DVec3> = vertices.iter().map(|v| v.normalize_or_zero()).collect();
+    let triangle = |[a, b, c]: [DVec3; 3]| 2.0 * atan2(a.cross(b).dot(c).abs(), 1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+    triangle([unit[0], unit[1], unit[2]]) + triangle([unit[0], unit[2], unit[3]])
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+    use crate::{cases::cosine, truth};
+    use ltcforge_fit::{BrdfKind, BrdfModel, Terms};
+
+    fn square(at: DVec3, half: f64, sides: Sides) -> PolygonLight {
+        let (x, y) = (DVec3::new(half, 0.0, 0.0), DVec3::new(0.0, half, 0.0));
+        PolygonLight::new(vec![at - x - y, at + x - y, at + x + y, at - x + y], sides).expect("a square")
+    }
+
+    /// Every lobe is the clamped cosine.
+    fn table() -> Table {
+        let table = cosine(BrdfModel::from(BrdfKind::Ggx));
+        Table { terms: Some(Terms { amplitude: vec![1.0], fresnel: vec![0.0] }), ..table }
+    }
+
+    const AT: Configuration = Configuration { alpha_x: 0.3, alpha_y: 0.3, theta: 0.6, phi: 0.4 };
+
+    #[test]
+    fn a_side_of_a_cube_is_a_sixth_of_all_directions() {
+        let light = square(DVec3::Z, 1.0, Sides::One);
+        assert!((solid_angle(light.vertices()) - 4.0 * PI / 6.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_light_above_the_horizon_is_cut_by_nothing() {
+        let light = square(DVec3::new(0.2, 0.1, 1.0), 0.1, Sides::One);
+        let exact = by_table(&table(), &AT, &light).expect("a table").energy;
+        for way in [EngineWay::Clipless, EngineWay::Stretched, EngineWay::Anisotropic] {
+            let found = way.reflected(&table(), &AT, &light).expect("a table");
+            assert!((found / exact - 1.0).abs() < 0.02, "{way}: {found}, {exact}");
+        }
+    }
+
+    #[test]
+    fn what_is_seen_from_behind_is_dark() {
+        let light = |sides| {
+            let reversed: Vec<DVec3> = square(DVec3::Z, 0.1, sides).vertices().iter().rev().copied().collect();
+            PolygonLight::new(reversed, sides).expect("a square")
+        };
+        for way in EngineWay::ALL {
+            let found = |sides| way.reflected(&table(), &AT, &light(sides)).expect("a table");
+            assert_eq!(found(Sides::One), 0.0, "{way}");
+            assert!(found(Sides::Two) > 1e-3, "{way}");
+        }
+    }
+
+    /// Along x the directions are drawn out, along y drawn in; the view turns towards x.
+    #[test]
+    fn directions_are_stretched_by_the_roughness() {
+        let at = Configuration { alpha_x: 0.6, alpha_y: 0.15, ..AT };
+        let wo = direction(at.theta, at.phi) * DVec3::new(2.0, 0.5, 1.0);
+        let stretched = Configuration {
+            alpha_x: 0.3,
+            alpha_y: 0.3,
+            theta: (wo.x * wo.x + wo.y * wo.y).sqrt().atan2(wo.z),
+            phi: wo.y.atan2(wo.x),
+        };
+        let light = square(DVec3::new(0.2, 0.1, 1.0), 0.1, Sides::One);
+        let vertices = light.vertices().iter().map(|v| *v * DVec3::new(2.0, 0.5, 1.0)).collect();
+        let wanted = PolygonLight::new(vertices, Sides::One).expect("a rectangle");
+        let found = EngineWay::Stretched.reflected(&table(), &at, &light).expect("a table");
+        let wanted = EngineWay::Clipless.reflected(&table(), &stretched, &wanted).expect("a table");
+        assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
+    }
+
+    #[test]
+    fn of_a_tiny_light_the_representative_point_is_exact() {
+        for at in [AT, Configuration { alpha_x: 0.5, alpha_y: 0.1, theta: 1.2, phi: 2.0 }] {
+            let light = square(DVec3::new(-0.4, -0.2, 1.0), 1e-4, Sides::One);
+            let found = EngineWay::RepresentativePoint.reflected(&table(), &at, &light).expect("a light");
+            let wanted = truth(&at, &light).expect("a light").energy;
+            assert!((found / wanted - 1.0).abs() < 2e-3, "{found} {wanted}");
+        }
+    }
+
+    /// Of a large mirrored light nearly all is seen; the widened lobe loses no more than the light's size tells.
+    #[test]
+    fn the_nearest_point_of_a_light_that_is_hit_is_where_it_is_hit() {
+        let wo = direction(0.5, 0.0);
+        let light = square(DVec3::new(-wo.x, 0.0, wo.z), 0.2, Sides::One);
+        let at = Configuration { alpha_x: 0.4, alpha_y: 0.4, theta: 0.5, phi: 0.0 };
+        let away = Configuration { phi: PI, ..at };
+        let found = |at| EngineWay::RepresentativePoint.reflected(&table(), at, &light).expect("a light");
+        assert!(found(&at) > 2.0 * found(&away) && found(&away) > 0.0, "{} {}", found(&at), found(&away));
+    }
+}

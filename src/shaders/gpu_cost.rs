@@ -1,0 +1,56 @@
+//! What the texts cost a GPU: registers and instructions, as a compiler counts them.
+
+/// One rectangle by a text to include, whole with the tangent frame, entries of tables filtered by hardware: what a
+/// compiler says of it. No timing; code behind an early return counts less.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct GpuCost {
+    /// Vector registers: the more of them, the fewer pixels at a time.
+    pub registers: u32,
+    /// Instructions.
+    pub instructions: u32,
+    /// Cycles a SIMD needs for one group of threads, if nothing waits.
+    pub inverse_throughput: u32,
+}
+
+/// The compiler, as the driver names itself: Mesa's for RDNA 2, a GPU that need not be there.
+pub const COMPILER: &str = "Null hardware (RADV NAVI21), Mesa 22.3.6";
+
+/// The costs of all texts, by the names that [`LitBy::name`](super::LitBy::name) has for them, and of engines' ways by
+/// theirs: registers, instructions and inverse throughput. `cargo run --release -p ltcforge-studies -- gpu-costs` finds them.
+const COSTS: &[(&str, [u32; 3])] = &[
+    ("ltc reflected", [48, 692, 1261]),
+    ("ltc kt2022", [40, 577, 1033]),
+    ("ltc ltc2017", [32, 414, 752]),
+    ("ltc ltc2016", [32, 423, 768]),
+    ("ltc godot", [32, 411, 744]),
+    ("ltc hdrp", [32, 414, 752]),
+    ("ltc inverse", [32, 414, 752]),
+    ("ltc matrix33", [32, 402, 728]),
+    ("sg reflected", [64, 2111, 3349]),
+    ("sg kt2022", [64, 1996, 3119]),
+    ("asg reflected", [64, 2099, 3325]),
+    ("asg kt2022", [64, 1984, 3095]),
+    ("sg", [64, 1816, 2838]),
+    ("asg", [64, 1804, 2814]),
+    ("normals balanced", [72, 1433, 2144]),
+    ("normals fast", [64, 1118, 1684]),
+    ("normals fine", [96, 2482, 3591]),
+    ("ltc2017, clipless", [40, 311, 548]),
+    ("ltc2017, stretched", [40, 328, 588]),
+    ("kt2022, its own", [48, 713, 833]),
+    ("representative point", [40, 368, 696]),
+];
+
+impl GpuCost {
+    /// The cost of the text of a name; `None` for a name that no text has.
+    #[must_use]
+    pub fn of(name: &str) -> Option<Self> {
+        let (_, [registers, instructions, inverse_throughput]) = *COSTS.iter().find(|(known, _)| *known == name)?;
+        Some(Self { registers, instructions, inverse_throughput })
+    }
+
+    /// The names of all texts and ways.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        COSTS.iter().map(|(name, _)| *name)
+    }
+}

@@ -1,0 +1,166 @@
+//! What a Vulkan driver's compiler says of a compute shader: `VK_KHR_pipeline_executable_properties`.
+//!
+//! Mesa's RADV compiles for a GPU that is not there when the environment variable [`FAMILY_VARIABLE`] names one before the driver is
+//! loaded. What it says is then the same on every machine with the same Mesa.
+
+use std::ffi::{CStr, CString};
+
+use ash::{khr::pipeline_executable_properties, vk};
+
+/// The environment variable by which RADV takes a GPU for there.
+pub const FAMILY_VARIABLE: &str = "RADV_FORCE_FAMILY";
+
+/// What the compiler says of a shader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Figures {
+    /// Vector registers of a thread.
+    pub registers: u64,
+    /// Of these, how many are kept in memory.
+    pub spilled: u64,
+    /// Instructions.
+    pub instructions: u64,
+    /// Cycles a group of threads takes, if nothing waits.
+    pub inverse_throughput: u64,
+}
+
+/// The use of a binding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Resource {
+    /// A uniform buffer.
+    Uniform,
+    /// A storage buffer.
+    Storage,
+    /// A texture that is sampled.
+    Texture,
+    /// A sampler.
+    Sampler,
+}
+
+/// Why there are no figures.
+#[derive(Debug, thiserror::Error)]
+pub enum DriverError {
+    /// No loader, or no driver that takes the named GPU for there.
+    #[error(
+        "no driver tells: it needs Mesa's RADV (Debian: mesa-vulkan-drivers) and {FAMILY_VARIABLE}, for example navi21; {0}"
+    )]
+    Absent(String),
+    /// A shader that the driver does not take.
+    #[error("{0}")]
+    Refused(#[from] vk::Result),
+    /// An entry point with a zero in its name.
+    #[error("the name of the entry point has a zero in it")]
+    Name(#[from] std::ffi::NulError),
+}
+
+/// A device of RADV, with all that is made on it until the process ends.
+pub struct Driver {
+    device: ash::Device,
+    statistics: pipeline_executable_properties::Device,
+    name: String,
+    // The library that the functions above are in.
+    _entry: ash::Entry,
+}
+
+impl Driver {
+    /// Opens the device that RADV takes for there.
+    ///
+    /// # Errors
+    /// [`DriverError::Absent`].
+    pub fn open() -> Result<Self, DriverError> {
+        let absent = |error: vk::Result| DriverError::Absent(error.to_string());
+        // SAFETY: the library that the system has under Vulkan's name is Vulkan's.
+        let entry = unsafe { ash::Entry::load() }.map_err(|error| DriverError::Absent(error.to_string()))?;
+        let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_2);
+        let info = vk::InstanceCreateInfo::default().application_info(&application);
+        // SAFETY: what `info` points to lives until the call returns; so below.
+        let instance = unsafe { entry.create_instance(&info, None) }.map_err(absent)?;
+        // SAFETY: the instance was created above and not destroyed.
+        let all = unsafe { instance.enumerate_physical_devices() }.map_err(absent)?;
+        let Some((physical, name)) = all.into_iter().find_map(|physical| Some((physical, told(&instance, physical)?)))
+        else {
+            return Err(DriverError::Absent("no device of RADV is there".to_owned()));
+        };
+        let queues = [vk::DeviceQueueCreateInfo::default().queue_priorities(&[1.0])];
+        let extensions = [pipeline_executable_properties::NAME.as_ptr()];
+        let mut told =
+            vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
+        // What WGSL's storage buffers need.
+        let mut memory = vk::PhysicalDeviceVulkan12Features::default()
+            .vulkan_memory_model(true)
+            .vulkan_memory_model_device_scope(true);
+        let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).enabled_extension_names(&extensions);
+        let info = info.push_next(&mut told).push_next(&mut memory);
+        // SAFETY: as above.
+        let device = unsafe { instance.create_device(physical, &info, None) }.map_err(absent)?;
+        let statistics = pipeline_executable_properties::Device::new(&instance, &device);
+        Ok(Self { device, statistics, name, _entry: entry })
+    }
+
+    /// The device and the driver's version.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The figures of a compute shader in SPIR-V, by its entry point; its resources are of group 0.
+    ///
+    /// # Errors
+    /// [`DriverError::Refused`], [`DriverError::Name`].
+    pub fn figures(&self, spirv: &[u32], entry: &str, resources: &[(u32, Resource)]) -> Result<Figures, DriverError> {
+        let entry = CString::new(entry)?;
+        let bindings: Vec<_> = resources
+            .iter()
+            .map(|(binding, resource)| {
+                let kind = match resource {
+                    Resource::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
+                    Resource::Storage => vk::DescriptorType::STORAGE_BUFFER,
+                    Resource::Texture => vk::DescriptorType::SAMPLED_IMAGE,
+                    Resource::Sampler => vk::DescriptorType::SAMPLER,
+                };
+                let binding = vk::DescriptorSetLayoutBinding::default().binding(*binding).descriptor_type(kind);
+                binding.descriptor_count(1).stage_flags(vk::ShaderStageFlags::COMPUTE)
+            })
+            .collect();
+        let layout = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+        let module = vk::ShaderModuleCreateInfo::default().code(spirv);
+        let device = &self.device;
+        // SAFETY: all handles are of this device; what the calls are handed lives until they return. The objects are left to
+        // the process, as the device is.
+        unsafe {
+            let sets = [device.create_descriptor_set_layout(&layout, None)?];
+            let layout = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
+            let layout = device.create_pipeline_layout(&layout, None)?;
+            let module = device.create_shader_module(&module, None)?;
+            let stage = vk::PipelineShaderStageCreateInfo::default().stage(vk::ShaderStageFlags::COMPUTE);
+            let stage = stage.module(module).name(&entry);
+            let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout);
+            let info = [info.flags(vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR)];
+            let made =
+                device.create_compute_pipelines(vk::PipelineCache::null(), &info, None).map_err(|(_, error)| error)?;
+            let executable = vk::PipelineExecutableInfoKHR::default().pipeline(made[0]);
+            let all = self.statistics.get_pipeline_executable_statistics(&executable)?;
+            let figure = |name: &CStr| {
+                let found = all.iter().find(|figure| figure.name_as_c_str().is_ok_and(|other| other == name));
+                // RADV's are all of this kind.
+                found.map_or(0, |figure| figure.value.u64)
+            };
+            Ok(Figures {
+                registers: figure(c"VGPRs"),
+                spilled: figure(c"Spilled VGPRs"),
+                instructions: figure(c"Instructions"),
+                inverse_throughput: figure(c"Inverse Throughput"),
+            })
+        }
+    }
+}
+
+/// The name of a device of RADV with the driver's version; `None` for another driver's.
+fn told(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
+    let mut driver = vk::PhysicalDeviceDriverProperties::default();
+    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+    // SAFETY: the device is of this instance.
+    unsafe { instance.get_physical_device_properties2(physical, &mut properties) };
+    let name = properties.properties.device_name_as_c_str().ok()?.to_string_lossy().into_owned();
+    let version = driver.driver_info_as_c_str().ok()?.to_string_lossy().into_owned();
+    (driver.driver_id == vk::DriverId::MESA_RADV).then(|| format!("{name}, {version}"))
+}

@@ -1,0 +1,155 @@
+//! What the texts cost a GPU: numbers of src/shaders/gpu_cost.rs, by the compiler of a driver.
+//!
+//! Each text is compiled with `surface.wgsl` beside it, for one rectangle that is lit from one side, with the frame that its
+//! corners are turned into. Checks of indices are off, as engines have them. Engines' ways are written here as they are published.
+
+use std::fmt::Write as _;
+
+use ltcforge::{
+    fit::Layout,
+    light::{LightModel, NormalsRule, engines::EngineWay},
+    shaders::{Bound, Lights, LitBy, functions},
+};
+use ltcforge_driver::{Driver, DriverError, Figures, Resource};
+use naga::{
+    AddressSpace, ImageClass, ShaderStage, TypeInner,
+    back::{pipeline_constants::process_overrides, spv},
+    proc::{BoundsCheckPolicies, BoundsCheckPolicy},
+    valid::{Capabilities, ValidationFlags, Validator},
+};
+
+const SURFACE: &str = include_str!("surface.wgsl");
+const ISOTROPIC: &str = include_str!("ltc_isotropic.wgsl");
+
+/// A text, and the program that calls it.
+struct Program {
+    name: String,
+    wgsl: String,
+}
+
+/// Why a text was not measured.
+#[derive(Debug, thiserror::Error)]
+pub enum CostError {
+    /// There is no such driver, or it refuses a shader.
+    #[error(transparent)]
+    Driver(#[from] DriverError),
+    /// A text that is no WGSL.
+    #[error("{name}: {reason}")]
+    Text {
+        /// The text.
+        name: String,
+        /// What naga says.
+        reason: String,
+    },
+}
+
+/// The numbers as the source has them, under the device's name.
+///
+/// # Errors
+/// [`CostError`]
+pub fn told() -> Result<String, CostError> {
+    let driver = Driver::open()?;
+    let mut out = format!("// {}\n", driver.name());
+    for program in programs() {
+        let Figures { registers, spilled, instructions, inverse_throughput } = figures(&driver, &program)?;
+        let name = program.name;
+        // Writing to a String cannot fail.
+        let _ = writeln!(out, "    (\"{name}\", [{registers}, {instructions}, {inverse_throughput}]),");
+        if spilled > 0 {
+            let _ = writeln!(out, "    // of these registers {spilled} are kept in memory");
+        }
+    }
+    Ok(out)
+}
+
+fn programs() -> Vec<Program> {
+    let tables = [LightModel::Ltc, LightModel::Sg, LightModel::Asg];
+    let by_table = tables.iter().flat_map(|model| Layout::ALL.iter().map(|layout| LitBy::new(*model, Some(*layout))));
+    let by_formula = [LightModel::Sg, LightModel::Asg].map(|model| LitBy::new(model, None));
+    let normals = NormalsRule::SHADED
+        .map(|rule| LitBy::new(LightModel::Normals, None).and_then(|lit_by| lit_by.by_rule(Some(rule))));
+    let texts = by_table.chain(by_formula).chain(normals).filter_map(Result::ok).map(of_text);
+    let ways = EngineWay::ALL.iter().map(|way| of_way(*way));
+    texts.chain(ways).collect()
+}
+
+fn of_text(lit_by: LitBy) -> Program {
+    let calls = match lit_by.model() {
+        LightModel::Ltc => "let lobe = ltc_lookup(alpha.x, alpha.y, seen.wo);
+    return vec4(ltc_rectangle(ltc_inverse(lobe.m), seen.corners, false), lobe.amplitude, lobe.fresnel, 0.0);"
+            .to_owned(),
+        LightModel::Normals => "let view = normals_view(alpha.x, alpha.y, seen.wo);
+    return vec4(normals_rectangle(view, seen.corners, false), 0.0, 0.0);"
+            .to_owned(),
+        model @ (LightModel::Sg | LightModel::Asg) => {
+            let kind = if model == LightModel::Sg { "GAUSSIANS_SG" } else { "GAUSSIANS_ASG" };
+            let view = if lit_by.layout().is_some() { "gaussians_lookup" } else { "gaussians_view" };
+            format!(
+                "let view = {view}({kind}, alpha.x, alpha.y, seen.wo);
+    return vec4(gaussians_rectangle(view, seen.corners, false), 0.0, 0.0);"
+            )
+        }
+    };
+    let text = functions(lit_by, Bound::Volumes, Lights::Polygons);
+    let lit = format!("fn lit(alpha: vec2<f32>, seen: Seen) -> vec4<f32> {{\n    {calls}\n}}\n");
+    program(lit_by.name(), &[&text, &lit])
+}
+
+fn of_way(way: EngineWay) -> Program {
+    let texts: &[&str] = match way {
+        EngineWay::Clipless => &[ISOTROPIC, include_str!("clipless.wgsl")],
+        EngineWay::Stretched => &[ISOTROPIC, include_str!("stretched.wgsl")],
+        EngineWay::Anisotropic => &[include_str!("anisotropic.wgsl")],
+        EngineWay::RepresentativePoint => &[include_str!("representative_point.wgsl")],
+    };
+    program(way.name().to_owned(), texts)
+}
+
+fn program(name: String, texts: &[&str]) -> Program {
+    let main = "
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    let surface = surfaces[id.x];
+    reflected[id.x] = lit(surface.alpha, seen_from(surface));
+}
+";
+    Program { name, wgsl: format!("{SURFACE}\n{}{main}", texts.concat()) }
+}
+
+fn figures(driver: &Driver, Program { name, wgsl }: &Program) -> Result<Figures, CostError> {
+    let refused = |reason: String| CostError::Text { name: name.clone(), reason };
+    let module = naga::front::wgsl::parse_str(wgsl).map_err(|error| refused(error.emit_to_string(wgsl)))?;
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    let info = validator.validate(&module).map_err(|error| refused(error.emit_to_string(wgsl)))?;
+    let by_hardware = [("ltc_hardware_filter".to_owned(), 1.0)].into_iter();
+    let entry = (ShaderStage::Compute, "main");
+    let known =
+        by_hardware.filter(|(name, _)| module.overrides.iter().any(|(_, known)| known.name.as_ref() == Some(name)));
+    let (module, info) =
+        process_overrides(&module, &info, Some(entry), &known.collect()).map_err(|error| refused(error.to_string()))?;
+    let unchecked = BoundsCheckPolicy::Unchecked;
+    let options = spv::Options {
+        lang_version: (1, 3),
+        bounds_check_policies: BoundsCheckPolicies {
+            index: unchecked,
+            buffer: unchecked,
+            image_load: unchecked,
+            binding_array: unchecked,
+        },
+        ..spv::Options::default()
+    };
+    let pipeline = spv::PipelineOptions { shader_stage: entry.0, entry_point: entry.1.to_owned() };
+    let words =
+        spv::write_vec(&module, &info, &options, Some(&pipeline)).map_err(|error| refused(error.to_string()))?;
+    let resources = module.global_variables.iter().filter_map(|(_, global)| {
+        let resource = match (global.space, &module.types[global.ty].inner) {
+            (AddressSpace::Uniform, _) => Resource::Uniform,
+            (AddressSpace::Storage { .. }, _) => Resource::Storage,
+            (_, TypeInner::Sampler { .. }) => Resource::Sampler,
+            (_, TypeInner::Image { class: ImageClass::Sampled { .. }, .. }) => Resource::Texture,
+            _ => return None,
+        };
+        Some((global.binding.as_ref()?.binding, resource))
+    });
+    Ok(driver.figures(&words, entry.1, &resources.collect::<Vec<_>>())?)
+}
