@@ -54,7 +54,11 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
     let interrupt = context.interrupt.clone();
     let lights = pool.install(|| tradeoff_models::lights(&base))?;
     let gaussians = fitted_gaussians(&base);
-    let bar = progress::bar(context.draws_progress, recipes.iter().chain(&gaussians).map(Recipe::entries).sum());
+    let engines = tradeoff_models::engine_recipes(size)?;
+    let bar = progress::bar(
+        context.draws_progress,
+        recipes.iter().chain(&gaussians).chain(&engines).map(Recipe::entries).sum(),
+    );
     let mut fitted = Vec::with_capacity(recipes.len());
     let mut tables = Vec::new();
     for recipe in recipes {
@@ -73,10 +77,15 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
         })?;
         tables.push(FittedTable { recipe, table, fit_seconds: seconds / threads as f64 });
     }
+    let mut of_engines = Vec::with_capacity(engines.len());
+    for recipe in engines {
+        let table = pool.install(|| fit::fit(&Plan::new(&recipe), &bar, &interrupt));
+        of_engines.push((recipe, table.ok_or_else(CommandFailure::interrupted)?));
+    }
     bar.finish_and_clear();
 
     let rows = rows(&base, &fitted, threads);
-    let models = pool.install(|| tradeoff_models::measure(&tables, &lights, size, &interrupt))?;
+    let models = pool.install(|| tradeoff_models::measure(&tables, &of_engines, &lights, size, &interrupt))?;
     let files = [
         ("tradeoff.csv", csv(&rows)),
         ("tradeoff.json", rows_json(&rows, &models, threads)),

@@ -2,17 +2,22 @@
 
 use std::{sync::Arc, time::Instant};
 
+use serde_json::json;
+
 use super::{CommandFailure, Exit, Interrupt};
 use ltcforge_files::{
     container::{self, TableFileError},
-    recipe_document,
+    recipe_document::{self, DEFAULT_ENTRY_LIMIT, Preset},
 };
-use ltcforge_fit::{Layout, Precision, Recipe, Spread, Table};
-use ltcforge_light::{ClosedForm, LightError, LightModel, Lighting, NormalsRule, RandomLights, light_error};
-use ltcforge_shaders::{LitBy, wgsl};
+use ltcforge_fit::{Configuration, Layout, Precision, Recipe, Spread, Table};
+use ltcforge_light::{
+    ClosedForm, LightError, LightModel, Lighting, NormalsRule, PolygonLight, RandomLights, ReflectedLight,
+    engines::EngineWay, light_error, light_error_by,
+};
+use ltcforge_shaders::{COMPILER, GpuCost, LitBy, wgsl};
 use ltcforge_view::{
     preview::{Adapter, Material, Preview, PreviewError, Scene, ShaderTable, TexelFormat},
-    tradeoff::{FRAME_SIZE, LIGHTS, ModelRow, ModelRows, Size, median},
+    tradeoff::{EngineRow, FRAME_SIZE, GPU_FRAME_SIZE, LIGHTS, ModelRow, ModelRows, Size, median},
 };
 
 /// A table that stands for model `ltc`, or for fitted Gaussians.
@@ -43,10 +48,14 @@ pub(super) fn error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread
 /// The models, each by the same lights and the same scene. Runs on the current rayon pool.
 pub(super) fn measure(
     tables: &[FittedTable],
+    of_engines: &[(Recipe, Table)],
     lights: &RandomLights,
     size: Size,
     interrupt: &Interrupt,
 ) -> Result<ModelRows, CommandFailure> {
+    let mut preview = Preview::new(Adapter::Any);
+    let is_software = preview.is_software().map_err(|error| failure(&error))?;
+    let frame_size = if is_software { FRAME_SIZE } else { GPU_FRAME_SIZE };
     let mut candidates = Vec::new();
     for fitted in tables {
         candidates.push(by_table(fitted, lights)?);
@@ -58,7 +67,9 @@ pub(super) fn measure(
         candidates.push(by_formula(form, &none, lights)?);
     }
 
-    let mut preview = Preview::new(Adapter::Any);
+    for candidate in &mut candidates {
+        candidate.scene.size = frame_size;
+    }
     let times = frame_times(&mut preview, &candidates, rounds(size), interrupt)?;
     let rows = candidates
         .into_iter()
@@ -67,10 +78,45 @@ pub(super) fn measure(
     Ok(ModelRows {
         lights: lights.len(),
         mean_energy: lights.mean_energy(),
-        frame_size: FRAME_SIZE,
+        frame_size,
         adapter: preview.adapter_name().map_err(|error| failure(&error))?,
+        compiler: COMPILER,
         rows: rows.collect(),
+        engines: engines(of_engines, lights)?,
     })
+}
+
+/// The recipes of the tables by which engines light: the whole domain, as engines have it.
+pub(super) fn engine_recipes(size: Size) -> Result<Vec<Recipe>, CommandFailure> {
+    let preset = match size {
+        Size::Quick => Preset::Draft,
+        Size::Full => Preset::Paper,
+    };
+    let is_theirs = |layout: &&Layout| EngineWay::ALL.iter().any(|way| way.layout() == Some(**layout));
+    let recipe = |layout: &Layout| {
+        let document = json!({ "preset": preset.name(), "layout": layout }).to_string();
+        recipe_document::parse(document.as_bytes(), DEFAULT_ENTRY_LIMIT)
+            .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))
+    };
+    Layout::ALL.iter().filter(is_theirs).map(recipe).collect()
+}
+
+/// Engines' ways, by tables of [`engine_recipes`].
+fn engines(tables: &[(Recipe, Table)], lights: &RandomLights) -> Result<Vec<EngineRow>, CommandFailure> {
+    let row = |way: &EngineWay| {
+        let own = tables.iter().find(|(recipe, _)| Some(recipe.layout) == way.layout());
+        let table = own.map(|(_, table)| table);
+        let reflected = |at: &Configuration, light: &PolygonLight| {
+            Ok(ReflectedLight { energy: way.reflected(table, at, light)?, fresnel: 0.0 })
+        };
+        Ok(EngineRow {
+            way: *way,
+            recipe_digest: own.map(|(recipe, _)| recipe_document::digest(recipe)),
+            light_error: light_error_by(reflected, lights).map_err(|error| no_light(&error))?,
+            gpu_cost: GpuCost::of(way.name()),
+        })
+    };
+    EngineWay::ALL.iter().map(row).collect()
 }
 
 fn rounds(size: Size) -> usize {
@@ -82,7 +128,7 @@ fn rounds(size: Size) -> usize {
 
 fn scene(model: LightModel, rule: NormalsRule) -> Scene {
     let materials = vec![Material { alpha_x: 0.3, alpha_y: 0.08, rotation: 0.4 }];
-    Scene { materials, size: FRAME_SIZE, model, rule, ..Scene::default() }
+    Scene { materials, model, rule, ..Scene::default() }
 }
 
 fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, CommandFailure> {
@@ -101,6 +147,7 @@ fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, Co
         layout: Some(recipe.layout),
         recipe_digest: Some(recipe_document::digest(recipe)),
         light_error: error(Lighting::Table(table), lights)?,
+        gpu_cost: GpuCost::of(&lit_by.name()),
         frame_milliseconds: 0.0,
         gpu_bytes: shader_table.gpu_bytes(),
         file_bytes: file.len() as u64,
@@ -120,6 +167,7 @@ fn by_formula(form: ClosedForm, none: &Arc<ShaderTable>, lights: &RandomLights) 
         layout: None,
         recipe_digest: None,
         light_error: error(Lighting::ClosedForm(form), lights)?,
+        gpu_cost: GpuCost::of(&by_rule.name()),
         frame_milliseconds: 0.0,
         gpu_bytes: 0,
         file_bytes: 0,

@@ -2,6 +2,8 @@
 
 use std::{fs, path::Path};
 
+use ltcforge::shaders::GpuCost;
+
 use crate::common::command::run;
 
 /// The cells of the row of a table of docs/`document` that begins with `first`, without that cell.
@@ -55,4 +57,30 @@ fn the_bytes_of_compact_tables_are_those_of_the_documents() {
     // The gzipped length is that of another program.
     told.remove(2);
     assert_eq!(told, [compact, length("compact-js", "ltc.compact.js"), rust, wgsl]);
+}
+
+#[test]
+fn the_costs_of_shaders_are_those_of_the_documents() {
+    let text = |path: &str| fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).expect("a document");
+    let (readme, normals) = (text("README.md"), text("docs/normals.md"));
+    let cost = |name: &str| GpuCost::of(name).unwrap_or_else(|| panic!("no cost of {name}"));
+    let cells = |cost: GpuCost| format!("| {} | {} |", cost.registers, with_comma(cost.instructions as usize));
+    for (row, name) in [
+        ("`normals`, rule `fast` ", "normals fast"),
+        ("`normals`, rule `balanced`, the default ", "normals balanced"),
+        ("`normals`, rule `fine` ", "normals fine"),
+        ("`ltc`, default table, filtered by the sampler ", "ltc reflected"),
+        ("`kt2022, its own`: the anisotropic table of KT et al. ", "kt2022, its own"),
+        ("`ltc2017, clipless`: the isotropic table of engines ", "ltc2017, clipless"),
+        ("`ltc2017, stretched`: the same, directions stretched by the roughness ", "ltc2017, stretched"),
+        ("`representative point` ", "representative point"),
+    ] {
+        let row = format!("| {row}{}", cells(cost(name)));
+        assert!(readme.lines().any(|line| line.starts_with(&row)), "README.md: {row}");
+    }
+    for rule in ["fast", "balanced", "fine"] {
+        let cost = cost(&format!("normals {rule}"));
+        let row = format!("| `{rule}` {} {} |", cells(cost), with_comma(cost.inverse_throughput as usize));
+        assert!(normals.lines().any(|line| line.starts_with(&row)), "docs/normals.md: {row}");
+    }
 }

@@ -187,6 +187,14 @@ impl Preview {
         Ok(name.unwrap_or_else(|| CPU.to_owned()))
     }
 
+    /// Whether pictures are rendered on the processor, by this program or by a driver.
+    ///
+    /// # Errors
+    /// No GPU where one was asked for.
+    pub fn is_software(&mut self) -> Result<bool, PreviewError> {
+        Ok(self.on_gpu(Gpu::is_software)?.unwrap_or(true))
+    }
+
     /// Radiances of the part of the picture from `corner` of `extent`.
     ///
     /// # Errors

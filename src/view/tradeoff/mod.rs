@@ -20,7 +20,9 @@ mod table;
 pub use family::{Size, family};
 pub use fitted_recipe::{FittedRecipe, Measurement, POINTS, rows};
 pub use front::{Fronts, front};
-pub use model::{FRAME_SIZE, LIGHTS, ModelRow, ModelRows, fitted_gaussians, median, stands_for_ltc};
+pub use model::{
+    EngineRow, FRAME_SIZE, GPU_FRAME_SIZE, LIGHTS, ModelRow, ModelRows, fitted_gaussians, median, stands_for_ltc,
+};
 pub use picture::picture;
 pub use prediction::{OffBy, off_by};
 pub use table::{csv, json};

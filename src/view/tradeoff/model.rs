@@ -6,12 +6,15 @@ use serde::Serialize;
 
 use ltcforge_files::{digest::Digest, recipe_document::Preset};
 use ltcforge_fit::{FitSettings, Layout, LobeModel, Recipe, Spread};
-use ltcforge_light::{LightModel, normals::NormalsRule};
+use ltcforge_light::{LightModel, engines::EngineWay, normals::NormalsRule};
+use ltcforge_shaders::GpuCost;
 
 /// Random lights by which every model is measured, the same for all.
 pub const LIGHTS: usize = 2048;
-/// Pixels a side of the frame that every model renders.
+/// Pixels a side of the frame that every model renders on the processor.
 pub const FRAME_SIZE: u32 = 512;
+/// The same on a GPU: as many pixels as 1920 x 1080.
+pub const GPU_FRAME_SIZE: u32 = 1440;
 
 /// A model that lights a surface, its cost and its error.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -26,6 +29,8 @@ pub struct ModelRow {
     pub recipe_digest: Option<Digest>,
     /// Absolute error of the reflected energy of random lights.
     pub light_error: Spread,
+    /// What its text costs a GPU.
+    pub gpu_cost: Option<GpuCost>,
     /// Median time of a frame, milliseconds.
     pub frame_milliseconds: f64,
     /// Bytes that the shader reads on the GPU.
@@ -38,6 +43,19 @@ pub struct ModelRow {
     pub fit_seconds: f64,
 }
 
+/// A way in which engines and papers light, its cost and its error.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EngineRow {
+    /// The way.
+    pub way: EngineWay,
+    /// The recipe of its table.
+    pub recipe_digest: Option<Digest>,
+    /// Absolute error of the reflected energy of the same lights.
+    pub light_error: Spread,
+    /// What its text costs a GPU.
+    pub gpu_cost: Option<GpuCost>,
+}
+
 /// The models, and how they were measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModelRows {
@@ -45,12 +63,16 @@ pub struct ModelRows {
     pub lights: usize,
     /// The mean energy that a surface reflects of them.
     pub mean_energy: f64,
-    /// Pixels a side of the frame, [`FRAME_SIZE`].
+    /// Pixels a side of the frame: [`FRAME_SIZE`], or [`GPU_FRAME_SIZE`].
     pub frame_size: u32,
     /// The renderer: an adapter's name, or `cpu`.
     pub adapter: String,
+    /// The compiler that tells what texts cost a GPU, [`COMPILER`](ltcforge_shaders::COMPILER).
+    pub compiler: &'static str,
     /// The models.
     pub rows: Vec<ModelRow>,
+    /// The ways of engines.
+    pub engines: Vec<EngineRow>,
 }
 
 impl ModelRow {
@@ -65,21 +87,28 @@ impl ModelRow {
 }
 
 impl ModelRows {
-    /// The models as a table of text, a line for each.
+    /// The models and the ways of engines as a table of text, a line for each.
     #[must_use]
     pub fn text(&self) -> String {
         let mut out = format!(
-            "{:16}{:>10}{:>10}{:>10}{:>12}{:>12}{:>12}{:>10}\n",
-            "model", "error", "p95", "frame ms", "GPU bytes", "file bytes", "WGSL bytes", "seconds"
+            "{:22}{:>10}{:>10}{:>11}{:>14}{:>10}{:>12}{:>12}{:>12}{:>10}\n",
+            "model",
+            "error",
+            "p95",
+            "registers",
+            "instructions",
+            "frame ms",
+            "GPU bytes",
+            "file bytes",
+            "WGSL bytes",
+            "seconds"
         );
         for row in &self.rows {
             // Writing to a String cannot fail.
             let _ = writeln!(
                 out,
-                "{:16}{:>10.5}{:>10.5}{:>10.2}{:>12}{:>12}{:>12}{:>10.2}",
-                row.name(),
-                row.light_error.mean,
-                row.light_error.p95,
+                "{}{:>10.2}{:>12}{:>12}{:>12}{:>10.2}",
+                start(&row.name(), &row.light_error, row.gpu_cost),
                 row.frame_milliseconds,
                 row.gpu_bytes,
                 row.file_bytes,
@@ -87,13 +116,24 @@ impl ModelRows {
                 row.fit_seconds
             );
         }
-        let Self { lights, mean_energy, frame_size, adapter, .. } = self;
+        for row in &self.engines {
+            let _ = writeln!(out, "{}", start(row.way.name(), &row.light_error, row.gpu_cost));
+        }
+        let Self { lights, mean_energy, frame_size, adapter, compiler, .. } = self;
         let _ = write!(
             out,
-            "{lights} lights of mean energy {mean_energy:.3}; frames of {frame_size} x {frame_size} by {adapter}"
+            "{lights} lights of mean energy {mean_energy:.3}; frames of {frame_size} x {frame_size} by {adapter}; \
+             registers and instructions of one rectangle by {compiler}"
         );
         out
     }
+}
+
+/// The start of a line of text.
+fn start(name: &str, error: &Spread, cost: Option<GpuCost>) -> String {
+    let told = |of: fn(GpuCost) -> u32| cost.map_or_else(String::new, |cost| of(cost).to_string());
+    let (registers, instructions) = (told(|cost| cost.registers), told(|cost| cost.instructions));
+    format!("{name:22}{:>10.5}{:>10.5}{registers:>11}{instructions:>14}", error.mean, error.p95)
 }
 
 /// Whether a recipe's table stands for model `ltc`: it has the base's resolution and precision and the effort of preset
@@ -131,6 +171,7 @@ pub(super) mod tests {
     use super::*;
     use crate::tradeoff::{Size, family};
     use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse};
+    use ltcforge_shaders::COMPILER;
 
     #[test]
     fn a_family_has_a_table_of_the_base_and_a_full_one_of_each_layout() {
@@ -164,6 +205,11 @@ pub(super) mod tests {
             layout,
             recipe_digest: layout.map(|_| Digest::of(b"")),
             light_error: Spread { mean, p95: 4.0 * mean, max: 20.0 * mean },
+            gpu_cost: Some(GpuCost {
+                registers: 40 + (0.02 / mean) as u32,
+                instructions: (1.0 / mean) as u32,
+                inverse_throughput: (2.0 / mean) as u32,
+            }),
             frame_milliseconds: 0.02 / mean,
             gpu_bytes: bytes,
             file_bytes: bytes,
@@ -180,14 +226,28 @@ pub(super) mod tests {
             row(LightModel::Asg, None, None, 0.03, 0),
             row(LightModel::Asg, None, Some(Layout::Reflected), 0.02, 181_440),
         ];
-        ModelRows { lights: LIGHTS, mean_energy: 0.3, frame_size: FRAME_SIZE, adapter: "cpu".to_owned(), rows }
+        let engine = |way: &EngineWay| EngineRow {
+            way: *way,
+            recipe_digest: way.layout().map(|_| Digest::of(b"")),
+            light_error: Spread { mean: 0.03, p95: 0.1, max: 0.4 },
+            gpu_cost: GpuCost::of(way.name()),
+        };
+        ModelRows {
+            lights: LIGHTS,
+            mean_energy: 0.3,
+            frame_size: FRAME_SIZE,
+            adapter: "cpu".to_owned(),
+            compiler: COMPILER,
+            rows,
+            engines: EngineWay::ALL.iter().map(engine).collect(),
+        }
     }
 
     #[test]
     fn the_text_has_a_line_for_each_model() {
         let text = rows().text();
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 1 + 7 + 1, "{text}");
+        assert_eq!(lines.len(), 1 + 7 + 4 + 1, "{text}");
         let names =
             ["ltc reflected", "normals balanced", "normals fast", "normals fine", "sg ", "asg ", "asg reflected"];
         for (line, name) in lines[1..].iter().zip(names) {
@@ -195,7 +255,11 @@ pub(super) mod tests {
             assert_eq!(line.len(), lines[0].len(), "{line}");
         }
         assert!(lines[1].contains(" 181440 ") && lines[2].contains(" 0 "), "{text}");
-        assert!(lines[8].contains("512 x 512 by cpu"), "{text}");
+        for (line, way) in lines[8..].iter().zip(EngineWay::ALL) {
+            let cost = GpuCost::of(way.name()).expect("a cost");
+            assert!(line.starts_with(way.name()) && line.ends_with(&format!(" {}", cost.instructions)), "{line}");
+        }
+        assert!(lines[12].contains("512 x 512 by cpu") && lines[12].ends_with(COMPILER), "{text}");
     }
 
     #[test]

@@ -6,16 +6,28 @@ use super::{
     ModelRows,
     number::{bytes, two_digits},
 };
+use ltcforge_fit::Spread;
+use ltcforge_shaders::GpuCost;
 
 /// Left end of the table, right ends of its columns, and the distance of its lines.
 const LEFT: f64 = 64.0;
-const COLUMNS: [f64; 7] = [340.0, 460.0, 590.0, 720.0, 850.0, 980.0, 1104.0];
-const LINE: f64 = 26.0;
+const COLUMNS: [f64; 9] = [320.0, 400.0, 492.0, 600.0, 700.0, 806.0, 892.0, 992.0, 1104.0];
+pub(super) const LINE: f64 = 26.0;
 
 /// Writes the table from the height `top` of the picture on.
 pub(super) fn write(out: &mut String, top: f64, models: &ModelRows) -> std::fmt::Result {
-    let heads = ["mean error", "p95", "ms a frame", "on the GPU", "file", "code, WGSL", "seconds to fit"];
-    let mut line = |y: f64, name: &str, cells: [String; 7], class: &str| -> std::fmt::Result {
+    let heads = [
+        "mean error",
+        "p95",
+        "registers",
+        "instructions",
+        "ms a frame",
+        "on the GPU",
+        "file",
+        "code, WGSL",
+        "seconds to fit",
+    ];
+    let mut line = |y: f64, name: &str, cells: [String; 9], class: &str| -> std::fmt::Result {
         writeln!(out, r#"<text class="{class}" x="{LEFT}" y="{y}">{name}</text>"#)?;
         for (cell, right) in cells.iter().zip(COLUMNS) {
             writeln!(out, r#"<text class="end {class}" x="{right}" y="{y}">{cell}</text>"#)?;
@@ -24,9 +36,12 @@ pub(super) fn write(out: &mut String, top: f64, models: &ModelRows) -> std::fmt:
     };
     line(top + 12.0, "model", heads.map(str::to_owned), "title")?;
     for (number, row) in (1..).zip(&models.rows) {
+        let [mean, p95, registers, instructions] = told(&row.light_error, row.gpu_cost);
         let cells = [
-            format!("{:.5}", row.light_error.mean),
-            format!("{:.4}", row.light_error.p95),
+            mean,
+            p95,
+            registers,
+            instructions,
             format!("{:.1}", row.frame_milliseconds),
             few_bytes(row.gpu_bytes),
             few_bytes(row.file_bytes),
@@ -35,8 +50,26 @@ pub(super) fn write(out: &mut String, top: f64, models: &ModelRows) -> std::fmt:
         ];
         line(top + 12.0 + f64::from(number) * LINE, &row.name(), cells, "model")?;
     }
-    let y = top + 16.0 + (models.rows.len() + 1) as f64 * LINE;
-    writeln!(out, r#"<text x="{LEFT}" y="{y}">frames by {}</text>"#, escaped(&models.adapter))
+    for (number, row) in (models.rows.len() + 1..).zip(&models.engines) {
+        let [mean, p95, registers, instructions] = told(&row.light_error, row.gpu_cost);
+        let none = String::new;
+        let cells = [mean, p95, registers, instructions, none(), none(), none(), none(), none()];
+        line(top + 12.0 + number as f64 * LINE, row.way.name(), cells, "model")?;
+    }
+    let y = top + 16.0 + (models.rows.len() + models.engines.len() + 1) as f64 * LINE;
+    let (adapter, compiler) = (escaped(&models.adapter), escaped(models.compiler));
+    writeln!(out, r#"<text x="{LEFT}" y="{y}">frames by {adapter}; registers and instructions by {compiler}</text>"#)
+}
+
+/// The cells that all rows have.
+fn told(error: &Spread, cost: Option<GpuCost>) -> [String; 4] {
+    let number = |of: fn(GpuCost) -> u32| cost.map_or_else(String::new, |cost| of(cost).to_string());
+    [
+        format!("{:.5}", error.mean),
+        format!("{:.4}", error.p95),
+        number(|cost| cost.registers),
+        number(|cost| cost.instructions),
+    ]
 }
 
 /// Bytes with two digits.

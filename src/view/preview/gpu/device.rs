@@ -18,6 +18,8 @@ pub(super) struct Device {
     pub(super) table_layout: wgpu::BindGroupLayout,
     pub(super) frame_layout: wgpu::BindGroupLayout,
     pub(super) name: String,
+    /// The driver renders on the processor, as lavapipe does.
+    pub(super) is_software: bool,
     pipeline_layout: wgpu::PipelineLayout,
     module: wgpu::ShaderModule,
     pipelines: Vec<(PipelineKey, wgpu::ComputePipeline)>,
@@ -120,6 +122,7 @@ impl Device {
             table_layout,
             frame_layout,
             name,
+            is_software: info.device_type == wgpu::DeviceType::Cpu,
             pipeline_layout,
             module,
             pipelines: Vec::new(),

@@ -33,6 +33,11 @@ impl Gpu {
         Ok(self.device()?.device.name.clone())
     }
 
+    /// Opens the device if it is not, and tells whether its driver renders on the processor.
+    pub(in crate::preview) fn is_software(&mut self) -> Result<bool, GpuFailure> {
+        Ok(self.device()?.device.is_software)
+    }
+
     /// Renders part of a picture and returns the words of the whole picture. After a failure it tries once more on a
     /// new device.
     pub(in crate::preview) fn render(
