@@ -31,8 +31,7 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
     let mut out = BufWriter::new(&mut *context.stdout);
     let mut out_of_range = OutOfRangeCount::default();
     if !json {
-        let header = if args.truth { "energy,fresnel,true_energy,true_fresnel" } else { "energy,fresnel" };
-        writeln!(out, "{header}").map_err(|error| CommandFailure::stdout(&error))?;
+        writeln!(out, "{}", header(args)).map_err(|error| CommandFailure::stdout(&error))?;
     }
     let is_header = |line: &str| light_case::is_header(args.light, line);
     lines.each(is_header, |line| {
@@ -45,9 +44,9 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
         let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
         out_of_range.count(clamped.as_deref().unwrap_or_default());
         let written = if json {
-            write_json(&mut out, &reflected, true_light.as_ref(), clamped.as_deref())
+            write_json(&mut out, args, &reflected, true_light.as_ref(), clamped.as_deref())
         } else {
-            write_row(&mut out, &reflected, true_light.as_ref())
+            write_row(&mut out, args, &reflected, true_light.as_ref())
         };
         written.map_err(|error| LineFailure::stdout(&error))
     })?;
@@ -57,6 +56,20 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
         eprintln!("{out_of_range}");
     }
     Ok(Exit::Ok)
+}
+
+/// The columns of a row.
+fn header(args: &LightArgs) -> String {
+    let of = |prefix: &str| {
+        let reflected = if args.f0.is_some() { format!(",{prefix}reflected") } else { String::new() };
+        format!("{prefix}energy,{prefix}fresnel{reflected}")
+    };
+    if args.truth { format!("{},{}", of(""), of("true_")) } else { of("") }
+}
+
+/// What the material of `--f0` reflects.
+fn of_material(args: &LightArgs, light: &ReflectedLight) -> Option<f64> {
+    args.f0.map(|f0| light.schlick(f0, args.f90))
 }
 
 fn needs_table(model: LightModel) -> CommandFailure {
@@ -99,26 +112,40 @@ fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
 }
 
 /// One line of CSV. Numbers are the shortest that read back as the same f64.
-fn write_row(out: &mut dyn Write, found: &ReflectedLight, true_light: Option<&ReflectedLight>) -> io::Result<()> {
-    write!(out, "{},{}", found.energy, found.fresnel)?;
-    if let Some(ReflectedLight { energy, fresnel }) = true_light {
-        write!(out, ",{energy},{fresnel}")?;
+fn write_row(
+    out: &mut dyn Write,
+    args: &LightArgs,
+    found: &ReflectedLight,
+    true_light: Option<&ReflectedLight>,
+) -> io::Result<()> {
+    let mut numbers = Vec::with_capacity(6);
+    for light in [Some(found), true_light].into_iter().flatten() {
+        numbers.extend([light.energy, light.fresnel]);
+        numbers.extend(of_material(args, light));
     }
-    writeln!(out)
+    let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
+    writeln!(out, "{}", numbers.join(","))
 }
 
 /// One line of JSON. By a table, `clamped` holds the axes on which the surface and its view lie outside of it, with the
 /// value used instead.
 fn write_json(
     out: &mut dyn Write,
+    args: &LightArgs,
     found: &ReflectedLight,
     true_light: Option<&ReflectedLight>,
     clamped: Option<&[Clamped]>,
 ) -> io::Result<()> {
     let mut line = json!({ "energy": found.energy, "fresnel": found.fresnel });
-    if let Some(ReflectedLight { energy, fresnel }) = true_light {
-        line["true_energy"] = json!(energy);
-        line["true_fresnel"] = json!(fresnel);
+    if let Some(reflected) = of_material(args, found) {
+        line["reflected"] = json!(reflected);
+    }
+    if let Some(true_light) = true_light {
+        line["true_energy"] = json!(true_light.energy);
+        line["true_fresnel"] = json!(true_light.fresnel);
+        if let Some(reflected) = of_material(args, true_light) {
+            line["true_reflected"] = json!(reflected);
+        }
     }
     if let Some(clamped) = clamped {
         let clamped: BTreeMap<&str, f64> = clamped.iter().map(|clamped| (clamped.axis, clamped.to)).collect();

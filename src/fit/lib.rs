@@ -33,8 +33,8 @@ pub mod testing;
 pub use assemble::assemble;
 pub use axes::{LEAST_ALPHA, PerAxis};
 pub use brdf::{
-    Asymmetry, BrdfKind, BrdfModel, MOST_ALBEDO, MOST_VALUES, TabulatedAxes, TabulatedBrdf, TabulatedFault,
-    TabulatedFile,
+    Asymmetry, BrdfKind, BrdfModel, LobeFresnel, MOST_ALBEDO, MOST_VALUES, TabulatedAxes, TabulatedBrdf,
+    TabulatedFault, TabulatedFile, WeightedF0,
 };
 pub use cost::fit_seconds;
 pub use entry::{FittedEntry, Fitter};

@@ -156,7 +156,7 @@ fn from_above(plan: &Plan, alpha: f64, fitter: &mut Fitter, stop_check: &mut Sto
     let mut near = None;
     loop {
         let place = PerAxis { alpha: rough, ratio: 1.0, theta: 0.0, phi: 0.0 };
-        let matrix = fitter.next_to(&*plan.recipe.brdf.surface_at(&place), DVec3::Z, near, stop_check)?;
+        let matrix = fitter.next_to(&*plan.recipe.brdf.lobe_surface_at(&place), DVec3::Z, near, stop_check)?;
         if rough <= alpha {
             return Some(matrix);
         }
@@ -181,7 +181,7 @@ fn fit_view(
     let (from_above, isotropic) = (place.theta == 0.0, place.ratio == 1.0);
     let mut fit = |phi: f64, index: u64, done: u64, on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>| {
         let place = PerAxis { phi, ..place };
-        let surface = plan.recipe.brdf.surface_at(&place);
+        let surface = plan.recipe.brdf.lobe_surface_at(&place);
         fitter.fit_near(&*surface, place.view(), index, start, &mut StopCheck::new(&mut || on_progress(done)))
     };
     let done = entries.len() as u64;

@@ -171,7 +171,7 @@ impl Lighting<'_> {
     /// [`LightError::OtherLights`] for a table of another, [`LightError::OtherBrdf`] for a formula where it is not GGX.
     pub(super) fn check_brdf(self, brdf: &BrdfModel) -> Result<(), LightError> {
         match self {
-            Self::Table(table) if table.brdf != *brdf => {
+            Self::Table(table) if !table.brdf.is_surface_of(brdf) => {
                 Err(LightError::OtherLights { lights: brdf.kind(), table: table.brdf() })
             }
             Self::ClosedForm(_) if *brdf != BrdfKind::Ggx => Err(LightError::OtherBrdf(brdf.kind())),

@@ -51,6 +51,8 @@ impl About {
         // Files of GGX keep the bytes that they have had.
         let brdf = recipe.map(Recipe::brdf).filter(|brdf| *brdf != BrdfKind::Ggx);
         lines.extend(brdf.map(|brdf| format!("brdf {brdf}")));
+        let fresnel = recipe.map(|recipe| recipe.model().fresnel()).filter(|fresnel| !fresnel.is_one());
+        lines.extend(fresnel.map(|fresnel| format!("lobe of {fresnel}")));
         lines.extend(error.map(|MeanError { width, places }| {
             format!("mean error between nodes: {width:.4} of the lobe's width, at {places} places")
         }));

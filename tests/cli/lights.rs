@@ -54,6 +54,70 @@ fn light_tells_energy_and_fresnel_part_of_each_line() {
 }
 
 #[test]
+fn light_of_a_material_is_its_share_of_both_parts() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let with = |options: &[&str]| run_with_stdin(folder.path(), ["light", "-"].iter().chain(options), LIGHTS);
+    let printed = with(&["--f0", "0.04", "--f90", "0.5", "--truth"]).exited(0).stdout;
+    let header = "energy,fresnel,reflected,true_energy,true_fresnel,true_reflected";
+    assert_eq!(printed.lines().next(), Some(header));
+    for row in rows(&printed) {
+        for [energy, fresnel, reflected] in [[row[0], row[1], row[2]], [row[3], row[4], row[5]]] {
+            assert!((0.04 * (energy - fresnel) + 0.5 * fresnel - reflected).abs() < 1e-15, "{row:?}");
+        }
+    }
+    let told = with(&["--f0", "0.04", "--f90", "0.5", "--truth", "--json"]).exited(0).stdout;
+    let told: Vec<Value> = told.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    for (told, row) in told.iter().zip(rows(&printed)) {
+        let numbers = ["reflected", "true_reflected"].map(|name| told[name].as_f64().expect("a number"));
+        assert_eq!(numbers, [row[2], row[5]]);
+    }
+    for (options, word) in [
+        (&["--f0", "1.1"][..], "0 to 1"),
+        (&["--f0", "nan"], "0 to 1"),
+        (&["--f0", "0.5", "--f90=-1"], "0 to 1"),
+        (&["--f90", "0.5"], "--f0"),
+    ] {
+        assert!(with(options).exited(2).stderr.contains(word), "{options:?}");
+    }
+}
+
+/// Lights around the mirrored views of smooth to rough surfaces, low ones among them.
+fn lights_around_reflections() -> String {
+    let mut lines = String::new();
+    for alpha in [0.06, 0.16, 0.36] {
+        for theta in [0.4_f64, 1.0, 1.3, 1.45] {
+            for (turn, lift) in [(0.0, 0.0), (0.3, 0.1), (-0.2, 0.3)] {
+                let (x, y, z) = (-theta.sin(), turn, theta.cos() + lift);
+                let corners = [[-0.2, -0.1], [0.2, -0.1], [0.2, 0.1], [-0.2, 0.1]];
+                let corners = corners.map(|[across, up]| format!("{x},{},{}", y + across, z + up));
+                lines += &format!("{alpha},{alpha},{theta},0,2,{}\n", corners.join(","));
+            }
+        }
+    }
+    lines
+}
+
+#[test]
+fn a_table_of_plastic_is_nearer_for_plastic_and_one_of_both_for_both() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let lights = lights_around_reflections();
+    let error = |fresnel: &str, f0: &str| {
+        let resolution = r#""resolution": {"alpha": 16, "theta": 16}"#;
+        let recipe = format!(r#"{{"preset": "draft", "layout": "ltc2017", {resolution}, "fresnel": {fresnel}}}"#);
+        let table = run_with_stdin(folder.path(), ["fit", "-"], &recipe).exited(0).last_line().to_owned();
+        let words = ["light", "-", "--model", "ltc", "--table", &table, "--truth", "--f0", f0];
+        let found = rows(&run_with_stdin(folder.path(), words, &lights).exited(0).stdout);
+        found.iter().map(|row| (row[2] - row[5]).abs()).sum::<f64>() / found.len() as f64
+    };
+    let both = r#"[{"f0": 1}, {"f0": 0.04, "weight": 16}]"#;
+    let [metal, plastic] =
+        ["1", "0.04"].map(|f0| [r#""one""#, r#"[{"f0": 0.04}]"#, both].map(|fresnel| error(fresnel, f0)));
+    println!("one, plastic, both: of metal {metal:.5?}, of plastic {plastic:.5?}");
+    assert!(plastic[1] < 0.6 * plastic[0] && plastic[2] < 0.9 * plastic[0], "{plastic:?}");
+    assert!(metal[0] < metal[1] && metal[2] < 0.5 * (metal[0] + metal[1]), "{metal:?}");
+}
+
+#[test]
 fn light_by_a_table_takes_a_table_and_only_then() {
     let folder = tempfile::tempdir().expect("a folder");
     let digest = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0).last_line().to_owned();

@@ -38,4 +38,16 @@ pub struct LightArgs {
     /// Print the truth as well, for the table's scattering model or GGX, by adaptive quadrature: milliseconds a line
     #[arg(long)]
     pub truth: bool,
+    /// Print what a material of this reflectance, seen from above, reflects as well, by Schlick's Fresnel factor: 0 to 1
+    #[arg(long, value_parser = reflectance)]
+    pub f0: Option<f64>,
+    /// The reflectance at grazing incidence, with `--f0`: 0 to 1
+    #[arg(long, default_value_t = 1.0, value_parser = reflectance, requires = "f0")]
+    pub f90: f64,
+}
+
+/// A number from 0 to 1.
+fn reflectance(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| (0.0..=1.0).contains(number));
+    number.ok_or_else(|| "a reflectance is a number from 0 to 1".to_owned())
 }

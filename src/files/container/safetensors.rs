@@ -52,6 +52,7 @@ impl TableFile {
         if file.to_string() != name {
             return Err(TableFileError::Brdf(format!("{file} is not {name}")));
         }
+        // A tabulated model has no Fresnel factor of its own.
         self.table.brdf = BrdfModel::tabulated(file);
         self.recipe.brdf = self.table.brdf.clone();
         Ok(())

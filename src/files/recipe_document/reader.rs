@@ -35,6 +35,11 @@ impl<'a> Object<'a> {
         Self::new(self.pointer(field), self.get(field), known, faults)
     }
 
+    /// An item of a list, at its pointer, with only the fields in `known`.
+    pub(super) fn item(pointer: String, value: &'a Value, known: &[&str], faults: &mut Faults) -> Self {
+        Self::new(pointer, Some(value), known, faults)
+    }
+
     fn new(pointer: String, value: Option<&'a Value>, known: &[&str], faults: &mut Faults) -> Self {
         let fields = match value {
             None => None,
@@ -96,6 +101,18 @@ impl<'a> Object<'a> {
         }
         let names = choices.iter().map(|(name, _)| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
         faults.note(self.pointer(field), format!("{} is not one of {names}", echo(value)));
+        default
+    }
+
+    /// A number within `domain`.
+    pub(super) fn number(&self, field: &str, domain: [f64; 2], default: f64, faults: &mut Faults) -> f64 {
+        let Some(value) = self.get(field) else { return default };
+        if let Some(number) = value.as_f64().filter(|number| (domain[0]..=domain[1]).contains(number)) {
+            // -0 and 0 are one number and must be one recipe.
+            return number + 0.0;
+        }
+        faults
+            .note(self.pointer(field), format!("{} is not a number from {} to {}", echo(value), domain[0], domain[1]));
         default
     }
 

@@ -50,6 +50,42 @@ fn equal_recipes_have_equal_digests_however_they_are_written() {
 }
 
 #[test]
+fn equal_mixes_of_materials_are_one_recipe_and_a_mix_is_another_than_none() {
+    let of = |fresnel: &str| digest(&recipe(&format!(r#"{{"fresnel": {fresnel}}}"#)).expect("a recipe"));
+    let none = digest(&recipe("{}").expect("a recipe"));
+    let mix = of(r#"[{"f0": 0.04, "weight": 2}, {"f0": 1}]"#);
+    assert_eq!([of(r#""one""#), of(r#"[{"f0": 1, "weight": 7}]"#)], [none, none]);
+    assert_eq!(mix, of(r#"[{"weight": 3, "f0": 1}, {"f0": 0.5, "weight": 0}, {"f0": 0.04, "weight": 6}]"#));
+    assert_ne!(mix, none);
+    let read = recipe(r#"{"fresnel": [{"f0": 0.04, "weight": 2}, {"f0": 1}]}"#).expect("a recipe");
+    let text = canonical_json(&read);
+    assert!(text.contains(r#""fresnel":[{"f0":0.04,"weight":1},{"f0":1,"weight":0.5}]"#), "{text}");
+    assert_eq!(recipe(&text), Ok(read));
+}
+
+#[test]
+fn faults_of_materials_are_reported_at_their_place() {
+    let found = pointers(
+        r#"{"fresnel": [{"f0": -0.1, "weight": "much"}, {"f0": 1.5}, 0.04, {"weight": 1}, {"f0": 0.5, "F90": 1}]}"#,
+    );
+    let wanted =
+        ["/fresnel/0/f0", "/fresnel/0/weight", "/fresnel/1/f0", "/fresnel/2", "/fresnel/3/f0", "/fresnel/4/F90"];
+    assert_eq!(found, wanted);
+    for alone in [
+        r#"{"fresnel": []}"#,
+        r#"{"fresnel": 0.04}"#,
+        r#"{"fresnel": "two"}"#,
+        r#"{"fresnel": null}"#,
+        r#"{"fresnel": [{"f0": 0.04, "weight": 0}]}"#,
+        r#"{"fresnel": [{"f0": 0}, {"f0": 1, "weight": 0}]}"#,
+        r#"{"brdf": "charlie", "fresnel": [{"f0": 0.04}]}"#,
+    ] {
+        assert_eq!(pointers(alone), ["/fresnel"], "{alone}");
+    }
+    assert!(recipe(r#"{"brdf": "beckmann", "fresnel": [{"f0": 0}, {"f0": 1}]}"#).is_ok());
+}
+
+#[test]
 fn every_fault_is_reported_at_once() {
     let found = pointers(
         r#"{"preset": "papre", "colour": 1, "a/b": 0, "terms": "yes", "fitter": 0,

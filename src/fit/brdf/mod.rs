@@ -6,6 +6,7 @@ mod beckmann;
 mod burley_diffuse;
 mod charlie;
 mod charlie_neubelt;
+mod fresnel;
 mod ggx;
 mod hemisphere;
 mod model;
@@ -20,6 +21,7 @@ pub use beckmann::Beckmann;
 pub use burley_diffuse::BurleyDiffuse;
 pub use charlie::Charlie;
 pub use charlie_neubelt::CharlieNeubelt;
+pub use fresnel::{LobeFresnel, WeightedF0};
 pub use ggx::Ggx;
 pub use model::{BrdfModel, TabulatedFile};
 pub use oren_nayar::OrenNayar;
@@ -81,6 +83,12 @@ impl BrdfKind {
     #[must_use]
     pub fn is_isotropic(self) -> bool {
         self.rules().is_isotropic()
+    }
+
+    /// Whether its light is scaled by a Fresnel factor, which a recipe may name: that of microfacets that reflect.
+    #[must_use]
+    pub fn has_fresnel(self) -> bool {
+        self.follows_reflection() && !self.needs_file()
     }
 
     /// Whether its lobes lie around the reflection of GGX, as layout `reflected` needs.

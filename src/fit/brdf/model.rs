@@ -2,23 +2,43 @@
 
 use std::{fmt, sync::Arc};
 
+use glam::DVec3;
 use serde::{Serialize, Serializer, ser::SerializeMap};
 
-use super::{Brdf, BrdfKind, TabulatedBrdf};
+use super::{Brdf, BrdfKind, TabulatedBrdf, fresnel::LobeFresnel};
 use crate::axes::PerAxis;
 
-/// The scattering model that is fitted. Two are equal if their surfaces are.
+/// The scattering model that is fitted. Two are equal if their surfaces and the lobes of these are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BrdfModel {
     kind: BrdfKind,
     file: Option<TabulatedFile>,
+    fresnel: LobeFresnel,
 }
 
 impl BrdfModel {
     /// The model of a file.
     #[must_use]
     pub fn tabulated(file: TabulatedFile) -> Self {
-        Self { kind: BrdfKind::Tabulated, file: Some(file) }
+        Self { kind: BrdfKind::Tabulated, file: Some(file), fresnel: LobeFresnel::One }
+    }
+
+    /// The same model with lobes of other materials. Domain: one that [has a Fresnel factor](BrdfKind::has_fresnel).
+    #[must_use]
+    pub fn with_fresnel(self, fresnel: LobeFresnel) -> Self {
+        Self { fresnel, ..self }
+    }
+
+    /// The materials whose lobe a table is fitted to.
+    #[must_use]
+    pub fn fresnel(&self) -> &LobeFresnel {
+        &self.fresnel
+    }
+
+    /// Whether two models have the same surfaces, whatever the materials whose lobes are fitted.
+    #[must_use]
+    pub fn is_surface_of(&self, other: &Self) -> bool {
+        (self.kind, &self.file) == (other.kind, &other.file)
     }
 
     /// Its item in the list.
@@ -57,6 +77,25 @@ impl BrdfModel {
         Box::new(data.surface(roughness[0].max(roughness[1])))
     }
 
+    /// The surface whose lobe for `wo` is fitted: with the Fresnel factor of [`BrdfModel::fresnel`]. Domain: as
+    /// [`BrdfModel::surface`], and `wo` of unit length above the horizon.
+    ///
+    /// # Panics
+    /// As [`BrdfModel::surface`].
+    #[must_use]
+    pub fn lobe_surface(&self, roughness: [f64; 2], wo: DVec3) -> Box<dyn Brdf> {
+        self.fresnel.applied(self.surface(roughness), wo)
+    }
+
+    /// The same at a place of a table, x along its larger roughness.
+    ///
+    /// # Panics
+    /// As [`BrdfModel::surface`].
+    #[must_use]
+    pub fn lobe_surface_at(&self, place: &PerAxis<f64>) -> Box<dyn Brdf> {
+        self.lobe_surface(place.roughness(), place.view())
+    }
+
     /// The surface at a place of a table, x along its larger roughness.
     ///
     /// # Panics
@@ -76,7 +115,7 @@ impl BrdfModel {
 impl From<BrdfKind> for BrdfModel {
     /// The model of formulas. [`BrdfKind::Tabulated`] is not complete without a file: see [`BrdfModel::tabulated`].
     fn from(kind: BrdfKind) -> Self {
-        Self { kind, file: None }
+        Self { kind, file: None, fresnel: LobeFresnel::One }
     }
 }
 
@@ -92,13 +131,17 @@ impl fmt::Display for BrdfModel {
     }
 }
 
-/// The fields of a canonical recipe: `brdf`, and for a tabulated one `tabulated`.
+/// The fields of a canonical recipe: `brdf`, for a tabulated one `tabulated`, and `fresnel` where it is not the default, so
+/// that recipes keep their digests.
 impl Serialize for BrdfModel {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("brdf", &self.kind)?;
         if let Some(file) = &self.file {
             map.serialize_entry("tabulated", &file.to_string())?;
+        }
+        if !self.fresnel.is_one() {
+            map.serialize_entry("fresnel", &self.fresnel)?;
         }
         map.end()
     }

@@ -145,8 +145,9 @@ fn next(x: f64, ulps: i64) -> f64 {
 /// Distance between an LTC and the lobe it stands for. At the horizon itself no light is reflected, so the lobe at the
 /// ceiling takes its place.
 fn error(table: &Table, at: &Configuration, m: &DMat3, probe: &Probe, work: &mut Workspace) -> f64 {
-    let surface = table.brdf.surface([at.alpha_x.max(SHARPEST), at.alpha_y.max(SHARPEST)]);
-    let lobe = Lobe::sample(&*surface, direction(at.theta.min(THETA_CEILING), at.phi));
+    let wo = direction(at.theta.min(THETA_CEILING), at.phi);
+    let surface = table.brdf.lobe_surface([at.alpha_x.max(SHARPEST), at.alpha_y.max(SHARPEST)], wo);
+    let lobe = Lobe::sample(&*surface, wo);
     let model = table.lobe.distribution(&row_major(m));
     probe.distance(&lobe, model.as_deref(), work).sw1
 }

@@ -66,8 +66,8 @@ fn of_numbers(
     probe: &Probe,
     work: &mut Workspace,
 ) -> Figures {
-    let surface = brdf.surface([at.alpha_x.max(ALPHA_FLOOR), at.alpha_y.max(LEAST_ALPHA)]);
-    let lobe = Lobe::sample(&*surface, direction(at.theta, at.phi));
+    let (roughness, wo) = ([at.alpha_x.max(ALPHA_FLOOR), at.alpha_y.max(LEAST_ALPHA)], direction(at.theta, at.phi));
+    let lobe = Lobe::sample(&*brdf.lobe_surface(roughness, wo), wo);
     let model = lobe_model.distribution(&found.matrix);
     let model = model.as_deref();
     let LobeDistance { sw1, spread } = probe.distance(&lobe, model, work);
@@ -75,6 +75,10 @@ fn of_numbers(
     let terms = found.amplitude.zip(found.fresnel);
     let above = model.map_or(1.0, LobeDistribution::above_horizon);
     let terms = terms.map(|(amplitude, fresnel)| (above * amplitude, above * fresnel));
-    let terms = terms.map(|(amplitude, fresnel)| [(amplitude - lobe.amplitude).abs(), (fresnel - lobe.fresnel).abs()]);
+    // They are for a Fresnel factor of one, whatever the lobe's.
+    let plain = (!brdf.fresnel().is_one() && terms.is_some()).then(|| Lobe::sample(&*brdf.surface(roughness), wo));
+    let of_one = plain.as_ref().unwrap_or(&lobe);
+    let terms =
+        terms.map(|(amplitude, fresnel)| [(amplitude - of_one.amplitude).abs(), (fresnel - of_one.fresnel).abs()]);
     Figures { at: *at, sw1, width: sw1 / spread, light, terms }
 }

@@ -1,0 +1,227 @@
+//! The Fresnel factor of the lobe that a table is fitted to.
+
+use std::fmt;
+
+use glam::DVec3;
+use serde::{Serialize, Serializer};
+
+use super::{Bends, Brdf, BrdfSample, LobeTerms, cos_theta_d};
+use crate::math::{Lattice, SquarePoint};
+
+/// Samples of a lobe that tell how much each material reflects: weights need no more.
+const SAMPLES: usize = 256;
+
+/// A reflectance seen from above, and how much it counts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct WeightedF0 {
+    /// Reflectance seen from above, in [0, 1].
+    pub f0: f64,
+    /// Its weight, finite and not negative.
+    pub weight: f64,
+}
+
+/// The materials whose lobe a table is fitted to.
+///
+/// A renderer scales one lobe by `F0 (amplitude - fresnel) + F90 fresnel`, whatever the material. Schlick's factor favours
+/// light from near the surface, so the lobe of plastic lies lower than that of metal. This field says whose lobe the
+/// stored one is; amplitude and Fresnel term are the same for all.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum LobeFresnel {
+    /// A factor of one: a perfect mirror's.
+    #[default]
+    One,
+    /// The lobe between those of some materials, each of F90 = 1, by which the light of all is off least; see
+    /// [`LobeFresnel::mix`].
+    Mix(Vec<WeightedF0>),
+}
+
+impl LobeFresnel {
+    /// A mix in its one form: by ascending F0, each once, the greatest weight 1. Materials of weight 0 are left out, and of
+    /// F0 = 1 alone it is [`LobeFresnel::One`]. `None` if none is left. Domain: finite numbers, none below zero.
+    #[must_use]
+    pub fn mix(mut parts: Vec<WeightedF0>) -> Option<Self> {
+        parts.retain(|part| part.weight > 0.0);
+        parts.sort_by(|a, b| a.f0.total_cmp(&b.f0));
+        let mut once: Vec<WeightedF0> = Vec::new();
+        for part in parts {
+            match once.last_mut().filter(|last| last.f0 == part.f0) {
+                Some(last) => last.weight += part.weight,
+                None => once.push(part),
+            }
+        }
+        let most = once.iter().fold(0.0_f64, |most, part| most.max(part.weight));
+        for part in &mut once {
+            part.weight /= most;
+        }
+        match once[..] {
+            [] => None,
+            [WeightedF0 { f0: 1.0, .. }] => Some(Self::One),
+            _ => Some(Self::Mix(once)),
+        }
+    }
+
+    /// Whether the factor is one.
+    #[must_use]
+    pub fn is_one(&self) -> bool {
+        *self == Self::One
+    }
+
+    /// The F0 whose lobe stands for all materials in one view, whose terms for a Fresnel factor of one are `terms`.
+    ///
+    /// Material i reflects `E_i = f0_i (amplitude - fresnel) + fresnel`. A lobe that lies a part `x_i` of the way off is wrong
+    /// by `E_i x_i`, and the mean of lobes weighted by `w_i E_i^2` makes the sum of `w_i (E_i x_i)^2` least. Lobes of their
+    /// factors `f0_i + (1 - f0_i) s` weigh `E_i` already, and a mean of factors is one again up to scale:
+    ///
+    /// ```text
+    /// f0 = sum(w_i E_i f0_i) / sum(w_i E_i)
+    /// ```
+    ///
+    /// In \[0, 1\].
+    #[must_use]
+    pub fn f0(&self, terms: &LobeTerms) -> f64 {
+        let Self::Mix(parts) = self else { return 1.0 };
+        let reflected = |f0: f64| f0 * (terms.amplitude - terms.fresnel) + terms.fresnel;
+        let [level, all] = parts.iter().fold([0.0; 2], |[level, all], WeightedF0 { f0, weight }| {
+            let counts = weight * reflected(*f0);
+            [level + counts * f0, all + counts]
+        });
+        // A view of which nothing is left but what a factor of one reflects.
+        if all > 0.0 { level / all } else { 1.0 }
+    }
+
+    /// The surface with the lobe for `wo`.
+    pub(super) fn applied(&self, surface: Box<dyn Brdf>, wo: DVec3) -> Box<dyn Brdf> {
+        if self.is_one() {
+            return surface;
+        }
+        let points: Vec<SquarePoint> = Lattice::new(SAMPLES, [0.0; 2]).points().map(SquarePoint::new).collect();
+        let f0 = self.f0(&surface.terms(wo, &points));
+        Box::new(Schlick { surface, f0 })
+    }
+}
+
+impl fmt::Display for LobeFresnel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self::Mix(parts) = self else { return f.write_str("a Fresnel factor of one") };
+        let told: Vec<String> =
+            parts.iter().map(|part| format!("f0 {} with weight {}", part.f0, part.weight)).collect();
+        f.write_str(&told.join(", "))
+    }
+}
+
+impl Serialize for LobeFresnel {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::One => serializer.serialize_str("one"),
+            Self::Mix(parts) => parts.serialize(serializer),
+        }
+    }
+}
+
+/// A surface whose light is scaled by Schlick's Fresnel factor of an F0 and F90 = 1. Its terms are those for a factor of
+/// one, as tables have them.
+struct Schlick {
+    surface: Box<dyn Brdf>,
+    f0: f64,
+}
+
+impl Schlick {
+    fn factor(&self, cos_theta_d: f64) -> f64 {
+        let grazing = (1.0 - cos_theta_d).clamp(0.0, 1.0);
+        let grazing2 = grazing * grazing;
+        self.f0 + (1.0 - self.f0) * (grazing2 * grazing2 * grazing)
+    }
+
+    fn scaled(&self, sample: BrdfSample) -> BrdfSample {
+        BrdfSample { weight: sample.weight * self.factor(sample.cos_theta_d), ..sample }
+    }
+}
+
+impl Brdf for Schlick {
+    fn eval_cos(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.surface.eval_cos(wo, wi) * self.factor(cos_theta_d(wo, wi))
+    }
+
+    fn bends(&self, wo: DVec3) -> Bends {
+        self.surface.bends(wo)
+    }
+
+    fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample {
+        self.scaled(self.surface.sample(wo, u))
+    }
+
+    fn sample_all(&self, wo: DVec3, points: &[SquarePoint], drawn: &mut Vec<BrdfSample>) {
+        let first = drawn.len();
+        self.surface.sample_all(wo, points, drawn);
+        for sample in &mut drawn[first..] {
+            *sample = self.scaled(*sample);
+        }
+    }
+
+    fn terms(&self, wo: DVec3, points: &[SquarePoint]) -> LobeTerms {
+        self.surface.terms(wo, points)
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.surface.pdf(wo, wi)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        BrdfKind, BrdfModel,
+        math::{Lattice, direction},
+    };
+
+    fn mix(parts: &[(f64, f64)]) -> LobeFresnel {
+        let parts = parts.iter().map(|(f0, weight)| WeightedF0 { f0: *f0, weight: *weight });
+        LobeFresnel::mix(parts.collect()).expect("a material")
+    }
+
+    #[test]
+    fn equal_mixes_have_one_form() {
+        let first = mix(&[(1.0, 2.0), (0.04, 1.0)]);
+        assert_eq!(first, mix(&[(0.04, 3.0), (0.5, 0.0), (1.0, 4.0), (1.0, 2.0)]));
+        assert_eq!(mix(&[(1.0, 0.25)]), LobeFresnel::One);
+        assert_eq!(LobeFresnel::mix(vec![WeightedF0 { f0: 0.3, weight: 0.0 }]), None);
+    }
+
+    #[test]
+    fn one_material_is_its_own_mix_and_two_lie_between_by_what_they_reflect() {
+        let terms = LobeTerms { amplitude: 0.9, fresnel: 0.1 };
+        for f0 in [0.0, 0.04, 0.5, 1.0] {
+            assert!((mix(&[(f0, 3.0)]).f0(&terms) - f0).abs() < 1e-15);
+        }
+        assert_eq!(LobeFresnel::One.f0(&terms), 1.0);
+        // Plastic reflects 0.04 * 0.8 + 0.1.
+        let wanted = (0.9 + 0.132 * 0.04) / (0.9 + 0.132);
+        assert!((mix(&[(1.0, 1.0), (0.04, 1.0)]).f0(&terms) - wanted).abs() < 1e-15);
+        assert!((mix(&[(1.0, 2.0), (0.04, 2.0), (0.7, 0.0)]).f0(&terms) - wanted).abs() < 1e-15);
+    }
+
+    /// The samples' mean is the reflected light of that material, as the terms for a factor of one tell it.
+    #[test]
+    fn light_is_scaled_by_schlick_s_factor_and_terms_are_not() {
+        let plain = BrdfModel::from(BrdfKind::Ggx);
+        let model = plain.clone().with_fresnel(mix(&[(0.04, 1.0)]));
+        let points: Vec<SquarePoint> = Lattice::new(4096, [0.3, 0.1]).points().map(SquarePoint::new).collect();
+        for (roughness, theta) in [([0.5, 0.2], 0.3), ([0.3, 0.3], 1.4)] {
+            let wo = direction(theta, 0.7);
+            let surface = model.lobe_surface(roughness, wo);
+            let LobeTerms { amplitude, fresnel } = surface.terms(wo, &points);
+            assert_eq!(plain.surface(roughness).terms(wo, &points), LobeTerms { amplitude, fresnel });
+            let mut drawn = Vec::new();
+            surface.sample_all(wo, &points, &mut drawn);
+            let mean = drawn.iter().map(|sample| sample.weight).sum::<f64>() / drawn.len() as f64;
+            let wanted = 0.04 * (amplitude - fresnel) + fresnel;
+            assert!((mean - wanted).abs() < 1e-7, "{mean} {wanted}");
+            for (sample, point) in drawn.iter().zip(&points).take(50).filter(|(sample, _)| sample.weight > 0.0) {
+                assert_eq!(surface.sample(wo, point.u).weight, sample.weight);
+                let by_value = surface.eval_cos(wo, sample.wi) / surface.pdf(wo, sample.wi);
+                assert!((by_value / sample.weight - 1.0).abs() < 1e-6, "{by_value} {}", sample.weight);
+            }
+        }
+    }
+}
