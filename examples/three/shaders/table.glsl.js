@@ -20,14 +20,14 @@ export default /* glsl */ `// Linearly Transformed Cosines: area lights on aniso
 //   A second table in the same shader needs names and bindings of its own: ltcforge shader --prefix --first-binding.
 //
 // BINDINGS OF A TABLE
-//   uniform   36 words, nine vectors of four, which ltcforge export --for wgpu writes as ltc.json. Two of u32: how many
-//             nodes alpha, ratio, theta and phi have; the layout's number, not read here
+//   uniform   36 words, nine vectors of four, which ltcforge export --for wgpu writes as ltc.json. Two of u32: how
+//             many nodes alpha, ratio, theta and phi have; the layout's number, not read here
 //             (reflected 1, kt2022 0, ltc2017 2, ltc2016 3, godot 4, hdrp 5, inverse 6, matrix33 7),
-//             1 if ratio has the one node 1 and phi has one node, else 0, and 0, 0. Seven of f32: the first node of each axis in
-//             the variable in which the layout's nodes are evenly spaced, the step between nodes in it (1 for one node), and one
-//             over that; 1 / alpha_nodes, 1 / (ratio_nodes theta_nodes), theta_nodes, 1 / phi_nodes; the first and last alpha,
-//             the first and last ratio; the cosines of the last and first theta, 0, 0; cosine and sine of the first phi, and of
-//             the last
+//             1 if ratio has the one node 1 and phi has one node, else 0, and 0, 0. Seven of f32: the first node of
+//             each axis in the variable in which the layout's nodes are evenly spaced, the step between nodes in it
+//             (1 for one node), and one over that; 1 / alpha_nodes, 1 / (ratio_nodes theta_nodes), theta_nodes,
+//             1 / phi_nodes; the first and last alpha, the first and last ratio; the cosines of the last and first
+//             theta, 0, 0; cosine and sine of the first phi, and of the last
 //   matrix_a  3D texture, RGBA, 32 or 16 bit float: m00 m01 m02 m10 of each entry; m01 is row 0, column 1
 //   matrix_b  likewise: m11 m12 m20 m21
 //   terms     likewise: m22 amplitude fresnel 0; a table without terms has amplitude 1, fresnel 0
@@ -43,8 +43,9 @@ export default /* glsl */ `// Linearly Transformed Cosines: area lights on aniso
 // CHECK
 //   Of the table with the uniform nodes 3 2 3 3, start 0.23713738 0.17012542 0 0, step 0.3814313 0.8298746 0.39396363 0.75,
 //   alpha and ratio 0.1 1 0.1 1, cosines 0.0707372 1, azimuths 1 0 0.0707372 0.997495,
-//   whose entry number e = ((a * 2 + r) * 3 + t) * 3 + p has the numbers I[k] + e * (k + 1) / 1024, k = 0 to 10: the nine
-//   of the matrix by rows, amplitude, fresnel; I = 1 0 0 0 1 0 0 0 1 1 0. All are exact in 16 bits. Covered is by the
+//   whose entry number e = ((a * 2 + r) * 3 + t) * 3 + p has the numbers I[k] + e * (k + 1) / 1024,
+//   k = 0 to 10: the nine of the matrix by rows, amplitude, fresnel; I = 1 0 0 0 1 0 0 0 1 1 0. All are exact in
+//   16 bits. Covered is by the
 //   one-sided rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5).
 //   M is given by rows. A port in 32 bits comes within 0.00002 of each number.
 //   alpha_x 0.3 alpha_y 0.15 wo (0.36 0.48 0.8)
