@@ -2,6 +2,8 @@
 
 import { chromium } from 'playwright-core';
 
+import { repacked, stock } from './tables.js';
+
 /** WebGL2 by Mesa's rasterizer on the processor. */
 const FLAGS = [ '--no-sandbox', '--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist' ];
 
@@ -34,7 +36,10 @@ export async function withBrowser( program, work, flags = [] ) {
 
 }
 
-/** A page whose errors are printed. `faults` collects them. */
+/** The file that Babylon's area lights fetch from its server. */
+const BABYLON_TABLE = 'https://assets.babylonjs.com/core/areaLights/areaLightsLTC.bin';
+
+/** A page whose errors are printed. `faults` collects them. Babylon's table comes from here. */
 export async function openPage( browser, name, address, faults = [] ) {
 
 	const page = await browser.newPage();
@@ -46,6 +51,9 @@ export async function openPage( browser, name, address, faults = [] ) {
 
 	};
 
+	await page.route( BABYLON_TABLE, ( route ) => route.fulfill( {
+		body: Buffer.from( repacked[ 'babylon/areaLights/areaLightsLTC.bin' ]( stock() ) ), headers: { 'access-control-allow-origin': '*' },
+	} ) );
 	page.on( 'console', ( message ) => message.type() === 'error' && tell( message.text() ) );
 	page.on( 'pageerror', ( error ) => tell( error.message ) );
 	await page.goto( address );

@@ -8,7 +8,7 @@
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 
-import { serve } from '../../examples/three/serve.js';
+import { serve } from '../../examples/common/serve.js';
 import { openPage, withBrowser } from './browser.js';
 
 const { values } = parseArgs( { options: {
