@@ -19,16 +19,14 @@ const CAPTIONS = {
 	truth: 'truth',
 };
 
-/** Shows radiance, four numbers a pixel from the top left, in sRGB: white is 1. Returns what may be said below. */
-function show( caption, pixels ) {
+/** What an error of linear radiance is multiplied by to be seen. */
+const ERROR_SCALE = 10;
 
-	const figure = document.createElement( 'figure' );
+/** Radiance, four numbers a pixel from the top left, in sRGB: white is 1. */
+function canvasOf( pixels ) {
+
 	const canvas = Object.assign( document.createElement( 'canvas' ), { width, height } );
 	Object.assign( canvas.style, { width: `${ width * scale }px`, height: `${ height * scale }px` } );
-	const told = Object.assign( document.createElement( 'figcaption' ), { innerHTML: caption } );
-	figure.append( canvas, told );
-	document.querySelector( 'main' ).append( figure );
-
 	const shown = new Uint8ClampedArray( pixels.length ).fill( 255 );
 	for ( let i = 0; i < pixels.length; i ++ ) {
 
@@ -39,12 +37,23 @@ function show( caption, pixels ) {
 	}
 
 	canvas.getContext( '2d' ).putImageData( new ImageData( shown, width, height ), 0, 0 );
+	return canvas;
+
+}
+
+/** Shows a picture above its caption. Returns the caption. */
+function show( caption, pixels ) {
+
+	const figure = document.createElement( 'figure' );
+	const told = Object.assign( document.createElement( 'figcaption' ), { innerHTML: caption } );
+	figure.append( canvasOf( pixels ), told );
+	document.querySelector( 'main' ).append( figure );
 	return told;
 
 }
 
 /**
- * Shows pictures, then the truth and how far each is from it, which a test reads in `window.errors`.
+ * Shows pictures, then the truth and below each picture how far it is from it, which a test reads in `window.errors`.
  *
  * @param {string} engine - Its name for readers.
  * @param {Object<string, Float32Array>} pictures - Linear radiance, four numbers a pixel from the top left, by `stock` and
@@ -67,7 +76,9 @@ export async function compare( engine, pictures ) {
 		for ( const [ name, pixels ] of Object.entries( pictures ) ) {
 
 			errors[ name ] = meanError( pixels, truth, width, height );
-			told[ name ].append( `; mean error ${ errors[ name ].toPrecision( 2 ) }` );
+			const isLamp = ( i ) => truth[ 4 * Math.floor( i / 4 ) + 3 ] < 0;
+			told[ name ].after( canvasOf( pixels.map( ( value, i ) => isLamp( i ) ? 0 : ERROR_SCALE * Math.abs( value - truth[ i ] ) ) ) );
+			told[ name ].append( `; ${ ERROR_SCALE } x error, whose mean is ${ errors[ name ].toPrecision( 2 ) }` );
 
 		}
 

