@@ -5,7 +5,7 @@
 // `roughness` and `anisotropy`. Diffuse light stays Babylon's. Nothing is imported: what is needed of Babylon is handed in,
 // be it the global BABYLON or a namespace of @babylonjs/core.
 
-import { definitions, ENGINE_LINES, forLight, LIGHT, LIGHTS_BEGIN, lightsBegin } from './patches.js';
+import { definitions, ENGINE_LINES, forLight, lightPattern, LIGHTS_BEGIN, lightsBegin } from './patches.js';
 
 export { setAlphas } from './alphas.js';
 
@@ -107,7 +107,7 @@ export function areaLightsPlugin( BABYLON ) {
 			if ( shaderType !== 'fragment' ) return null;
 			// Babylon asks for the places first, from within the constructor, and for the code with each shader that it makes.
 			const hasUbo = this._material.getScene().getEngine().supportsUniformBuffers;
-			const places = [ 'CUSTOM_FRAGMENT_DEFINITIONS', `!${ inPattern( LIGHTS_BEGIN ) }`, `!${ LIGHT( hasUbo ) }` ];
+			const places = [ 'CUSTOM_FRAGMENT_DEFINITIONS', `!${ inPattern( LIGHTS_BEGIN ) }`, `!${ lightPattern( hasUbo ) }` ];
 			if ( this.normalsGlsl === '' ) return Object.fromEntries( places.map( ( place ) => [ place, '' ] ) );
 			requireEngineLines( BABYLON );
 			const code = [ definitions( this.normalsGlsl ), lightsBegin( this._material.maxSimultaneousLights, hasUbo ), forLight ];

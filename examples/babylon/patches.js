@@ -4,7 +4,7 @@
 export const LIGHTS_BEGIN = 'vec3 diffuseBase=vec3(0.,0.,0.);';
 
 /** The line of each area light, by its number. Without uniform buffers, the number stands at the end of a uniform's name. */
-export const LIGHT = ( hasUbo ) =>
+export const lightPattern = ( hasUbo ) =>
 	String.raw`info\.specular=computeAreaSpecularLighting\(preInfo,(${ hasUbo ? String.raw`light(\d+)\.vLightSpecular` : String.raw`vLightSpecular(\d+)` }\.rgb),([\w.]+),([\w.]+)\);`;
 
 /** By include, what has to stand there once: the lines that are replaced, and what our code calls. */

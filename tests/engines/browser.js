@@ -36,10 +36,13 @@ export async function withBrowser( program, work, flags = [] ) {
 
 }
 
-/** The file that Babylon's area lights fetch from its server. */
-const BABYLON_TABLE = 'https://assets.babylonjs.com/core/areaLights/areaLightsLTC.bin';
+/** The tables that engines fetch from their servers, and the stock tables as they have them. */
+const TABLES = {
+	'https://assets.babylonjs.com/core/areaLights/areaLightsLTC.bin': 'babylon/areaLights/areaLightsLTC.bin',
+	'https://raw.githubusercontent.com/playcanvas/engine/main/examples/assets/json/area-light-luts.json': 'playcanvas/area-light-luts.json',
+};
 
-/** A page whose errors are printed. `faults` collects them. Babylon's table comes from here. */
+/** A page whose errors are printed. `faults` collects them. Engines' tables come from here. */
 export async function openPage( browser, name, address, faults = [] ) {
 
 	const page = await browser.newPage();
@@ -51,8 +54,8 @@ export async function openPage( browser, name, address, faults = [] ) {
 
 	};
 
-	await page.route( BABYLON_TABLE, ( route ) => route.fulfill( {
-		body: Buffer.from( repacked[ 'babylon/areaLights/areaLightsLTC.bin' ]( stock() ) ), headers: { 'access-control-allow-origin': '*' },
+	for ( const [ address, file ] of Object.entries( TABLES ) ) await page.route( address, ( route ) => route.fulfill( {
+		body: Buffer.from( repacked[ file ]( stock() ) ), headers: { 'access-control-allow-origin': '*' },
 	} ) );
 	page.on( 'console', ( message ) => message.type() === 'error' && tell( message.text() ) );
 	page.on( 'pageerror', ( error ) => tell( error.message ) );

@@ -1,7 +1,7 @@
 // Opens examples and prints as JSON, by engine and number of lights, the mean errors that their pages show, and what the
 // browser complains of.
 //
-//   node example.js --ltcforge PROGRAM --chromium PROGRAM [--engines three,babylon] [--lights 1,4] [--size WIDTHxHEIGHT] [--picture FILE]
+//   node example.js --ltcforge PROGRAM --chromium PROGRAM [--engines three,babylon,playcanvas] [--lights 1,4] [--size WIDTHxHEIGHT] [--picture FILE]
 //
 // A picture is that of the last page.
 
@@ -13,7 +13,7 @@ import { openPage, withBrowser } from './browser.js';
 
 const { values } = parseArgs( { options: {
 	ltcforge: { type: 'string' }, chromium: { type: 'string' },
-	engines: { type: 'string', default: 'three,babylon' }, lights: { type: 'string', default: '1,4' },
+	engines: { type: 'string', default: 'three,babylon,playcanvas' }, lights: { type: 'string', default: '1,4' },
 	size: { type: 'string', default: '72x54' }, picture: { type: 'string' },
 } } );
 

@@ -53,6 +53,15 @@ pub(crate) struct Package {
     pub(crate) from_stock: BTreeMap<String, Apart>,
     /// Messages of errors; nothing where there was none.
     refusals: BTreeMap<String, Option<String>>,
+    /// With and without clusters, how far a coat is from white metal.
+    #[serde(default)]
+    pub(crate) coats: Vec<f64>,
+    /// Whether a material that was refused has no chunk of ours.
+    #[serde(default, rename = "leavesRefused")]
+    pub(crate) leaves_refused: bool,
+    /// Whether a chunk of the user's is left alone.
+    #[serde(default, rename = "leavesOwn")]
+    pub(crate) leaves_own: bool,
     /// The share of the pixels of the README's page that are lit.
     readme: f64,
     faults: Vec<String>,

@@ -1,9 +1,9 @@
 // How long an engine takes to a first draw, compiling its shader, by ways of lighting and numbers of lights. Prints lines of
 // a table for docs/engines.md: medians, in milliseconds and as multiples of the stock engine.
 //
-//   node first_draw.js [--engine three] [--chromium PROGRAM] [--runs 3] [--lights 1,2,4,8] [--ways stock,fast,balanced,fine] [--clearcoat]
+//   node first_draw.js [--engine three] [--chromium PROGRAM] [--runs 3] [--lights 1,2,4,8] [--ways stock,fast,balanced,fine] [--clearcoat] [--unclustered]
 //
-// three.js has --ways table and --clearcoat too. Each run has a browser of its own, and no cache of shaders.
+// three.js has --ways table and --clearcoat too, PlayCanvas --unclustered. Each run has a browser of its own, and no cache of shaders.
 
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
@@ -17,7 +17,7 @@ const { values } = parseArgs( { options: {
 	runs: { type: 'string', default: '3' },
 	lights: { type: 'string', default: '1,2,4,8' },
 	ways: { type: 'string', default: 'stock,fast,balanced,fine' },
-	clearcoat: { type: 'boolean' },
+	clearcoat: { type: 'boolean' }, unclustered: { type: 'boolean' },
 } } );
 
 // Mesa's cache; Chromium's is off with the flag below.
@@ -32,7 +32,7 @@ async function firstDraw( way, lights ) {
 
 	return withBrowser( values.chromium, async ( browser ) => {
 
-		const page = await openPage( browser, way, `${ address }?engine=${ values.engine }&way=${ way }&lights=${ lights }${ values.clearcoat ? '&clearcoat' : '' }` );
+		const page = await openPage( browser, way, `${ address }?engine=${ values.engine }&way=${ way }&lights=${ lights }${ values.clearcoat ? '&clearcoat' : '' }${ values.unclustered ? '&unclustered' : '' }` );
 		const failed = new Promise( ( _, reject ) => page.on( 'pageerror', reject ) );
 		await Promise.race( [ page.waitForFunction( 'window.milliseconds' ), failed ] );
 		return page.evaluate( 'window.milliseconds' );
