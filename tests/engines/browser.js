@@ -2,6 +2,8 @@
 
 import { chromium } from 'playwright-core';
 
+import { repacked, stock } from './tables.js';
+
 /** WebGL2 by Mesa's rasterizer on the processor. */
 const FLAGS = [ '--no-sandbox', '--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist' ];
 
@@ -34,7 +36,13 @@ export async function withBrowser( program, work, flags = [] ) {
 
 }
 
-/** A page whose errors are printed. `faults` collects them. */
+/** The tables that engines fetch from their servers, and the stock tables as they have them. */
+const TABLES = {
+	'https://assets.babylonjs.com/core/areaLights/areaLightsLTC.bin': 'babylon/areaLights/areaLightsLTC.bin',
+	'https://raw.githubusercontent.com/playcanvas/engine/main/examples/assets/json/area-light-luts.json': 'playcanvas/area-light-luts.json',
+};
+
+/** A page whose errors are printed. `faults` collects them. Engines' tables come from here. */
 export async function openPage( browser, name, address, faults = [] ) {
 
 	const page = await browser.newPage();
@@ -46,6 +54,9 @@ export async function openPage( browser, name, address, faults = [] ) {
 
 	};
 
+	for ( const [ address, file ] of Object.entries( TABLES ) ) await page.route( address, ( route ) => route.fulfill( {
+		body: Buffer.from( repacked[ file ]( stock() ) ), headers: { 'access-control-allow-origin': '*' },
+	} ) );
 	page.on( 'console', ( message ) => message.type() === 'error' && tell( message.text() ) );
 	page.on( 'pageerror', ( error ) => tell( error.message ) );
 	await page.goto( address );

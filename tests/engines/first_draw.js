@@ -1,22 +1,23 @@
-// How long three.js takes to a first draw, compiling its shader, by ways of lighting and numbers of lights. Prints lines of
-// a table for docs/engines.md: medians, in milliseconds and as multiples of stock three.js.
+// How long an engine takes to a first draw, compiling its shader, by ways of lighting and numbers of lights. Prints lines of
+// a table for docs/engines.md: medians, in milliseconds and as multiples of the stock engine.
 //
-//   node first_draw.js [--chromium PROGRAM] [--runs 3] [--lights 1,2,4,8] [--ways stock,fast,balanced,fine,table] [--clearcoat]
+//   node first_draw.js [--engine three] [--chromium PROGRAM] [--runs 3] [--lights 1,2,4,8] [--ways stock,fast,balanced,fine] [--clearcoat] [--unclustered]
 //
-// Each run has a browser of its own, and no cache of shaders.
+// three.js has --ways table and --clearcoat too, PlayCanvas --unclustered. Each run has a browser of its own, and no cache of shaders.
 
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 
-import { serve } from '../../examples/three/serve.js';
+import { serve } from '../../examples/common/serve.js';
 import { openPage, withBrowser } from './browser.js';
 
 const { values } = parseArgs( { options: {
+	engine: { type: 'string', default: 'three' },
 	chromium: { type: 'string', default: '/usr/bin/chromium-headless-shell' },
 	runs: { type: 'string', default: '3' },
 	lights: { type: 'string', default: '1,2,4,8' },
-	ways: { type: 'string', default: 'stock,fast,balanced,fine,table' },
-	clearcoat: { type: 'boolean' },
+	ways: { type: 'string', default: 'stock,fast,balanced,fine' },
+	clearcoat: { type: 'boolean' }, unclustered: { type: 'boolean' },
 } } );
 
 // Mesa's cache; Chromium's is off with the flag below.
@@ -24,14 +25,14 @@ process.env.MESA_SHADER_CACHE_DISABLE = 'true';
 const FLAGS = [ '--disable-gpu-program-cache', '--disable-gpu-shader-disk-cache' ];
 
 const here = fileURLToPath( new URL( '.', import.meta.url ) );
-const server = await serve( { '/': here, '/example/': `${ here }../../examples/three`, '/node_modules/': `${ here }node_modules` } );
+const server = await serve( { '/': here, '/examples/': `${ here }../../examples`, '/node_modules/': `${ here }node_modules` } );
 const address = `http://127.0.0.1:${ server.address().port }/pages/first_draw.html`;
 
 async function firstDraw( way, lights ) {
 
 	return withBrowser( values.chromium, async ( browser ) => {
 
-		const page = await openPage( browser, way, `${ address }?way=${ way }&lights=${ lights }${ values.clearcoat ? '&clearcoat' : '' }` );
+		const page = await openPage( browser, way, `${ address }?engine=${ values.engine }&way=${ way }&lights=${ lights }${ values.clearcoat ? '&clearcoat' : '' }${ values.unclustered ? '&unclustered' : '' }` );
 		const failed = new Promise( ( _, reject ) => page.on( 'pageerror', reject ) );
 		await Promise.race( [ page.waitForFunction( 'window.milliseconds' ), failed ] );
 		return page.evaluate( 'window.milliseconds' );

@@ -2,11 +2,15 @@
 //!
 //! `node` runs the engines in Chromium, see `run.js` and `example.js`; here their errors are judged. `make test`
 //! installs what this needs; where it cannot, the tests say that they are skipped.
-//! `UPDATE_GOLDEN=three cargo test --test engines` writes `examples/three/shaders` and `table` anew,
-//! `UPDATE_PICTURES=1 cargo test --test engines` the pictures in `docs/engines/`.
+//! `UPDATE_GOLDEN=three cargo test --test engines` writes `examples/three/shaders` and `table` anew, `babylon` and
+//! `playcanvas` the shaders of the other examples; `UPDATE_PICTURES=1 cargo test --test engines` writes the pictures in
+//! `docs/engines/`.
 
+mod babylon;
 #[path = "../common/mod.rs"]
 mod common;
+mod examples;
+mod playcanvas;
 mod three;
 
 use std::{

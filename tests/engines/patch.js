@@ -3,14 +3,14 @@
 //
 //   node patch.js --ltcforge PROGRAM --chromium PROGRAM --package FOLDER [--picture FILE]
 
-import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 
-import { serve } from '../../examples/three/serve.js';
-import { reflected } from '../../examples/three/truth.js';
+import { serve } from '../../examples/common/serve.js';
+import { reflected } from '../../examples/common/truth.js';
 import { openPage, withBrowser } from './browser.js';
+import { litShare, pageOfReadme } from './readme.js';
 import { coated, pointsOf, questionOf, views } from './world.js';
 
 const { values } = parseArgs( { options: {
@@ -38,11 +38,9 @@ async function truthOfCoat() {
 }
 
 const here = fileURLToPath( new URL( '.', import.meta.url ) );
-const readme = await readFile( join( values.package, 'README.md' ), 'utf8' );
-const pageOfReadme = /```html\n([\s\S]*?)```/.exec( readme )[ 1 ];
 const server = await serve( {
 	'/': here, '/example/': values.package, '/node_modules/': join( here, 'node_modules' ), '/node_modules/ltcforge-three/': values.package,
-}, { '/readme.html': async () => pageOfReadme } );
+}, { '/readme.html': () => pageOfReadme( values.package ) } );
 const address = `http://127.0.0.1:${ server.address().port }`;
 
 try {
@@ -51,7 +49,7 @@ try {
 	const report = await withBrowser( values.chromium, async ( browser ) => {
 
 		const faults = [];
-		const page = await openPage( browser, 'patch', `${ address }/pages/?engine=patch`, faults );
+		const page = await openPage( browser, 'patch', `${ address }/pages/?engine=patch_three`, faults );
 		await page.waitForFunction( 'window.draw' );
 		const { pictures, ...told } = await page.evaluate( 'window.draw()' );
 		await page.close();
@@ -69,7 +67,7 @@ try {
 
 		const same = Object.keys( pictures ).filter( ( name ) => JSON.stringify( pictures[ name ] ) === JSON.stringify( pictures.ours ) );
 		const undone = JSON.stringify( pictures.undone ) === JSON.stringify( pictures.stock );
-		return { errors, brightness, same, undone, ...told, readme: await shownByReadme( browser, faults ), faults };
+		return { errors, brightness, same, undone, ...told, readme: await litShare( browser, `${ address }/readme.html`, faults, values.picture ), faults };
 
 	} );
 	console.log( JSON.stringify( report ) );
@@ -77,29 +75,5 @@ try {
 } finally {
 
 	server.close();
-
-}
-
-/** The share of pixels of the README's page that are lit. */
-async function shownByReadme( browser, faults ) {
-
-	const page = await openPage( browser, 'readme', 'about:blank', faults );
-	await page.setViewportSize( { width: 480, height: 320 } );
-	await page.goto( `${ address }/readme.html` );
-	await page.waitForFunction( 'document.querySelector( "canvas" )' );
-	// The second frame shows what the first drew.
-	await page.evaluate( () => new Promise( ( done ) => requestAnimationFrame( () => requestAnimationFrame( done ) ) ) );
-	const shot = ( await page.screenshot( { path: values.picture } ) ).toString( 'base64' );
-	return page.evaluate( async ( shot ) => {
-
-		const image = await createImageBitmap( await ( await fetch( `data:image/png;base64,${ shot }` ) ).blob() );
-		const context = new OffscreenCanvas( image.width, image.height ).getContext( '2d' );
-		context.drawImage( image, 0, 0 );
-		const { data } = context.getImageData( 0, 0, image.width, image.height );
-		let lit = 0;
-		for ( let i = 0; i < data.length; i += 4 ) if ( data[ i ] > 60 ) lit ++;
-		return 4 * lit / data.length;
-
-	}, shot );
 
 }

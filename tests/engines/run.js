@@ -13,8 +13,8 @@ import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 
-import { serve } from '../../examples/three/serve.js';
-import { reflected } from '../../examples/three/truth.js';
+import { serve } from '../../examples/common/serve.js';
+import { reflected } from '../../examples/common/truth.js';
 import { openPage, withBrowser } from './browser.js';
 import { fromFile, repacked, stock, wrong } from './tables.js';
 import { height, pictures, pointsOf, query, questionOf, views, width } from './world.js';

@@ -7,8 +7,9 @@
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 
-import { serve } from '../../examples/three/serve.js';
-import { truth } from '../../examples/three/truth.js';
+import { meanError } from '../../examples/common/pixels.js';
+import { serve } from '../../examples/common/serve.js';
+import { truth } from '../../examples/common/truth.js';
 import { openPage, withBrowser } from './browser.js';
 
 const { values } = parseArgs( { options: {
@@ -20,7 +21,7 @@ const width = 64, height = 48;
 const FLAGS = [ '--enable-unsafe-webgpu', '--disable-gpu-program-cache', '--disable-gpu-shader-disk-cache' ];
 process.env.MESA_SHADER_CACHE_DISABLE = 'true';
 const here = fileURLToPath( new URL( '.', import.meta.url ) );
-const server = await serve( { '/': here, '/example/': `${ here }../../examples/three`, '/node_modules/': `${ here }node_modules` } );
+const server = await serve( { '/': here, '/examples/': `${ here }../../examples`, '/node_modules/': `${ here }node_modules` } );
 
 /** What a page of a browser of its own draws. */
 async function drawn( what, faults ) {
@@ -33,23 +34,6 @@ async function drawn( what, faults ) {
 		return page.evaluate( ( what ) => window.draw( what ), { width, height, ...what } );
 
 	}, FLAGS );
-
-}
-
-/** Mean error over surfaces, without pixels at their edges. */
-function meanError( pixels, truth ) {
-
-	const surfaceAt = ( i ) => truth[ 4 * i + 3 ];
-	const errors = [];
-	for ( let i = width; i < width * ( height - 1 ); i ++ ) {
-
-		if ( i % width === 0 || i % width === width - 1 || surfaceAt( i ) < 0 ) continue;
-		if ( [ i - 1, i + 1, i - width, i + width ].some( ( other ) => surfaceAt( other ) !== surfaceAt( i ) ) ) continue;
-		for ( let channel = 0; channel < 3; channel ++ ) errors.push( Math.abs( pixels[ 4 * i + channel ] - truth[ 4 * i + channel ] ) );
-
-	}
-
-	return errors.reduce( ( sum, error ) => sum + error, 0 ) / errors.length;
 
 }
 
@@ -89,7 +73,7 @@ try {
 			const faults = [];
 			const told = await drawn( { lights: Number( values.lights ), forceWebGL }, faults );
 			if ( ! told ) continue;
-			const errors = Object.fromEntries( Object.entries( told.of ).map( ( [ way, { pixels } ] ) => [ way, meanError( pixels, expected ) ] ) );
+			const errors = Object.fromEntries( Object.entries( told.of ).map( ( [ way, { pixels } ] ) => [ way, meanError( pixels, expected, width, height ) ] ) );
 			report[ told.backend ] = { errors, refusal: told.refusal, faults };
 
 		}

@@ -91,7 +91,7 @@ function updated( BABYLON, texture ) {
 }
 
 /** Babylon's one script, which is no module. */
-function library() {
+export function library() {
 
 	return new Promise( ( resolve, reject ) => {
 

@@ -3,57 +3,9 @@
 
 import * as THREE from 'three/webgpu';
 import { RectAreaLightTexturesLib } from 'three/addons/lights/RectAreaLightTexturesLib.js';
-import { setAlphas, withClosedFormAreaLights, withoutAreaLights } from '/example/webgpu.js';
-import { axesOf, camera as eye, lightsOf, surfaces } from '/example/scene.js';
-
-function place( object, surface, turned = 1 ) {
-
-	const [ x, y, z ] = axesOf( surface ).map( ( axis ) => new THREE.Vector3( ...axis ) );
-	object.matrixAutoUpdate = false;
-	object.matrix.makeBasis( x.multiplyScalar( turned ), y, z.multiplyScalar( turned ) ).setPosition( ...surface.centre );
-	return object;
-
-}
-
-function geometryOf( surface ) {
-
-	const geometry = surface.radii ? new THREE.RingGeometry( ...surface.radii, 512 ) : new THREE.PlaneGeometry( ...surface.size );
-	const { position } = geometry.attributes;
-	const tangents = new Float32Array( position.count * 4 );
-	for ( let i = 0; i < position.count; i ++ ) {
-
-		const angle = surface.radii ? Math.atan2( position.getY( i ), position.getX( i ) ) : 0;
-		tangents.set( [ Math.cos( angle ), Math.sin( angle ), 0, 1 ], 4 * i );
-
-	}
-
-	geometry.setAttribute( 'tangent', new THREE.BufferAttribute( tangents, 4 ) );
-	return geometry;
-
-}
-
-function sceneOf( patch, lights, isNode, only ) {
-
-	const scene = new THREE.Scene();
-	for ( const surface of only === undefined ? surfaces : [ surfaces[ only ] ] ) {
-
-		const material = new ( isNode ? THREE.MeshPhysicalNodeMaterial : THREE.MeshPhysicalMaterial )( { metalness: 1, color: new THREE.Color( ...surface.f0 ) } );
-		setAlphas( material, ...surface.alpha );
-		scene.add( place( new THREE.Mesh( geometryOf( surface ), patch( material ) ), surface ) );
-
-	}
-
-	for ( const lamp of lights ) {
-
-		const colour = new THREE.Color( ...lamp.radiance );
-		scene.add( place( new THREE.RectAreaLight( colour, 1, lamp.width, lamp.height ), lamp, - 1 ) );
-		scene.add( place( new THREE.Mesh( new THREE.PlaneGeometry( lamp.width, lamp.height ), new THREE.MeshBasicMaterial( { color: colour } ) ), lamp ) );
-
-	}
-
-	return scene;
-
-}
+import { camera as eye, lightsOf, surfaces } from '/examples/common/scene.js';
+import { litScene } from '/examples/three/lit_scene.js';
+import { withClosedFormAreaLights, withoutAreaLights } from '/examples/three/webgpu.js';
 
 /**
  * @param {{ width: number, height: number, lights: number, forceWebGL: boolean, only?: number, ways?: string[] }} what
@@ -89,11 +41,11 @@ export async function draw( { width, height, lights, forceWebGL, only, ways } ) 
 	};
 
 	const texts = async ( rule ) => ( {
-		wgsl: ( await import( `/example/shaders/normals_${ rule }.wgsl.js` ) ).default,
-		glsl: ( await import( `/example/shaders/normals_${ rule }.glsl.js` ) ).default,
+		wgsl: ( await import( `/examples/three/shaders/normals_${ rule }.wgsl.js` ) ).default,
+		glsl: ( await import( `/examples/three/shaders/normals_${ rule }.glsl.js` ) ).default,
 	} );
 	const lamps = lightsOf( lights );
-	await render( sceneOf( ( material ) => new THREE.MeshBasicMaterial( { color: material.color } ), [], false ) );
+	await render( litScene( [], ( material ) => new THREE.MeshBasicMaterial( { color: material.color } ) ) );
 	const of = {};
 	for ( const way of ways || [ 'stock', 'fast', 'balanced', 'fine', 'node', 'clone', 'undone' ] ) {
 
@@ -103,7 +55,10 @@ export async function draw( { width, height, lights, forceWebGL, only, ways } ) 
 			clone: ( material ) => withClosedFormAreaLights( material, text ).clone(),
 			undone: ( material ) => withoutAreaLights( withClosedFormAreaLights( material, text ) ),
 		}[ way ] || ( ( material ) => withClosedFormAreaLights( material, text ) );
-		of[ way ] = await render( sceneOf( patch, lamps, way === 'node', only ) );
+		of[ way ] = await render( litScene( lamps, patch, {
+			Material: way === 'node' ? THREE.MeshPhysicalNodeMaterial : THREE.MeshPhysicalMaterial,
+			shown: only === undefined ? surfaces : [ surfaces[ only ] ],
+		} ) );
 
 	}
 

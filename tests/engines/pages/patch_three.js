@@ -7,24 +7,8 @@ import { loadTable, setAlphas, withClosedFormAreaLights, withoutAreaLights, with
 import balanced from '/example/shaders/normals_balanced.glsl.js';
 import fast from '/example/shaders/normals_fast.glsl.js';
 import tableGlsl from '/example/shaders/table.glsl.js';
+import { refusal } from './refusal.js';
 import { coated, height, light, redFromTop, table as floorOf, views, width } from '/world.js';
-
-/** The message of the error that `work` throws. */
-function refusal( work ) {
-
-	try {
-
-		work();
-
-	} catch ( error ) {
-
-		return `${ error.name }: ${ error.message }`;
-
-	}
-
-	return null;
-
-}
 
 /** A hook that makes what is drawn `by` times as bright. Its text is the same for all. */
 const brighter = ( by ) => ( shader ) => {

@@ -1,15 +1,15 @@
-// Serves the example: `npm start`, then the address that it prints.
+// Serves the examples: `npm start` in the folder of one, then the address that it prints.
 
 import { createServer } from 'node:http';
 import { readFile } from 'node:fs/promises';
 import { existsSync } from 'node:fs';
-import { extname, join, resolve, sep } from 'node:path';
+import { basename, extname, join, resolve, sep } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 import { truth } from './truth.js';
 
-const HERE = fileURLToPath( new URL( '.', import.meta.url ) );
-const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.json': 'application/json' };
+const EXAMPLES = fileURLToPath( new URL( '..', import.meta.url ) );
+const TYPES = { '.html': 'text/html', '.css': 'text/css', '.js': 'text/javascript', '.mjs': 'text/javascript', '.json': 'application/json' };
 
 /** Most pixels along a side that the truth is computed for. */
 const MOST_PIXELS = 1024;
@@ -65,7 +65,7 @@ function fileOf( folders, pathname ) {
 /** The program: LTCFORGE in the environment, else as this repository builds it, else the one on the path. */
 export function program() {
 
-	const built = [ 'release', 'debug' ].map( ( profile ) => join( HERE, '../../target', profile, 'ltcforge' ) );
+	const built = [ 'release', 'debug' ].map( ( profile ) => join( EXAMPLES, '../target', profile, 'ltcforge' ) );
 	return process.env.LTCFORGE || built.find( ( path ) => existsSync( path ) ) || 'ltcforge';
 
 }
@@ -95,8 +95,7 @@ export async function truthAnswer( query ) {
 
 if ( process.argv[ 1 ] && resolve( process.argv[ 1 ] ) === fileURLToPath( import.meta.url ) ) {
 
-	const folders = { '/': HERE, '/three/': join( HERE, 'node_modules/three' ) };
-	const server = await serve( folders, { '/truth': truthAnswer }, Number( process.env.PORT || 8080 ) );
-	console.log( `http://127.0.0.1:${ server.address().port }/` );
+	const server = await serve( { '/': EXAMPLES }, { '/truth': truthAnswer }, Number( process.env.PORT || 8080 ) );
+	console.log( `http://127.0.0.1:${ server.address().port }/${ basename( process.cwd() ) }/` );
 
 }

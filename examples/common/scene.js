@@ -1,4 +1,4 @@
-// What is drawn, as numbers: read by the page that draws it with three.js and by the program that computes the truth.
+// What is drawn, as numbers: read by the pages that draw it and by the program that computes the truth.
 // Lengths are metres, y is up. Surfaces are flat, so that no interpolated normal stands between the pictures, and have
 // gloss alone. Nothing casts a shadow.
 
@@ -34,7 +34,7 @@ export const surfaces = [
 		centre: [ 0.8, 0.2, 0.3 ], normal: [ - 0.1, 1, 0.1 ], right: [ 0.9, 0.045, 0.45 ],
 		size: [ 1.15, 0.85 ], alpha: [ 0.5, 0.06 ], f0: [ 1, 0.77, 0.34 ],
 	},
-	{ // A black tile of plastic, which has no direction: here three.js has the right lobe.
+	{ // A black tile of plastic, which has no direction: here engines have the right lobe.
 		centre: [ 0.1, 0.1, 1.1 ], normal: [ 0, 1, - 0.25 ], right: [ 1, 0, 0 ],
 		size: [ 0.8, 0.4 ], alpha: [ 0.1, 0.1 ], f0: [ 0.04, 0.04, 0.04 ],
 	},

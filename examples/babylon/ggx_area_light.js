@@ -1,0 +1,178 @@
+// Area lights on anisotropic GGX for Babylon.js: replaces the lookup of linearly transformed cosines, which knows round lobes
+// only, by the closed form that `ltcforge shader --model normals --language glsl-es` writes, which needs no table.
+//
+// Works on PBRMaterial, PBRMetallicRoughnessMaterial and PBRSpecularGlossinessMaterial with Babylon's own RectAreaLight,
+// `roughness` and `anisotropy`. Diffuse light stays Babylon's. Nothing is imported: what is needed of Babylon is handed in,
+// be it the global BABYLON or a namespace of @babylonjs/core.
+
+import { definitions, ENGINE_LINES, forLight, lightPattern, LIGHTS_BEGIN, lightsBegin } from './patches.js';
+
+export { setAlphas } from './alphas.js';
+
+/**
+ * Lights a material's gloss by Babylon's rectangular lights in closed form.
+ *
+ * @param {Object} material - A PBRMaterial or one of its simpler forms. It gets a plugin.
+ * @param {string} normalsGlsl - What `ltcforge shader --model normals --language glsl-es` prints, of any rule.
+ * @param {Object} BABYLON - Has MaterialPluginBase, RegisterClass and ShaderStore.
+ * @returns {Object} The material.
+ */
+export function withClosedFormAreaLights( material, normalsGlsl, BABYLON ) {
+
+	requireText( normalsGlsl );
+	requireMaterial( material );
+	// Tells at once, rather than at the first frame, that this Babylon has other lines. Modules of @babylonjs/core load
+	// shaders with the first material; then `getCustomCode` tells.
+	if ( BABYLON.ShaderStore.IncludesShadersStore.lightFragment ) requireEngineLines( BABYLON );
+	const Plugin = areaLightsPlugin( BABYLON );
+	( pluginOf( material ) || new Plugin( material ) ).normalsGlsl = normalsGlsl;
+	return material;
+
+}
+
+/**
+ * Gives a material Babylon's own area lights back. Babylon has no way to remove a plugin: ours stays and adds nothing.
+ *
+ * @param {Object} material - One that is not patched stays as it is.
+ * @returns {Object} The material.
+ */
+export function withoutAreaLights( material ) {
+
+	const plugin = pluginOf( material );
+	if ( plugin ) plugin.normalsGlsl = '';
+	return material;
+
+}
+
+/** The plugin's name, and that of its class. */
+const NAME = 'LtcforgeAreaLights';
+
+const pluginOf = ( material ) => material.pluginManager ? material.pluginManager.getPlugin( NAME ) : null;
+
+/** Classes of the plugin by the MaterialPluginBase that they extend. */
+const classes = new WeakMap();
+
+/** Texts that were used. Babylon shares shaders by their defines, so that each text needs a number there. */
+const texts = [ '' ];
+
+/**
+ * The plugin's class. Babylon finds it by its name where it parses a scene that has patched materials; so call this before.
+ *
+ * @param {Object} BABYLON - Has MaterialPluginBase, RegisterClass and ShaderStore.
+ */
+export function areaLightsPlugin( BABYLON ) {
+
+	if ( classes.has( BABYLON.MaterialPluginBase ) ) return classes.get( BABYLON.MaterialPluginBase );
+
+	class LtcforgeAreaLights extends BABYLON.MaterialPluginBase {
+
+		constructor( material ) {
+
+			requireMaterial( material );
+			super( material, NAME, 200, { LTCFORGE_AREA_LIGHTS: 0 } );
+			this._enable( true );
+
+		}
+
+		getClassName() {
+
+			return NAME;
+
+		}
+
+		/** The text of the closed form; empty for Babylon's own area lights. */
+		get normalsGlsl() {
+
+			return this._normalsGlsl || '';
+
+		}
+
+		set normalsGlsl( text ) {
+
+			if ( text !== '' ) requireText( text );
+			this._normalsGlsl = text;
+			if ( ! texts.includes( text ) ) texts.push( text );
+			this.markAllDefinesAsDirty();
+
+		}
+
+		prepareDefines( defines ) {
+
+			defines.LTCFORGE_AREA_LIGHTS = texts.indexOf( this.normalsGlsl );
+
+		}
+
+		getCustomCode( shaderType ) {
+
+			if ( shaderType !== 'fragment' ) return null;
+			// Babylon asks for the places first, from within the constructor, and for the code with each shader that it makes.
+			const hasUbo = this._material.getScene().getEngine().supportsUniformBuffers;
+			const places = [ 'CUSTOM_FRAGMENT_DEFINITIONS', `!${ inPattern( LIGHTS_BEGIN ) }`, `!${ lightPattern( hasUbo ) }` ];
+			if ( this.normalsGlsl === '' ) return Object.fromEntries( places.map( ( place ) => [ place, '' ] ) );
+			requireEngineLines( BABYLON );
+			const code = [ definitions( this.normalsGlsl ), lightsBegin( this._material.maxSimultaneousLights, hasUbo ), forLight ];
+			return Object.fromEntries( places.map( ( place, i ) => [ place, code[ i ] ] ) );
+
+		}
+
+		serialize() {
+
+			return { ...super.serialize(), normalsGlsl: this.normalsGlsl };
+
+		}
+
+		// Of a scene's file, and of the material that is cloned.
+		parse( source, scene, rootUrl ) {
+
+			super.parse( source, scene, rootUrl );
+			this.normalsGlsl = source.normalsGlsl;
+
+		}
+
+	}
+
+	BABYLON.RegisterClass( `BABYLON.${ NAME }`, LtcforgeAreaLights );
+	classes.set( BABYLON.MaterialPluginBase, LtcforgeAreaLights );
+	return LtcforgeAreaLights;
+
+}
+
+/** A pattern that matches a text. */
+function inPattern( text ) {
+
+	return text.replace( /[^\w ]/g, '\\$&' );
+
+}
+
+function requireEngineLines( { ShaderStore } ) {
+
+	for ( const [ include, lines ] of Object.entries( ENGINE_LINES ) ) for ( const line of lines ) {
+
+		if ( ( ShaderStore.IncludesShadersStore[ include ] || '' ).split( line ).length === 2 ) continue;
+		throw new Error( `${ include } of this Babylon.js has not exactly one place with \`${ line }\`; this plugin is for 9.34` );
+
+	}
+
+}
+
+function requireText( text ) {
+
+	if ( typeof text === 'string' && text.includes( 'normals_rectangle(' ) && text.includes( 'NormalsView normals_view(' ) ) return;
+	throw new TypeError( 'the shader has to be the text that `ltcforge shader --model normals --language glsl-es` prints' );
+
+}
+
+function requireMaterial( material ) {
+
+	const name = material && material.getClassName ? material.getClassName() : material;
+	if ( ! material || ! material.anisotropy || ! material.isMetallicWorkflow ) {
+
+		throw new TypeError( `${ name } is not lit by the shader of PBRMaterial, which this plugin is for` );
+
+	}
+
+	// ShaderLanguage.GLSL is 0.
+	if ( material.shaderLanguage !== 0 ) throw new TypeError( `${ name } has a shader in WGSL: this plugin is for WebGL 2` );
+	if ( material.getScene().getEngine().webGLVersion < 2 ) throw new Error( 'this plugin needs WebGL 2' );
+
+}

@@ -1,0 +1,58 @@
+// The scene of the examples by three.js.
+
+import * as THREE from 'three';
+
+import { glowOf, meshOf } from '../common/mesh.js';
+import { axesOf, surfaces } from '../common/scene.js';
+import { setAlphas } from './alphas.js';
+
+function geometryOf( { positions, normals, tangents, indices } ) {
+
+	const geometry = new THREE.BufferGeometry();
+	geometry.setIndex( indices );
+	geometry.setAttribute( 'position', new THREE.Float32BufferAttribute( positions, 3 ) );
+	geometry.setAttribute( 'normal', new THREE.Float32BufferAttribute( normals, 3 ) );
+	// three finds the direction of the anisotropy in the tangents.
+	geometry.setAttribute( 'tangent', new THREE.Float32BufferAttribute( tangents, 4 ) );
+	return geometry;
+
+}
+
+/** A light of three's, which shines along -z. */
+function lightOf( lamp ) {
+
+	const light = new THREE.RectAreaLight( new THREE.Color( ...lamp.radiance ), 1, lamp.width, lamp.height );
+	const [ x, y, z ] = axesOf( lamp ).map( ( axis ) => new THREE.Vector3( ...axis ) );
+	light.setRotationFromMatrix( new THREE.Matrix4().makeBasis( x.negate(), y, z.negate() ) );
+	light.position.set( ...lamp.centre );
+	return light;
+
+}
+
+/**
+ * @param {Object[]} lamps - Lights as scene.js has them.
+ * @param {function(THREE.Material): THREE.Material} patch - Patches a surface's material.
+ * @param {{ Material?: function, shown?: Object[] }} [of] - The materials' class, and the surfaces.
+ */
+export function litScene( lamps, patch, { Material = THREE.MeshPhysicalMaterial, shown = surfaces } = {} ) {
+
+	const scene = new THREE.Scene();
+	for ( const surface of shown ) {
+
+		// Of metal three takes f0 from the colour; plastic without diffuse light is metal of a dark colour.
+		const material = new Material( { metalness: 1, color: new THREE.Color( ...surface.f0 ) } );
+		setAlphas( material, ...surface.alpha );
+		scene.add( new THREE.Mesh( geometryOf( meshOf( surface ) ), patch( material ) ) );
+
+	}
+
+	for ( const lamp of lamps ) {
+
+		scene.add( lightOf( lamp ) );
+		scene.add( new THREE.Mesh( geometryOf( glowOf( lamp ) ), new THREE.MeshBasicMaterial( { color: new THREE.Color( ...lamp.radiance ) } ) ) );
+
+	}
+
+	return scene;
+
+}

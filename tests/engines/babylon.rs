@@ -1,0 +1,55 @@
+//! `examples/babylon`: a plugin for materials of Babylon.js, held to the truth.
+
+use super::examples::{RULES_GLSL, hold_errors, hold_shaders, package};
+
+/// The errors in the example lie below, under one light of radiance 2 and under four, of which one stands on the floor. They
+/// are 0.00030, 0.00027 and 0.00009 under one; 0.00055, 0.00040 and 0.00017 under four, where Babylon has 0.063 and 0.090.
+const EXAMPLE_ERRORS: [(&str, [f64; 2]); 3] =
+    [("fast", [0.0005, 0.0009]), ("balanced", [0.0004, 0.0007]), ("fine", [0.00025, 0.00045])];
+
+#[test]
+fn the_example_is_nearer_to_the_truth_than_babylon() {
+    hold_errors("babylon", &EXAMPLE_ERRORS);
+}
+
+/// What is refused, and a part of the message.
+const REFUSALS: [(&str, &str); 10] = [
+    ("standard", "StandardMaterial is not lit by the shader of PBRMaterial"),
+    ("openpbr", "OpenPBRMaterial is not lit by the shader of PBRMaterial"),
+    ("nothing", "undefined is not lit"),
+    ("text", "ltcforge shader --model normals"),
+    ("text from a file", "ltcforge shader --model normals"),
+    ("webgpu", "WGSL"),
+    ("webgl 1", "needs WebGL 2"),
+    ("alpha", "alpha is 0"),
+    ("version", "this plugin is for 9.34"),
+    ("version at the first frame", "this plugin is for 9.34"),
+];
+
+#[test]
+fn the_package_patches_materials_of_babylon_and_takes_the_patch_off() {
+    let Some(report) = package("babylon", &REFUSALS) else { return };
+    report.same_as_ours(&[
+        "patched anew",
+        "clone",
+        "clone of the clone",
+        "from a file",
+        "simple class",
+        "without uniform buffers",
+        "patched after a draw",
+        "moved",
+    ]);
+    report.same_as_stock(&["undone", "clone of the undone"]);
+    // A light with a picture stays Babylon's, and it does light.
+    let [ours, stock] =
+        ["light with a picture", "stock, light with a picture"].map(|name| report.from_stock[name].mean);
+    assert!(ours.to_bits() == stock.to_bits() && stock > 0.001, "{ours} {stock}");
+    // Rounding of a mirrored scene moves an edge at most.
+    assert!(report.from_ours["left-handed"].mean < 1e-5, "{:?}", report.from_ours);
+    report.differ_from_ours(&[("stock", 0.01), ("elsewhere", 0.01), ("another rule", 0.0001)]);
+}
+
+#[test]
+fn the_example_of_babylon_has_the_shaders_that_the_command_prints() {
+    hold_shaders("babylon", &RULES_GLSL);
+}

@@ -1,0 +1,176 @@
+//! What the tests of all examples need: their pages, their packages and their shaders.
+
+use std::sync::OnceLock;
+
+use super::*;
+
+/// A page in the output of `example.js`.
+#[derive(Deserialize)]
+struct Example {
+    /// Pictures by the `stock` engine, by a `table` and by the rules of `normals`, in linear radiance.
+    errors: BTreeMap<String, f64>,
+    /// The browser's warnings and errors.
+    faults: Vec<String>,
+}
+
+/// By engine and number of lights.
+type Examples = BTreeMap<String, BTreeMap<String, Example>>;
+
+/// Holds what an example's page shows, under one light and under four, to the greatest errors of its ways. `None` where there
+/// is no browser. All engines are drawn at once, since they need the same truth.
+pub(crate) fn hold_errors(engine: &str, greatest: &[(&str, [f64; 2])]) -> Option<&'static BTreeMap<String, f64>> {
+    static EXAMPLES: OnceLock<Option<Examples>> = OnceLock::new();
+    let examples = EXAMPLES.get_or_init(|| script("example.js", &[])).as_ref()?;
+    for (lights, of) in [("1", 0), ("4", 1)] {
+        let Example { errors, faults } = &examples[engine][lights];
+        tell(&format!("examples/{engine}, {lights} lights: mean errors {errors:.5?}"));
+        assert_eq!(*faults, [""; 0]);
+        for (way, most) in greatest {
+            let error = errors.get(*way).unwrap_or_else(|| panic!("{way}: {errors:?}"));
+            assert!(*error < most[of], "{way}, {lights} lights: {errors:?}");
+        }
+        // Anisotropy is what the examples are about.
+        assert!(errors["stock"] > 100.0 * errors["fast"], "{lights} lights: {errors:?}");
+    }
+    Some(&examples[engine]["1"].errors)
+}
+
+/// How far two pictures are apart.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Apart {
+    pub(crate) most: f64,
+    pub(crate) mean: f64,
+}
+
+/// The output of `package.js`.
+#[derive(Deserialize)]
+pub(crate) struct Package {
+    /// Of each picture from `ours`, one of a patched material.
+    #[serde(rename = "fromOurs")]
+    pub(crate) from_ours: BTreeMap<String, Apart>,
+    /// Of each picture from that of the engine as it is.
+    #[serde(rename = "fromStock")]
+    pub(crate) from_stock: BTreeMap<String, Apart>,
+    /// Messages of errors; nothing where there was none.
+    refusals: BTreeMap<String, Option<String>>,
+    /// With and without clusters, how far a coat is from white metal.
+    #[serde(default)]
+    pub(crate) coats: Vec<f64>,
+    /// Whether a material that was refused has no chunk of ours.
+    #[serde(default, rename = "leavesRefused")]
+    pub(crate) leaves_refused: bool,
+    /// Whether a chunk of the user's is left alone.
+    #[serde(default, rename = "leavesOwn")]
+    pub(crate) leaves_own: bool,
+    /// The share of the pixels of the README's page that are lit.
+    readme: f64,
+    faults: Vec<String>,
+}
+
+impl Package {
+    /// These pictures are `ours` to the bit.
+    pub(crate) fn same_as_ours(&self, names: &[&str]) {
+        for name in names {
+            assert!(self.from_ours[*name].most == 0.0, "{name}: {:?}", self.from_ours);
+        }
+    }
+
+    /// These pictures are the engine's to the bit.
+    pub(crate) fn same_as_stock(&self, names: &[&str]) {
+        for name in names {
+            assert!(self.from_stock[*name].most == 0.0, "{name}: {:?}", self.from_stock);
+        }
+    }
+
+    /// These pictures differ from `ours` by that much, so that the others could.
+    pub(crate) fn differ_from_ours(&self, names: &[(&str, f64)]) {
+        for (name, least) in names {
+            assert!(self.from_ours[*name].mean > *least, "{name}: {:?}", self.from_ours);
+        }
+    }
+}
+
+/// What an example's package does, as npm packs it, of which `refusals` and the README's page are judged here; `None` where
+/// it cannot run.
+pub(crate) fn package(engine: &str, refusals: &[(&str, &str)]) -> Option<Package> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let files = RULES_GLSL.map(|(file, _)| file);
+    let package = packed(engine, folder.path(), &files)?;
+    let words = ["--engine", engine, "--package", &package.to_string_lossy()];
+    let report: Package = script("package.js", &words)?;
+    assert_eq!(report.faults, [""; 0]);
+    for (what, part) in refusals {
+        let message = report.refusals[*what].as_deref().unwrap_or_else(|| panic!("{what} is taken"));
+        assert!(message.contains(part), "{what}: {message}");
+    }
+    assert_eq!(report.refusals.len(), refusals.len());
+    // The sky is black; the lamps and their images on the floor are a tenth of the page or more.
+    assert!((0.05..0.5).contains(&report.readme), "{}", report.readme);
+    Some(report)
+}
+
+/// The folder of an example.
+fn example(engine: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(engine)
+}
+
+/// The files of an example as npm packs them, in a folder; `None` where there is no npm. `more` have to be among them.
+pub(crate) fn packed(engine: &str, folder: &Path, more: &[&str]) -> Option<PathBuf> {
+    if !starts("npm") {
+        tell_skipped("there is no npm (Debian: npm)");
+        return None;
+    }
+    let pack = |more: &[&str]| {
+        let mut command = Command::new("npm");
+        command.current_dir(example(engine)).args(["pack", "--offline", "--json", "--ignore-scripts"]).args(more);
+        let output = command.stdin(Stdio::null()).output().expect("npm runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice::<serde_json::Value>(&output.stdout).expect("JSON")
+    };
+    let told = pack(&["--dry-run"]);
+    // npm 12 has an object by package in place of a list.
+    let told = told.get(0).or_else(|| told.get(format!("ltcforge-{engine}"))).expect("a package");
+    assert_eq!(told["version"], env!("CARGO_PKG_VERSION"));
+    let files: BTreeSet<&str> =
+        told["files"].as_array().expect("files").iter().map(|file| file["path"].as_str().expect("a path")).collect();
+    for file in ["README.md", "ggx_area_light.js", "index.d.ts"].iter().chain(more) {
+        assert!(files.contains(file), "{file}: {files:?}");
+    }
+    assert!(!files.iter().any(|file| file.contains("node_modules") || file.contains(".png")), "{files:?}");
+    pack(&["--pack-destination", &folder.to_string_lossy()]);
+    let archive = told["filename"].as_str().expect("a name");
+    let unpacked = Command::new("tar").current_dir(folder).args(["-xzf", archive]).status().expect("tar runs");
+    assert!(unpacked.success());
+    Some(folder.join("package"))
+}
+
+/// Files of an example that have the text of a shader, and the words after `ltcforge shader` that print it.
+pub(crate) type Shader = (&'static str, &'static [&'static str]);
+
+/// The rules in GLSL ES.
+pub(crate) const RULES_GLSL: [Shader; 3] = [
+    ("shaders/normals_fast.glsl.js", &["--language", "glsl-es", "--model", "normals", "--rule", "fast"]),
+    ("shaders/normals_balanced.glsl.js", &["--language", "glsl-es", "--model", "normals", "--rule", "balanced"]),
+    ("shaders/normals_fine.glsl.js", &["--language", "glsl-es", "--model", "normals", "--rule", "fine"]),
+];
+
+/// Compares an example's shaders with those that the command prints, or writes them anew.
+pub(crate) fn hold_shaders(engine: &str, shaders: &[Shader]) {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (file, words) in shaders {
+        let text = run(folder.path(), ["shader"].iter().chain(*words)).exited(0).stdout;
+        assert!(!text.contains(['`', '$', '\\']), "{file}: the text is no template of JavaScript");
+        let printed =
+            format!("export default /* {} */ `{text}`;\n", if file.contains("wgsl") { "wgsl" } else { "glsl" });
+        let path = example(engine).join(file);
+        if env::var("UPDATE_GOLDEN").is_ok_and(|name| name == engine) {
+            fs::write(&path, printed).expect("the example");
+            continue;
+        }
+        let stands = fs::read_to_string(&path).expect("the example");
+        for (number, (stands, printed)) in stands.lines().zip(printed.lines()).enumerate() {
+            assert_eq!(stands, printed, "{file}: line {}; UPDATE_GOLDEN={engine} writes it anew", number + 1);
+        }
+        assert_eq!(stands.len(), printed.len(), "{file}");
+    }
+}

@@ -1,0 +1,7 @@
+/** The text of a way to light; nothing for the engine's own. */
+export async function textOf( engine, way ) {
+
+	if ( way === 'stock' ) return null;
+	return ( await import( `/examples/${ engine }/shaders/${ way === 'table' ? way : `normals_${ way }` }.glsl.js` ) ).default;
+
+}
