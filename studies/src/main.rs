@@ -76,7 +76,7 @@ enum Study {
     },
     /// The polynomials of tables' shaders: `shaders/ltc_light.wgsl` and `shaders/ltc_quadrant.wgsl`
     Polynomials,
-    /// What the texts cost a GPU: src/shaders/gpu_cost.rs. Needs Mesa's RADV, no GPU
+    /// What the texts cost a GPU: `src/shaders/gpu_cost.rs`. Needs Mesa's RADV, no GPU
     GpuCosts {
         /// The GPU that is taken for there
         #[arg(long, default_value = "navi21")]

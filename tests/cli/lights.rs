@@ -83,18 +83,18 @@ fn light_of_a_material_is_its_share_of_both_parts() {
 
 /// Lights around the mirrored views of smooth to rough surfaces, low ones among them.
 fn lights_around_reflections() -> String {
-    let mut lines = String::new();
+    let mut lines = Vec::new();
     for alpha in [0.06, 0.16, 0.36] {
         for theta in [0.4_f64, 1.0, 1.3, 1.45] {
             for (turn, lift) in [(0.0, 0.0), (0.3, 0.1), (-0.2, 0.3)] {
                 let (x, y, z) = (-theta.sin(), turn, theta.cos() + lift);
                 let corners = [[-0.2, -0.1], [0.2, -0.1], [0.2, 0.1], [-0.2, 0.1]];
                 let corners = corners.map(|[across, up]| format!("{x},{},{}", y + across, z + up));
-                lines += &format!("{alpha},{alpha},{theta},0,2,{}\n", corners.join(","));
+                lines.push(format!("{alpha},{alpha},{theta},0,2,{}", corners.join(",")));
             }
         }
     }
-    lines
+    lines.join("\n")
 }
 
 #[test]
