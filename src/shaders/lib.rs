@@ -7,6 +7,7 @@
 //! Invariants: `shaders` knows neither a GPU nor a picture, and translates nothing; equal arguments give equal bytes on
 //! every machine.
 
+mod es_module;
 mod gaussians_header;
 mod gaussians_table_header;
 mod golden;
@@ -20,6 +21,7 @@ mod normals_header;
 mod sources;
 mod text;
 
+pub use es_module::{DECLARATIONS, es_module};
 pub use gaussians_header::SG_LIGHT;
 pub use golden::{CASES, CORNERS, Case, Golden, TOLERANCE, table as golden_table};
 pub use header::{commented, functions_of, table_caller};

@@ -100,7 +100,9 @@ fn packed(folder: &Path) -> Option<PathBuf> {
         assert!(files.contains(file), "{file}: {files:?}");
     }
     for (file, _) in EXAMPLE_SHADERS {
-        assert!(files.contains(format!("shaders/{file}").as_str()), "{file}: {files:?}");
+        for file in [file.to_owned(), types_of(file)] {
+            assert!(files.contains(format!("shaders/{file}").as_str()), "{file}: {files:?}");
+        }
     }
     assert!(!files.iter().any(|file| file.contains("node_modules") || file.contains(".png")), "{files:?}");
     pack(&["--pack-destination", &folder.to_string_lossy()]);
@@ -168,7 +170,7 @@ fn the_example_lights_webgpu_renderer() {
     }
 }
 
-/// The files of `examples/three/shaders`, and the words after `ltcforge shader` that print them. three's area lights are
+/// The modules of `examples/three/shaders`, and the words after `ltcforge shader --es-module` that write them and their types. three's area lights are
 /// rectangles.
 const EXAMPLE_SHADERS: [(&str, &[&str]); 7] = [
     ("normals_fast.glsl.js", &["--language", "glsl-es", "--model", "normals", "--rule", "fast"]),
@@ -180,25 +182,30 @@ const EXAMPLE_SHADERS: [(&str, &[&str]); 7] = [
     ("table.glsl.js", &["--language", "glsl-es", "--layout", "reflected", "--lights", "polygons"]),
 ];
 
+/// The file of a module's types.
+fn types_of(module: &str) -> String {
+    format!("{}.d.ts", module.trim_end_matches(".js"))
+}
+
 #[test]
 fn the_example_has_the_shaders_that_the_command_prints() {
     let folder = tempfile::tempdir().expect("a folder");
     let shaders = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/three/shaders");
     for (file, words) in EXAMPLE_SHADERS {
-        let text = run(folder.path(), ["shader"].iter().chain(words)).exited(0).stdout;
-        assert!(!text.contains(['`', '$', '\\']), "{file}: the text is no template of JavaScript");
-        let printed =
-            format!("export default /* {} */ `{text}`;\n", if file.contains("wgsl") { "wgsl" } else { "glsl" });
-        let path = shaders.join(file);
-        if env::var("UPDATE_GOLDEN").is_ok_and(|name| name == "three") {
-            fs::write(&path, printed).expect("the example");
-            continue;
+        run(folder.path(), ["shader", "--es-module", "-o", file].iter().chain(words)).exited(0);
+        for file in [file.to_owned(), types_of(file)] {
+            let printed = fs::read_to_string(folder.path().join(&file)).expect("a module");
+            let path = shaders.join(&file);
+            if env::var("UPDATE_GOLDEN").is_ok_and(|name| name == "three") {
+                fs::write(&path, printed).expect("the example");
+                continue;
+            }
+            let stands = fs::read_to_string(&path).expect("the example");
+            for (number, (stands, printed)) in stands.lines().zip(printed.lines()).enumerate() {
+                assert_eq!(stands, printed, "{file}: line {}", number + 1);
+            }
+            assert_eq!(stands.len(), printed.len(), "{file}");
         }
-        let stands = fs::read_to_string(&path).expect("the example");
-        for (number, (stands, printed)) in stands.lines().zip(printed.lines()).enumerate() {
-            assert_eq!(stands, printed, "{file}: line {}", number + 1);
-        }
-        assert_eq!(stands.len(), printed.len(), "{file}");
     }
 }
 
