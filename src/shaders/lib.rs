@@ -19,6 +19,7 @@ mod models;
 mod namespace;
 mod normals_header;
 mod sources;
+mod stamp;
 mod text;
 
 pub use es_module::{DECLARATIONS, es_module};
@@ -30,4 +31,5 @@ pub use lit_by::{Bound, Filter, Lights, LitBy, LitByError, Reading};
 pub use model_shader::ModelShader;
 pub use namespace::{BadPrefix, Namespace, Prefix};
 pub use sources::{SHADERS, Shader, functions, joined, ported, preview_module, table_reader, without_textures};
+pub use stamp::{head, stamped};
 pub use text::wgsl;

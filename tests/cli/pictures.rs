@@ -152,9 +152,9 @@ fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
             assert_eq!(told["bytes"], file.len());
             let start: &[u8] = match language {
                 "spirv" => b"\x03\x02\x23\x07",
-                "glsl" => b"#version 450 core\n// Linearly Transformed",
-                "glsl-es" => b"#version 310 es\n// Linearly Transformed",
-                _ => b"// Linearly Transformed",
+                "glsl" => b"#version 450 core\n// SPDX-License-Identifier",
+                "glsl-es" => b"#version 310 es\n// SPDX-License-Identifier",
+                _ => b"// SPDX-License-Identifier",
             };
             assert!(file.starts_with(start), "{language}");
             let output = ltcforge(folder.path(), arguments).output().expect("the binary runs");

@@ -1,5 +1,6 @@
 export default /* wgsl */ `// SPDX-License-Identifier: MIT OR Apache-2.0
-// Area lights on GGX without a table, in the space of its normals, by rule fast. Made by ltcforge 0.1.0.
+// ltcforge 0.1.0, revision 1, sha256 of the text below: 92be35f74e69d7ce
+// Area lights on GGX without a table, in the space of its normals, by rule fast.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
 //   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in that frame and
@@ -39,7 +40,7 @@ fn normals_rise(view: NormalsView, w: vec3<f32>) -> f32 {
     return max(w.z, 0.0) * normals_per_length(vec3(view.alpha * w.xy, w.z));
 }
 
-/// What is not shadowed, G2/G1, by a direction's rise.
+/// The part that is not shadowed, G2/G1, by a direction's rise.
 fn normals_weight_of(view: NormalsView, rise: f32) -> f32 {
     return (1.0 + view.rise) * rise / (rise + view.rise);
 }
@@ -107,7 +108,7 @@ fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: N
     return normals_arcs(normals_arcs(flux, a, q * normals_per_length(q), n), n, r * normals_per_length(r), c);
 }
 
-/// What is reflected of a rectangle of radiance one: for a Fresnel factor of one, and by Schlick's (1 - wo . h)^5.
+/// Reflected light of a rectangle of radiance one: for a Fresnel factor of one, and by Schlick's (1 - wo . h)^5.
 fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
     // Sides are turned to rise. A corner below slides up along its side.
     let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);

@@ -1,5 +1,6 @@
 export default /* wgsl */ `// SPDX-License-Identifier: MIT OR Apache-2.0
-// Area lights on GGX without a table, in the space of its normals, by rule fine. Made by ltcforge 0.1.0.
+// ltcforge 0.1.0, revision 1, sha256 of the text below: a639519d57523645
+// Area lights on GGX without a table, in the space of its normals, by rule fine.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
 //   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in that frame and
@@ -39,7 +40,7 @@ fn normals_rise(view: NormalsView, w: vec3<f32>) -> f32 {
     return max(w.z, 0.0) * normals_per_length(vec3(view.alpha * w.xy, w.z));
 }
 
-/// What is not shadowed, G2/G1, by a direction's rise.
+/// The part that is not shadowed, G2/G1, by a direction's rise.
 fn normals_weight_of(view: NormalsView, rise: f32) -> f32 {
     return (1.0 + view.rise) * rise / (rise + view.rise);
 }
@@ -201,14 +202,14 @@ fn normals_triangle(
     return NormalsSum(sum.signed + part * means, sum.sizes + size * vec3(means, 1.0));
 }
 
-/// What triangles add up to. Where they overlap, they may take all of it from each other, although it is reflected.
+/// The light of all triangles. Overlapping ones cancel; the mean over all by their sizes does not.
 fn normals_total(tip: NormalsTip, sum: NormalsSum, is_lit: bool) -> vec2<f32> {
     let both = max(sum.signed, sum.sizes.xy * (0.5 * tip.part / max(sum.sizes.z, 1e-30)));
     let energy = min(both.x, tip.part);
     return select(vec2(0.0), vec2(energy, clamp(both.y, 0.0, energy)), is_lit);
 }
 
-/// What is reflected of a rectangle of radiance one: for a Fresnel factor of one, and by Schlick's (1 - wo . h)^5.
+/// Reflected light of a rectangle of radiance one: for a Fresnel factor of one, and by Schlick's (1 - wo . h)^5.
 fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
     // Sides are turned to rise. A corner below slides up along its side.
     let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
