@@ -58,15 +58,15 @@ fn module(source: &str, entry: &str, form: Form, dialect: &dyn Dialect) -> Resul
     if dialect.passes_what_is_bound() {
         context.read = order.read(&parsed);
     }
+    let made = order.made(&parsed);
     let mut out = String::from(dialect.opening());
     let (mut is_tall, mut waiting) = (false, String::new());
     for (number, lead) in order.printed(&parsed) {
         let item = &parsed.items[number];
-        let makes = order.makes(&parsed, &item.name);
         let text = match &item.kind {
             ItemKind::Function(_) if item.name == entry && form == Form::Include => continue,
             ItemKind::Function(function) if item.name == entry => Some(program(&mut context, entry, function)?),
-            _ => declaration(&mut context, item, makes)?,
+            _ => declaration(&mut context, item, made.contains(item.name.as_str()))?,
         };
         waiting += &lead.free;
         let Some(text) = text else { continue };
@@ -96,8 +96,8 @@ fn program(context: &mut Context<'_>, name: &str, function: &Function) -> Result
     Ok(context.dialect.entry(name, &body, &bound))
 }
 
-/// `makes`: whether values of a structure are made of their parts.
-fn declaration(context: &mut Context<'_>, item: &Item, makes: bool) -> Result<Option<String>, Fault> {
+/// `is_made`: whether values of a structure are made of their parts.
+fn declaration(context: &mut Context<'_>, item: &Item, is_made: bool) -> Result<Option<String>, Fault> {
     let name = &item.name;
     match &item.kind {
         ItemKind::Struct { members, fields } => {
@@ -110,7 +110,7 @@ fn declaration(context: &mut Context<'_>, item: &Item, makes: bool) -> Result<Op
                 }
             }
             let maker =
-                context.members(name).filter(|_| makes).and_then(|members| context.dialect.maker(name, &members));
+                context.members(name).filter(|_| is_made).and_then(|members| context.dialect.maker(name, &members));
             let maker = maker.map_or_else(String::new, |maker| format!("\n\n{maker}"));
             Ok(Some(format!("struct {name} {};{maker}", context.woven(fields, &pieces))))
         }

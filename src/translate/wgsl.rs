@@ -15,6 +15,6 @@ pub(crate) use fold::folded;
 pub(crate) use lexer::{Fault, Kind, Span, Token};
 pub(crate) use parser::parse;
 pub(crate) use syntax::{
-    Block, Bound, Call, Callee, Expr, ExprKind, Function, Item, ItemKind, Module, Scalar, Statement, StatementKind,
-    Texture, Type,
+    Block, Call, Callee, Expr, ExprKind, Function, Item, ItemKind, Module, Resource, Scalar, Statement, StatementKind,
+    Texture, Type, matrix, vector,
 };

@@ -2,60 +2,27 @@
 
 use crate::wgsl::{Scalar, Type};
 
-/// Functions whose result has the shape of their first argument.
-const SHAPED: [&str; 35] = [
-    "abs",
-    "acos",
-    "asin",
-    "atan",
-    "atan2",
-    "ceil",
-    "clamp",
-    "cos",
-    "cross",
-    "exp",
-    "exp2",
-    "floor",
-    "fma",
-    "fract",
-    "inverseSqrt",
-    "log",
-    "log2",
-    "max",
-    "min",
-    "mix",
-    "normalize",
-    "pow",
-    "reflect",
-    "round",
-    "saturate",
-    "select",
-    "sign",
-    "sin",
-    "smoothstep",
-    "sqrt",
-    "step",
-    "tan",
-    "transpose",
-    "trunc",
-    "inverse",
-];
+/// Functions whose result has the shape of their first argument, between blanks.
+const SHAPED: &str = "abs acos asin atan atan2 ceil clamp cos cross exp exp2 floor fma fract inverseSqrt log log2 max min mix \
+    normalize pow reflect round saturate select sign sin smoothstep sqrt step tan transpose trunc";
 /// Functions that give a scalar.
-const FLAT: [&str; 4] = ["determinant", "distance", "dot", "length"];
+const FLAT: &str = "determinant distance dot length";
+const OTHERS: &str = "all any textureLoad textureSampleLevel";
 
 /// Whether a variable of this name hides a function.
 pub(super) fn is_builtin(name: &str) -> bool {
-    SHAPED.contains(&name)
-        || FLAT.contains(&name)
-        || ["all", "any", "textureLoad", "textureSampleLevel"].contains(&name)
+    [SHAPED, FLAT, OTHERS].iter().any(|names| has_word(names, name))
+}
+
+/// Whether a word is among others between blanks.
+pub(super) fn has_word(words: &str, word: &str) -> bool {
+    words.split(' ').any(|known| known == word)
 }
 
 /// The type of what a function gives for arguments of these types.
 pub(super) fn result(name: &str, arguments: &[&Type]) -> Option<Type> {
     let joined = || arguments.iter().filter_map(|ty| ty.scalar()).reduce(Scalar::join);
     match name {
-        // No function of WGSL; its name is one of GLSL's.
-        "inverse" => None,
         "transpose" => match arguments {
             [Type::Matrix { columns, rows }] => Some(Type::Matrix { columns: *rows, rows: *columns }),
             _ => None,
@@ -72,8 +39,8 @@ pub(super) fn result(name: &str, arguments: &[&Type]) -> Option<Type> {
             let is_read = arguments.len() >= least && matches!(arguments[0], Type::Texture(_));
             is_read.then_some(Type::Vector(4, Scalar::F32))
         }
-        _ if FLAT.contains(&name) => joined().map(Type::Scalar),
-        _ if SHAPED.contains(&name) => joined().and_then(|scalar| arguments.first().map(|ty| ty.of(scalar))),
+        _ if has_word(FLAT, name) => joined().map(Type::Scalar),
+        _ if has_word(SHAPED, name) => joined().and_then(|scalar| arguments.first().map(|ty| ty.of(scalar))),
         _ => None,
     }
 }

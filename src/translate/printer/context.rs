@@ -3,10 +3,10 @@
 use std::collections::{BTreeSet, HashMap};
 
 use super::{
-    builtins,
+    builtins::{has_word, is_builtin},
     dialect::{Dialect, Members, Slotted},
 };
-use crate::wgsl::{Bound, Expr, ExprKind, Fault, Function, ItemKind, Kind, Module, Span, Type};
+use crate::wgsl::{Expr, ExprKind, Fault, Function, ItemKind, Kind, Module, Resource, Span, Type};
 
 /// A variable of a function.
 #[derive(Debug, Clone)]
@@ -127,7 +127,7 @@ impl<'a> Context<'a> {
     pub(super) fn declare(&mut self, name: &str, ty: Type, beside: Option<&Span>) -> String {
         let is_taken = has_word(self.dialect.reserved(), name)
             || has_word(self.dialect.functions(), name)
-            || builtins::is_builtin(name)
+            || is_builtin(name)
             || beside.is_some_and(|value| self.local(name).is_some() && self.mentions(value, name));
         let named = if is_taken { self.fresh(name) } else { name.to_owned() };
         if let Some(scope) = self.scopes.last_mut() {
@@ -142,8 +142,8 @@ impl<'a> Context<'a> {
 }
 
 /// How many of what is bound comes before it, of its own kind: buffers, textures or samplers.
-fn slot(module: &Module<'_>, of: &Bound) -> usize {
-    let kind = |bound: &Bound| match bound.ty {
+fn slot(module: &Module<'_>, of: &Resource) -> usize {
+    let kind = |bound: &Resource| match bound.ty {
         Type::Texture(_) => 0,
         Type::Sampler => 1,
         _ => 2,
@@ -153,10 +153,6 @@ fn slot(module: &Module<'_>, of: &Bound) -> usize {
         _ => None,
     });
     all.filter(|other| kind(other) == kind(of) && (other.group, other.binding) < (of.group, of.binding)).count()
-}
-
-fn has_word(words: &str, word: &str) -> bool {
-    words.split(' ').any(|known| known == word)
 }
 
 /// The variable that an assignment's left side belongs to.

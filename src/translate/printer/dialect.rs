@@ -1,10 +1,10 @@
 //! What a language has to tell of itself.
 
-use crate::wgsl::{Bound, Scalar, Type};
+use crate::wgsl::{Resource, Scalar, Type};
 
-/// How tightly the parts of an expression hold together.
+/// How tightly the parts of an expression hold together, the tightest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Form {
+pub(super) enum Precedence {
     /// A name, a call, brackets.
     Tight,
     /// Operators and casts.
@@ -18,17 +18,17 @@ pub(super) enum Form {
 pub(super) struct Piece {
     pub(super) text: String,
     pub(super) ty: Type,
-    pub(super) form: Form,
+    pub(super) precedence: Precedence,
 }
 
 impl Piece {
     pub(super) fn tight(text: impl Into<String>, ty: Type) -> Self {
-        Self { text: text.into(), ty, form: Form::Tight }
+        Self { text: text.into(), ty, precedence: Precedence::Tight }
     }
 
     /// The text, in brackets if it holds together less tightly than `most`.
-    pub(super) fn within(&self, most: Form) -> String {
-        if self.form > most { format!("({})", self.text) } else { self.text.clone() }
+    pub(super) fn within(&self, most: Precedence) -> String {
+        if self.precedence > most { format!("({})", self.text) } else { self.text.clone() }
     }
 
     pub(super) fn is_vector(&self) -> bool {
@@ -59,7 +59,7 @@ impl Builtin<'_> {
 /// What is bound, and its number among buffers or textures.
 #[derive(Debug, Clone)]
 pub(super) struct Slotted {
-    pub(super) bound: Bound,
+    pub(super) bound: Resource,
     pub(super) slot: usize,
 }
 

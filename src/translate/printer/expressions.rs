@@ -3,9 +3,9 @@
 use super::{
     builtins,
     context::Context,
-    dialect::{Builtin, Form, Piece},
+    dialect::{Builtin, Piece, Precedence},
 };
-use crate::wgsl::{Call, Callee, Expr, ExprKind, Fault, Scalar, Span, Type};
+use crate::wgsl::{Call, Callee, Expr, ExprKind, Fault, Scalar, Span, Type, matrix, vector};
 
 /// An expression of the source in the language. What is alike in both is copied, blanks and comments included.
 pub(super) fn expression(context: &Context<'_>, of: &Expr) -> Result<Piece, Fault> {
@@ -43,7 +43,7 @@ pub(super) fn expression(context: &Context<'_>, of: &Expr) -> Result<Piece, Faul
                 Type::Matrix { rows, .. } => Type::Vector(*rows, Scalar::F32),
                 _ => return Err(unknown("this has no elements".to_owned())),
             };
-            let pieces = [(base.span.clone(), found.within(Form::Tight)), (index.span.clone(), at.text)];
+            let pieces = [(base.span.clone(), found.within(Precedence::Tight)), (index.span.clone(), at.text)];
             Ok(Piece::tight(context.woven(&of.span, &pieces), ty))
         }
         ExprKind::Field(base, name) => {
@@ -56,7 +56,7 @@ pub(super) fn expression(context: &Context<'_>, of: &Expr) -> Result<Piece, Faul
             let ty = ty.ok_or_else(|| unknown(format!("this has no «{name}»")))?;
             let end = of.span.end - name.len()..of.span.end;
             Ok(Piece::tight(
-                context.woven(&of.span, &[(base.span.clone(), found.within(Form::Tight)), (end, named)]),
+                context.woven(&of.span, &[(base.span.clone(), found.within(Precedence::Tight)), (end, named)]),
                 ty,
             ))
         }
@@ -97,8 +97,8 @@ fn unary(context: &Context<'_>, of: &Expr, sign: char, inner: &Expr) -> Result<P
         ('*', _) => Err(Fault::new(of.span.start, "this is no pointer")),
         ('!', Type::Vector(..)) => Err(Fault::new(of.span.start, "vectors are not negated here")),
         _ => {
-            let text = context.woven(&of.span, &[(inner.span.clone(), piece.within(Form::Operator))]);
-            Ok(Piece { text, ty: piece.ty, form: Form::Operator })
+            let text = context.woven(&of.span, &[(inner.span.clone(), piece.within(Precedence::Operator))]);
+            Ok(Piece { text, ty: piece.ty, precedence: Precedence::Operator })
         }
     }
 }
@@ -128,9 +128,9 @@ fn binary(context: &Context<'_>, of: &Expr, sign: &str, left: &Expr, right: &Exp
         context.without_comment(left.span.end..right.span.start)?;
         return Ok(Piece::tight(text, ty));
     }
-    let within = |side: &Expr, piece: &Piece| (side.span.clone(), piece.within(Form::Operator));
+    let within = |side: &Expr, piece: &Piece| (side.span.clone(), piece.within(Precedence::Operator));
     let text = context.woven(&of.span, &[within(left, first), within(right, second)]);
-    Ok(Piece { text, ty, form: Form::Operator })
+    Ok(Piece { text, ty, precedence: Precedence::Operator })
 }
 
 /// A side of an operator that becomes an argument, without brackets around it.
@@ -192,16 +192,17 @@ fn called(context: &Context<'_>, of: &Expr, call: &Call) -> Result<Piece, Fault>
     if context.members(name).is_some() {
         let ty = Type::Struct(name.to_owned());
         let text = if arguments.is_empty() { context.zero(&ty) } else { context.dialect.structure(name, &woven(&[])) };
-        return Ok(Piece { text, ty, form: if arguments.is_empty() { Form::Operator } else { Form::Tight } });
+        let precedence = if arguments.is_empty() { Precedence::Operator } else { Precedence::Tight };
+        return Ok(Piece { text, ty, precedence });
     }
     if let Some(ty) = inferred(name, &types) {
         return constructed(context, of, call, &ty, &arguments);
     }
     if name == "select" && matches!(types[..], [_, _, Type::Scalar(_)]) {
         context.without_comment(call.span.clone())?;
-        let [no, yes, condition] = [0, 1, 2].map(|number: usize| arguments[number].within(Form::Operator));
+        let [no, yes, condition] = [0, 1, 2].map(|number: usize| arguments[number].within(Precedence::Operator));
         let ty = builtins::result(name, &types).ok_or_else(|| unknown("these are not chosen from"))?;
-        return Ok(Piece { text: format!("{condition} ? {yes} : {no}"), ty, form: Form::Choice });
+        return Ok(Piece { text: format!("{condition} ? {yes} : {no}"), ty, precedence: Precedence::Choice });
     }
     let result =
         builtins::result(name, &types).ok_or_else(|| unknown(&format!("«{name}» of these is not known here")))?;
@@ -247,13 +248,9 @@ fn builtin(
 
 /// The type of `vec3(...)` or `mat3x3(...)`, whose scalars are those of the arguments.
 fn inferred(name: &str, types: &[&Type]) -> Option<Type> {
-    let size = |text: &str| ["2", "3", "4"].contains(&text).then(|| text.parse().ok()).flatten();
-    if let Some(size) = name.strip_prefix("vec").and_then(size) {
-        let scalar = types.iter().filter_map(|ty| ty.scalar()).reduce(Scalar::join);
-        return Some(Type::Vector(size, scalar.unwrap_or(Scalar::AbstractFloat)));
-    }
-    let (columns, rows) = name.strip_prefix("mat")?.split_once('x')?;
-    size(columns).zip(size(rows)).map(|(columns, rows)| Type::Matrix { columns, rows })
+    let scalar = types.iter().filter_map(|ty| ty.scalar()).reduce(Scalar::join).unwrap_or(Scalar::AbstractFloat);
+    let of_vector = vector(name).map(|size| Type::Vector(size, scalar));
+    of_vector.or_else(|| matrix(name).map(|(columns, rows)| Type::Matrix { columns, rows }))
 }
 
 fn constructed(context: &Context<'_>, of: &Expr, call: &Call, ty: &Type, arguments: &[Piece]) -> Result<Piece, Fault> {
@@ -261,7 +258,7 @@ fn constructed(context: &Context<'_>, of: &Expr, call: &Call, ty: &Type, argumen
         return Err(Fault::new(of.span.start, "an array is the value of a variable, and stands nowhere else"));
     }
     if arguments.is_empty() {
-        return Ok(Piece { text: context.zero(ty), ty: ty.clone(), form: Form::Operator });
+        return Ok(Piece { text: context.zero(ty), ty: ty.clone(), precedence: Precedence::Operator });
     }
     if let Some(piece) = context.dialect.vector(ty, arguments) {
         context.without_comment(call.span.clone())?;

@@ -1,6 +1,6 @@
 //! GLSL: 4.50, 3.30 and ES 3.00 to include, 4.50 and ES 3.10 as programs.
 
-use super::dialect::{Builtin, Dialect, Form, Members, Piece, Slotted, scalar_name, zero_scalar};
+use super::dialect::{Builtin, Dialect, Members, Piece, Precedence, Slotted, scalar_name, zero_scalar};
 use crate::wgsl::{Scalar, Texture, Type};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,7 +31,7 @@ impl Dialect for Glsl {
     }
 
     fn functions(&self) -> &'static str {
-        "atan equal floatBitsToInt floatBitsToUint greaterThan greaterThanEqual intBitsToFloat inversesqrt lessThan \
+        "equal floatBitsToInt floatBitsToUint greaterThan greaterThanEqual intBitsToFloat inverse inversesqrt lessThan \
          lessThanEqual mod not notEqual texelFetch textureLod uintBitsToFloat"
     }
 
@@ -139,7 +139,7 @@ impl Dialect for Glsl {
                 made(format!("textureLod({}, {place}, {})", text(0), level.text))
             }
             "%" => {
-                let [left, right] = [0, 1].map(|number| call.arguments[number].within(Form::Tight));
+                let [left, right] = [0, 1].map(|number| call.arguments[number].within(Precedence::Tight));
                 made(format!("({left} - {right} * trunc({left} / {right}))"))
             }
             _ => None,

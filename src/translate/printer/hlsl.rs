@@ -3,8 +3,8 @@
 //! A matrix is stored with its columns as what HLSL calls rows: `M[i]` is column i in every language, and `M v` is
 //! `mul(v, M)`.
 
-use super::dialect::{Builtin, Dialect, Form, Members, Piece, Slotted, inside, sized_name, zero_scalar};
-use crate::wgsl::{Bound, Scalar, Texture, Type};
+use super::dialect::{Builtin, Dialect, Members, Piece, Precedence, Slotted, inside, sized_name, zero_scalar};
+use crate::wgsl::{Resource, Scalar, Texture, Type};
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hlsl;
@@ -38,7 +38,7 @@ impl Dialect for Hlsl {
     }
 
     fn global(&self, name: &str, Slotted { bound, .. }: &Slotted) -> Option<String> {
-        let Bound { ty, group, binding, is_written } = bound;
+        let Resource { ty, group, binding, is_written } = bound;
         let space = if *group == 0 { String::new() } else { format!(", space{group}") };
         let declared = self.declared(name, ty);
         Some(match ty {
@@ -89,9 +89,9 @@ impl Dialect for Hlsl {
         // A constructor takes as many scalars as there are components; a cast repeats one.
         match arguments {
             [one] if matches!(ty, Type::Vector(..)) && matches!(one.ty, Type::Scalar(_)) => Some(Piece {
-                text: format!("({}){}", self.ty(ty), one.within(Form::Tight)),
+                text: format!("({}){}", self.ty(ty), one.within(Precedence::Tight)),
                 ty: ty.clone(),
-                form: Form::Operator,
+                precedence: Precedence::Operator,
             }),
             _ => None,
         }
@@ -102,9 +102,9 @@ impl Dialect for Hlsl {
         let made = |text: String| Some(Piece::tight(text, call.result.clone()));
         match call.name {
             "select" => {
-                let [yes, no] = [1, 0].map(|number| call.arguments[number].within(Form::Operator));
-                let text = format!("{} ? {yes} : {no}", call.arguments[2].within(Form::Operator));
-                Some(Piece { text, ty: call.result.clone(), form: Form::Choice })
+                let [yes, no] = [1, 0].map(|number| call.arguments[number].within(Precedence::Operator));
+                let text = format!("{} ? {yes} : {no}", call.arguments[2].within(Precedence::Operator));
+                Some(Piece { text, ty: call.result.clone(), precedence: Precedence::Choice })
             }
             "bitcast" => {
                 let name = match call.result.scalar() {

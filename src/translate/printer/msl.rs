@@ -2,7 +2,7 @@
 //!
 //! Nothing is bound: functions take what they read as arguments, and arrays by reference.
 
-use super::dialect::{Builtin, Dialect, Form, Members, Piece, Slotted, inside, sized_name, zero_scalar};
+use super::dialect::{Builtin, Dialect, Members, Piece, Precedence, Slotted, inside, sized_name, zero_scalar};
 use crate::wgsl::{Texture, Type};
 
 #[derive(Debug, Clone, Copy)]
@@ -124,7 +124,7 @@ impl Dialect for Msl {
                 made(format!("{}.sample({}, level({}))", text(0), rest.join(", "), level.text))
             }
             "%" => {
-                let [left, right] = [0, 1].map(|number| call.arguments[number].within(Form::Choice));
+                let [left, right] = [0, 1].map(|number| call.arguments[number].within(Precedence::Choice));
                 made(format!("fmod({left}, {right})"))
             }
             _ => None,

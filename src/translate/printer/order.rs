@@ -90,13 +90,12 @@ impl Order {
         found.into_iter().map(|(number, read)| (module.items[number].name.as_str(), names(read))).collect()
     }
 
-    /// Whether what is printed makes values of a structure by its name and their parts.
-    pub(super) fn makes(&self, module: &Module<'_>, name: &str) -> bool {
+    /// The names that what is printed calls with arguments, structures that are made of their parts among them.
+    pub(super) fn made<'a>(&self, module: &'a Module<'_>) -> BTreeSet<&'a str> {
         let text = |token: &Token| &module.source[token.span.clone()];
-        self.numbers.iter().any(|number| {
-            let tokens = tokens_of(module, *number);
-            tokens.windows(3).any(|three| text(&three[0]) == name && text(&three[1]) == "(" && text(&three[2]) != ")")
-        })
+        let tokens = self.numbers.iter().flat_map(|number| tokens_of(module, *number).windows(3));
+        let calls = tokens.filter(|three| text(&three[1]) == "(" && text(&three[2]) != ")");
+        calls.map(|three| text(&three[0])).collect()
     }
 }
 

@@ -4,7 +4,7 @@ use super::{
     lexer::{Fault, Span, tokens},
     statements::function_body,
     stream::Stream,
-    syntax::{Bound, Field, Function, Item, ItemKind, Module, Parameter},
+    syntax::{Field, Function, Item, ItemKind, Module, Parameter, Resource},
 };
 
 /// The declarations of a text.
@@ -59,7 +59,7 @@ fn item(stream: &mut Stream<'_>) -> Result<Item, Fault> {
             let ty = stream.ty()?;
             stream.expect(";")?;
             let binding = binding.ok_or_else(|| Fault::new(start, format!("{name} has no binding")))?;
-            (name, ItemKind::Global(Bound { ty, group: group.unwrap_or(0), binding, is_written }))
+            (name, ItemKind::Global(Resource { ty, group: group.unwrap_or(0), binding, is_written }))
         }
         other => return Err(Fault::new(stream.before(), format!("«{other}» declares nothing that is known here"))),
     };

@@ -2,7 +2,7 @@
 
 use super::{
     lexer::{Fault, Kind, Span, Token},
-    syntax::{Call, Callee, Expr, ExprKind, Scalar, Texture, Type},
+    syntax::{Call, Callee, Expr, ExprKind, Scalar, Texture, Type, matrix, vector},
 };
 
 /// How deep brackets, operators and blocks may lie in each other.
@@ -285,19 +285,4 @@ fn node(kind: ExprKind, span: Span, below: u32) -> Result<Expr, Fault> {
         return Err(Fault::new(span.start, "this expression has too many parts in each other"));
     }
     Ok(Expr { kind, span, depth })
-}
-
-/// The size of `vec2`, `vec3` and `vec4`.
-fn vector(name: &str) -> Option<u8> {
-    name.strip_prefix("vec").and_then(size)
-}
-
-/// Columns and rows of `mat3x3` and others.
-fn matrix(name: &str) -> Option<(u8, u8)> {
-    let (columns, rows) = name.strip_prefix("mat")?.split_once('x')?;
-    size(columns).zip(size(rows))
-}
-
-fn size(text: &str) -> Option<u8> {
-    ["2", "3", "4"].contains(&text).then(|| text.parse().ok()).flatten()
 }

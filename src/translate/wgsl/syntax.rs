@@ -163,7 +163,7 @@ pub(crate) enum ItemKind {
         value: Expr,
     },
     Override,
-    Global(Bound),
+    Global(Resource),
     Function(Function),
 }
 
@@ -177,7 +177,7 @@ pub(crate) struct Item {
 
 /// What a shader reads or writes from outside.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Bound {
+pub(crate) struct Resource {
     pub(crate) ty: Type,
     pub(crate) group: u32,
     pub(crate) binding: u32,
@@ -238,4 +238,19 @@ impl Type {
     pub(crate) fn concrete(&self) -> Self {
         self.scalar().map_or_else(|| self.clone(), |scalar| self.of(scalar.concrete()))
     }
+}
+
+/// The size of `vec2`, `vec3` and `vec4`.
+pub(crate) fn vector(name: &str) -> Option<u8> {
+    name.strip_prefix("vec").and_then(size)
+}
+
+/// Columns and rows of `mat3x3` and others.
+pub(crate) fn matrix(name: &str) -> Option<(u8, u8)> {
+    let (columns, rows) = name.strip_prefix("mat")?.split_once('x')?;
+    size(columns).zip(size(rows))
+}
+
+fn size(text: &str) -> Option<u8> {
+    ["2", "3", "4"].contains(&text).then(|| text.parse().ok()).flatten()
 }
