@@ -101,7 +101,7 @@ fn compare<Found: Pod + AsRef<[f32]>>(lit_by: LitBy) -> Option<usize> {
             }
         }
     }
-    Some(wanted.iter().flat_map(|found| found.as_ref()).filter(|number| **number != 0.0).count())
+    Some(wanted.iter().flat_map(|found| found.as_ref().iter()).filter(|number| **number != 0.0).count())
 }
 
 #[test]
