@@ -18,8 +18,15 @@ const LTC_ALPHA_FLOOR: f32 = 1e-4;
 /// The cosine of the most grazing view that is fitted.
 const LTC_LEAST_COSINE: f32 = 1.570796e-4;
 
-/// Chebyshev's polynomials of degree 0 to 9. Domain: x in [-1, 1].
-fn ltc_chebyshev(x: f32) -> array<f32, 10> {
+/// Chebyshev's polynomials at a place: of degree 0 to 3, 4 to 7, 8 and 9.
+struct LtcChebyshev {
+    low: vec4<f32>,
+    middle: vec4<f32>,
+    high: vec2<f32>,
+}
+
+/// Domain: x in [-1, 1].
+fn ltc_chebyshev(x: f32) -> LtcChebyshev {
     let t2 = 2.0 * x * x - 1.0;
     let t3 = 2.0 * x * t2 - x;
     let t4 = 2.0 * x * t3 - t2;
@@ -28,13 +35,7 @@ fn ltc_chebyshev(x: f32) -> array<f32, 10> {
     let t7 = 2.0 * x * t6 - t5;
     let t8 = 2.0 * x * t7 - t6;
     let t9 = 2.0 * x * t8 - t7;
-    return array<f32, 10>(1.0, x, t2, t3, t4, t5, t6, t7, t8, t9);
-}
-
-/// A sum of polynomials.
-fn ltc_sum(t: array<f32, 10>, c: array<vec3<f32>, 10>) -> vec3<f32> {
-    let low = t[0] * c[0] + t[1] * c[1] + t[2] * c[2] + t[3] * c[3] + t[4] * c[4];
-    return low + t[5] * c[5] + t[6] * c[6] + t[7] * c[7] + t[8] * c[8] + t[9] * c[9];
+    return LtcChebyshev(vec4(1.0, x, t2, t3), vec4(t4, t5, t6, t7), vec2(t8, t9));
 }
 
 /// The lobe of an isotropic surface, alpha_x = alpha_y; of an anisotropic one that of its larger roughness. wo: view

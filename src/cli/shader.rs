@@ -1,6 +1,6 @@
 //! `shader`: the lookup and the area light, as source for a renderer.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
@@ -13,7 +13,7 @@ use super::{
 };
 use ltcforge_fit::{FUNCTION_SIDE, FunctionError, IsotropicFunction, Table, report};
 use ltcforge_light::LightModel;
-use ltcforge_shaders::{Bound, Filter, Language, Lights, LitBy, Namespace, Reading};
+use ltcforge_shaders::{Bound, DECLARATIONS, Filter, Language, Lights, LitBy, Namespace, Reading, es_module};
 use ltcforge_textures::About;
 use ltcforge_translate::{include, include_function, port};
 
@@ -31,13 +31,14 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
         .and_then(|lit_by| lit_by.by_rule(args.rule))
         .map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
     check_form(args, language)?;
+    let types = types_file(args)?;
     if language == Language::Spirv && args.out.is_none() && (json || context.stdout_is_terminal) {
         return Err(CommandFailure::new(
             Exit::Usage,
             "SPIR-V is binary: name a file with -o, or redirect standard output",
         ));
     }
-    let out = args.out.as_deref().map(OutputFile::check).transpose()?;
+    let out = Outputs::check(args, types)?;
     let shader = match args.form {
         ShaderForm::Include => {
             let filter = if args.hardware_filter { Filter::Hardware } else { Filter::Exact };
@@ -51,7 +52,7 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
     let value = json!({
         "language": language.name(), "model": lit_by.model(), "rule": lit_by.rule(), "layout": lit_by.layout()
     });
-    hand_out(args, out.as_ref(), &shader, value, json, context)
+    hand_out(args, &out, &shader, value, json, context)
 }
 
 /// The names and bindings of a text in the shader that includes it.
@@ -78,7 +79,7 @@ fn without_textures(
     if args.model != LightModel::Ltc {
         return Err(usage("--without-textures is for model ltc"));
     }
-    let out = args.out.as_deref().map(OutputFile::check).transpose()?;
+    let out = Outputs::check(args, types_file(args)?)?;
     let AnyTable { path, digest, table, origin } = AnyTable::named(table, &args.folder)?;
     let refused = |error: FunctionError| CommandFailure::new(Exit::Usage, format!("{}: {error}", path.display()));
     let function = IsotropicFunction::of(&table).map_err(refused)?;
@@ -102,22 +103,62 @@ fn without_textures(
         "language": language.name(), "model": LightModel::Ltc, "table": digest,
         "coefficients": 6 * FUNCTION_SIDE * FUNCTION_SIDE, "error": width, "table_error": table_width,
     });
-    hand_out(args, out.as_ref(), &shader, value, json, context)
+    hand_out(args, &out, &shader, value, json, context)
+}
+
+/// The file of the types of a module of JavaScript; `None` where no module is asked for.
+fn types_file(args: &ShaderArgs) -> Result<Option<PathBuf>, CommandFailure> {
+    if !args.es_module {
+        return Ok(None);
+    }
+    let refused = |what: &str| Err(CommandFailure::new(Exit::Usage, what.to_owned()));
+    if args.language == Language::Spirv {
+        return refused("--es-module is for text, and SPIR-V is binary: choose another language");
+    }
+    let extension = args.out.as_deref().and_then(Path::extension).and_then(|extension| extension.to_str());
+    match (&args.out, extension) {
+        (Some(out), Some("js")) => Ok(Some(out.with_extension("d.ts"))),
+        (Some(out), Some("mjs")) => Ok(Some(out.with_extension("d.mts"))),
+        _ => refused("--es-module needs -o NAME.js or -o NAME.mjs: the types are written beside it"),
+    }
+}
+
+/// The files to write.
+struct Outputs {
+    /// None for standard output.
+    text: Option<OutputFile>,
+    /// The types of a module of JavaScript, and how the user sees their path.
+    types: Option<(OutputFile, PathBuf)>,
+}
+
+impl Outputs {
+    /// Checks that they can be written.
+    fn check(args: &ShaderArgs, types: Option<PathBuf>) -> Result<Self, CommandFailure> {
+        let text = args.out.as_deref().map(OutputFile::check).transpose()?;
+        let types = types.map(|path| Ok::<_, CommandFailure>((OutputFile::check(&path)?, path))).transpose()?;
+        Ok(Self { text, types })
+    }
 }
 
 /// Writes the shader to the file or to standard output. With `--json`, `value` describes it, with the file or the text.
 fn hand_out(
     args: &ShaderArgs,
-    out: Option<&OutputFile>,
+    out: &Outputs,
     shader: &[u8],
     mut value: serde_json::Value,
     json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    if let (Some(out), Some(path)) = (out, &args.out) {
-        out.write(shader)?;
+    if let (Some(file), Some(path)) = (&out.text, &args.out) {
+        let module = out.types.as_ref().map(|_| es_module(&String::from_utf8_lossy(shader), args.language));
+        let written = module.as_ref().map_or(shader, String::as_bytes);
+        file.write(written)?;
+        if let Some((types, path)) = &out.types {
+            types.write(DECLARATIONS.as_bytes())?;
+            value["declarations"] = json!(shown(path));
+        }
         if json {
-            (value["file"], value["bytes"]) = (json!(shown(path)), json!(shader.len()));
+            (value["file"], value["bytes"]) = (json!(shown(path)), json!(written.len()));
             print(context.stdout, true, &value, "")?;
         }
     } else if json {

@@ -5,6 +5,7 @@ use super::{
     golden::{CASES, CORNERS},
     header::{commented, fixed, listed},
     model_shader::{ModelShader, caller},
+    stamp::{LICENCE, head},
 };
 use ltcforge_fit::Sides;
 use ltcforge_light::gaussians::{Gaussian, SgLight, reflected, reflected_sg};
@@ -29,10 +30,12 @@ const CALLS: &str = "    let disk = gaussians_disk(view, vertices[0], vertices[1
     return vec4(gaussians_rectangle(view, corners, true) + polygon, disk);
 ";
 
-/// The opening comment: what the shader is, and its licence.
+/// Raised when the values of the check change.
+const REVISION: u32 = 1;
+
+/// The opening comment: what the shader is.
 const ABOUT: &str = "\
 Area lights on anisotropic GGX by one Gaussian on the sphere: no table, cheap and coarse.
-Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0
 
 FUNCTIONS
   gaussians_view(kind, alpha_x, alpha_y, wo)  a surface seen from a direction, for all lights at the point. kind is 0
@@ -94,7 +97,7 @@ fn gaussians_include_header() -> String {
 }
 
 fn about() -> String {
-    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{lights}", LIGHTS)
+    head(LICENCE, REVISION) + &ABOUT.replace("{lights}", LIGHTS)
 }
 
 /// The values to check a port against.

@@ -5,6 +5,7 @@ use super::{
     gaussians_header::{LIGHTS, gaussians_caller},
     golden::{CASES, CORNERS, Case},
     header::{bindings, bound_table, checked_table, commented, fixed, listed},
+    stamp::{LICENCE, head},
 };
 use super::{Lights, Namespace, Reading, header::included_bindings, model_shader::ModelShader};
 use ltcforge_fit::Layout;
@@ -20,10 +21,12 @@ pub(super) const SHADER: ModelShader = ModelShader {
     include_comment: gaussians_table_include_header,
 };
 
-/// The opening comment: what the shader is, and its licence.
+/// Raised when the values of the check change.
+const REVISION: u32 = 1;
+
+/// The opening comment: what the shader is.
 const ABOUT: &str = "\
 Area lights on anisotropic GGX by one Gaussian on the sphere, by a table that ltcforge fitted with lobe sg or asg.
-Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0
 
 Reads tables of layout {layout}, and takes every table for one.
 
@@ -51,7 +54,7 @@ USE
 ";
 
 fn about(layout: Layout) -> String {
-    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", layout.name()).replace("{lights}", LIGHTS)
+    head(LICENCE, REVISION) + &ABOUT.replace("{layout}", layout.name()).replace("{lights}", LIGHTS)
 }
 
 /// The comment of the program, in lines that begin with `//`.

@@ -5,7 +5,10 @@ use super::{
     Bound, Language, Lights,
     golden::{CASES, CORNERS, Case, Golden, table},
 };
-use super::{Filter, Namespace, Reading};
+use super::{
+    Filter, Namespace, Reading,
+    stamp::{LICENCE, head},
+};
 use ltcforge_fit::{Layout, PerAxis, ShaderAxes};
 
 /// The light of a table of LTCs.
@@ -45,10 +48,12 @@ const POLYGONS_CALLED: &str =
     "    let polygon = ltc_rectangle(inverse, corners, true) + ltc_polygon(inverse, vertices, 4u, true);
 ";
 
-/// The opening comment: what the shader is, and its licence.
+/// Raised when the values of the check change.
+const REVISION: u32 = 1;
+
+/// The opening comment: what the shader is.
 const ABOUT: &str = "\
 Linearly Transformed Cosines: area lights on anisotropic GGX, by a table that ltcforge fitted.
-Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0
 
 Reads tables of layout {layout}, and takes every table for one.
 
@@ -262,10 +267,7 @@ fn bound_array(language: Language) -> &'static str {
 
 /// The table and what it is called.
 fn about(layout: Layout, lights: Lights) -> String {
-    ABOUT
-        .replace("{version}", env!("CARGO_PKG_VERSION"))
-        .replace("{layout}", layout.name())
-        .replace("{lights}", functions_of(lights))
+    head(LICENCE, REVISION) + &ABOUT.replace("{layout}", layout.name()).replace("{lights}", functions_of(lights))
 }
 
 pub(super) fn bound_table(bound: Bound) -> String {

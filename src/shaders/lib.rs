@@ -7,6 +7,7 @@
 //! Invariants: `shaders` knows neither a GPU nor a picture, and translates nothing; equal arguments give equal bytes on
 //! every machine.
 
+mod es_module;
 mod gaussians_header;
 mod gaussians_table_header;
 mod golden;
@@ -19,8 +20,10 @@ mod models;
 mod namespace;
 mod normals_header;
 mod sources;
+mod stamp;
 mod text;
 
+pub use es_module::{DECLARATIONS, es_module};
 pub use gaussians_header::SG_LIGHT;
 pub use golden::{CASES, CORNERS, Case, Golden, TOLERANCE, table as golden_table};
 pub use gpu_cost::{COMPILER, GpuCost};
@@ -30,4 +33,5 @@ pub use lit_by::{Bound, Filter, Lights, LitBy, LitByError, Reading};
 pub use model_shader::ModelShader;
 pub use namespace::{BadPrefix, Namespace, Prefix};
 pub use sources::{SHADERS, Shader, functions, joined, ported, preview_module, table_reader, without_textures};
+pub use stamp::{head, stamped};
 pub use text::wgsl;

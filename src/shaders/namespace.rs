@@ -28,8 +28,8 @@ pub struct Prefix(String);
 pub struct BadPrefix(pub String);
 
 const LONGEST: usize = 32;
-/// Languages and naga have names that begin so.
-const RESERVED: [&str; 4] = ["gl", "metal", "naga", "type"];
+/// Languages have names that begin so.
+const RESERVED: [&str; 2] = ["gl", "metal"];
 
 impl FromStr for Prefix {
     type Err = BadPrefix;
@@ -43,10 +43,10 @@ impl FromStr for Prefix {
 }
 
 impl Namespace {
-    /// `text` in `language`, with the names that it has here: those of the light's own code, those of the arithmetic
-    /// that all lights share, and those that naga adds to a translation.
+    /// `text` with the names that it has here: those of the light's own code, and those of the arithmetic that all
+    /// lights share.
     #[must_use]
-    pub fn named(&self, text: &str, language: Language, lit_by: LitBy) -> String {
+    pub fn named(&self, text: &str, lit_by: LitBy) -> String {
         let own = lit_by.shader().prefix;
         let prefix = self.prefix.as_ref().map_or(own, |Prefix(prefix)| prefix);
         identifiers(text, |name, rest| {
@@ -54,11 +54,8 @@ impl Namespace {
             if rest.starts_with(".wgsl") {
                 return None;
             }
-            let is_ours = language == Language::Wgsl || !is_of_naga(name);
-            // Shared arithmetic; a table's own names are in the first arm.
-            let is_shared = name.starts_with("ltc_");
             // A table of Gaussians is read by the code of tables of LTCs, which may stand beside it.
-            if lit_by.layout().is_some() && own != "ltc" && is_ours {
+            if lit_by.layout().is_some() && own != "ltc" {
                 if name.starts_with("Ltc") {
                     return Some(format!("{}{name}", capital(prefix)));
                 }
@@ -66,11 +63,8 @@ impl Namespace {
                     return Some(format!("{}_{name}", prefix.to_uppercase()));
                 }
             }
-            match with_prefix(name, own, prefix) {
-                Some(named) if is_ours => Some(named),
-                None if is_ours && !is_shared => None,
-                _ => Some(format!("{prefix}_{}", name.trim_start_matches('_'))),
-            }
+            let shared = || name.starts_with("ltc_").then(|| format!("{prefix}_{name}"));
+            with_prefix(name, own, prefix).or_else(shared)
         })
     }
 
@@ -134,14 +128,6 @@ fn with_prefix(name: &str, from: &str, to: &str) -> Option<String> {
     rest.starts_with(|c: char| c.is_ascii_uppercase()).then(|| format!("{}{rest}", capital(to)))
 }
 
-/// Whether naga's writers made this name: helpers of theirs, types that have no name in WGSL, the lengths of buffers.
-fn is_of_naga(name: &str) -> bool {
-    let name = name.trim_start_matches('_');
-    let begins = |start: &&str| name.starts_with(*start);
-    let is_numbered = name.strip_prefix("type_").is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
-    is_numbered || ["naga", "Naga", "Construct", "ZeroValue", "ret_", "msl", "DefaultConstructible"].iter().any(begins)
-}
-
 /// The text with some of its identifiers replaced: `of` is asked for each one, with the text after it.
 fn identifiers(text: &str, of: impl Fn(&str, &str) -> Option<String>) -> String {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -166,17 +152,14 @@ mod tests {
     #[test]
     fn whole_names_get_a_prefix_and_their_parts_do_not() {
         let namespace = |prefix: &str| Namespace { prefix: prefix.parse().ok(), ..Namespace::default() };
-        let hlsl = |prefix, text: &str| namespace(prefix).named(text, Language::Hlsl, Layout::Reflected.into());
+        let ltc = |prefix, text: &str| namespace(prefix).named(text, Layout::Reflected.into());
         assert_eq!(
-            hlsl(
-                "a1",
-                "ltc_x(LtcY, LTC_Z, my_ltc_x, ltcforge, Ltcx, 0ltc_, naga_div, ZeroValueLtcY, _naga, type_, type_1)"
-            ),
-            "a1_x(A1Y, A1_Z, my_ltc_x, ltcforge, Ltcx, 0ltc_, a1_naga_div, a1_ZeroValueLtcY, a1_naga, type_, a1_type_1)"
+            ltc("a1", "ltc_x(LtcY, LtcYOf, LTC_Z, my_ltc_x, ltcforge, Ltcx, 0ltc_)"),
+            "a1_x(A1Y, A1YOf, A1_Z, my_ltc_x, ltcforge, Ltcx, 0ltc_)"
         );
-        assert_eq!(hlsl("", "ltc_x naga_div ltc_math.wgsl"), "ltc_x ltc_naga_div ltc_math.wgsl");
+        assert_eq!(ltc("", "ltc_x ltc_math.wgsl"), "ltc_x ltc_math.wgsl");
         let normals = LitBy::new(LightModel::Normals, None).expect("a formula");
-        let normals = |text: &str| Namespace::default().named(text, Language::Msl, normals);
+        let normals = |text: &str| Namespace::default().named(text, normals);
         assert_eq!(normals("normals_x NormalsY ltc_log normals"), "normals_x NormalsY normals_ltc_log normals");
     }
 
@@ -210,7 +193,7 @@ mod tests {
 
     #[test]
     fn a_prefix_that_languages_do_not_take_is_refused() {
-        for wrong in ["", "1a", "A", "a_b", "ä", "gl", "naga", &"a".repeat(33)] {
+        for wrong in ["", "1a", "A", "a_b", "ä", "gl", "metal", &"a".repeat(33)] {
             let error = wrong.parse::<Prefix>().expect_err(wrong).to_string();
             assert!(error.contains(&format!("«{wrong}»")) && error.contains("lower-case"), "{error}");
         }

@@ -5,6 +5,7 @@ use super::{
     golden::{CASES, CORNERS},
     header::{commented, fixed, listed},
     model_shader::{ModelShader, caller},
+    stamp::{LICENCE, head},
 };
 use ltcforge_fit::Sides;
 use ltcforge_light::normals::{NormalsRule, reflected};
@@ -50,10 +51,12 @@ const CALLS: &str = "    let disk = normals_disk(view, vertices[0], vertices[1],
     return vec4(normals_rectangle(view, corners, true) + normals_polygon(view, &vertices, 4u, true), disk);
 ";
 
-/// The opening comment: what the shader is, and its licence.
+/// Raised when the values of the check of any rule change.
+const REVISION: u32 = 1;
+
+/// The opening comment: what the shader is.
 const ABOUT: &str = "\
-SPDX-License-Identifier: MIT OR Apache-2.0
-Area lights on GGX without a table, in the space of its normals, by rule {rule}. Made by ltcforge {version}.
+Area lights on GGX without a table, in the space of its normals, by rule {rule}.
 
   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in that frame and
@@ -91,7 +94,7 @@ fn normals_include_header(rule: NormalsRule) -> String {
 }
 
 fn about(rule: NormalsRule) -> String {
-    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{rule}", rule.name())
+    head(LICENCE, REVISION) + &ABOUT.replace("{rule}", rule.name())
 }
 
 /// The values to check a port against.

@@ -1,6 +1,6 @@
 //! A shader for other renderers in WGSL, under the comment that explains it.
 
-use super::{language::Language, lit_by::LitBy, sources::ported};
+use super::{language::Language, lit_by::LitBy, sources::ported, stamp::stamped};
 
 /// The shader that lights by a table of some layout, or without one, in WGSL as it is written here.
 ///
@@ -8,5 +8,5 @@ use super::{language::Language, lit_by::LitBy, sources::ported};
 #[must_use]
 pub fn wgsl(lit_by: impl Into<LitBy>) -> String {
     let lit_by = lit_by.into();
-    format!("{}\n{}", lit_by.comment(Language::Wgsl), ported(lit_by))
+    stamped(&lit_by.comment(Language::Wgsl), &ported(lit_by))
 }

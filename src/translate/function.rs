@@ -7,12 +7,19 @@ use super::{
     translation::{Included, translate_functions},
 };
 use ltcforge_fit::{IsotropicFunction, Layout};
-use ltcforge_shaders::{Language, Lights, Namespace, commented, functions_of, table_caller, without_textures};
+use ltcforge_shaders::{
+    Language, Lights, Namespace, commented, functions_of, head, stamped, table_caller, without_textures,
+};
+
+/// The licences of the text and of a table's numbers.
+const LICENCE: &str = "(MIT OR Apache-2.0) AND CC0-1.0";
+
+/// Raised when the light of a table changes.
+const REVISION: u32 = 1;
 
 /// The opening comment: what the text is, and how to call it.
 const ABOUT: &str = "\
 Linearly Transformed Cosines: area lights on isotropic surfaces, without a texture.
-Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0, of the numbers CC0-1.0
 
 FUNCTIONS
   ltc_lookup(alpha_x, alpha_y, wo)  M, amplitude and fresnel. GGX roughness, the same twice; wo is the view direction in
@@ -41,9 +48,10 @@ pub fn include_function(
     let included = Included { source: &source, entry: "ltc_included", reading: None };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
     let lines = about.join("\n  ");
-    let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{lights}", functions_of(lights));
+    let about = head(LICENCE, REVISION) + &ABOUT.replace("{lights}", functions_of(lights));
     let header = commented(&format!("{about}  {lines}"));
-    Ok(namespace.named(&format!("{header}\n{text}"), language, Layout::Reflected.into()))
+    let [header, text] = [&header, &text].map(|part| namespace.named(part, Layout::Reflected.into()));
+    Ok(stamped(&header, &text))
 }
 
 /// The part of the shader that the table alone decides: where the polynomials begin, and their coefficients in
@@ -63,19 +71,27 @@ fn write_smooth_at(out: &mut String, function: &IsotropicFunction) -> std::fmt::
     writeln!(out, "const LTC_FUNCTION_SCALE = vec2<f32>({});\n", pair(|[low, high]| 1.0 / (high - low)))?;
     writeln!(out, "struct LtcSmooth {{\n    shape: vec3<f32>,\n    terms: vec3<f32>,\n}}\n")?;
     writeln!(out, "/// The table's numbers. x: polynomials of the roughness, y: of the view.")?;
-    writeln!(out, "fn ltc_smooth_at(x: array<f32, 10>, y: array<f32, 10>) -> LtcSmooth {{")?;
+    writeln!(out, "fn ltc_smooth_at(x: LtcChebyshev, y: LtcChebyshev) -> LtcSmooth {{")?;
     let steps = IsotropicFunction::steps();
     for (name, first) in [("shape", 0), ("terms", 3)] {
         writeln!(out, "    var {name} = vec3<f32>(0.0);")?;
         for (i, row) in function.coefficients().iter().enumerate() {
-            let vectors = row.map(|c| format!("vec3({}.0, {}.0, {}.0)", c[first], c[first + 1], c[first + 2]));
-            let list = vectors.join(", ");
-            writeln!(out, "    {name} += x[{i}] * ltc_sum(y, array<vec3<f32>, 10>({list}));")?;
+            let columns = row.map(|c| format!("{}.0, {}.0, {}.0", c[first], c[first + 1], c[first + 2]));
+            let product = |(part, columns): (&str, &[String])| {
+                format!("mat{}x3({}) * y.{part}", columns.len(), columns.join(", "))
+            };
+            let sums = ["low", "middle", "high"].into_iter().zip(columns.chunks(4)).map(product);
+            writeln!(out, "    {name} += x.{} * ({});", place(i), sums.collect::<Vec<_>>().join(" + "))?;
         }
     }
     let scale =
         |first: usize| steps[first..first + 3].iter().map(|step| format!("{step:?}")).collect::<Vec<_>>().join(", ");
     writeln!(out, "    return LtcSmooth(shape * vec3({}), terms * vec3({}));\n}}", scale(0), scale(3))
+}
+
+/// Where `LtcChebyshev` has the polynomial of a degree.
+fn place(degree: usize) -> String {
+    format!("{}.{}", ["low", "middle", "high"][degree / 4], ["x", "y", "z", "w"][degree % 4])
 }
 
 #[cfg(test)]

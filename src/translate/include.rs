@@ -4,7 +4,7 @@ use super::{
     PortError,
     translation::{Included, translate_functions},
 };
-use ltcforge_shaders::{Language, Lights, LitBy, Namespace, Reading, functions};
+use ltcforge_shaders::{Language, Lights, LitBy, Namespace, Reading, functions, stamped};
 
 /// The functions in `language`, under a comment that explains how to call them, what to bind where, and which values a
 /// port has to reproduce.
@@ -30,7 +30,8 @@ pub fn include(
     let included = Included { source: &source, entry: "ltc_included", reading };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
     let header = lit_by.include_comment(language, reading.unwrap_or_default(), lights, namespace);
-    Ok(namespace.named(&format!("{header}\n{}", namespace.bound(&text, language)), language, lit_by))
+    let [header, text] = [header, namespace.bound(&text, language)].map(|part| namespace.named(&part, lit_by));
+    Ok(stamped(&header, &text))
 }
 
 #[cfg(test)]

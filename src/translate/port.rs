@@ -1,8 +1,8 @@
 //! A shader for other renderers, in their language.
 
-use ltcforge_shaders::{Language, LitBy, ported, wgsl};
+use ltcforge_shaders::{Language, LitBy, stamped, wgsl};
 
-use super::translation::translate;
+use super::translation::{program, spirv_program};
 
 /// Why there is no translation: a language that has no such text ([`Language::has_programs`],
 /// [`Language::has_includes`]), or a defect of the shaders or of naga.
@@ -11,7 +11,7 @@ use super::translation::translate;
 pub struct PortError {
     /// The language asked for.
     pub language: Language,
-    /// The message of naga.
+    /// The message of naga, or what is not printed, with line and column.
     pub reason: String,
 }
 
@@ -28,19 +28,15 @@ pub fn port(language: Language, lit_by: impl Into<LitBy>) -> Result<Vec<u8>, Por
         return Ok(wgsl(lit_by).into_bytes());
     }
     let header = lit_by.comment(language);
-    let source = format!("{header}\n{}", ported(lit_by));
-    let body = translate(language, lit_by, &source).map_err(|reason| PortError { language, reason })?;
-    let (version, code) = body.split_at(version_line(language, &body));
-    let is_text = language != Language::Spirv;
-    Ok(if is_text { [version, header.as_bytes(), b"\n", code].concat() } else { body })
-}
-
-/// Bytes of the line `#version`, before which OpenGL ES takes nothing, not even a comment; zero in other languages.
-fn version_line(language: Language, code: &[u8]) -> usize {
-    match language {
-        Language::Glsl | Language::Glsl330 | Language::GlslEs => {
-            code.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1)
-        }
-        Language::Wgsl | Language::Spirv | Language::Hlsl | Language::Msl => 0,
+    let failed = |reason| PortError { language, reason };
+    if language == Language::Spirv {
+        return spirv_program(lit_by, &header).map_err(failed);
     }
+    let body = program(language, lit_by).map_err(failed)?;
+    // OpenGL ES takes nothing before the version, not even a comment.
+    let (version, code) = match body.split_once('\n').filter(|(first, _)| first.starts_with("#version")) {
+        Some((version, code)) => (format!("{version}\n"), code),
+        None => (String::new(), body.as_str()),
+    };
+    Ok((version + &stamped(&header, code)).into_bytes())
 }

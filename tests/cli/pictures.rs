@@ -152,9 +152,9 @@ fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
             assert_eq!(told["bytes"], file.len());
             let start: &[u8] = match language {
                 "spirv" => b"\x03\x02\x23\x07",
-                "glsl" => b"#version 450 core\n// Linearly Transformed",
-                "glsl-es" => b"#version 310 es\n// Linearly Transformed",
-                _ => b"// Linearly Transformed",
+                "glsl" => b"#version 450 core\n// SPDX-License-Identifier",
+                "glsl-es" => b"#version 310 es\n// SPDX-License-Identifier",
+                _ => b"// SPDX-License-Identifier",
             };
             assert!(file.starts_with(start), "{language}");
             let output = ltcforge(folder.path(), arguments).output().expect("the binary runs");
@@ -185,9 +185,34 @@ fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
 }
 
 #[test]
+fn a_shader_is_written_as_a_module_with_its_types() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let read = |file: &str| fs::read_to_string(folder.path().join(file)).expect("a file");
+    for (file, types) in [("normals.js", "normals.d.ts"), ("normals.glsl.mjs", "normals.glsl.d.mts")] {
+        let arguments = ["shader", "--language", "glsl-es", "--model", "normals"];
+        let text = run(folder.path(), arguments).exited(0).stdout;
+        let module = ["--es-module", "--json", "-o", file];
+        let told = run(folder.path(), arguments.iter().chain(&module)).exited(0).stdout;
+        let told: Value = serde_json::from_str(&told).expect("JSON");
+        assert_eq!((&told["file"], &told["declarations"]), (&file.into(), &types.into()));
+        assert_eq!(read(file), format!("export default /* glsl */ `{text}`;\n"));
+        assert!(read(types).ends_with("declare const text: string;\nexport default text;\n"));
+    }
+    let spirv = ["shader", "--language", "spirv", "--model", "sg", "--as", "example", "--es-module", "-o", "sg.js"];
+    let refused = run(folder.path(), spirv).exited(2).stderr;
+    assert!(refused.contains("--es-module") && refused.contains("binary"), "{refused}");
+    let refused = run(folder.path(), ["shader", "--language", "wgsl", "--model", "sg", "--es-module"]).exited(2).stderr;
+    assert!(refused.contains("-o NAME.js"), "{refused}");
+}
+
+#[test]
 fn shader_refuses_what_it_does_not_know_and_spirv_without_a_place() {
     let folder = tempfile::tempdir().expect("a folder");
-    let cases: [&[&str]; 16] = [
+    let cases: [&[&str]; 20] = [
+        &["--language", "glsl", "--model", "sg", "--es-module"],
+        &["--language", "glsl", "--model", "sg", "--es-module", "-o", "sg.glsl"],
+        &["--language", "glsl", "--model", "sg", "--es-module", "-o", ".js"],
+        &["--language", "spirv", "--model", "sg", "--as", "example", "--es-module", "-o", "sg.js"],
         &["--language", "glsl", "--model", "sg", "--hardware-filter"],
         &["--language", "glsl", "--model", "normals", "--texture-array"],
         &["--language", "glsl", "--layout", "kt2022", "--texture-array", "--as", "example"],

@@ -28,7 +28,7 @@ fn assert_sound(output: &Output) {
 }
 
 /// The kinds of shaders: by each layout of tables, and without a table.
-const LIT_BY: [&[&str]; 12] = [
+const LIT_BY: [&[&str]; 14] = [
     &["--layout", "kt2022"],
     &["--layout", "reflected"],
     &["--layout", "ltc2017"],
@@ -38,6 +38,8 @@ const LIT_BY: [&[&str]; 12] = [
     &["--layout", "inverse"],
     &["--layout", "matrix33"],
     &["--model", "normals"],
+    &["--model", "normals", "--rule", "fast"],
+    &["--model", "normals", "--rule", "fine"],
     &["--model", "asg"],
     &["--model", "asg", "--layout", "reflected"],
     &["--model", "sg", "--layout", "kt2022"],
@@ -89,6 +91,22 @@ fn hlsl_is_what_direct3d_takes() {
         let args = ["--target-env", "vulkan1.0", "out.spv"];
         let Some(output) = checked("spirv-tools", "spirv-val", &args, here) else { return };
         assert_sound(&output);
+    }
+}
+
+/// The command of docs/preview.md.
+#[test]
+fn the_digest_in_a_text_is_that_of_sha256sum() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (language, form) in [("wgsl", "include"), ("glsl-es", "include"), ("hlsl", "example"), ("glsl", "example")] {
+        let words = ["shader", "--language", language, "--as", form, "--model", "normals", "-o", "normals.glsl"];
+        run(folder.path(), words).exited(0);
+        let args = ["-c", "sed '1,/^$/d' normals.glsl | sha256sum"];
+        let Some(output) = checked("coreutils", "sh", &args, folder.path()) else { return };
+        assert_sound(&output);
+        let digest = String::from_utf8_lossy(&output.stdout).chars().take(16).collect::<String>();
+        let text = fs::read_to_string(folder.path().join("normals.glsl")).expect("a shader");
+        assert!(text.contains(&format!("sha256 of the text below: {digest}\n")), "{language}: {digest}");
     }
 }
 
@@ -173,7 +191,7 @@ const READINGS: [&[&str]; 4] =
 fn calls_of(lit_by: &[&str]) -> [&'static str; 2] {
     match lit_by {
         ["--layout", _] => [TABLE_CALL, TABLE_CALL_HLSL],
-        [_, "normals"] => [NORMALS_CALL, NORMALS_CALL_HLSL],
+        [_, "normals", ..] => [NORMALS_CALL, NORMALS_CALL_HLSL],
         [_, _, "--layout", _] => [GAUSSIANS_TABLE_CALL, GAUSSIANS_TABLE_CALL_HLSL],
         _ => [GAUSSIANS_CALL, GAUSSIANS_CALL_HLSL],
     }

@@ -135,6 +135,9 @@ pub(crate) fn packed(engine: &str, folder: &Path, more: &[&str]) -> Option<PathB
         told["files"].as_array().expect("files").iter().map(|file| file["path"].as_str().expect("a path")).collect();
     for file in ["README.md", "ggx_area_light.js", "index.d.ts"].iter().chain(more) {
         assert!(files.contains(file), "{file}: {files:?}");
+        if file.starts_with("shaders/") {
+            assert!(files.contains(types_of(file).as_str()), "{file}: {files:?}");
+        }
     }
     assert!(!files.iter().any(|file| file.contains("node_modules") || file.contains(".png")), "{files:?}");
     pack(&["--pack-destination", &folder.to_string_lossy()]);
@@ -144,7 +147,13 @@ pub(crate) fn packed(engine: &str, folder: &Path, more: &[&str]) -> Option<PathB
     Some(folder.join("package"))
 }
 
-/// Files of an example that have the text of a shader, and the words after `ltcforge shader` that print it.
+/// The file of a module's types.
+fn types_of(module: &str) -> String {
+    format!("{}.d.ts", module.trim_end_matches(".js"))
+}
+
+/// Modules of an example that have the text of a shader, and the words after `ltcforge shader --es-module` that write them and
+/// their types.
 pub(crate) type Shader = (&'static str, &'static [&'static str]);
 
 /// The rules in GLSL ES.
@@ -157,20 +166,21 @@ pub(crate) const RULES_GLSL: [Shader; 3] = [
 /// Compares an example's shaders with those that the command prints, or writes them anew.
 pub(crate) fn hold_shaders(engine: &str, shaders: &[Shader]) {
     let folder = tempfile::tempdir().expect("a folder");
+    fs::create_dir(folder.path().join("shaders")).expect("a folder");
     for (file, words) in shaders {
-        let text = run(folder.path(), ["shader"].iter().chain(*words)).exited(0).stdout;
-        assert!(!text.contains(['`', '$', '\\']), "{file}: the text is no template of JavaScript");
-        let printed =
-            format!("export default /* {} */ `{text}`;\n", if file.contains("wgsl") { "wgsl" } else { "glsl" });
-        let path = example(engine).join(file);
-        if env::var("UPDATE_GOLDEN").is_ok_and(|name| name == engine) {
-            fs::write(&path, printed).expect("the example");
-            continue;
+        run(folder.path(), ["shader", "--es-module", "-o", file].iter().chain(*words)).exited(0);
+        for file in [(*file).to_owned(), types_of(file)] {
+            let printed = fs::read_to_string(folder.path().join(&file)).expect("a module");
+            let path = example(engine).join(&file);
+            if env::var("UPDATE_GOLDEN").is_ok_and(|name| name == engine) {
+                fs::write(&path, printed).expect("the example");
+                continue;
+            }
+            let stands = fs::read_to_string(&path).expect("the example");
+            for (number, (stands, printed)) in stands.lines().zip(printed.lines()).enumerate() {
+                assert_eq!(stands, printed, "{file}: line {}; UPDATE_GOLDEN={engine} writes it anew", number + 1);
+            }
+            assert_eq!(stands.len(), printed.len(), "{file}");
         }
-        let stands = fs::read_to_string(&path).expect("the example");
-        for (number, (stands, printed)) in stands.lines().zip(printed.lines()).enumerate() {
-            assert_eq!(stands, printed, "{file}: line {}; UPDATE_GOLDEN={engine} writes it anew", number + 1);
-        }
-        assert_eq!(stands.len(), printed.len(), "{file}");
     }
 }

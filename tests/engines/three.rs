@@ -115,8 +115,8 @@ fn the_example_lights_webgpu_renderer() {
     }
 }
 
-/// The files of `examples/three/shaders`, and the words after `ltcforge shader` that print them. three's area lights are
-/// rectangles.
+/// The modules of `examples/three/shaders`, and the words after `ltcforge shader --es-module` that write them and their types.
+/// three's area lights are rectangles.
 const EXAMPLE_SHADERS: [(&str, &[&str]); 7] = [
     RULES_GLSL[0],
     RULES_GLSL[1],

@@ -1,5 +1,6 @@
 export default /* wgsl */ `// SPDX-License-Identifier: MIT OR Apache-2.0
-// Area lights on GGX without a table, in the space of its normals, by rule fast. Made by ltcforge 0.1.0.
+// ltcforge 0.1.0, revision 1, sha256 of the text below: 92be35f74e69d7ce
+// Area lights on GGX without a table, in the space of its normals, by rule fast.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
 //   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in that frame and

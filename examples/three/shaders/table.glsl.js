@@ -1,5 +1,6 @@
-export default /* glsl */ `// Linearly Transformed Cosines: area lights on anisotropic GGX, by a table that ltcforge fitted.
-// Made by ltcforge 0.1.0. SPDX-License-Identifier: MIT OR Apache-2.0
+export default /* glsl */ `// SPDX-License-Identifier: MIT OR Apache-2.0
+// ltcforge 0.1.0, revision 1, sha256 of the text below: d1748a4d50a65567
+// Linearly Transformed Cosines: area lights on anisotropic GGX, by a table that ltcforge fitted.
 //
 // Reads tables of layout reflected, and takes every table for one.
 //
@@ -58,462 +59,426 @@ export default /* glsl */ `// Linearly Transformed Cosines: area lights on aniso
 //     M 0.024247 0.037322 -0.613512 | 0.044761 0.006612 0.824185 | 0.138496 -0.182740 0.329282
 //     amplitude 1.062531 fresnel 0.367991 covered 0.960659
 
-
 precision highp float;
 precision highp int;
 
+// Angles of directions in the first quadrant, for the place of a table's entry: they need no more digits than its weights.
+
+// The angles of vectors in the first quadrant from +x. Error below 4e-7 [ltcforge-studies, polynomials].
+vec2 ltc_quadrant(vec2 y, vec2 x) {
+    vec2 t = (y - x) / (y + x);
+    vec2 z = t * t;
+    vec2 tail = ((0.0068118 * z - 0.0336042) * z + 0.0796237) * z - 0.1323334;
+    return 0.78539816 + t * (((tail * z + 0.1980782) * z - 0.3331737) * z + 0.9999961);
+}
+
+// A table in three 3D textures, z = alpha. For ltc_table.wgsl.
+
+uniform highp sampler3D ltc_matrix_a;
+uniform highp sampler3D ltc_matrix_b;
+uniform highp sampler3D ltc_terms;
+
+// The three texels of an entry.
 struct LtcTexels {
     vec4 a;
     vec4 b;
     vec4 terms;
 };
+
+// The entry at a texel.
+LtcTexels ltc_fetch(uvec3 texel) {
+    return LtcTexels(texelFetch(ltc_matrix_a, ivec3(texel), 0), texelFetch(ltc_matrix_b, ivec3(texel), 0), texelFetch(ltc_terms, ivec3(texel), 0));
+}
+
+// A table: what is bound of it, and what stands in its textures. Needs texels_volumes.wgsl or texels_array.wgsl. ltc_lookup.wgsl
+// reads any table, ltc_lookup_round.wgsl those of isotropic surfaces alone.
+//
+// Each entry is three texels, x = phi, y = ratio * theta_nodes + theta, z = alpha, which is the order in which a file stores
+// its entries:
+//     a      m00 m01 m02 m10
+//     b      m11 m12 m20 m21
+//     terms  m22 amplitude fresnel 0
+// 32 or 16 bits a number. A table without terms has amplitude 1 and fresnel 0 in their place.
+
 struct LtcTable {
+    // How many nodes alpha, ratio, theta and phi have.
     uvec4 nodes;
+    // x: the layout's number, which a shader for one layout does not read. y: 1 for a table of isotropic surfaces with one
+    // phi, whose lobes turn with the view.
     uvec4 reading;
+    // The first node of each axis in the variable in which the layout's nodes are evenly spaced, the step between nodes, and
+    // one over it; an axis of one node has the step 1.
     vec4 start;
     vec4 spacing;
     vec4 per_step;
+    // For the sampler: one over the nodes of alpha, one over those of ratio and theta, those of theta, one over those of phi.
     vec4 texel;
+    // The first and the last node: of alpha, of ratio; the last and the first cosine of theta; cosine and sine of phi.
     vec4 roughness;
     vec4 cosines;
     vec4 azimuths;
 };
+
+uniform LtcTable ltc_table;
+
+// The least roughness along either axis. Both are raised to it before their ratio is taken, so that mirrors stay isotropic.
+const float LTC_LEAST_ALPHA = 1e-5;
+
+// The lobe of a surface seen from one direction.
 struct LtcLobe {
-    mat3x3 m;
+    // Maps the clamped cosine to the lobe, in the surface's tangent frame.
+    mat3 m;
+    // Reflectance is f0 (amplitude - fresnel) + f90 fresnel.
     float amplitude;
     float fresnel;
 };
+
+// Reads a table: fold, fetch, restore what the layout stores, unfold. Needs ltc_math.wgsl, ltc_table.wgsl, and functions
+// ltc_steps, ltc_weights and ltc_restore that call a layout's, which \`ltcforge shader\` writes.
+
+// A configuration in the table's frame, which has the larger roughness along x and the view in its first quadrant.
 struct LtcFold {
     float alpha;
     float ratio;
     vec3 wo;
+    // The axes of that frame in the surface's.
     vec2 x;
     vec2 y;
 };
+
+// wo: view direction in the tangent frame, normal +z, of unit length. Outside the table's ranges all is at the nearest end.
+LtcFold ltc_fold(float alpha_x, float alpha_y, vec3 wo) {
+    vec2 a = max(vec2(alpha_x, alpha_y), vec2(LTC_LEAST_ALPHA));
+    bool swap = a.y > a.x;
+    vec2 mirror = mix(vec2(1.0), vec2(-1.0), lessThan(wo.xy, vec2(0.0)));
+    float larger = max(a.x, a.y);
+    LtcFold fold = LtcFold(0.0, 0.0, vec3(0.0), vec2(0.0), vec2(0.0));
+    fold.alpha = clamp(larger, ltc_table.roughness.x, ltc_table.roughness.y);
+    fold.ratio = clamp(min(a.x, a.y) / larger, ltc_table.roughness.z, ltc_table.roughness.w);
+    fold.x = swap ? vec2(0.0, mirror.y) : vec2(mirror.x, 0.0);
+    fold.y = swap ? vec2(mirror.x, 0.0) : vec2(0.0, mirror.y);
+    // Seen from straight above, phi is 0.
+    vec2 flat_ = (swap ? abs(wo.yx) : abs(wo.xy)) + vec2(1e-18, 0.0);
+    float per_size = inversesqrt(dot(flat_, flat_));
+    vec2 ahead = flat_ * per_size;
+    vec2 first = ltc_table.azimuths.xy;
+    vec2 last = ltc_table.azimuths.zw;
+    vec2 towards = ahead;
+    if (first.x * ahead.y < first.y * ahead.x) {
+        towards = first;
+    }
+    if (last.x * ahead.y > last.y * ahead.x) {
+        towards = last;
+    }
+    float height = clamp(wo.z, ltc_table.cosines.x, ltc_table.cosines.y);
+    float size = height == wo.z ? dot(flat_, ahead) : sqrt(1.0 - height * height);
+    fold.wo = vec3(towards * size, height);
+    if (ltc_table.reading.y == 1u) {
+        // The lobe turns with the view.
+        vec2 turn = vec2(dot(first, ahead), first.x * ahead.y - first.y * ahead.x);
+        vec2 x = fold.x;
+        fold.x = turn.x * x + turn.y * fold.y;
+        fold.y = turn.x * fold.y - turn.y * x;
+    }
+    return fold;
+}
+
+// A place between the nodes lower and lower + 1 of each axis; the latter's weight.
 struct LtcPlace {
     vec4 lower;
     vec4 weight;
 };
+
+// The place of variables in which nodes are evenly spaced.
+LtcPlace ltc_place(vec4 steps) {
+    vec4 most = max(vec4(ltc_table.nodes) - vec4(2.0), vec4(0.0));
+    vec4 at = (steps - ltc_table.start) * ltc_table.per_step;
+    vec4 lower = clamp(floor(at), vec4(0.0), most);
+    return LtcPlace(lower, clamp(at - lower, vec4(0.0), vec4(1.0)));
+}
+
+// The 16 entries around a place, interpolated here: exact weights, any texture format.
+LtcTexels ltc_fetch_weighed(vec4 lower, vec4 upper) {
+    LtcTexels sum = LtcTexels(vec4(0.0), vec4(0.0), vec4(0.0));
+    uvec4 first = uvec4(lower);
+    uvec4 last = ltc_table.nodes - uvec4(1u);
+    for (uint corner = 0u; corner < 16u; corner++) {
+        uvec4 step_ = (uvec4(corner) >> uvec4(3u, 2u, 1u, 0u)) & uvec4(1u);
+        vec4 weights = mix(vec4(1.0) - upper, upper, equal(step_, uvec4(1u)));
+        float weight = weights.x * weights.y * weights.z * weights.w;
+        // Beyond the last node there is no entry; its weight is zero.
+        uvec4 entry = min(first + step_, last);
+        LtcTexels fetched = ltc_fetch(uvec3(entry.w, entry.y * ltc_table.nodes.z + entry.z, entry.x));
+        sum.a += weight * fetched.a;
+        sum.b += weight * fetched.b;
+        sum.terms += weight * fetched.terms;
+    }
+    return sum;
+}
+
+// Where layout reflected has its nodes. Needs ltc_quadrant.wgsl and ltc_lookup.wgsl.
+
+// Where a configuration lies among nodes that are evenly spaced in u, with alpha = u^1.6, ratio = u^1.3, theta =
+// (1 - (1 - u)^2) 0.9999 pi/2 and phi = u. Weights are linear in these values.
+LtcPlace ltc_place_reflected(float alpha, float ratio, vec3 wo) {
+    vec2 angles = ltc_quadrant(vec2(length(wo.xy), wo.y), vec2(wo.z, wo.x));
+    float theta = 0.63668344 * angles.x;
+    vec2 powers = vec2(1.6, 1.3);
+    vec2 surface = vec2(alpha, ratio);
+    LtcPlace place = ltc_place(vec4(pow(surface, 1.0 / powers), 1.0 - sqrt(max(1.0 - theta, 0.0)), angles.y));
+    vec3 below = ltc_table.start.xyz + place.lower.xyz * ltc_table.spacing.xyz;
+    vec3 above = below + ltc_table.spacing.xyz;
+    vec3 low = vec3(pow(below.xy, powers), (2.0 - below.z) * below.z);
+    vec3 high = vec3(pow(above.xy, powers), (2.0 - above.z) * above.z);
+    vec3 weight = clamp((vec3(surface, theta) - low) / (high - low), vec3(0.0), vec3(1.0));
+    place.weight = vec4(weight, place.weight.w);
+    return place;
+}
+
+// Where a configuration lies among the nodes, within the table's ranges seen from wo in the first quadrant.
+LtcPlace ltc_place_of(float alpha, float ratio, vec3 wo) {
+    return ltc_place_reflected(alpha, ratio, wo);
+}
+
+// Layout reflected: a table stores what is left of each lobe beside a reflection that is known in closed form. Needs
+// LtcLobe and LTC_LEAST_ALPHA, which ltc_table.wgsl has; place_reflected.wgsl has its nodes.
+
+// What the interpolated numbers of layout reflected stand for, at a place within the table's ranges seen from wo in
+// the first quadrant: they are what is left of the lobe beside the reflection at the normal in the middle of those seen.
+LtcLobe ltc_restore_reflected(LtcLobe stored, float alpha_x, float ratio, vec3 wo) {
+    vec3 alpha = vec3(alpha_x, max(alpha_x * ratio, LTC_LEAST_ALPHA), 1.0);
+    vec3 seen = alpha * wo;
+    float seen2 = dot(seen, seen);
+    float per_seen = inversesqrt(seen2);
+    vec3 wm = normalize(alpha * (seen * per_seen + vec3(0.0, 0.0, 1.0)));
+    float d = dot(wo, wm);
+    vec3 reflected = 2.0 * d * wm - wo;
+    // The reflected direction moves by 2 (d t - (reflected . t) wm) as the normal wm tilts along t: the columns of a matrix K for
+    // t along x and y, times alpha_x, and reflected itself. M is K times what is stored.
+    mat3 s = stored.m;
+    vec2 x = 2.0 * alpha_x * s[0].xy;
+    vec2 y = 2.0 * alpha_x * s[1].xy;
+    vec2 z = 2.0 * alpha_x * s[2].xy;
+    mat3 m = mat3(
+        vec3(d * x, 0.0) - dot(reflected.xy, x) * wm + s[0].z * reflected,
+        vec3(d * y, 0.0) - dot(reflected.xy, y) * wm + s[1].z * reflected,
+        vec3(d * z, 0.0) - dot(reflected.xy, z) * wm + s[2].z * reflected
+    );
+    // Smith's G2 over G1, of lengths where the surface is a hemisphere.
+    vec3 out_ = alpha * reflected;
+    float height = abs(reflected.z);
+    float size = seen2 * per_seen;
+    float g2_over_g1 = height * (size + wo.z) / max(height * size + wo.z * sqrt(dot(out_, out_)), 1e-30);
+    float amplitude = stored.amplitude * g2_over_g1 * g2_over_g1;
+    float grazing = max(stored.fresnel + 1.0 - d, 0.0);
+    float grazing2 = grazing * grazing;
+    return LtcLobe(m, amplitude, amplitude * (grazing2 * grazing2 * grazing));
+}
+
+// The lobe of interpolated numbers there.
+LtcLobe ltc_restore(LtcLobe stored, float alpha, float ratio, vec3 wo) {
+    return ltc_restore_reflected(stored, alpha, ratio, wo);
+}
+
+// The table at a surface and a view direction, wo as in ltc_fold.
+LtcLobe ltc_lookup(float alpha_x, float alpha_y, vec3 wo) {
+    LtcFold fold = ltc_fold(alpha_x, alpha_y, wo);
+    LtcPlace place = ltc_place_of(fold.alpha, fold.ratio, fold.wo);
+    LtcTexels texels = ltc_fetch_weighed(place.lower, place.weight);
+    mat3 stored = transpose(mat3(
+        texels.a.xyz,
+        vec3(texels.a.w, texels.b.xy),
+        vec3(texels.b.zw, texels.terms.x)
+    ));
+    LtcLobe lobe = ltc_restore(LtcLobe(stored, texels.terms.y, texels.terms.z), fold.alpha, fold.ratio, fold.wo);
+    // F M F^T, where F maps from the table's frame to the surface's.
+    mat3 m = lobe.m;
+    vec3 x = vec3(fold.x * m[0].x + fold.y * m[0].y, m[0].z);
+    vec3 y = vec3(fold.x * m[1].x + fold.y * m[1].y, m[1].z);
+    vec3 z = vec3(fold.x * m[2].x + fold.y * m[2].y, m[2].z);
+    lobe.m = mat3(x * fold.x.x + y * fold.y.x, x * fold.x.y + y * fold.y.y, z);
+    return lobe;
+}
+
+// Integrates a Linearly Transformed Cosine over a polygon. Needs ltc_math.wgsl.
+//
+// Vertices are given relative to the shaded point in its tangent frame, normal +z. The lit side is the one from which
+// they run clockwise. The outline has to be convex. ltc_shapes.wgsl has lights that are no polygons.
+
+// Whether what the horizon leaves of polygons, disks and spheres is guessed by a fit [Hill and Heitz 2016] instead of
+// integrated. It is cheaper and mostly too bright: of disks by 0.033 on average and 0.16 at most where the horizon cuts them, by
+// 0.003 on average and 0.09 at most above it.
+const bool LTC_CHEAP_HORIZON = false;
+
+// The inverse of M up to a positive factor, which changes no direction.
 struct LtcInverse {
-    mat3x3 m;
+    mat3 m;
+    // -1 where M mirrors and so turns polygons over; 0 where it has no inverse: nothing is lit then.
     float side;
 };
+
+// The inverse's numbers grow as 1 / alpha for sharp lobes. The adjugate divided by its largest element needs no
+// determinant, which may underflow, and keeps vertices of any size in range.
+LtcInverse ltc_inverse(mat3 m) {
+    vec3 x = cross(m[1], m[2]);
+    vec3 y = cross(m[2], m[0]);
+    vec3 z = cross(m[0], m[1]);
+    vec3 most = max(max(abs(x), abs(y)), abs(z));
+    float largest = max(max(most.x, most.y), most.z);
+    float side = largest > 1e-30 && largest < 1e30 ? sign(dot(m[2], z)) : 0.0;
+    float scale = side / max(largest, 1e-30);
+    return LtcInverse(transpose(mat3(x * scale, y * scale, z * scale)), side);
+}
+
+// The vector at length one; zero for one without direction.
+vec3 ltc_unit(vec3 v) {
+    return v * inversesqrt(dot(v, v) + 1e-36);
+}
+
+// The angle between two directions over its sine, less one. Error below 2.5e-5 of what half the angle is over its sine, up to a
+// straight angle, which a sum of directions is nearer to than their product [ltcforge-studies, polynomials].
+float ltc_bend(vec3 a, vec3 b) {
+    vec3 sum = a + b;
+    float k = dot(sum, sum) + 1e-18;
+    return (3.1415927 + (0.3824614 + 0.0361113 * k) * k) * inversesqrt(k) - (1.9987368 + (0.1384879 + 0.0044966 * k) * k);
+}
+
+// The part of acos(a . b) (a x b).z / |a x b| beyond (a x b).z.
+float ltc_arc(vec3 a, vec3 b) {
+    return (a.x * b.y - a.y * b.x) * ltc_bend(a, b);
+}
+
+// (a x b).z around an origin.
+//
+// For a closed outline the sum is the same for every origin. With an origin near a small light each term is as small as the
+// sum, which rounding errors would otherwise swamp.
+float ltc_chord(vec3 a, vec3 b, vec3 origin) {
+    vec2 p = a.xy - origin.xy;
+    vec2 q = b.xy - origin.xy;
+    return p.x * q.y - p.y * q.x;
+}
+
+// The integral over a convex polygon, added up edge by edge; what lies below the lobe's horizon is left out.
 struct LtcClip {
     float sum;
+    // A place near the outline.
     vec3 origin;
     vec3 previous;
     vec3 previous_unit;
+    // Where the outline dips below the horizon and where it comes back.
     vec3 leaves;
     vec3 enters;
+    // For LTC_CHEAP_HORIZON: the vector form factor without a horizon, times 2 pi, and the sum of the vertices' directions.
     vec3 flux;
     vec3 ahead;
 };
-const float LTC_LEAST_ALPHA = 1e-5;
-const bool LTC_CHEAP_HORIZON = false;
-const bool ltc_hardware_filter = false;
 
-uniform highp sampler3D ltc_matrix_a;
-
-uniform highp sampler3D ltc_matrix_b;
-
-uniform highp sampler3D ltc_terms;
-
-uniform LtcTable ltc_table;
-
-
-vec2 ltc_quadrant(vec2 y, vec2 x) {
-    vec2 t = ((y - x) / (y + x));
-    vec2 z = (t * t);
-    vec2 tail = ((((((0.0068118 * z) - vec2(0.0336042)) * z) + vec2(0.0796237)) * z) - vec2(0.1323334));
-    return (vec2(0.7853982) + (t * ((((((tail * z) + vec2(0.1980782)) * z) - vec2(0.3331737)) * z) + vec2(0.9999961))));
-}
-
-LtcTexels ltc_fetch(uvec3 texel) {
-    vec4 _e3 = texelFetch(ltc_matrix_a, ivec3(texel), 0);
-    vec4 _e6 = texelFetch(ltc_matrix_b, ivec3(texel), 0);
-    vec4 _e9 = texelFetch(ltc_terms, ivec3(texel), 0);
-    return LtcTexels(_e3, _e6, _e9);
-}
-
-LtcFold ltc_fold(float alpha_x, float alpha_y, vec3 wo) {
-    LtcFold fold = LtcFold(0.0, 0.0, vec3(0.0), vec2(0.0), vec2(0.0));
-    vec2 towards = vec2(0.0);
-    vec2 a_3 = max(vec2(alpha_x, alpha_y), vec2(1e-5));
-    bool swap = (a_3.y > a_3.x);
-    vec2 mirror = mix(vec2(1.0), vec2(-1.0), lessThan(wo.xy, vec2(0.0)));
-    float larger = max(a_3.x, a_3.y);
-    float _e27 = ltc_table.roughness.x;
-    float _e31 = ltc_table.roughness.y;
-    fold.alpha = clamp(larger, _e27, _e31);
-    float _e41 = ltc_table.roughness.z;
-    float _e45 = ltc_table.roughness.w;
-    fold.ratio = clamp((min(a_3.x, a_3.y) / larger), _e41, _e45);
-    fold.x = (swap ? vec2(0.0, mirror.y) : vec2(mirror.x, 0.0));
-    fold.y = (swap ? vec2(mirror.x, 0.0) : vec2(0.0, mirror.y));
-    vec2 flat_ = ((swap ? abs(wo.yx) : abs(wo.xy)) + vec2(1e-18, 0.0));
-    float per_size = inversesqrt(dot(flat_, flat_));
-    vec2 ahead = (flat_ * per_size);
-    vec4 _e77 = ltc_table.azimuths;
-    vec2 first = _e77.xy;
-    vec4 _e81 = ltc_table.azimuths;
-    vec2 last = _e81.zw;
-    towards = ahead;
-    if (((first.x * ahead.y) < (first.y * ahead.x))) {
-        towards = first;
-    }
-    if (((last.x * ahead.y) > (last.y * ahead.x))) {
-        towards = last;
-    }
-    float _e102 = ltc_table.cosines.x;
-    float _e106 = ltc_table.cosines.y;
-    float height = clamp(wo.z, _e102, _e106);
-    float size = ((height == wo.z) ? dot(flat_, ahead) : sqrt((1.0 - (height * height))));
-    vec2 _e117 = towards;
-    fold.wo = vec3((_e117 * size), height);
-    uint _e123 = ltc_table.reading.y;
-    if ((_e123 == 1u)) {
-        vec2 turn = vec2(dot(first, ahead), ((first.x * ahead.y) - (first.y * ahead.x)));
-        vec2 x_2 = fold.x;
-        vec2 _e142 = fold.y;
-        fold.x = ((turn.x * x_2) + (turn.y * _e142));
-        vec2 _e148 = fold.y;
-        fold.y = ((turn.x * _e148) - (turn.y * x_2));
-    }
-    LtcFold _e153 = fold;
-    return _e153;
-}
-
-LtcPlace ltc_place(vec4 steps) {
-    uvec4 _e3 = ltc_table.nodes;
-    vec4 most = max((vec4(_e3) - vec4(2.0)), vec4(0.0));
-    vec4 _e13 = ltc_table.start;
-    vec4 _e17 = ltc_table.per_step;
-    vec4 at = ((steps - _e13) * _e17);
-    vec4 lower_1 = clamp(floor(at), vec4(0.0), most);
-    return LtcPlace(lower_1, clamp((at - lower_1), vec4(0.0), vec4(1.0)));
-}
-
-LtcTexels ltc_fetch_weighed(vec4 lower, vec4 upper) {
-    LtcTexels sum = LtcTexels(vec4(0.0), vec4(0.0), vec4(0.0));
-    uint corner = 0u;
-    uvec4 first_1 = uvec4(lower);
-    uvec4 _e13 = ltc_table.nodes;
-    uvec4 last_1 = (_e13 - uvec4(1u));
-    bool loop_init = true;
-    while(true) {
-        if (!loop_init) {
-            uint _e77 = corner;
-            corner = (_e77 + 1u);
-        }
-        loop_init = false;
-        uint _e19 = corner;
-        if ((_e19 < 16u)) {
-        } else {
-            break;
-        }
-        {
-            uint _e22 = corner;
-            uvec4 step_ = ((uvec4(_e22) >> uvec4(3u, 2u, 1u, 0u)) & uvec4(1u));
-            vec4 weights = mix((vec4(1.0) - upper), upper, equal(step_, uvec4(1u)));
-            float weight = (((weights.x * weights.y) * weights.z) * weights.w);
-            uvec4 entry = min((first_1 + step_), last_1);
-            uint _e54 = ltc_table.nodes.z;
-            LtcTexels _e60 = ltc_fetch(uvec3(entry.w, ((entry.y * _e54) + entry.z), entry.x));
-            vec4 _e62 = sum.a;
-            sum.a = (_e62 + (weight * _e60.a));
-            vec4 _e67 = sum.b;
-            sum.b = (_e67 + (weight * _e60.b));
-            vec4 _e72 = sum.terms;
-            sum.terms = (_e72 + (weight * _e60.terms));
-        }
-    }
-    LtcTexels _e79 = sum;
-    return _e79;
-}
-
-LtcPlace ltc_place_reflected(float alpha, float ratio, vec3 wo_1) {
-    LtcPlace place = LtcPlace(vec4(0.0), vec4(0.0));
-    vec2 _e10 = ltc_quadrant(vec2(length(wo_1.xy), wo_1.y), vec2(wo_1.z, wo_1.x));
-    float theta = (0.63668346 * _e10.x);
-    vec2 powers = vec2(1.6, 1.3);
-    vec2 surface = vec2(alpha, ratio);
-    LtcPlace _e31 = ltc_place(vec4(pow(surface, vec2(0.625, 0.7692308)), (1.0 - sqrt(max((1.0 - theta), 0.0))), _e10.y));
-    place = _e31;
-    vec4 _e35 = ltc_table.start;
-    vec4 _e38 = place.lower;
-    vec4 _e42 = ltc_table.spacing;
-    vec3 below = (_e35.xyz + (_e38.xyz * _e42.xyz));
-    vec4 _e48 = ltc_table.spacing;
-    vec3 above = (below + _e48.xyz);
-    vec3 low = vec3(pow(below.xy, powers), ((2.0 - below.z) * below.z));
-    vec3 high = vec3(pow(above.xy, powers), ((2.0 - above.z) * above.z));
-    vec3 weight_1 = clamp(((vec3(surface, theta) - low) / (high - low)), vec3(0.0), vec3(1.0));
-    float _e79 = place.weight.w;
-    place.weight = vec4(weight_1, _e79);
-    LtcPlace _e81 = place;
-    return _e81;
-}
-
-LtcPlace ltc_place_of(float alpha_1, float ratio_1, vec3 wo_2) {
-    LtcPlace _e3 = ltc_place_reflected(alpha_1, ratio_1, wo_2);
-    return _e3;
-}
-
-LtcLobe ltc_restore_reflected(LtcLobe stored, float alpha_x_1, float ratio_2, vec3 wo_3) {
-    vec3 alpha_3 = vec3(alpha_x_1, max((alpha_x_1 * ratio_2), LTC_LEAST_ALPHA), 1.0);
-    vec3 seen = (alpha_3 * wo_3);
-    float seen2_ = dot(seen, seen);
-    float per_seen = inversesqrt(seen2_);
-    vec3 wm = normalize((alpha_3 * ((seen * per_seen) + vec3(0.0, 0.0, 1.0))));
-    float d = dot(wo_3, wm);
-    vec3 reflected = (((2.0 * d) * wm) - wo_3);
-    mat3x3 s = stored.m;
-    vec2 x_3 = ((2.0 * alpha_x_1) * s[0].xy);
-    vec2 y_2 = ((2.0 * alpha_x_1) * s[1].xy);
-    vec2 z_1 = ((2.0 * alpha_x_1) * s[2].xy);
-    mat3x3 m_1 = mat3x3(((vec3((d * x_3), 0.0) - (dot(reflected.xy, x_3) * wm)) + (s[0].z * reflected)), ((vec3((d * y_2), 0.0) - (dot(reflected.xy, y_2) * wm)) + (s[1].z * reflected)), ((vec3((d * z_1), 0.0) - (dot(reflected.xy, z_1) * wm)) + (s[2].z * reflected)));
-    vec3 out_ = (alpha_3 * reflected);
-    float height_1 = abs(reflected.z);
-    float size_1 = (seen2_ * per_seen);
-    float g2_over_g1_ = ((height_1 * (size_1 + wo_3.z)) / max(((height_1 * size_1) + (wo_3.z * sqrt(dot(out_, out_)))), 1e-30));
-    float amplitude = ((stored.amplitude * g2_over_g1_) * g2_over_g1_);
-    float grazing = max(((stored.fresnel + 1.0) - d), 0.0);
-    float grazing2_ = (grazing * grazing);
-    return LtcLobe(m_1, amplitude, (amplitude * ((grazing2_ * grazing2_) * grazing)));
-}
-
-LtcLobe ltc_restore(LtcLobe stored_1, float alpha_2, float ratio_3, vec3 wo_4) {
-    LtcLobe _e4 = ltc_restore_reflected(stored_1, alpha_2, ratio_3, wo_4);
-    return _e4;
-}
-
-LtcLobe ltc_lookup(float alpha_x_2, float alpha_y_1, vec3 wo_5) {
-    LtcTexels texels = LtcTexels(vec4(0.0), vec4(0.0), vec4(0.0));
-    LtcLobe lobe = LtcLobe(mat3x3(0.0), 0.0, 0.0);
-    LtcFold _e3 = ltc_fold(alpha_x_2, alpha_y_1, wo_5);
-    LtcPlace _e7 = ltc_place_of(_e3.alpha, _e3.ratio, _e3.wo);
-    LtcTexels _e11 = ltc_fetch_weighed(_e7.lower, _e7.weight);
-    texels = _e11;
-    vec4 _e13 = texels.a;
-    float _e17 = texels.a.w;
-    vec4 _e19 = texels.b;
-    vec4 _e23 = texels.b;
-    float _e27 = texels.terms.x;
-    mat3x3 stored_2 = transpose(mat3x3(_e13.xyz, vec3(_e17, _e19.xy), vec3(_e23.zw, _e27)));
-    float _e33 = texels.terms.y;
-    float _e36 = texels.terms.z;
-    LtcLobe _e41 = ltc_restore(LtcLobe(stored_2, _e33, _e36), _e3.alpha, _e3.ratio, _e3.wo);
-    lobe = _e41;
-    mat3x3 m_2 = lobe.m;
-    vec3 x_4 = vec3(((_e3.x * m_2[0].x) + (_e3.y * m_2[0].y)), m_2[0].z);
-    vec3 y_3 = vec3(((_e3.x * m_2[1].x) + (_e3.y * m_2[1].y)), m_2[1].z);
-    vec3 z_2 = vec3(((_e3.x * m_2[2].x) + (_e3.y * m_2[2].y)), m_2[2].z);
-    lobe.m = mat3x3(((x_4 * _e3.x.x) + (y_3 * _e3.y.x)), ((x_4 * _e3.x.y) + (y_3 * _e3.y.y)), z_2);
-    LtcLobe _e97 = lobe;
-    return _e97;
-}
-
-LtcInverse ltc_inverse(mat3x3 m) {
-    bool local = false;
-    vec3 x_5 = cross(m[1], m[2]);
-    vec3 y_4 = cross(m[2], m[0]);
-    vec3 z_3 = cross(m[0], m[1]);
-    vec3 most_1 = max(max(abs(x_5), abs(y_4)), abs(z_3));
-    float largest = max(max(most_1.x, most_1.y), most_1.z);
-    if ((largest > 1e-30)) {
-        local = (largest < 1e30);
-    } else {
-        local = false;
-    }
-    bool _e30 = local;
-    float side_1 = (_e30 ? sign(dot(m[2], z_3)) : 0.0);
-    float scale = (side_1 / max(largest, 1e-30));
-    return LtcInverse(transpose(mat3x3((x_5 * scale), (y_4 * scale), (z_3 * scale))), side_1);
-}
-
-vec3 ltc_unit(vec3 v) {
-    return (v * inversesqrt((dot(v, v) + 1e-36)));
-}
-
-float ltc_bend(vec3 a, vec3 b) {
-    vec3 sum_1 = (a + b);
-    float k = (dot(sum_1, sum_1) + 1e-18);
-    return (((3.1415927 + ((0.3824614 + (0.0361113 * k)) * k)) * inversesqrt(k)) - (1.9987369 + ((0.1384879 + (0.0044966 * k)) * k)));
-}
-
-float ltc_arc(vec3 a_1, vec3 b_1) {
-    float _e9 = ltc_bend(a_1, b_1);
-    return (((a_1.x * b_1.y) - (a_1.y * b_1.x)) * _e9);
-}
-
-float ltc_chord(vec3 a_2, vec3 b_2, vec3 origin) {
-    vec2 p = (a_2.xy - origin.xy);
-    vec2 q = (b_2.xy - origin.xy);
-    return ((p.x * q.y) - (p.y * q.x));
-}
-
+// Begins at a vertex in cosine space; ltc_clip_edge then takes each of the others in turn, and this one last.
 LtcClip ltc_clip_begin(vec3 vertex) {
-    vec3 _e1 = ltc_unit(vertex);
-    return LtcClip(0.0, _e1, vertex, _e1, vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    vec3 start = ltc_unit(vertex);
+    return LtcClip(0.0, start, vertex, start, vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
 }
 
-LtcClip ltc_clip_edge(LtcClip clip, vec3 b_3) {
-    LtcClip next = LtcClip(0.0, vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    vec3 from_point = vec3(0.0);
-    vec3 to_point = vec3(0.0);
-    bool local_1 = false;
-    bool local_2 = false;
-    bool local_3 = false;
-    next = clip;
-    vec3 a_4 = clip.previous;
-    next.previous = b_3;
-    vec3 _e6 = ltc_unit(b_3);
-    next.previous_unit = _e6;
-    from_point = clip.previous_unit;
-    vec3 _e14 = next.previous_unit;
-    to_point = _e14;
-    if ((a_4.z > 0.0)) {
-        local_1 = (b_3.z <= 0.0);
-    } else {
-        local_1 = false;
+LtcClip ltc_clip_edge(LtcClip clip, vec3 b) {
+    LtcClip next = clip;
+    vec3 a = clip.previous;
+    next.previous = b;
+    next.previous_unit = ltc_unit(b);
+    if (LTC_CHEAP_HORIZON) {
+        vec3 c = cross(clip.previous_unit, next.previous_unit);
+        next.flux += c + c * ltc_bend(clip.previous_unit, next.previous_unit);
+        next.ahead += next.previous_unit;
+        return next;
     }
-    bool _e25 = local_1;
-    if (_e25) {
-        vec3 _e36 = ltc_unit(vec3(((b_3.xy * a_4.z) - (a_4.xy * b_3.z)), 0.0));
-        next.leaves = _e36;
-        vec3 _e38 = next.leaves;
-        to_point = _e38;
+    vec3 from_point = clip.previous_unit;
+    vec3 to_point = next.previous_unit;
+    if (a.z > 0.0 && b.z <= 0.0) {
+        next.leaves = ltc_unit(vec3(b.xy * a.z - a.xy * b.z, 0.0));
+        to_point = next.leaves;
     }
-    if ((a_4.z <= 0.0)) {
-        local_2 = (b_3.z > 0.0);
-    } else {
-        local_2 = false;
+    if (a.z <= 0.0 && b.z > 0.0) {
+        next.enters = ltc_unit(vec3(a.xy * b.z - b.xy * a.z, 0.0));
+        from_point = next.enters;
     }
-    bool _e48 = local_2;
-    if (_e48) {
-        vec3 _e59 = ltc_unit(vec3(((a_4.xy * b_3.z) - (b_3.xy * a_4.z)), 0.0));
-        next.enters = _e59;
-        vec3 _e61 = next.enters;
-        from_point = _e61;
+    if (a.z > 0.0 || b.z > 0.0) {
+        next.sum += ltc_chord(from_point, to_point, clip.origin) + ltc_arc(from_point, to_point);
     }
-    if (!((a_4.z > 0.0))) {
-        local_3 = (b_3.z > 0.0);
-    } else {
-        local_3 = true;
-    }
-    bool _e72 = local_3;
-    if (_e72) {
-        float _e74 = next.sum;
-        vec3 _e75 = from_point;
-        vec3 _e76 = to_point;
-        float _e78 = ltc_chord(_e75, _e76, clip.origin);
-        vec3 _e79 = from_point;
-        vec3 _e80 = to_point;
-        float _e81 = ltc_arc(_e79, _e80);
-        next.sum = (_e74 + (_e78 + _e81));
-    }
-    LtcClip _e84 = next;
-    return _e84;
+    return next;
 }
 
-float ltc_clip_finish(LtcClip clip_1, float side, bool two_sided) {
-    bool local_4 = false;
-    bool local_5 = false;
-    bool is_cut = any(notEqual(clip_1.leaves, clip_1.enters));
-    float _e40 = ltc_chord(clip_1.leaves, clip_1.enters, clip_1.origin);
-    float _e43 = ltc_arc(clip_1.leaves, clip_1.enters);
-    float closing = (is_cut ? (_e40 + _e43) : 0.0);
-    float sum_2 = (((clip_1.sum + closing) * 0.15915494) * side);
-    return clamp((two_sided ? abs(sum_2) : sum_2), 0.0, 1.0);
+// The part of the distribution that the polygon covers, in [0, 1]. An arc along the horizon closes a cut outline.
+float ltc_clip_finish(LtcClip clip, float side, bool two_sided) {
+    if (LTC_CHEAP_HORIZON) {
+        // The light of a sphere of the same vector form factor.
+        float length_ = sqrt(dot(clip.flux, clip.flux)) * 0.15915494;
+        float ahead = dot(clip.flux, clip.ahead);
+        bool is_lit = side * ahead > 0.0;
+        float up = (ahead > 0.0 ? 1.0 : -1.0) * clip.flux.z * 0.15915494;
+        float seen = clamp((length_ * length_ + up) / (length_ + 1.0), 0.0, 1.0);
+        return is_lit || (two_sided && side != 0.0) ? seen : 0.0;
+    }
+    bool is_cut = any(notEqual(clip.leaves, clip.enters));
+    float closing = is_cut ? ltc_chord(clip.leaves, clip.enters, clip.origin) + ltc_arc(clip.leaves, clip.enters) : 0.0;
+    float sum = (clip.sum + closing) * 0.15915494 * side;
+    return clamp(two_sided ? abs(sum) : sum, 0.0, 1.0);
 }
 
-float ltc_rectangle(LtcInverse inverse_, vec3 corners[4], bool two_sided_1) {
-    vec3 x_1 = vec3(0.0);
-    vec3 y_1 = vec3(0.0);
-    x_1 = (inverse_.m * (corners[1] - corners[0]));
-    y_1 = (inverse_.m * (corners[2] - corners[1]));
-    float _e16 = x_1.z;
-    float _e18 = y_1.z;
-    bvec2 falls = lessThan(vec2(_e16, _e18), vec2(0.0));
-    vec2 turn_1 = mix(vec2(1.0), vec2(-1.0), falls);
-    vec3 _e28 = x_1;
-    x_1 = (_e28 * turn_1.x);
-    vec3 _e31 = y_1;
-    y_1 = (_e31 * turn_1.y);
-    vec3 _e37 = x_1;
-    vec3 _e45 = y_1;
-    vec3 lowest = (((inverse_.m * corners[0]) + (_e37 * ((0.5 * turn_1.x) - 0.5))) + (_e45 * ((0.5 * turn_1.y) - 0.5)));
-    vec3 _e53 = x_1;
-    vec3 a_5 = (lowest + _e53);
-    vec3 _e55 = y_1;
-    vec3 b_4 = (lowest + _e55);
-    vec3 _e57 = y_1;
-    vec3 highest = (a_5 + _e57);
-    float _e60 = x_1.z;
-    float _e62 = y_1.z;
-    vec2 per_height = (vec2(1.0) / max(vec2(_e60, _e62), vec2(1e-36)));
-    vec2 low_1 = clamp((-(lowest.z) * per_height), vec2(0.0), vec2(1.0));
-    float last_x = clamp((-(b_4.z) * per_height.x), 0.0, 1.0);
-    float last_y = clamp((-(a_5.z) * per_height.y), 0.0, 1.0);
-    vec3 _e93 = y_1;
-    vec3 _e96 = x_1;
-    vec3 _e99 = ltc_unit(((lowest + (low_1.y * _e93)) + (last_x * _e96)));
-    vec3 _e101 = x_1;
-    vec3 _e104 = y_1;
-    vec3 _e107 = ltc_unit(((lowest + (low_1.x * _e101)) + (last_y * _e104)));
-    vec3 _e108 = y_1;
-    vec3 _e111 = ltc_unit((a_5 + (last_y * _e108)));
-    vec3 _e112 = ltc_unit(highest);
-    vec3 _e113 = x_1;
-    vec3 _e116 = ltc_unit((b_4 + (last_x * _e113)));
-    float _e117 = ltc_chord(_e116, _e99, _e112);
-    float _e118 = ltc_chord(_e99, _e107, _e112);
-    float _e120 = ltc_chord(_e107, _e111, _e112);
-    float _e122 = ltc_arc(_e99, _e107);
-    float _e124 = ltc_arc(_e107, _e111);
-    float _e126 = ltc_arc(_e111, _e112);
-    float _e128 = ltc_arc(_e112, _e116);
-    float _e130 = ltc_arc(_e116, _e99);
-    float sum_3 = (((((((_e117 + _e118) + _e120) + _e122) + _e124) + _e126) + _e128) + _e130);
-    float covered = ((sum_3 * 0.15915494) * ((inverse_.side * turn_1.x) * turn_1.y));
-    return ((highest.z > 0.0) ? clamp((two_sided_1 ? abs(covered) : covered), 0.0, 1.0) : 0.0);
+// A rectangle with LTC_CHEAP_HORIZON.
+float ltc_cheap_rectangle(LtcInverse inverse_, vec3 corners[4], bool two_sided) {
+    LtcClip clip = ltc_clip_begin(inverse_.m * corners[3]);
+    clip = ltc_clip_edge(clip, inverse_.m * corners[0]);
+    clip = ltc_clip_edge(clip, inverse_.m * corners[1]);
+    clip = ltc_clip_edge(clip, inverse_.m * corners[2]);
+    clip = ltc_clip_edge(clip, inverse_.m * corners[3]);
+    return ltc_clip_finish(clip, inverse_.side, two_sided);
 }
 
-float ltc_polygon(LtcInverse inverse_1, vec3 vertices_1[8], uint count, bool two_sided_2) {
-    vec3 outline[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    LtcClip clip_2 = LtcClip(0.0, vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    uint i = 0u;
-    outline = vertices_1;
-    uint number = min(max(count, 3u), 8u);
-    vec3 _e12 = outline[(number - 1u)];
-    LtcClip _e14 = ltc_clip_begin((inverse_1.m * _e12));
-    clip_2 = _e14;
-    bool loop_init_1 = true;
-    while(true) {
-        if (!loop_init_1) {
-            uint _e31 = i;
-            i = (_e31 + 1u);
-        }
-        loop_init_1 = false;
-        uint _e18 = i;
-        if ((_e18 < 8u)) {
-        } else {
+// A rectangle or parallelogram by its corners in order; the last is not read.
+//
+// From its lowest corner two edges rise to the others and on to the highest one. What the horizon leaves has five corners or fewer:
+// the highest one, what is left of the two beside it, and where both ways from the lowest one come over the horizon, which is
+// the lowest one itself where nothing is cut off. There is no case in which these jump.
+float ltc_rectangle(LtcInverse inverse_, vec3 corners[4], bool two_sided) {
+    if (LTC_CHEAP_HORIZON) {
+        return ltc_cheap_rectangle(inverse_, corners, two_sided);
+    }
+    vec3 x = inverse_.m * (corners[1] - corners[0]);
+    vec3 y = inverse_.m * (corners[2] - corners[1]);
+    bvec2 falls = lessThan(vec2(x.z, y.z), vec2(0.0));
+    vec2 turn = mix(vec2(1.0), vec2(-1.0), falls);
+    x *= turn.x;
+    y *= turn.y;
+    vec3 lowest = inverse_.m * corners[0] + x * (0.5 * turn.x - 0.5) + y * (0.5 * turn.y - 0.5);
+    vec3 a = lowest + x;
+    vec3 b = lowest + y;
+    vec3 highest = a + y;
+    // How much of each edge is below the horizon.
+    vec2 per_height = vec2(1.0) / max(vec2(x.z, y.z), vec2(1e-36));
+    vec2 low = clamp(-lowest.z * per_height, vec2(0.0), vec2(1.0));
+    float last_x = clamp(-b.z * per_height.x, 0.0, 1.0);
+    float last_y = clamp(-a.z * per_height.y, 0.0, 1.0);
+    vec3 d = ltc_unit(lowest + low.y * y + last_x * x);
+    vec3 e = ltc_unit(lowest + low.x * x + last_y * y);
+    vec3 f = ltc_unit(a + last_y * y);
+    vec3 g = ltc_unit(highest);
+    vec3 h = ltc_unit(b + last_x * x);
+    float sum = ltc_chord(h, d, g) + ltc_chord(d, e, g) + ltc_chord(e, f, g)
+        + ltc_arc(d, e) + ltc_arc(e, f) + ltc_arc(f, g) + ltc_arc(g, h) + ltc_arc(h, d);
+    float covered = sum * 0.15915494 * (inverse_.side * turn.x * turn.y);
+    return highest.z > 0.0 ? clamp(two_sided ? abs(covered) : covered, 0.0, 1.0) : 0.0;
+}
+
+// A convex polygon of 3 to 8 vertices in order; another count is taken as the nearest of these.
+float ltc_polygon(LtcInverse inverse_, vec3 vertices[8], uint count, bool two_sided) {
+    vec3 outline[8] = vertices;
+    uint number = clamp(count, 3u, 8u);
+    LtcClip clip = ltc_clip_begin(inverse_.m * outline[number - 1u]);
+    for (uint i = 0u; i < 8u; i++) {
+        if (i >= number) {
             break;
         }
-        {
-            uint _e21 = i;
-            if ((_e21 >= number)) {
-                break;
-            }
-            LtcClip _e23 = clip_2;
-            uint _e25 = i;
-            vec3 _e27 = outline[_e25];
-            LtcClip _e29 = ltc_clip_edge(_e23, (inverse_1.m * _e27));
-            clip_2 = _e29;
-        }
+        clip = ltc_clip_edge(clip, inverse_.m * outline[i]);
     }
-    LtcClip _e33 = clip_2;
-    float _e35 = ltc_clip_finish(_e33, inverse_1.side, two_sided_2);
-    return _e35;
+    return ltc_clip_finish(clip, inverse_.side, two_sided);
 }
 `;

@@ -190,6 +190,9 @@ pub struct ShaderArgs {
     /// How many threads measure that table, and its polynomials
     #[command(flatten)]
     pub threads: Threads,
+    /// Write the text as a module of JavaScript, -o NAME.js or NAME.mjs, and its types beside it, NAME.d.ts or NAME.d.mts
+    #[arg(long)]
+    pub es_module: bool,
     /// The file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,

@@ -9,7 +9,7 @@ fn every_language_has_the_functions_and_binds_nothing() {
         let text = include_function(language, &function, &["table 17".to_owned()], Lights::All, &Namespace::default())
             .expect("a translation");
         let name = language.name();
-        assert!(text.starts_with("// Linearly") && text.contains("//   table 17\n"), "{name}");
+        assert!(text.starts_with("// SPDX") && text.contains("//   table 17\n"), "{name}");
         let code: String = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
         for function in [
             "ltc_lookup",

@@ -7,6 +7,7 @@ mod pictures;
 mod planted;
 mod polygons;
 mod ported;
+mod printed;
 mod shapes;
 mod truth;
 mod twins;

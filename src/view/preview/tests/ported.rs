@@ -23,7 +23,7 @@ use ltcforge_light::{
 use ltcforge_shaders::{Bound, CASES, CORNERS, Case, Golden, Language, LitBy, SG_LIGHT, TOLERANCE, golden_table};
 use ltcforge_translate::port;
 
-fn lit_by(model: LightModel, layout: Option<Layout>) -> LitBy {
+pub(super) fn lit_by(model: LightModel, layout: Option<Layout>) -> LitBy {
     LitBy::new(model, layout).expect("a model that lights so")
 }
 
@@ -47,7 +47,7 @@ fn the_shaders_twin_gives_the_printed_values() {
 }
 
 /// A light that `ltc_example` is given: `count` vertices, or a disk's centre and half axes where it is 0.
-struct ExampleLight {
+pub(super) struct ExampleLight {
     count: u8,
     given: Vec<DVec3>,
     /// The polygon over which f64 integrates.
@@ -71,14 +71,14 @@ impl ExampleLight {
 }
 
 /// The lights that only an LTC has: a sphere, a tube and a line, through the horizon.
-fn round_lights() -> Vec<ExampleLight> {
+pub(super) fn round_lights() -> Vec<ExampleLight> {
     let ends = vec![DVec3::new(0.3, -0.8, 0.9), DVec3::new(0.1, 1.2, -0.4)];
     let light =
         |count: u8, given: &[DVec3], size: f64| ExampleLight { count, given: given.into(), outline: vec![], size };
     vec![light(1, &[DVec3::new(0.5, 0.4, 0.3)], 0.45), light(2, &ends, 0.25), light(9, &ends, 0.1)]
 }
 
-fn example_lights() -> Vec<ExampleLight> {
+pub(super) fn example_lights() -> Vec<ExampleLight> {
     let corners = CORNERS.map(DVec3::from_array);
     let mut lights = vec![ExampleLight { count: 4, given: corners.into(), outline: corners.into(), size: 0.0 }];
     // Clockwise from the shaded point, one vertex or more below the horizon.
@@ -96,7 +96,7 @@ fn example_lights() -> Vec<ExampleLight> {
 }
 
 /// The words of an example's uniform.
-fn case_words(case: &Case, light: &ExampleLight, two_sided: bool) -> [f32; 40] {
+pub(super) fn case_words(case: &Case, light: &ExampleLight, two_sided: bool) -> [f32; 40] {
     let mut words = [0.0; 40];
     words[..3].copy_from_slice(&case.wo.map(|x| x as f32));
     words[3] = case.alpha_x as f32;
@@ -186,7 +186,7 @@ fn the_shader_without_a_table_gives_what_f64_does() {
 }
 
 /// The light of a spherical Gaussian.
-fn sg_light() -> ExampleLight {
+pub(super) fn sg_light() -> ExampleLight {
     let SgLight { axis, sharpness, amplitude } = SG_LIGHT;
     let given = vec![axis.into(), DVec3::new(sharpness, amplitude, 0.0)];
     ExampleLight { count: 1, given, outline: Vec::new(), size: 0.0 }

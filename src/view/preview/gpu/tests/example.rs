@@ -18,11 +18,19 @@ pub(in crate::preview) fn run<Case: Pod, Found: Pod>(
     table: Option<(&ShaderTable, Bound)>,
     cases: &[Case],
 ) -> Result<Vec<Found>, GpuFailure> {
+    run_source(wgpu::ShaderSource::Wgsl(source.into()), entry_point, table, cases)
+}
+
+/// The same in WGSL or SPIR-V.
+pub(in crate::preview) fn run_source<Case: Pod, Found: Pod>(
+    source: wgpu::ShaderSource<'_>,
+    entry_point: &str,
+    table: Option<(&ShaderTable, Bound)>,
+    cases: &[Case],
+) -> Result<Vec<Found>, GpuFailure> {
     let gpu = Device::open(Variant::default())?;
-    let module = gpu.wgpu.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(entry_point),
-        source: wgpu::ShaderSource::Wgsl(source.into()),
-    });
+    let label = Some(entry_point);
+    let module = gpu.wgpu.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
     let case_layout = layout(
         &gpu.wgpu,
         "case",

@@ -1,0 +1,31 @@
+//! The first lines of every text: its licence, what made it, and a digest by which a change of it shows.
+
+use sha2::{Digest, Sha256};
+
+/// The licence of texts without a table's numbers.
+pub(super) const LICENCE: &str = "MIT OR Apache-2.0";
+
+/// The place of the digest until the text is known.
+const DIGEST: &str = "{digest}";
+
+/// The first lines of a comment, to be [`stamped`]. `revision` is raised when the values change that a model gives.
+#[must_use]
+pub fn head(licence: &str, revision: u32) -> String {
+    let version = env!("CARGO_PKG_VERSION");
+    format!(
+        "SPDX-License-Identifier: {licence}\nltcforge {version}, revision {revision}, sha256 of the text below: {DIGEST}\n"
+    )
+}
+
+/// The comment `header`, a blank line and the `code`, whose digest the comment states: the first 16 digits of the SHA-256
+/// of all that stands below the first blank line.
+#[must_use]
+pub fn stamped(header: &str, code: &str) -> String {
+    format!("{}\n{code}", header.replace(DIGEST, &digest(code)))
+}
+
+fn digest(code: &str) -> String {
+    let first =
+        Sha256::digest(code.as_bytes()).iter().take(8).fold(0_u64, |digits, byte| digits << 8 | u64::from(*byte));
+    format!("{first:016x}")
+}

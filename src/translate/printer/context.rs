@@ -1,0 +1,165 @@
+//! What is known at a place of the text: names, their types, and the text itself.
+
+use std::collections::{BTreeSet, HashMap};
+
+use super::{
+    builtins::{has_word, is_builtin},
+    dialect::{Dialect, Members, Slotted},
+};
+use crate::wgsl::{Expr, ExprKind, Fault, Function, ItemKind, Kind, Module, Resource, Span, Type};
+
+/// A variable of a function.
+#[derive(Debug, Clone)]
+pub(super) struct Local {
+    pub(super) name: String,
+    pub(super) ty: Type,
+}
+
+pub(super) struct Context<'a> {
+    pub(super) module: &'a Module<'a>,
+    pub(super) dialect: &'a dyn Dialect,
+    pub(super) functions: HashMap<&'a str, &'a Function>,
+    structs: HashMap<&'a str, Members>,
+    /// The types of constants.
+    pub(super) constants: HashMap<String, Type>,
+    /// What is bound.
+    pub(super) bound: HashMap<&'a str, Slotted>,
+    /// What is bound that a function reads, itself or by those it calls.
+    pub(super) read: HashMap<&'a str, Vec<String>>,
+    scopes: Vec<HashMap<String, Local>>,
+    words: BTreeSet<&'a str>,
+}
+
+impl<'a> Context<'a> {
+    pub(super) fn new(module: &'a Module<'a>, dialect: &'a dyn Dialect) -> Self {
+        let words = module.tokens.iter().filter(|token| token.kind == Kind::Word);
+        let words = words.map(|token| &module.source[token.span.clone()]).collect();
+        let (mut functions, mut structs, mut bound) = (HashMap::new(), HashMap::new(), HashMap::new());
+        for item in &module.items {
+            match &item.kind {
+                ItemKind::Function(function) => drop(functions.insert(item.name.as_str(), function)),
+                ItemKind::Struct { members, .. } => {
+                    let members = members.iter().map(|member| (member.name.clone(), member.ty.clone())).collect();
+                    structs.insert(item.name.as_str(), members);
+                }
+                ItemKind::Global(global) => {
+                    let slotted = Slotted { bound: global.clone(), slot: slot(module, global) };
+                    bound.insert(item.name.as_str(), slotted);
+                }
+                // The type of a constant is known once it is printed.
+                ItemKind::Constant { .. } | ItemKind::Override => {}
+            }
+        }
+        let (constants, read) = (HashMap::new(), HashMap::new());
+        Self { module, dialect, functions, structs, constants, bound, read, scopes: Vec::new(), words }
+    }
+
+    pub(super) fn source(&self, span: Span) -> &'a str {
+        &self.module.source[span]
+    }
+
+    /// The source of `span` with pieces of it replaced. Pieces are in its order.
+    pub(super) fn woven(&self, span: &Span, pieces: &[(Span, String)]) -> String {
+        let (mut out, mut at) = (String::new(), span.start);
+        for (place, text) in pieces {
+            out += self.source(at..place.start.max(at));
+            out += text;
+            at = place.end.max(at);
+        }
+        out + self.source(at..span.end.max(at))
+    }
+
+    /// Source that the language writes otherwise; a comment in it would be lost.
+    pub(super) fn without_comment(&self, span: Span) -> Result<(), Fault> {
+        match self.source(span.clone()).find("//").or_else(|| self.source(span.clone()).find("/*")) {
+            Some(at) => Err(Fault::new(span.start + at, "no other language has a place for a comment here")),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether the name stands in the span for itself, not for a member.
+    pub(super) fn mentions(&self, span: &Span, name: &str) -> bool {
+        let tokens = &self.module.tokens;
+        let first = tokens.partition_point(|token| token.span.start < span.start);
+        let within = tokens.iter().enumerate().skip(first).take_while(|(_, token)| token.span.end <= span.end);
+        let is_member = |at: usize| at > 0 && self.source(tokens[at - 1].span.clone()) == ".";
+        within
+            .filter(|(_, token)| token.kind == Kind::Word)
+            .any(|(at, token)| self.source(token.span.clone()) == name && !is_member(at))
+    }
+
+    /// The members of a structure as the language names them.
+    pub(super) fn members(&self, name: &str) -> Option<Members> {
+        let members = self.structs.get(name)?;
+        Some(members.iter().map(|(name, ty)| (self.member(name), ty.clone())).collect())
+    }
+
+    /// The name of a structure's member.
+    pub(super) fn member(&self, name: &str) -> String {
+        if has_word(self.dialect.reserved(), name) { self.fresh(name) } else { name.to_owned() }
+    }
+
+    /// The type of a structure's member.
+    pub(super) fn member_type(&self, of: &str, name: &str) -> Option<Type> {
+        self.structs.get(of)?.iter().find(|(member, _)| member == name).map(|(_, ty)| ty.clone())
+    }
+
+    pub(super) fn zero(&self, ty: &Type) -> String {
+        self.dialect.zero(ty, &|name| self.members(name).unwrap_or_default())
+    }
+
+    /// Another name that the text does not have.
+    fn fresh(&self, name: &str) -> String {
+        let plain = format!("{}_", name.trim_end_matches('_'));
+        let numbered = (2..).map(|number| format!("{plain}{number}"));
+        std::iter::once(plain.clone()).chain(numbered).find(|name| !self.words.contains(name.as_str())).unwrap_or(plain)
+    }
+
+    pub(super) fn enter(&mut self) {
+        self.scopes.push(HashMap::new());
+    }
+
+    pub(super) fn leave(&mut self) {
+        self.scopes.pop();
+    }
+
+    /// Declares a variable, with another name if the language or its own value `beside` has a use for this one.
+    pub(super) fn declare(&mut self, name: &str, ty: Type, beside: Option<&Span>) -> String {
+        let is_taken = has_word(self.dialect.reserved(), name)
+            || has_word(self.dialect.functions(), name)
+            || is_builtin(name)
+            || beside.is_some_and(|value| self.local(name).is_some() && self.mentions(value, name));
+        let named = if is_taken { self.fresh(name) } else { name.to_owned() };
+        if let Some(scope) = self.scopes.last_mut() {
+            scope.insert(name.to_owned(), Local { name: named.clone(), ty });
+        }
+        named
+    }
+
+    pub(super) fn local(&self, name: &str) -> Option<&Local> {
+        self.scopes.iter().rev().find_map(|scope| scope.get(name))
+    }
+}
+
+/// How many of what is bound comes before it, of its own kind: buffers, textures or samplers.
+fn slot(module: &Module<'_>, of: &Resource) -> usize {
+    let kind = |bound: &Resource| match bound.ty {
+        Type::Texture(_) => 0,
+        Type::Sampler => 1,
+        _ => 2,
+    };
+    let all = module.items.iter().filter_map(|item| match &item.kind {
+        ItemKind::Global(bound) => Some(bound),
+        _ => None,
+    });
+    all.filter(|other| kind(other) == kind(of) && (other.group, other.binding) < (of.group, of.binding)).count()
+}
+
+/// The variable that an assignment's left side belongs to.
+pub(super) fn root(target: &Expr) -> Option<&str> {
+    match &target.kind {
+        ExprKind::Name(name) => Some(name),
+        ExprKind::Paren(of) | ExprKind::Unary(_, of) | ExprKind::Index(of, _) | ExprKind::Field(of, _) => root(of),
+        _ => None,
+    }
+}

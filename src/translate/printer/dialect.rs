@@ -1,0 +1,199 @@
+//! What a language has to tell of itself.
+
+use crate::wgsl::{Resource, Scalar, Type};
+
+/// How tightly the parts of an expression hold together, the tightest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Precedence {
+    /// A name, a call, brackets.
+    Tight,
+    /// Operators and casts.
+    Operator,
+    /// `a ? b : c`.
+    Choice,
+}
+
+/// An expression in the language.
+#[derive(Debug, Clone)]
+pub(super) struct Piece {
+    pub(super) text: String,
+    pub(super) ty: Type,
+    pub(super) precedence: Precedence,
+}
+
+impl Piece {
+    pub(super) fn tight(text: impl Into<String>, ty: Type) -> Self {
+        Self { text: text.into(), ty, precedence: Precedence::Tight }
+    }
+
+    /// The text, in brackets if it holds together less tightly than `most`.
+    pub(super) fn within(&self, most: Precedence) -> String {
+        if self.precedence > most { format!("({})", self.text) } else { self.text.clone() }
+    }
+
+    pub(super) fn is_vector(&self) -> bool {
+        matches!(self.ty, Type::Vector(..))
+    }
+}
+
+/// A call of a built-in function.
+pub(super) struct Builtin<'a> {
+    pub(super) name: &'a str,
+    pub(super) arguments: &'a [Piece],
+    pub(super) result: &'a Type,
+}
+
+impl Builtin<'_> {
+    /// The text of an argument; nothing where it is missing.
+    pub(super) fn text(&self, number: usize) -> &str {
+        self.arguments.get(number).map_or("", |piece| &piece.text)
+    }
+
+    /// A texture's last arguments but the level, as one coordinate. `vector` is its type.
+    pub(super) fn joined(&self, vector: &str, from: usize) -> String {
+        let parts: Vec<&str> = (from..self.arguments.len()).map(|number| self.text(number)).collect();
+        format!("{vector}({})", parts.join(", "))
+    }
+}
+
+/// What is bound, and its number among buffers or textures.
+#[derive(Debug, Clone)]
+pub(super) struct Slotted {
+    pub(super) bound: Resource,
+    pub(super) slot: usize,
+}
+
+/// The members of a structure.
+pub(super) type Members = Vec<(String, Type)>;
+
+pub(super) trait Dialect {
+    /// Words that name nothing, between blanks.
+    fn reserved(&self) -> &'static str;
+
+    /// Functions of the language that WGSL calls otherwise, between blanks: no variable hides them.
+    fn functions(&self) -> &'static str;
+
+    /// The lines above all declarations.
+    fn opening(&self) -> &'static str {
+        ""
+    }
+
+    /// The name of a type that is no array.
+    fn ty(&self, ty: &Type) -> String;
+
+    /// The word before a constant of the file.
+    fn constant(&self) -> &'static str;
+
+    /// The declaration of what is bound, or the parameter that stands for it; `None` if the language has neither.
+    fn global(&self, name: &str, bound: &Slotted) -> Option<String>;
+
+    /// What is bound in an expression.
+    fn bound(&self, name: &str, _bound: &Slotted) -> String {
+        name.to_owned()
+    }
+
+    /// The entry point of a program with its body: one thread that reads what is `bound`.
+    fn entry(&self, name: &str, body: &str, bound: &[(String, Slotted)]) -> String;
+
+    /// Whether functions take what they read of it as parameters.
+    fn passes_what_is_bound(&self) -> bool {
+        false
+    }
+
+    /// A parameter of a function, which writes to it or does not.
+    fn parameter(&self, name: &str, ty: &Type, is_written: bool) -> String {
+        let plain = self.declared(name, ty);
+        if is_written { format!("inout {plain}") } else { plain }
+    }
+
+    /// A variable that stands for an array, if the language does not copy one.
+    fn alias(&self, _name: &str, _ty: &Type) -> Option<String> {
+        None
+    }
+
+    /// Type and name.
+    fn declared(&self, name: &str, ty: &Type) -> String {
+        match ty {
+            Type::Array(of, count) => format!("{} {name}[{count}]", self.ty(of)),
+            Type::Pointer(of) => self.declared(name, of),
+            other => format!("{} {name}", self.ty(other)),
+        }
+    }
+
+    /// Zeros. `members` are those of a structure.
+    fn zero(&self, ty: &Type, members: &dyn Fn(&str) -> Members) -> String;
+
+    /// A structure of arguments in brackets.
+    fn structure(&self, name: &str, arguments: &str) -> String {
+        format!("{name}{arguments}")
+    }
+
+    /// The function that makes a structure, if the language needs one.
+    fn maker(&self, _name: &str, _members: &Members) -> Option<String> {
+        None
+    }
+
+    /// An array of arguments in brackets, as a variable's value.
+    fn array(&self, of: &Type, count: u32, arguments: &str) -> String;
+
+    /// A vector or matrix that is not its type and the arguments in brackets.
+    fn vector(&self, _ty: &Type, _arguments: &[Piece]) -> Option<Piece> {
+        None
+    }
+
+    /// A call that is not a name and the arguments in brackets.
+    fn builtin(&self, _call: &Builtin<'_>) -> Option<Piece> {
+        None
+    }
+
+    /// The name of a built-in function.
+    fn renamed<'a>(&self, name: &'a str) -> &'a str {
+        name
+    }
+
+    /// The comparison of vectors, if it is no operator.
+    fn compared(&self, _sign: &str, _left: &Piece, _right: &Piece) -> Option<String> {
+        None
+    }
+
+    /// The product of a matrix and a matrix or vector, if it is no operator.
+    fn product(&self, _left: &Piece, _right: &Piece) -> Option<String> {
+        None
+    }
+}
+
+/// Zero as a scalar is written in all languages.
+pub(super) fn zero_scalar(scalar: Scalar) -> &'static str {
+    match scalar {
+        Scalar::Bool => "false",
+        Scalar::U32 => "0u",
+        Scalar::I32 | Scalar::AbstractInt => "0",
+        Scalar::F32 | Scalar::AbstractFloat => "0.0",
+    }
+}
+
+/// The scalar types of languages that take after C.
+pub(super) fn scalar_name(scalar: Scalar) -> &'static str {
+    match scalar {
+        Scalar::Bool => "bool",
+        Scalar::U32 => "uint",
+        Scalar::I32 | Scalar::AbstractInt => "int",
+        Scalar::F32 | Scalar::AbstractFloat => "float",
+    }
+}
+
+/// The name that such a type has in HLSL and Metal.
+pub(super) fn sized_name(ty: &Type) -> Option<String> {
+    match ty {
+        Type::Scalar(scalar) => Some(scalar_name(*scalar).to_owned()),
+        Type::Vector(size, scalar) => Some(format!("{}{size}", scalar_name(*scalar))),
+        Type::Matrix { columns, rows } => Some(format!("float{columns}x{rows}")),
+        Type::Struct(name) => Some(name.clone()),
+        _ => None,
+    }
+}
+
+/// The arguments of a call without the brackets.
+pub(super) fn inside(arguments: &str) -> &str {
+    arguments.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')).unwrap_or(arguments)
+}

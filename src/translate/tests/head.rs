@@ -1,0 +1,89 @@
+//! The first lines of every text: licence, revision and digest.
+
+use sha2::{Digest, Sha256};
+
+use super::*;
+use ltcforge_light::NormalsRule;
+
+/// The first 16 digits of a digest.
+fn digest(text: &str) -> String {
+    let digest = Sha256::digest(text.as_bytes());
+    let first = digest.first_chunk().expect("a digest has more bytes");
+    format!("{:016x}", u64::from_be_bytes(*first))
+}
+
+/// Every text, by name.
+fn texts() -> Vec<(String, String)> {
+    let all = includes().map(|(language, lit_by, text)| (format!("{} {lit_by:?}", language.name()), text));
+    let mut texts: Vec<(String, String)> = all.collect();
+    let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
+    let renamed = Namespace { prefix: "sheen".parse().ok(), first_binding: 6, group: 1 };
+    for language in Language::ALL.iter().copied().filter(|language| language.has_includes()) {
+        let name = language.name();
+        let by_function = include_function(language, &function, &[], Lights::All, &renamed).expect("a text");
+        let by_table = include(language, Layout::Ltc2017, Reading::default(), Lights::All, &renamed).expect("a text");
+        texts.extend([(format!("{name} function"), by_function), (format!("{name} ltc2017"), by_table)]);
+    }
+    for language in programs().filter(|language| *language != Language::Spirv) {
+        texts.push((format!("{} program", language.name()), text(language, Layout::Reflected)));
+        texts.push((format!("{} program", language.name()), text(language, lit_by(LightModel::Normals, None))));
+    }
+    texts
+}
+
+#[test]
+fn every_text_states_licence_revision_and_the_digest_of_what_stands_below() {
+    let texts = texts();
+    assert!(texts.len() > 100);
+    for (name, text) in texts {
+        let (comment, below) = text.split_once("\n\n").expect("a blank line");
+        let mut lines = comment.lines().filter(|line| !line.starts_with("#version"));
+        let licence = lines.next().expect("a line");
+        let is_licence = licence.strip_prefix("// SPDX-License-Identifier: ");
+        assert!(
+            ["MIT OR Apache-2.0", "(MIT OR Apache-2.0) AND CC0-1.0"].map(Some).contains(&is_licence),
+            "{name}: {licence}"
+        );
+        let wanted = format!(
+            "// ltcforge {}, revision 1, sha256 of the text below: {}",
+            env!("CARGO_PKG_VERSION"),
+            digest(below)
+        );
+        assert_eq!(lines.next(), Some(wanted.as_str()), "{name}");
+        assert!(lines.all(|line| line.starts_with("//")) && !text.contains("{digest}"), "{name}");
+    }
+}
+
+#[test]
+fn spirv_holds_the_digest_of_its_source() {
+    let bytes = ported(Language::Spirv, Layout::Reflected);
+    let text = String::from_utf8_lossy(&bytes);
+    let source = &text[text.find("// SPDX").expect("a comment")..];
+    let source = &source[..source.find('\0').expect("an end")];
+    let (comment, below) = source.split_once("\n\n").expect("a blank line");
+    assert!(comment.contains(&digest(below)), "{comment}");
+}
+
+/// The digests of the check values of each model, by which its revision is known.
+const VALUES: [(&str, u32, &str); 6] = [
+    ("ltc", 1, "3cd7330a726f08e5"),
+    ("normals fast", 1, "c0c24b0b6bfad05f"),
+    ("normals balanced", 1, "29afeae60f5c6a46"),
+    ("normals fine", 1, "fca66fbb8db7ab56"),
+    ("sg and asg", 1, "3303740bb44bbae2"),
+    ("sg and asg by a table", 1, "17d11a5a03cfc3a5"),
+];
+
+#[test]
+fn a_model_whose_values_change_has_another_revision() {
+    let normals = |rule| lit_by(LightModel::Normals, None).by_rule(Some(rule)).expect("a rule");
+    let [fast, balanced, fine] = [NormalsRule::Fast, NormalsRule::Balanced, NormalsRule::Fine].map(normals);
+    let table = lit_by(LightModel::Asg, Some(Layout::Reflected));
+    let models = [Layout::Reflected.into(), fast, balanced, fine, lit_by(LightModel::Asg, None), table];
+    for (lit_by, (name, revision, values)) in models.into_iter().zip(VALUES) {
+        let comment = lit_by.comment(Language::Wgsl);
+        let found = digest(&comment[comment.find("CHECK").expect("a check")..]);
+        assert!(comment.contains(&format!("revision {revision},")), "{name}");
+        assert_eq!(found, values, "{name}: raise its revision, and tell it here");
+    }
+}

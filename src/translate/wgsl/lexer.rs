@@ -1,0 +1,96 @@
+//! Words, numbers and signs, by their places in the text.
+
+use std::ops::Range;
+
+/// Bytes of the source.
+pub(crate) type Span = Range<usize>;
+
+/// What is wrong with a text, and where.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Fault {
+    /// In bytes from the start.
+    pub(crate) at: usize,
+    pub(crate) what: String,
+}
+
+impl Fault {
+    pub(crate) fn new(at: usize, what: impl Into<String>) -> Self {
+        Self { at, what: what.into() }
+    }
+
+    /// The message with line and column, both from 1. `source` is the text at fault.
+    pub(crate) fn told(&self, source: &str) -> String {
+        let before = source.get(..self.at).unwrap_or(source);
+        let line = before.matches('\n').count() + 1;
+        let column = before.rsplit('\n').next().map_or(0, |rest| rest.chars().count()) + 1;
+        format!("line {line}, column {column}: {}", self.what)
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Word,
+    Number,
+    Sign,
+    /// Behind the last token.
+    End,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Token {
+    pub(crate) kind: Kind,
+    pub(crate) span: Span,
+}
+
+/// Signs of two characters. Two `>` are a shift or close two lists of types; the parser tells which.
+const PAIRS: [&str; 16] =
+    ["->", "==", "!=", "<=", ">=", "&&", "||", "<<", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^="];
+const STEPS: [&str; 2] = ["++", "--"];
+const SIGNS: &str = "(){}[]<>,;:.@=+-*/%&|^!~";
+
+/// The tokens of a text, [`Kind::End`] last.
+pub(crate) fn tokens(source: &str) -> Result<Vec<Token>, Fault> {
+    let (mut found, mut at) = (Vec::new(), 0);
+    while let Some(first) = source[at..].chars().next() {
+        let rest = &source[at..];
+        let (kind, length) = if first.is_whitespace() {
+            (None, first.len_utf8())
+        } else if rest.starts_with("//") {
+            (None, rest.find('\n').unwrap_or(rest.len()))
+        } else if rest.starts_with("/*") {
+            let end = rest.find("*/").ok_or_else(|| Fault::new(at, "this comment has no end"))?;
+            (None, end + 2)
+        } else if first.is_ascii_alphabetic() || first == '_' {
+            (Some(Kind::Word), length_while(rest, |c| c.is_ascii_alphanumeric() || c == '_'))
+        } else if first.is_ascii_digit() {
+            (Some(Kind::Number), number_length(rest))
+        } else if PAIRS.iter().chain(&STEPS).any(|sign| rest.starts_with(sign)) {
+            (Some(Kind::Sign), 2)
+        } else if SIGNS.contains(first) {
+            (Some(Kind::Sign), 1)
+        } else {
+            return Err(Fault::new(at, format!("unexpected character {first:?}")));
+        };
+        if let Some(kind) = kind {
+            found.push(Token { kind, span: at..at + length });
+        }
+        at += length;
+    }
+    found.push(Token { kind: Kind::End, span: at..at });
+    Ok(found)
+}
+
+fn length_while(text: &str, is_part: impl Fn(char) -> bool) -> usize {
+    text.find(|c| !is_part(c)).unwrap_or(text.len())
+}
+
+/// Digits, a point, an exponent with its sign, a suffix. Domain: it begins with a digit.
+fn number_length(text: &str) -> usize {
+    if text.starts_with("0x") {
+        return length_while(text, |c| c.is_ascii_alphanumeric());
+    }
+    let length = length_while(text, |c| c.is_ascii_alphanumeric() || c == '.');
+    let has_open_exponent = text[..length].ends_with(['e', 'E']);
+    let has_sign = has_open_exponent && text[length..].starts_with(['+', '-']);
+    if has_sign { length + 1 + length_while(&text[length + 1..], |c| c.is_ascii_alphanumeric()) } else { length }
+}

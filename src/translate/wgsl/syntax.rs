@@ -1,0 +1,256 @@
+//! The syntax tree.
+
+use super::lexer::{Span, Token};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Scalar {
+    Bool,
+    F32,
+    I32,
+    U32,
+    /// A number without a suffix, which takes the type of what it stands beside.
+    AbstractInt,
+    AbstractFloat,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Texture {
+    /// `texture_3d<f32>`.
+    Volume,
+    /// `texture_2d_array<f32>`.
+    Layers,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Type {
+    Scalar(Scalar),
+    Vector(u8, Scalar),
+    Matrix {
+        columns: u8,
+        rows: u8,
+    },
+    Array(Box<Type>, u32),
+    Struct(String),
+    /// To a variable of a function.
+    Pointer(Box<Type>),
+    Texture(Texture),
+    Sampler,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Expr {
+    pub(crate) kind: ExprKind,
+    pub(crate) span: Span,
+    /// Nodes from here to the deepest leaf.
+    pub(crate) depth: u32,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) enum ExprKind {
+    Number,
+    Bool,
+    Name(String),
+    Paren(Box<Expr>),
+    Unary(char, Box<Expr>),
+    Binary(&'static str, Box<Expr>, Box<Expr>),
+    Index(Box<Expr>, Box<Expr>),
+    Field(Box<Expr>, String),
+    Call(Call),
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Call {
+    pub(crate) callee: Callee,
+    pub(crate) arguments: Vec<Expr>,
+    /// From `(` to `)`.
+    pub(crate) span: Span,
+    /// A comma behind the last argument.
+    pub(crate) comma: Option<Span>,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) enum Callee {
+    /// A function, a structure, or a vector or matrix whose scalars follow from the arguments.
+    Name(String),
+    /// A type with its parameters, as `vec2<f32>`.
+    Type(Type),
+    /// `bitcast<T>`.
+    Bitcast(Type),
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Block {
+    pub(crate) statements: Vec<Statement>,
+    /// From `{` to `}`.
+    pub(crate) span: Span,
+}
+
+/// A statement without its semicolon.
+#[derive(Debug, Clone)]
+pub(crate) struct Statement {
+    pub(crate) kind: StatementKind,
+    pub(crate) span: Span,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) enum StatementKind {
+    /// `let` or `var`.
+    Declare {
+        name: String,
+        ty: Option<Type>,
+        value: Option<Expr>,
+    },
+    /// `=`, `+=` and so on.
+    Assign {
+        target: Expr,
+        value: Expr,
+    },
+    /// `++` or `--`.
+    Step(Expr),
+    Call(Expr),
+    Return(Option<Expr>),
+    If {
+        condition: Expr,
+        accept: Block,
+        reject: Option<Box<Statement>>,
+    },
+    For {
+        start: Option<Box<Statement>>,
+        condition: Option<Expr>,
+        step: Option<Box<Statement>>,
+        body: Block,
+    },
+    Block(Block),
+    /// `break` or `continue`.
+    Leave,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Field {
+    pub(crate) name: String,
+    pub(crate) ty: Type,
+    /// Name and type.
+    pub(crate) span: Span,
+    pub(crate) comma: Option<Span>,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Parameter {
+    pub(crate) name: String,
+    pub(crate) ty: Type,
+    pub(crate) span: Span,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Function {
+    pub(crate) parameters: Vec<Parameter>,
+    /// The parameters from `(` to `)`.
+    pub(crate) span: Span,
+    pub(crate) comma: Option<Span>,
+    pub(crate) returns: Option<Type>,
+    pub(crate) body: Block,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) enum ItemKind {
+    /// `fields` is from `{` to `}`.
+    Struct {
+        members: Vec<Field>,
+        fields: Span,
+    },
+    Constant {
+        ty: Option<Type>,
+        value: Expr,
+    },
+    Override,
+    Global(Resource),
+    Function(Function),
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Item {
+    pub(crate) name: String,
+    pub(crate) kind: ItemKind,
+    /// With its attributes and its semicolon.
+    pub(crate) span: Span,
+}
+
+/// What a shader reads or writes from outside.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Resource {
+    pub(crate) ty: Type,
+    pub(crate) group: u32,
+    pub(crate) binding: u32,
+    /// Whether it is storage that the shader writes.
+    pub(crate) is_written: bool,
+}
+
+/// A text and what it declares, in its order.
+#[derive(Debug, Clone)]
+pub(crate) struct Module<'a> {
+    pub(crate) source: &'a str,
+    pub(crate) tokens: Vec<Token>,
+    pub(crate) items: Vec<Item>,
+}
+
+impl Scalar {
+    /// The type that both take: a number without a suffix takes the other's.
+    pub(crate) fn join(self, other: Self) -> Self {
+        match self {
+            Self::AbstractInt => other,
+            Self::AbstractFloat if other != Self::AbstractInt => other,
+            _ => self,
+        }
+    }
+
+    /// The type of a variable with such a value.
+    pub(crate) fn concrete(self) -> Self {
+        match self {
+            Self::AbstractInt => Self::I32,
+            Self::AbstractFloat => Self::F32,
+            other => other,
+        }
+    }
+}
+
+impl Type {
+    pub(crate) const FLOAT: Self = Self::Scalar(Scalar::F32);
+    pub(crate) const BOOL: Self = Self::Scalar(Scalar::Bool);
+
+    /// The scalars that it is made of.
+    pub(crate) fn scalar(&self) -> Option<Scalar> {
+        match self {
+            Self::Scalar(scalar) | Self::Vector(_, scalar) => Some(*scalar),
+            Self::Matrix { .. } => Some(Scalar::F32),
+            _ => None,
+        }
+    }
+
+    /// The same shape of other scalars.
+    pub(crate) fn of(&self, scalar: Scalar) -> Self {
+        match self {
+            Self::Scalar(_) => Self::Scalar(scalar),
+            Self::Vector(size, _) => Self::Vector(*size, scalar),
+            other => other.clone(),
+        }
+    }
+
+    pub(crate) fn concrete(&self) -> Self {
+        self.scalar().map_or_else(|| self.clone(), |scalar| self.of(scalar.concrete()))
+    }
+}
+
+/// The size of `vec2`, `vec3` and `vec4`.
+pub(crate) fn vector(name: &str) -> Option<u8> {
+    name.strip_prefix("vec").and_then(size)
+}
+
+/// Columns and rows of `mat3x3` and others.
+pub(crate) fn matrix(name: &str) -> Option<(u8, u8)> {
+    let (columns, rows) = name.strip_prefix("mat")?.split_once('x')?;
+    size(columns).zip(size(rows))
+}
+
+fn size(text: &str) -> Option<u8> {
+    ["2", "3", "4"].contains(&text).then(|| text.parse().ok()).flatten()
+}
