@@ -6,16 +6,40 @@ use serde_json::json;
 
 use super::{CommandFailure, Context, Exit, args::ReportArgs, input::AnyTable, print, tabulated};
 use ltcforge_fit::{BrdfKind, BrdfModel, Spread};
-use ltcforge_light::{ClosedForm, EVERYWHERE, LightError, LightModel, Lighting, RandomLights, light_error};
+use ltcforge_light::{
+    ClosedForm, EVERYWHERE, LightError, LightModel, Lighting, RandomLights, light_error, material_error,
+};
 
 /// The default number of random rectangles.
 const LIGHTS: u32 = 2000;
+
+/// Reflectances seen from above of the materials whose error is told: metal is 1, plastic 0.04.
+const MATERIALS: [f64; 2] = [0.2, 0.04];
 
 /// A model and its error.
 struct Row {
     name: String,
     model: LightModel,
     error: Spread,
+    /// The error of each of [`MATERIALS`]; none for a scattering model without a Fresnel factor.
+    of_materials: Vec<Spread>,
+}
+
+impl Row {
+    fn measure(
+        name: String,
+        model: LightModel,
+        lighting: Lighting<'_>,
+        lights: &RandomLights,
+    ) -> Result<Self, LightError> {
+        let of_material = |f0: &f64| material_error(lighting, lights, *f0);
+        let of_materials = if lights.brdf().kind().has_fresnel() {
+            MATERIALS.iter().map(of_material).collect::<Result<_, _>>()?
+        } else {
+            Vec::new()
+        };
+        Ok(Self { name, model, error: light_error(lighting, lights)?, of_materials })
+    }
 }
 
 /// Measures a table or the chosen model, and each rule of model normals, by the same lights.
@@ -53,14 +77,13 @@ pub(super) fn run(
         let mut rows = Vec::new();
         if let Some(any) = read {
             let name = format!("{}, table {}", any.table.lobe, &any.digest.hex()[..12]);
-            let error = light_error(Lighting::Table(&any.table), &lights).map_err(failed)?;
-            rows.push(Row { name, model: LightModel::Ltc, error });
+            let table = Lighting::Table(&any.table);
+            rows.push(Row::measure(name, LightModel::Ltc, table, &lights).map_err(failed)?);
         }
         let is_asked = |form: &ClosedForm| args.rule.is_none_or(|rule| form.rule() == rule);
         for form in model.closed_forms().filter(is_asked) {
-            let error = light_error(Lighting::ClosedForm(form), &lights).map_err(failed)?;
             let name = form.chosen_rule().map_or(model.to_string(), |rule| format!("{model}, rule {rule}"));
-            rows.push(Row { name, model, error });
+            rows.push(Row::measure(name, model, Lighting::ClosedForm(form), &lights).map_err(failed)?);
         }
         Ok((lights, rows))
     };
@@ -70,10 +93,16 @@ pub(super) fn run(
         "mean_energy": lights.mean_energy(),
         "brdf": brdf.kind(),
         "range": range,
-        "models": rows.iter().map(|Row { name, model, error }| json!({ "name": name, "model": model, "error": error })).collect::<Vec<_>>(),
+        "models": rows.iter().map(|row| row_value(row, &lights)).collect::<Vec<_>>(),
     });
     print(context.stdout, json, &value, text(&lights, &rows).trim_end())?;
     Ok(Exit::Ok)
+}
+
+fn row_value(Row { name, model, error, of_materials }: &Row, lights: &RandomLights) -> serde_json::Value {
+    let of_material = |(f0, error): (&f64, &Spread)| json!({ "f0": f0, "mean_reflected": lights.mean_reflected(*f0), "error": error });
+    let materials: Vec<_> = MATERIALS.iter().zip(of_materials).map(of_material).collect();
+    json!({ "name": name, "model": model, "error": error, "materials": materials })
 }
 
 fn text(lights: &RandomLights, rows: &[Row]) -> String {
@@ -90,5 +119,14 @@ fn text(lights: &RandomLights, rows: &[Row]) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(out, "{name:32}{mean:>10.5}{p95:>9.5}{max:>9.5}");
     }
-    out + "\n0 is perfect. The truth is adaptive quadrature; the Fresnel factor is one. docs/report.md explains the measure."
+    if rows.iter().any(|row| !row.of_materials.is_empty()) {
+        let heads = MATERIALS.map(|f0| format!("{:>10}", format!("F0 {f0}"))).concat();
+        let _ = writeln!(out, "\n{:32}{:>10}{heads}", "mean error, % of the mean light", "F0 1");
+        for Row { name, error, of_materials, .. } in rows {
+            let part = |error: &Spread, mean: f64| format!("{:>10.2}", 100.0 * error.mean / mean);
+            let parts = MATERIALS.iter().zip(of_materials).map(|(f0, error)| part(error, lights.mean_reflected(*f0)));
+            let _ = writeln!(out, "{name:32}{}{}", part(error, lights.mean_energy()), parts.collect::<String>());
+        }
+    }
+    out + "\n0 is perfect. The truth is adaptive quadrature; the Fresnel factor is one, or Schlick's by F0. docs/report.md explains the measure."
 }

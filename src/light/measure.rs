@@ -37,15 +37,14 @@ struct Lit {
     light: PolygonLight,
 }
 
-/// Random rectangles around the reflections of random surfaces of a scattering model, and the energy that is reflected
-/// of each.
+/// Random rectangles around the reflections of random surfaces of a scattering model, and what is reflected of each.
 ///
 /// Equal arguments give equal lights.
 #[derive(Debug, Clone)]
 pub struct RandomLights {
     brdf: BrdfModel,
     lit: Vec<Lit>,
-    energy: Vec<f64>,
+    truth: Vec<ReflectedLight>,
 }
 
 impl RandomLights {
@@ -65,9 +64,15 @@ impl RandomLights {
         }
         let mut random = Draw(Xoshiro256PlusPlus::seed_from_u64(SEED));
         let lit: Vec<Lit> = (0..count).map(|_| random.lit(brdf, range)).collect();
-        let energy = |lit: &Lit| truth_of(brdf, TOLERANCE, &lit.at, &lit.light).map(|truth| truth.energy);
-        let energy = lit.par_iter().map(energy).collect::<Result<_, _>>()?;
-        Ok(Self { brdf: brdf.clone(), lit, energy })
+        let truth = |lit: &Lit| truth_of(brdf, TOLERANCE, &lit.at, &lit.light);
+        let truth = lit.par_iter().map(truth).collect::<Result<_, _>>()?;
+        Ok(Self { brdf: brdf.clone(), lit, truth })
+    }
+
+    /// The scattering model of the surfaces.
+    #[must_use]
+    pub fn brdf(&self) -> &BrdfModel {
+        &self.brdf
     }
 
     /// The number of lights.
@@ -80,7 +85,13 @@ impl RandomLights {
     /// Mean of the reflected energy: in [0, 1] for a model that gains no light.
     #[must_use]
     pub fn mean_energy(&self) -> f64 {
-        self.energy.iter().sum::<f64>() / self.energy.len() as f64
+        self.truth.iter().map(|truth| truth.energy).sum::<f64>() / self.truth.len() as f64
+    }
+
+    /// Mean of the light that a material of reflectance `f0`, and one at grazing incidence, reflects by Schlick's factor.
+    #[must_use]
+    pub fn mean_reflected(&self, f0: f64) -> f64 {
+        self.truth.iter().map(|truth| truth.schlick(f0, 1.0)).sum::<f64>() / self.truth.len() as f64
     }
 }
 
@@ -96,7 +107,17 @@ pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread,
     light_error_by(|at, light| model.reflected(at, light), lights)
 }
 
-/// The same for a function that gives the light of a surface.
+/// The same for a material of reflectance `f0`, and one at grazing incidence, by Schlick's Fresnel factor.
+///
+/// # Errors
+/// As [`light_error`].
+pub fn material_error(model: Lighting<'_>, lights: &RandomLights, f0: f64) -> Result<Spread, LightError> {
+    let own = with_terms(model, &lights.brdf)?;
+    let model = own.as_ref().map_or(model, Lighting::Table);
+    errors(|at, light| model.reflected(at, light), lights, |reflected| reflected.schlick(f0, 1.0))
+}
+
+/// [`light_error`] for a function that gives the light of a surface.
 ///
 /// # Errors
 /// Those of `reflected`.
@@ -104,8 +125,18 @@ pub fn light_error_by(
     reflected: impl Fn(&Configuration, &PolygonLight) -> Result<ReflectedLight, LightError>,
     lights: &RandomLights,
 ) -> Result<Spread, LightError> {
-    let pairs = lights.lit.iter().zip(&lights.energy);
-    let error = |(Lit { at, light }, energy): (&Lit, &f64)| Ok((reflected(at, light)?.energy - energy).abs());
+    errors(reflected, lights, |reflected| reflected.energy)
+}
+
+/// Absolute errors of what `told` takes of the light.
+fn errors(
+    reflected: impl Fn(&Configuration, &PolygonLight) -> Result<ReflectedLight, LightError>,
+    lights: &RandomLights,
+    told: impl Fn(&ReflectedLight) -> f64,
+) -> Result<Spread, LightError> {
+    let pairs = lights.lit.iter().zip(&lights.truth);
+    let error =
+        |(Lit { at, light }, truth): (&Lit, &ReflectedLight)| Ok((told(&reflected(at, light)?) - told(truth)).abs());
     pairs.map(error).collect::<Result<_, _>>().map(spread)
 }
 
@@ -239,11 +270,26 @@ mod tests {
         RandomLights::draw(&BrdfKind::Ggx.into(), range, count).expect("ranges of a table")
     }
 
+    /// Black reflects Schlick's part alone, and a mirror all.
+    #[test]
+    fn errors_of_materials_lie_between_those_of_both_parts() {
+        let everywhere = PerAxis { phi: [0.0, 0.1], ..EVERYWHERE };
+        let lights = RandomLights::draw(&BrdfKind::Ggx.into(), &everywhere, 60).expect("lights");
+        let form = LightModel::Normals.closed_form(None).expect("a formula");
+        let error = |f0: f64| material_error(Lighting::ClosedForm(form), &lights, f0).expect("lights");
+        let energy = light_error(Lighting::ClosedForm(form), &lights).expect("lights");
+        assert!((error(1.0).mean - energy.mean).abs() < 1e-15);
+        let means = [0.0, 0.04, 1.0].map(|f0| lights.mean_reflected(f0));
+        assert!(means[0] > 0.0 && means[0] < means[1] && means[1] < means[2], "{means:?}");
+        assert!((means[2] - lights.mean_energy()).abs() < 1e-15);
+        assert!(error(0.04).mean < 0.04 * energy.mean + error(0.0).mean + 1e-15);
+    }
+
     #[test]
     fn lights_lie_where_they_are_asked_for_and_come_again() {
         let narrow = PerAxis { alpha: [0.2, 0.5], ratio: [0.5, 0.5], theta: [0.1, 0.4], phi: [0.7, 0.7] };
         let [once, again] = [0; 2].map(|_: u32| lights(&narrow, 50));
-        assert_eq!((once.len(), &once.energy), (50, &again.energy));
+        assert_eq!((once.len(), &once.truth), (50, &again.truth));
         assert!((0.1..0.9).contains(&once.mean_energy()), "{}", once.mean_energy());
         for Lit { at, light } in &once.lit {
             assert!((0.2..=0.5).contains(&at.alpha_x) && (at.alpha_y - 0.5 * at.alpha_x).abs() < 1e-12, "{at:?}");
