@@ -1,8 +1,8 @@
 /// An angle over its sine, off by 2e-5 of itself at most.
 fn normals_angle(a: vec3<f32>, b: vec3<f32>) -> f32 {
     let h = a.x * b.x + (a.y * b.y + (a.z * b.z + 1.0000002));
-    let over_root = 2.2214415 + h * (0.53970425 + h * 0.10004498);
-    return over_root * inverseSqrt(h) + (-0.99856362 + h * (-0.27447702 + h * -0.017381236));
+    let over_root = 2.2214415 + h * (0.5397048 + h * 0.1000458);
+    return over_root * inverseSqrt(h) + (-0.9985637 + h * (-0.2744782 + h * -0.0173815));
 }
 
 /// Adds the integral of c x dc along the great circles' arcs from a to q to n.

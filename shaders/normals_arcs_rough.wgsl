@@ -1,7 +1,7 @@
 /// An angle over its sine, off by 8e-4 of itself at most.
 fn normals_angle(a: vec3<f32>, b: vec3<f32>) -> f32 {
     let h = a.x * b.x + (a.y * b.y + (a.z * b.z + 1.0000002));
-    return (2.2214415 + h * 0.4152027) * inverseSqrt(h) + (-0.9720743 + h * -0.09337349);
+    return (2.2214415 + h * 0.4152027) * inverseSqrt(h) + (-0.9720743 + h * -0.0933735);
 }
 
 /// Adds the integral of c x dc along the great circles' arcs from a to q to n.

@@ -198,6 +198,9 @@ fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailur
         _ if args.texture_array && !has_table => {
             refused(format!("--texture-array is for tables: model {} reads none", args.model))
         }
+        _ if args.es_module && !language.has_includes() => {
+            refused(format!("--es-module is for texts, and {name} is binary: leave it out"))
+        }
         ShaderForm::Include if !language.has_includes() => {
             refused(format!("{name} has no text to include: add --as example"))
         }

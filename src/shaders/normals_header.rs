@@ -60,7 +60,8 @@ Area lights on GGX without a table, in the space of its normals, by rule {rule}.
 
   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in that frame and
-      run clockwise seen from the lit side. Light of radiance L arrives as L (f0 (x - y) + f90 y).
+      run clockwise seen from the lit side; a rectangle's third is not read.
+      Light of radiance L arrives as L (f0 (x - y) + f90 y).
 ";
 
 /// The program beside the functions.

@@ -74,7 +74,7 @@ enum Study {
         #[arg(long, num_args = 2)]
         shipped: Option<Vec<PathBuf>>,
     },
-    /// The polynomials of tables' shaders: `shaders/ltc_light.wgsl` and `shaders/ltc_quadrant.wgsl`
+    /// The polynomials of the shaders: `ltc_light.wgsl`, `ltc_quadrant.wgsl` and `normals_arcs*.wgsl`
     Polynomials,
     /// What the texts cost a GPU: `src/shaders/gpu_cost.rs`. Needs Mesa's RADV, no GPU
     GpuCosts {

@@ -1,4 +1,4 @@
-//! The polynomials of `shaders/ltc_light.wgsl` and `shaders/ltc_quadrant.wgsl` with the least largest error.
+//! The polynomials of tables' shaders and of `shaders/normals_arcs*.wgsl` with the least largest error.
 
 /// A function that is approximated by a sum of others, each times a number.
 struct Asked<const N: usize> {
@@ -42,6 +42,11 @@ fn minimax<const N: usize>(asked: &Asked<N>) -> Sum {
                 }
                 _ => runs.push(i),
             }
+        }
+        // More than are needed: those at the ends with the least errors go.
+        while runs.len() > N + 1 {
+            let (first, last) = (errors[runs[0]].abs(), errors[runs[runs.len() - 1]].abs());
+            runs.remove(if first < last { 0 } else { runs.len() - 1 });
         }
         if runs.len() != N + 1 {
             break;
@@ -90,6 +95,32 @@ pub fn angle_over_sine() -> Sum {
     })
 }
 
+/// Terms and wanted value of [`arcs_close`], each over the quotient itself, so that the error is a part of it.
+fn of_arcs(c: f64) -> ([f64; 5], f64) {
+    let h = 2.0 * c * c;
+    let (angle, root) = (2.0 * c.acos(), h.sqrt());
+    let quotient = angle / angle.sin();
+    let terms = [h / root, h * h / root, 1.0, h, h * h].map(|term| term / quotient);
+    (terms, 1.0 - std::f64::consts::PI * std::f64::consts::FRAC_1_SQRT_2 / (root * quotient))
+}
+
+/// An angle over its sine, of `h = 1 + cosine`, up to a straight angle:
+/// `(pi / sqrt 2 + a h + b h^2) / sqrt h + c + d h + e h^2`, with the least error as a part of it. `c = sqrt(h / 2)` here.
+#[must_use]
+pub fn arcs_close() -> Sum {
+    minimax(&Asked { terms: |c| of_arcs(c).0, wanted: |c| of_arcs(c).1 })
+}
+
+/// The same without b and e.
+#[must_use]
+pub fn arcs_rough() -> Sum {
+    let terms = |c| {
+        let [a, _, c, d, _] = of_arcs(c).0;
+        [a, c, d]
+    };
+    minimax(&Asked { terms, wanted: |c| of_arcs(c).1 })
+}
+
 /// The arc tangent up to an angle of pi/4, in odd powers.
 #[must_use]
 pub fn arc_tangent() -> Sum {
@@ -102,7 +133,7 @@ pub fn arc_tangent() -> Sum {
     })
 }
 
-/// Both, with the numbers as the shaders have them: of the first, `d_0` is one more, as the quotient less one is wanted there.
+/// All, with the numbers as the shaders have them: of the first, `d_0` is one more, as the quotient less one is wanted there.
 #[must_use]
 pub fn told() -> Vec<(&'static str, Vec<String>, f64)> {
     let mut bend = angle_over_sine();
@@ -110,5 +141,10 @@ pub fn told() -> Vec<(&'static str, Vec<String>, f64)> {
     let written = |name, Sum { numbers, error }: Sum| {
         (name, numbers.iter().map(|number| format!("{:.7}", number.abs())).collect(), error)
     };
-    vec![written("angle over sine, less one", bend), written("arc tangent", arc_tangent())]
+    vec![
+        written("angle over sine, less one", bend),
+        written("arc tangent", arc_tangent()),
+        written("angle over sine of arcs, close", arcs_close()),
+        written("angle over sine of arcs, rough", arcs_rough()),
+    ]
 }

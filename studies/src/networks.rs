@@ -1,4 +1,4 @@
-//! The numbers by which model `normals` takes the mean of the weight of shadowing: see docs/normals.md, section 6.
+//! The numbers by which model `normals` takes the mean of the weight of shadowing: see docs/normals.md, section 7.
 //!
 //! Networks are found by Adam [Kingma, Ba 2015]: steps along the gradient over a few cases at a time, in units of its
 //! running size, which get shorter along half a cosine. The best of several starts is taken. Everything is drawn from

@@ -38,12 +38,19 @@ fn the_numbers_of_networks_are_printed_as_the_sources_have_them() {
 /// The polynomials of tables' shaders are printed as they stand there.
 #[test]
 fn the_polynomials_of_the_shaders_are_those_with_the_least_error() {
-    let shaders = [include_str!("../../shaders/ltc_light.wgsl"), include_str!("../../shaders/ltc_quadrant.wgsl")];
-    for ((name, numbers, error), shader) in minimax::told().into_iter().zip(shaders) {
+    let shaders = [
+        (include_str!("../../shaders/ltc_light.wgsl"), 2.6e-5),
+        (include_str!("../../shaders/ltc_quadrant.wgsl"), 2.6e-5),
+        (include_str!("../../shaders/normals_arcs.wgsl"), 2e-5),
+        (include_str!("../../shaders/normals_arcs_rough.wgsl"), 8.5e-4),
+    ];
+    let told = minimax::told();
+    assert_eq!(told.len(), shaders.len());
+    for ((name, numbers, error), (shader, most)) in told.into_iter().zip(shaders) {
         for number in numbers {
             assert!(shader.contains(&number), "{name}: {number}");
         }
-        assert!(error < 2.6e-5, "{name}: {error}");
+        assert!(error < most, "{name}: {error}");
     }
 }
 

@@ -1,13 +1,14 @@
 export default /* glsl */ `// SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 1, sha256 of the text below: 829714c410667354
+// ltcforge 0.1.0, revision 1, sha256 of the text below: edf76f21facd9035
 // Area lights on GGX without a table, in the space of its normals, by rule fast.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
 //   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in that frame and
-//       run clockwise seen from the lit side. Light of radiance L arrives as L (f0 (x - y) + f90 y).
+//       run clockwise seen from the lit side; a rectangle's third is not read.
+//       Light of radiance L arrives as L (f0 (x - y) + f90 y).
 //
 // CHECK of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
-//   0.3 0.15 (0.36 0.48 0.8): 0.695826 0.000554
+//   0.3 0.15 (0.36 0.48 0.8): 0.695825 0.000554
 //   0.2 0.6 (-0.64 0.48 0.6): 0.544658 0.002454
 //   0.05 0.02 (0.576 -0.768 0.28): 0.989556 0.186976
 
@@ -60,7 +61,7 @@ vec2 normals_weight(NormalsView view, vec3 c) {
 // An angle over its sine, off by 8e-4 of itself at most.
 float normals_angle(vec3 a, vec3 b) {
     float h = a.x * b.x + (a.y * b.y + (a.z * b.z + 1.0000002));
-    return (2.2214415 + h * 0.4152027) * inversesqrt(h) + (-0.9720743 + h * -0.09337349);
+    return (2.2214415 + h * 0.4152027) * inversesqrt(h) + (-0.9720743 + h * -0.0933735);
 }
 
 // Adds the integral of c x dc along the great circles' arcs from a to q to n.

@@ -1,14 +1,15 @@
 export default /* glsl */ `// SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 1, sha256 of the text below: 9689a18d247221d9
+// ltcforge 0.1.0, revision 1, sha256 of the text below: 812c302c58018f2d
 // Area lights on GGX without a table, in the space of its normals, by rule fine.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
 //   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in that frame and
-//       run clockwise seen from the lit side. Light of radiance L arrives as L (f0 (x - y) + f90 y).
+//       run clockwise seen from the lit side; a rectangle's third is not read.
+//       Light of radiance L arrives as L (f0 (x - y) + f90 y).
 //
 // CHECK of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
-//   0.3 0.15 (0.36 0.48 0.8): 0.702634 0.000353
-//   0.2 0.6 (-0.64 0.48 0.6): 0.558645 0.001520
+//   0.3 0.15 (0.36 0.48 0.8): 0.702633 0.000353
+//   0.2 0.6 (-0.64 0.48 0.6): 0.558644 0.001520
 //   0.05 0.02 (0.576 -0.768 0.28): 0.989715 0.186722
 
 precision highp float;
@@ -60,8 +61,8 @@ vec2 normals_weight(NormalsView view, vec3 c) {
 // An angle over its sine, off by 2e-5 of itself at most.
 float normals_angle(vec3 a, vec3 b) {
     float h = a.x * b.x + (a.y * b.y + (a.z * b.z + 1.0000002));
-    float over_root = 2.2214415 + h * (0.53970425 + h * 0.10004498);
-    return over_root * inversesqrt(h) + (-0.99856362 + h * (-0.27447702 + h * -0.017381236));
+    float over_root = 2.2214415 + h * (0.5397048 + h * 0.1000458);
+    return over_root * inversesqrt(h) + (-0.9985637 + h * (-0.2744782 + h * -0.0173815));
 }
 
 // Adds the integral of c x dc along the great circles' arcs from a to q to n.

@@ -220,18 +220,16 @@ fn read_fresnel(root: &Object, brdf: BrdfKind, faults: &mut Faults) -> LobeFresn
     if faults.0.len() > before {
         return LobeFresnel::One;
     }
-    let counts = |part: &WeightedF0| part.weight > 0.0;
-    if !parts.iter().any(|part| counts(part) && part.f0 >= LEAST_F0) {
-        let detail = if parts.iter().any(counts) {
-            format!(
-                "one material that counts needs an f0 of {LEAST_F0} or more: seen from above the others reflect nothing"
-            )
-        } else {
-            "the weights are 0, all of them: no material counts".to_owned()
-        };
-        faults.note(pointer, detail);
+    match LobeFresnel::mix(parts) {
+        None => faults.note(pointer, "the weights are 0, all of them: no material counts"),
+        Some(LobeFresnel::Mix(parts)) if parts.iter().all(|part| part.f0 < LEAST_F0) => {
+            let detail =
+                format!("one material needs an f0 of {LEAST_F0} or more: seen from above the others reflect nothing");
+            faults.note(pointer, detail);
+        }
+        Some(fresnel) => return fresnel,
     }
-    LobeFresnel::mix(parts).unwrap_or_default()
+    LobeFresnel::One
 }
 
 /// The default is the first layout that takes the lobes of the scattering model.

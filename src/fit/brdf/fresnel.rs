@@ -11,6 +11,9 @@ use crate::math::{Lattice, SquarePoint};
 /// Samples of a lobe that tell how much each material reflects: weights need no more.
 const SAMPLES: usize = 256;
 
+/// A material counts nothing below this part of the greatest weight.
+const LEAST_SHARE: f64 = 1e-6;
+
 /// A reflectance seen from above, and how much it counts.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct WeightedF0 {
@@ -36,11 +39,11 @@ pub enum LobeFresnel {
 }
 
 impl LobeFresnel {
-    /// A mix in its one form: by ascending F0, each once, the greatest weight 1. Materials of weight 0 are left out, and of
-    /// F0 = 1 alone it is [`LobeFresnel::One`]. `None` if none is left. Domain: finite numbers, none below zero.
+    /// A mix in its one form: by ascending F0, each once, the greatest weight 1. Materials of less than a millionth of that
+    /// are left out, and of F0 = 1 alone it is [`LobeFresnel::One`]. `None` if none is left. Domain: finite numbers, none
+    /// below zero.
     #[must_use]
     pub fn mix(mut parts: Vec<WeightedF0>) -> Option<Self> {
-        parts.retain(|part| part.weight > 0.0);
         parts.sort_by(|a, b| a.f0.total_cmp(&b.f0));
         let mut once: Vec<WeightedF0> = Vec::new();
         for part in parts {
@@ -50,6 +53,7 @@ impl LobeFresnel {
             }
         }
         let most = once.iter().fold(0.0_f64, |most, part| most.max(part.weight));
+        once.retain(|part| part.weight > 0.0 && part.weight >= LEAST_SHARE * most);
         for part in &mut once {
             part.weight /= most;
         }
@@ -185,6 +189,7 @@ mod tests {
         let first = mix(&[(1.0, 2.0), (0.04, 1.0)]);
         assert_eq!(first, mix(&[(0.04, 3.0), (0.5, 0.0), (1.0, 4.0), (1.0, 2.0)]));
         assert_eq!(mix(&[(1.0, 0.25)]), LobeFresnel::One);
+        assert_eq!(mix(&[(1.0, 1e9), (0.04, 5e-324), (0.5, 900.0)]), LobeFresnel::One);
         assert_eq!(LobeFresnel::mix(vec![WeightedF0 { f0: 0.3, weight: 0.0 }]), None);
     }
 

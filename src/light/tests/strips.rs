@@ -54,10 +54,10 @@ fn no_strip_is_dark() {
     let mut draw = Draw::new(211);
     let strips: Vec<Lit> = (0..4000).map(|_| strip(&mut draw)).collect();
     let wanted: Vec<f64> = strips.par_iter().map(truth).collect();
-    for (rule, limits) in [
-        (NormalsRule::Fast, [0.0025, 0.009]),
-        (NormalsRule::Balanced, [0.0018, 0.007]),
-        (NormalsRule::Fine, [0.0012, 0.0045]),
+    for (rule, limits, most_dark) in [
+        (NormalsRule::Fast, [0.0025, 0.009], 8),
+        (NormalsRule::Balanced, [0.0018, 0.007], 0),
+        (NormalsRule::Fine, [0.0012, 0.0045], 0),
     ] {
         let found: Vec<f64> = strips.par_iter().map(|lit| energy(lit, rule)).collect();
         let dark = found.iter().zip(&wanted).filter(|(found, wanted)| **wanted > 0.001 && **found < 0.2 * **wanted);
@@ -67,7 +67,7 @@ fn no_strip_is_dark() {
         let spread = [errors.iter().sum::<f64>() / errors.len() as f64, errors[errors.len() * 95 / 100]];
         println!("{rule}: {spread:.5?}, {dark} dark");
         assert!(
-            spread.iter().zip(limits).all(|(found, limit)| *found < limit) && dark <= 4,
+            spread.iter().zip(limits).all(|(found, limit)| *found < limit) && dark <= most_dark,
             "{rule}: {spread:?} {dark}"
         );
     }
@@ -76,7 +76,12 @@ fn no_strip_is_dark() {
 /// A light that grows around its middle lights no less, but for the errors of the two.
 #[test]
 fn a_light_that_grows_darkens_nothing() {
-    for rule in NormalsRule::SHADED {
+    // Measured: 0.004, 0.005 and 0.033 at most.
+    for (rule, limits) in [
+        (NormalsRule::Balanced, [0.001, 0.005]),
+        (NormalsRule::Fast, [0.002, 0.007]),
+        (NormalsRule::Fine, [0.006, 0.04]),
+    ] {
         let drop = |seed: u64| {
             let mut draw = Draw::new(3000 + seed);
             let lit = if seed.is_multiple_of(3) { strip(&mut draw) } else { draw.lit_by(Roughness::All, [0.02, 0.2]) };
@@ -98,6 +103,6 @@ fn a_light_that_grows_darkens_nothing() {
         let mut drops: Vec<f64> = (0..2000).into_par_iter().map(drop).collect();
         drops.sort_by(f64::total_cmp);
         println!("{rule}: drops by {:.4} (p99), {:.4} at most", drops[1980], drops[1999]);
-        assert!(drops[1980] < 0.01 && drops[1999] < 0.1, "{rule}: {} {}", drops[1980], drops[1999]);
+        assert!(drops[1980] < limits[0] && drops[1999] < limits[1], "{rule}: {} {}", drops[1980], drops[1999]);
     }
 }
