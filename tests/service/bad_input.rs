@@ -36,6 +36,8 @@ fn each_fault_of_a_recipe_is_pointed_at() {
         (r#"{"preset":"draft","fit":{"directions":0}}"#, "/fit/directions"),
         (r#"{"preset":"draft","fit":{"solver":"magic"}}"#, "/fit/solver"),
         (r#"{"preset":"draft","terms":"yes"}"#, "/terms"),
+        (r#"{"preset":"draft","fresnel":[{"f0":2}]}"#, "/fresnel/0/f0"),
+        (r#"{"preset":"draft","brdf":"oren_nayar","fresnel":[{"f0":0.04}]}"#, "/fresnel"),
         (r#"{"preset":"finest"}"#, "/preset"),
         (r#"{"preset":7}"#, "/preset"),
         ("[]", ""),

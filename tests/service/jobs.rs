@@ -46,6 +46,22 @@ fn a_recipe_becomes_a_table_under_its_hash() {
     assert_eq!(tables["items"][0]["bytes"], file.body.len());
 }
 
+/// Answers are held to `openapi.yaml`, those with a mix of materials too.
+#[test]
+fn a_table_of_some_materials_is_known_by_their_one_form() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let with = |fresnel: &str| SMALL.replacen('{', &format!(r#"{{"fresnel": {fresnel}, "#), 1);
+    let table = server.fit(&with(r#"[{"f0": 1}, {"f0": 0.04, "weight": 4}]"#));
+    let manifest = server.get(&format!("/v1/tables/{table}/manifest")).with_status(200).json();
+    let materials = serde_json::json!([{ "f0": 0.04, "weight": 1 }, { "f0": 1, "weight": 0.25 }]);
+    assert_eq!(manifest["recipe"]["fresnel"], materials);
+    let same = server.submit(&with(r#"[{"f0": 0.04, "weight": 8}, {"f0": 1, "weight": 2}]"#)).with_status(200).json();
+    assert_eq!(same["table"], table);
+    let metal = server.submit(&with(r#""one""#)).with_status(202).json();
+    assert!(metal["recipe"]["fresnel"].is_null() && metal["id"] != same["id"], "{metal:#}");
+}
+
 #[test]
 fn a_table_is_downloaded_in_parts_and_only_when_needed() {
     let folder = tempfile::tempdir().expect("a folder");
