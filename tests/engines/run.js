@@ -1,9 +1,10 @@
 // Area lights in real engines, held to the truth. Prints one JSON document.
 //
-//   node run.js --ltcforge PROGRAM --chromium PROGRAM [--exports FOLDER | --tables FILE] [--only ENGINE] [--pictures FOLDER]
+//   node run.js --ltcforge PROGRAM --chromium PROGRAM [--exports FOLDER [--dielectric FOLDER] | --tables FILE] [--only ENGINE] [--pictures FOLDER]
 //
 // Every engine draws every view at every roughness with the stock tables, with the same numbers by the way that others
 // take, with wrong ones, and with ours: the files that `ltcforge export --for ENGINE -o FOLDER/ENGINE` wrote, or those of FILE.
+// With --dielectric three.js draws with two sets too, that of --exports for metal and this one for plastic.
 // An error is the mean absolute difference of linear radiance.
 //
 // With --pictures it draws few and larger ones instead, and writes an ENGINE.png each: stock, ours, truth, and both errors.
@@ -135,7 +136,7 @@ async function writePictures( browser, engine, drawn, truth ) {
 
 const { values } = parseArgs( { options: {
 	ltcforge: { type: 'string' }, chromium: { type: 'string' }, exports: { type: 'string' }, tables: { type: 'string' },
-	only: { type: 'string' }, pictures: { type: 'string' },
+	only: { type: 'string' }, dielectric: { type: 'string' }, pictures: { type: 'string' },
 } } );
 
 const sets = { again: stock(), wrong: wrong( stock() ) };
@@ -150,17 +151,19 @@ for ( const [ name, set ] of Object.entries( sets ) ) {
 
 const folders = { '/': HERE, '/node_modules/': `${ HERE }/node_modules` };
 if ( values.exports ) folders[ '/tables/ours/' ] = values.exports;
+if ( values.dielectric ) folders[ '/tables/dielectric/' ] = values.dielectric;
 const server = await serve( folders, answers );
 const address = `http://127.0.0.1:${ server.address().port }`;
 
 const names = values.exports ? [ ...Object.keys( sets ), 'ours' ] : Object.keys( sets );
 
-/** The pictures of an engine with a set of tables; nothing for its own. */
-async function drawn( browser, engine, tables ) {
+/** The pictures of an engine with a set of tables, nothing for its own, and with one for dielectrics. */
+async function drawn( browser, engine, tables, dielectric ) {
 
 	const page = await openPage( browser, engine, `${ address }/pages/?engine=${ engine }&${ query }` );
 	await page.waitForFunction( 'window.draw' );
-	const pictures = await page.evaluate( ( at ) => window.draw( at ), tables && `${ address }/tables/${ tables }/${ engine }` );
+	const at = ( set ) => set && `${ address }/tables/${ set }/${ engine }`;
+	const pictures = await page.evaluate( ( sets ) => window.draw( ...sets ), [ at( tables ), at( dielectric ) ] );
 	await page.close();
 	return pictures;
 
@@ -177,6 +180,7 @@ try {
 			// Only three.js has its tables in its package.
 			const all = { stock: await drawn( browser, engine, engine === 'three' ? null : 'again' ) };
 			for ( const set of names ) all[ set ] = await drawn( browser, engine, set );
+			if ( values.dielectric && engine === 'three' ) all.both = await drawn( browser, engine, 'ours', 'dielectric' );
 			report.errors[ engine ] = {};
 			for ( const [ set, those ] of Object.entries( all ) ) report.errors[ engine ][ set ] = errorsOf( those, await truth );
 			if ( values.pictures ) await writePictures( browser, engine, all, await truth );

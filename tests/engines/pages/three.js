@@ -10,9 +10,10 @@ import { height, light, pictures, redFromTop, table, width } from '/world.js';
  * Draws every picture.
  *
  * @param {?string} tables - Address of the folder of the tables' files; nothing for those that three brings along.
+ * @param {?string} dielectric - Address of the folder of those for dielectrics; nothing where one set lights all.
  * @returns {Promise<number[][]>} The red channel of each, linear, from the top left.
  */
-export async function draw( tables ) {
+export async function draw( tables, dielectric ) {
 
 	RectAreaLightUniformsLib.init();
 	if ( tables ) {
@@ -22,13 +23,21 @@ export async function draw( tables ) {
 
 	}
 
+	const plastic = new THREE.MeshStandardMaterial( { color: 0x000000 } );
+	if ( dielectric ) {
+
+		const { createLTC } = await import( `${ dielectric }/ltc.js` );
+		bindOwnTables( plastic, createLTC( THREE ) );
+
+	}
+
 	const renderer = new THREE.WebGLRenderer( { canvas: document.createElement( 'canvas' ) } );
 	// Else three takes the tables in half floats.
 	if ( ! renderer.extensions.has( 'OES_texture_float_linear' ) ) throw new Error( 'float textures are not filtered here' );
 
 	const scene = new THREE.Scene();
-	const material = new THREE.MeshStandardMaterial();
-	const floor = new THREE.Mesh( new THREE.PlaneGeometry( 2 * table.halfX, 2 * table.halfZ ), material );
+	const metal = new THREE.MeshStandardMaterial( { metalness: 1 } );
+	const floor = new THREE.Mesh( new THREE.PlaneGeometry( 2 * table.halfX, 2 * table.halfZ ), metal );
 	floor.rotation.x = - Math.PI / 2;
 	const lamp = new THREE.RectAreaLight( 0xffffff, 1, light.width, light.height );
 	// It shines along -z.
@@ -42,9 +51,8 @@ export async function draw( tables ) {
 	const drawn = pictures.map( ( { f0, roughness, view } ) => {
 
 		// three's plastic has an f0 of 0.04.
-		material.metalness = f0 === 1 ? 1 : 0;
-		material.color.setScalar( f0 === 1 ? 1 : 0 );
-		material.roughness = roughness;
+		floor.material = f0 === 1 ? metal : plastic;
+		floor.material.roughness = roughness;
 		const camera = new THREE.PerspectiveCamera( view.fov, width / height, 0.1, 100 );
 		camera.position.set( ...view.eye );
 		camera.lookAt( ...view.target );
@@ -57,5 +65,18 @@ export async function draw( tables ) {
 
 	renderer.dispose();
 	return drawn;
+
+}
+
+/** Lights a material by tables of its own; the same function stands in docs/engines.md. */
+function bindOwnTables( material, tables ) {
+
+	material.onBeforeCompile = ( shader ) => {
+
+		// three assigns the tables of all materials later, without effect.
+		shader.uniforms.ltc_1 = { get value() { return tables.LTC_FLOAT_1; }, set value( _ ) {} };
+		shader.uniforms.ltc_2 = { get value() { return tables.LTC_FLOAT_2; }, set value( _ ) {} };
+
+	};
 
 }
