@@ -113,7 +113,7 @@ pub use files::{
 };
 pub use fit::{
     BrdfKind, BrdfModel, Configuration, Layout, LobeModel, LookedUp, Metric, PerAxis, Precision, Recipe, Report, Shear,
-    Sides, Solver, Start, Table,
+    Sides, Solver, Start, Table, WeightedF0,
 };
 pub use glam;
 #[cfg(feature = "shaders")]

@@ -10,7 +10,7 @@ use ltcforge_files::{
     recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, canonical_json, digest, parse_with},
     tabulated::locate,
 };
-use ltcforge_fit::{BrdfKind, Layout, LobeModel, Metric, Precision, Recipe, Shear, Solver, Start};
+use ltcforge_fit::{BrdfKind, Layout, LobeModel, Metric, Precision, Recipe, Shear, Solver, Start, WeightedF0};
 
 /// Makes a [`Recipe`] field by field. A field that is not set has the value that a document without it has.
 ///
@@ -92,6 +92,11 @@ impl RecipeBuilder {
     /// `build` reads it.
     pub fn tabulated(self, file: impl Into<String>) -> Self {
         self.brdf(BrdfKind::Tabulated).set("tabulated", file.into())
+    }
+
+    /// The materials whose lobe is fitted, by their reflectances seen from above and weights; a perfect metal unless set.
+    pub fn materials(self, materials: &[WeightedF0]) -> Self {
+        self.set("fresnel", json!(materials))
     }
 
     /// The distribution that stands for a lobe.
@@ -199,6 +204,7 @@ mod tests {
             .preset(Preset::Draft)
             .layout(Layout::Kt2022)
             .precision(Precision::F16)
+            .materials(&[WeightedF0 { f0: 0.04, weight: 2.0 }, WeightedF0 { f0: 1.0, weight: 1.0 }])
             .terms(false)
             .resolution("alpha", 5)
             .range("theta", 0.0, 1.0)
@@ -206,6 +212,7 @@ mod tests {
             .seed(3)
             .build();
         let document = br#"{"preset": "draft", "layout": "kt2022", "precision": "f16", "terms": false,
+            "fresnel": [{"f0": 1}, {"f0": 0.04, "weight": 2}],
             "resolution": {"alpha": 5}, "range": {"theta": [0, 1]}, "fit": {"samples": 64, "seed": 3}}"#;
         assert_eq!(built.expect("a recipe"), Recipe::from_json(document).expect("the same"));
         assert_eq!(Recipe::builder().build().expect("a recipe"), Recipe::from_json(b"{}").expect("the same"));
