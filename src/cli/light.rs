@@ -67,7 +67,7 @@ fn header(args: &LightArgs) -> String {
     if args.truth { format!("{},{}", of(""), of("true_")) } else { of("") }
 }
 
-/// What the material of `--f0` reflects.
+/// The light that the material of `--f0` reflects; `None` without the option.
 fn of_material(args: &LightArgs, light: &ReflectedLight) -> Option<f64> {
     args.f0.map(|f0| light.schlick(f0, args.f90))
 }

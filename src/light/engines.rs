@@ -116,7 +116,7 @@ fn representative_point(at: &LitPoint<'_, f64>) -> f64 {
     reflected.clamp(0.0, 1.0)
 }
 
-/// Of a parallelogram as seen from the origin, by two triangles [Van Oosterom and Strackee 1983].
+/// Steradians that a parallelogram covers as seen from the origin, by two triangles [Van Oosterom and Strackee 1983].
 fn solid_angle(vertices: &[DVec3]) -> f64 {
     let unit: Vec<DVec3> = vertices.iter().map(|v| v.normalize_or_zero()).collect();
     let triangle = |[a, b, c]: [DVec3; 3]| 2.0 * atan2(a.cross(b).dot(c).abs(), 1.0 + a.dot(b) + b.dot(c) + c.dot(a));
@@ -202,7 +202,7 @@ mod tests {
         }
     }
 
-    /// Of a large mirrored light nearly all is seen; the widened lobe loses no more than the light's size tells.
+    /// A light that the mirrored view hits is lit by the peak of the lobe, and one behind the viewer is not.
     #[test]
     fn the_nearest_point_of_a_light_that_is_hit_is_where_it_is_hit() {
         let wo = direction(0.5, 0.0);

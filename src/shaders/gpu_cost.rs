@@ -1,7 +1,7 @@
-//! What the texts cost a GPU: registers and instructions, as a compiler counts them.
+//! Costs of the texts on a GPU: registers and instructions, as a compiler counts them.
 
-/// One rectangle by a text to include, whole with the tangent frame, entries of tables filtered by hardware: what a
-/// compiler says of it. No timing; code behind an early return counts less.
+/// A compiler's counts for one rectangle by a text to include, with the tangent frame; the sampler filters entries of
+/// tables. They are no timing, and code behind an early return counts less.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct GpuCost {
     /// Vector registers: the more of them, the fewer pixels at a time.

@@ -26,7 +26,7 @@ use ltcforge_shaders::Language;
 use msl::Msl;
 use order::Order;
 
-/// What is made of the entry point.
+/// The use of the entry point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Form {
     /// It only tells which functions are called, and is left out.
@@ -35,7 +35,7 @@ pub(crate) enum Form {
     Program,
 }
 
-/// What the entry point `entry` of `source` reaches, in `language`; the error has line and column.
+/// The declarations that the entry point `entry` of `source` reaches, in `language`; the error has line and column.
 pub(crate) fn printed(language: Language, source: &str, entry: &str, form: Form) -> Result<String, String> {
     let dialect: &dyn Dialect = match (language, form) {
         (Language::Glsl, Form::Include) => &Glsl::Desktop450,
@@ -86,7 +86,7 @@ fn module(source: &str, entry: &str, form: Form, dialect: &dyn Dialect) -> Resul
 
 /// The entry point of a program, which takes no parameters.
 fn program(context: &mut Context<'_>, name: &str, function: &Function) -> Result<String, Fault> {
-    // What it reads is in its head, not among its parameters.
+    // The resources that it reads are in its head, not among its parameters.
     let read = context.read.remove(name).unwrap_or_default();
     let bound: Vec<(String, Slotted)> = read
         .into_iter()

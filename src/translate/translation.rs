@@ -89,7 +89,7 @@ fn validate(module: &Module) -> Result<ModuleInfo, String> {
         .map_err(|error| format!("{:?}", error.into_inner()))
 }
 
-/// What the entry point reaches, in SPIR-V.
+/// The declarations that the entry point reaches, in SPIR-V.
 fn spirv(mut module: Module, entry: &str, source: &str) -> Result<Vec<u8>, String> {
     compact(&mut module, KeepUnused::No);
     let info = validate(&module)?;

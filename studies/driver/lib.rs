@@ -1,4 +1,4 @@
-//! What a Vulkan driver's compiler says of a compute shader: `VK_KHR_pipeline_executable_properties`.
+//! Counts that a Vulkan driver's compiler makes of a compute shader: `VK_KHR_pipeline_executable_properties`.
 //!
 //! Mesa's RADV compiles for a GPU that is not there when the environment variable [`FAMILY_VARIABLE`] names one before the driver is
 //! loaded. What it says is then the same on every machine with the same Mesa.
@@ -10,12 +10,12 @@ use ash::{khr::pipeline_executable_properties, vk};
 /// The environment variable by which RADV takes a GPU for there.
 pub const FAMILY_VARIABLE: &str = "RADV_FORCE_FAMILY";
 
-/// What the compiler says of a shader.
+/// The compiler's counts of a shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Figures {
     /// Vector registers of a thread.
     pub registers: u64,
-    /// Of these, how many are kept in memory.
+    /// The number of those that are kept in memory.
     pub spilled: u64,
     /// Instructions.
     pub instructions: u64,
@@ -84,7 +84,7 @@ impl Driver {
         let extensions = [pipeline_executable_properties::NAME.as_ptr()];
         let mut told =
             vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
-        // What WGSL's storage buffers need.
+        // Storage buffers of WGSL need this.
         let mut memory = vk::PhysicalDeviceVulkan12Features::default()
             .vulkan_memory_model(true)
             .vulkan_memory_model_device_scope(true);

@@ -12,7 +12,7 @@ fn the_example_is_nearer_to_the_truth_than_babylon() {
     hold_errors("babylon", &EXAMPLE_ERRORS);
 }
 
-/// What is refused, and a part of the message.
+/// Refused inputs, each with a part of the message.
 const REFUSALS: [(&str, &str); 10] = [
     ("standard", "StandardMaterial is not lit by the shader of PBRMaterial"),
     ("openpbr", "OpenPBRMaterial is not lit by the shader of PBRMaterial"),

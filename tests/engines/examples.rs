@@ -1,4 +1,4 @@
-//! What the tests of all examples need: their pages, their packages and their shaders.
+//! Pages, packages and shaders of the examples, for the tests of each.
 
 use std::sync::OnceLock;
 
@@ -45,10 +45,10 @@ pub(crate) struct Apart {
 /// The output of `package.js`.
 #[derive(Deserialize)]
 pub(crate) struct Package {
-    /// Of each picture from `ours`, one of a patched material.
+    /// The distance of each picture from `ours`, one of a patched material.
     #[serde(rename = "fromOurs")]
     pub(crate) from_ours: BTreeMap<String, Apart>,
-    /// Of each picture from that of the engine as it is.
+    /// The distance of each picture from that of the engine as it is.
     #[serde(rename = "fromStock")]
     pub(crate) from_stock: BTreeMap<String, Apart>,
     /// Messages of errors; nothing where there was none.
@@ -90,8 +90,8 @@ impl Package {
     }
 }
 
-/// What an example's package does, as npm packs it, of which `refusals` and the README's page are judged here; `None` where
-/// it cannot run.
+/// The report of an example's package as npm packs it, with `refusals` and the README's page checked; `None` where it
+/// cannot run.
 pub(crate) fn package(engine: &str, refusals: &[(&str, &str)]) -> Option<Package> {
     let folder = tempfile::tempdir().expect("a folder");
     let files = RULES_GLSL.map(|(file, _)| file);

@@ -12,7 +12,7 @@ fn the_example_is_nearer_to_the_truth_than_playcanvas() {
     hold_errors("playcanvas", &EXAMPLE_ERRORS);
 }
 
-/// What is refused, and a part of the message.
+/// Refused inputs, each with a part of the message.
 const REFUSALS: [(&str, &str); 8] = [
     ("shader", "ShaderMaterial has no GGX lobe"),
     ("nothing", "undefined has no GGX lobe"),

@@ -19,7 +19,7 @@ fn the_example_is_nearer_to_the_truth_than_three() {
 /// The output of `patch.js`.
 #[derive(Deserialize)]
 struct Patch {
-    /// Of a picture of clearcoat on metal, in linear radiance.
+    /// The errors of pictures of clearcoat on metal, in linear radiance.
     errors: BTreeMap<String, f64>,
     /// The least and greatest ratio to the picture `ours`.
     brightness: BTreeMap<String, [f64; 2]>,
@@ -38,7 +38,7 @@ struct Patch {
     faults: Vec<String>,
 }
 
-/// What is refused, and a part of the message.
+/// Refused inputs, each with a part of the message.
 const REFUSALS: [(&str, &str); 10] = [
     ("basic", "MeshBasicMaterial has no GGX lobe"),
     ("nothing", "undefined has no GGX lobe"),

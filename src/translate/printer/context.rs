@@ -1,4 +1,4 @@
-//! What is known at a place of the text: names, their types, and the text itself.
+//! The names that a place of the text knows, their types, and the text itself.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -22,9 +22,9 @@ pub(super) struct Context<'a> {
     structs: HashMap<&'a str, Members>,
     /// The types of constants.
     pub(super) constants: HashMap<String, Type>,
-    /// What is bound.
+    /// The resources.
     pub(super) bound: HashMap<&'a str, Slotted>,
-    /// What is bound that a function reads, itself or by those it calls.
+    /// The resources that a function reads, itself or by those it calls.
     pub(super) read: HashMap<&'a str, Vec<String>>,
     scopes: Vec<HashMap<String, Local>>,
     words: BTreeSet<&'a str>,
@@ -79,13 +79,22 @@ impl<'a> Context<'a> {
 
     /// Whether the name stands in the span for itself, not for a member.
     pub(super) fn mentions(&self, span: &Span, name: &str) -> bool {
+        self.before(span, name).any(|sign| sign != Some("."))
+    }
+
+    /// Whether a pointer's name stands in the span other than as `*name`: another function gets it, and may write to it.
+    pub(super) fn passes_on(&self, span: &Span, name: &str) -> bool {
+        self.before(span, name).any(|sign| !matches!(sign, Some("." | "*")))
+    }
+
+    /// The token before each place in the span where the word stands.
+    fn before<'b>(&'b self, span: &'b Span, word: &'b str) -> impl Iterator<Item = Option<&'a str>> + 'b {
         let tokens = &self.module.tokens;
         let first = tokens.partition_point(|token| token.span.start < span.start);
         let within = tokens.iter().enumerate().skip(first).take_while(|(_, token)| token.span.end <= span.end);
-        let is_member = |at: usize| at > 0 && self.source(tokens[at - 1].span.clone()) == ".";
-        within
-            .filter(|(_, token)| token.kind == Kind::Word)
-            .any(|(at, token)| self.source(token.span.clone()) == name && !is_member(at))
+        let places =
+            within.filter(move |(_, token)| token.kind == Kind::Word && self.source(token.span.clone()) == word);
+        places.map(|(at, _)| at.checked_sub(1).map(|before| self.source(tokens[before].span.clone())))
     }
 
     /// The members of a structure as the language names them.
@@ -141,7 +150,7 @@ impl<'a> Context<'a> {
     }
 }
 
-/// How many of what is bound comes before it, of its own kind: buffers, textures or samplers.
+/// The number of resources before one of its own kind: buffers, textures or samplers.
 fn slot(module: &Module<'_>, of: &Resource) -> usize {
     let kind = |bound: &Resource| match bound.ty {
         Type::Texture(_) => 0,

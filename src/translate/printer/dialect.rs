@@ -1,4 +1,4 @@
-//! What a language has to tell of itself.
+//! The ways in which a language differs from WGSL.
 
 use crate::wgsl::{Resource, Scalar, Type};
 
@@ -56,7 +56,7 @@ impl Builtin<'_> {
     }
 }
 
-/// What is bound, and its number among buffers or textures.
+/// A resource, and its number among buffers or textures.
 #[derive(Debug, Clone)]
 pub(super) struct Slotted {
     pub(super) bound: Resource,
@@ -84,10 +84,10 @@ pub(super) trait Dialect {
     /// The word before a constant of the file.
     fn constant(&self) -> &'static str;
 
-    /// The declaration of what is bound, or the parameter that stands for it; `None` if the language has neither.
+    /// The declaration of a resource, or the parameter that stands for it; `None` if the language has neither.
     fn global(&self, name: &str, bound: &Slotted) -> Option<String>;
 
-    /// What is bound in an expression.
+    /// A resource in an expression.
     fn bound(&self, name: &str, _bound: &Slotted) -> String {
         name.to_owned()
     }
@@ -95,7 +95,7 @@ pub(super) trait Dialect {
     /// The entry point of a program with its body: one thread that reads what is `bound`.
     fn entry(&self, name: &str, body: &str, bound: &[(String, Slotted)]) -> String;
 
-    /// Whether functions take what they read of it as parameters.
+    /// Whether functions take the resources that they read as parameters.
     fn passes_what_is_bound(&self) -> bool {
         false
     }

@@ -8,11 +8,11 @@ use crate::wgsl::{Fault, ItemKind, Kind, Module, Token, Type};
 pub(super) struct Order {
     /// Those that are printed, each after those it needs.
     numbers: Vec<usize>,
-    /// What each declaration of the module names.
+    /// The declarations that each one of the module names.
     needs: Vec<BTreeSet<usize>>,
 }
 
-/// What stands above a declaration.
+/// The comments above a declaration.
 #[derive(Debug, Default)]
 pub(super) struct Lead {
     /// Whether a blank line comes first.
@@ -72,7 +72,7 @@ impl Order {
         self.numbers.iter().map(|number| (*number, leads.remove(number).unwrap_or_default())).collect()
     }
 
-    /// What is bound that each printed function reads, itself or by those it calls, in the order of the source.
+    /// The resources that each printed function reads, itself or by those it calls, in the order of the source.
     pub(super) fn read<'a>(&self, module: &'a Module<'_>) -> HashMap<&'a str, Vec<String>> {
         let mut found: HashMap<usize, BTreeSet<usize>> = HashMap::new();
         // Each comes after those it needs.
@@ -90,7 +90,7 @@ impl Order {
         found.into_iter().map(|(number, read)| (module.items[number].name.as_str(), names(read))).collect()
     }
 
-    /// The names that what is printed calls with arguments, structures that are made of their parts among them.
+    /// The names that are called with arguments, structures that are made of their parts among them.
     pub(super) fn made<'a>(&self, module: &'a Module<'_>) -> BTreeSet<&'a str> {
         let text = |token: &Token| &module.source[token.span.clone()];
         let tokens = self.numbers.iter().flat_map(|number| tokens_of(module, *number).windows(3));
@@ -99,7 +99,7 @@ impl Order {
     }
 }
 
-/// Of those that are `left`, one that `first` needs, or itself, and that needs no other; `None` for a circle.
+/// A declaration that `first` needs, or itself, and that needs none of those `left`; `None` for a circle.
 fn first_needed(first: usize, left: &BTreeSet<usize>, needs: &[BTreeSet<usize>]) -> Option<usize> {
     let mut at = first;
     for _ in 0..=left.len() {

@@ -13,7 +13,9 @@ pub(super) fn function(context: &mut Context<'_>, name: &str, function: &Functio
     let mut pieces: Vec<(Span, String)> = Vec::new();
     for parameter in &function.parameters {
         let named = context.declare(&parameter.name, parameter.ty.clone(), None);
-        let is_written = writes(&function.body, &parameter.name);
+        let is_passed_on =
+            matches!(parameter.ty, Type::Pointer(_)) && context.passes_on(&function.body.span, &parameter.name);
+        let is_written = is_passed_on || writes(&function.body, &parameter.name);
         let text = context.dialect.parameter(&named, &parameter.ty, is_written);
         pieces.push((parameter.span.clone(), text));
     }

@@ -1,4 +1,4 @@
-//! What is printed is what the source says: its names, its comments, its meaning. `ltcforge-view` runs it.
+//! Printed texts have the names, the comments and the meaning of their source. `ltcforge-view` runs them.
 
 use std::collections::BTreeSet;
 
@@ -207,6 +207,22 @@ fn what_languages_write_otherwise() {
             ),
         ],
     );
+}
+
+/// The one that writes is told by those that call it.
+#[test]
+fn a_pointer_that_is_passed_on_is_written_to() {
+    let source = "fn g(p: ptr<function, f32>) { *p = 1.0; }\nfn f(p: ptr<function, f32>) { g(p); }\n\
+        fn h(p: ptr<function, f32>) -> f32 { return 2.0 * *p; }\n\
+        @fragment\nfn main() { var x = 0.0; f(&x); h(&x); }\n";
+    let text = translated(Language::Glsl, source);
+    for wanted in ["void g(inout float p)", "void f(inout float p)", "float h(float p)"] {
+        assert!(text.contains(wanted), "no {wanted} in\n{text}");
+    }
+    let text = translated(Language::Msl, source);
+    for wanted in ["void g(thread float& p)", "void f(thread float& p)", "float h(thread const float& p)"] {
+        assert!(text.contains(wanted), "no {wanted} in\n{text}");
+    }
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::ops::Range;
 /// Bytes of the source.
 pub(crate) type Span = Range<usize>;
 
-/// What is wrong with a text, and where.
+/// A fault of a text, and its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Fault {
     /// In bytes from the start.

@@ -67,7 +67,7 @@ fn conditional(stream: &mut Stream<'_>) -> Result<Statement, Fault> {
     })
 }
 
-/// What can stand in the head of a loop, and what ends with a semicolon.
+/// A statement that can stand in the head of a loop or ends with a semicolon.
 fn simple(stream: &mut Stream<'_>) -> Result<Statement, Fault> {
     const ASSIGNMENTS: [&str; 9] = ["=", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^="];
     let start = stream.here();

@@ -175,7 +175,7 @@ pub(crate) struct Item {
     pub(crate) span: Span,
 }
 
-/// What a shader reads or writes from outside.
+/// A buffer, a texture or a sampler that is bound to a shader.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Resource {
     pub(crate) ty: Type,

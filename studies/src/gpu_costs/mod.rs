@@ -1,4 +1,4 @@
-//! What the texts cost a GPU: numbers of `src/shaders/gpu_cost.rs`, by the compiler of a driver.
+//! Costs of the texts on a GPU: the numbers of `src/shaders/gpu_cost.rs`, by the compiler of a driver.
 //!
 //! Each text is compiled with `surface.wgsl` beside it, for one rectangle that is lit from one side, with the frame that its
 //! corners are turned into. Checks of indices are off, as engines have them. Engines' ways are written here as they are published.
@@ -38,7 +38,7 @@ pub enum CostError {
     Text {
         /// The text.
         name: String,
-        /// What naga says.
+        /// The message of naga.
         reason: String,
     },
 }
