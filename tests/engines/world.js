@@ -17,6 +17,9 @@ export const roughnesses = [ 0.1, 0.25, 0.4, 0.6, 0.8 ];
 /** Reflectance seen from above: white metal, and black plastic. At grazing angles both have 1. */
 export const reflectances = [ 1, 0.04 ];
 
+/** Reflectance of dark metal seen from above, which is drawn at the lowest view alone. */
+export const darkMetal = 0.25;
+
 /** White metal under clearcoat, whose reflectance is 0.04 and 1. */
 export const coated = { roughness: 0.6, clearcoatRoughness: 0.25 };
 
@@ -98,6 +101,7 @@ export function pointsOf( view ) {
 
 /** Every picture that an engine draws, in order. */
 const all = reflectances.flatMap( ( f0 ) => roughnesses.flatMap( ( roughness ) => views.map( ( view ) => ( { f0, roughness, view } ) ) ) );
+all.push( ...roughnesses.map( ( roughness ) => ( { f0: darkMetal, roughness, view: views[ 2 ] } ) ) );
 const isShown = ( { f0, roughness, view } ) => f0 === 1 && roughness === 0.4 && view !== views[ 0 ];
 export const pictures = scale === 1 ? all : all.filter( isShown );
 

@@ -62,8 +62,10 @@ export async function draw( tables ) {
 	for ( const { f0, roughness, view } of pictures ) {
 
 		// PlayCanvas's plastic has an f0 of 0.04.
-		material.metalness = f0 === 1 ? 1 : 0;
-		material.diffuse = f0 === 1 ? pc.Color.WHITE : pc.Color.BLACK;
+		material.metalness = f0 === 0.04 ? 0 : 1;
+		// Colours are not linear.
+		const colour = f0 === 0.04 ? 0 : f0 ** ( 1 / 2.2 );
+		material.diffuse = new pc.Color( colour, colour, colour );
 		material.gloss = 1 - Math.sqrt( roughness );
 		material.update();
 		camera.camera.fov = view.fov;

@@ -51,7 +51,8 @@ export async function draw( tables, dielectric ) {
 	const drawn = pictures.map( ( { f0, roughness, view } ) => {
 
 		// three's plastic has an f0 of 0.04.
-		floor.material = f0 === 1 ? metal : plastic;
+		floor.material = f0 === 0.04 ? plastic : metal;
+		metal.color.setScalar( f0 );
 		floor.material.roughness = roughness;
 		const camera = new THREE.PerspectiveCamera( view.fov, width / height, 0.1, 100 );
 		camera.position.set( ...view.eye );
