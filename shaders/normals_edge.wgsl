@@ -33,7 +33,7 @@ fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: N
     let n = per_length * middle;
     // The arcs of a half meet a little outside of it, so that they enclose its area.
     let root = sqrt(per_length);
-    let least = 3.3 * root;
+    let least = 3.4 * root;
     let more = 0.6 * per_length * root;
     let q = a + n + (least + more * dot(left, left)) * left;
     let r = c + n + (least + more * dot(right, right)) * right;

@@ -14,7 +14,7 @@ use ltcforge::{
 };
 use ltcforge_driver::FAMILY_VARIABLE;
 use ltcforge_studies::{
-    best, costs, expected,
+    arcs, best, costs, expected,
     figures::Figure,
     glass, gpu_costs, l3, minimax, models,
     networks::{self, Asked, Numbers},
@@ -49,6 +49,15 @@ enum Study {
         /// Print the numbers that stand, and search for none
         #[arg(long)]
         standing: bool,
+    },
+    /// How far the arcs of an edge lie outside of its chord: `BULGE` of `src/light/normals/arcs.rs`
+    Arcs {
+        /// Lights of each kind of the search, and as many that it does not see
+        #[arg(long, default_value_t = 1500)]
+        lights: usize,
+        /// Seed of the lights
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
     },
     /// The expected errors of tables: numbers of src/fit/expectation.rs and of the layouts
     Expected,
@@ -134,6 +143,14 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),
         Study::L3 { shipped } => print!("{}", l3::tables(pair(shipped.as_deref()))?),
         Study::Glass => print!("{}\n{}", glass::errors(), glass::differences()),
+        Study::Arcs { lights, seed } => {
+            let arcs::Found { bulge: [least, more], seen, held_out } = arcs::find(lights, seed);
+            println!("found: {least:.1} + {more:.1} |l|^2");
+            println!("mean error of V     standing     found");
+            for (name, [standing, found]) in [("seen", seen), ("held out", held_out)] {
+                println!("{name:16}  {standing:.3e}  {found:.3e}");
+            }
+        }
         Study::GpuCosts { family } => {
             // RADV reads the variable when it is loaded, so it is set for a process of its own.
             if env::var_os(FAMILY_VARIABLE).is_none() {

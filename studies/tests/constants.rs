@@ -1,8 +1,11 @@
 //! Shortened studies find what the sources have, and print what the documents have.
 
-use ltcforge::{Layout, Metric, Preset, Recipe, RecipeDocument as _, Solver, light::NormalsRule};
+use ltcforge::{
+    Layout, Metric, Preset, Recipe, RecipeDocument as _, Solver,
+    light::{NormalsRule, normals::BULGE},
+};
 use ltcforge_studies::{
-    best, expected,
+    arcs, best, expected,
     expected::Extent,
     glass, l3, minimax, models,
     networks::{self, Asked, Numbers},
@@ -51,6 +54,19 @@ fn the_polynomials_of_the_shaders_are_those_with_the_least_error() {
             assert!(shader.contains(&number), "{name}: {number}");
         }
         assert!(error < most, "{name}: {error}");
+    }
+}
+
+/// The search finds on other lights what stands, and the shader has the same.
+#[test]
+fn the_bulge_of_arcs_is_the_best_of_the_grid() {
+    let found = arcs::find(400, 30);
+    println!("{found:?}");
+    assert!((0..2).all(|i| (found.bulge[i] - BULGE[i]).abs() < 0.25), "{found:?}");
+    assert!(found.held_out[0] < 1.1 * found.held_out[1], "{found:?}");
+    let shader = include_str!("../../shaders/normals_edge.wgsl");
+    for (name, number) in [("least", BULGE[0]), ("more", BULGE[1])] {
+        assert!(shader.contains(&format!("let {name} = {number} *")), "{name}: {number}");
     }
 }
 

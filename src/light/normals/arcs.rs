@@ -36,8 +36,8 @@ impl AnglePerSine {
 }
 
 /// How far beyond the chord's middle, in multiples of the control point, the two arcs of a half meet: the first number,
-/// and the second times the square of the control point's length.
-const BULGE: [f64; 2] = [3.3, 0.6];
+/// and the second times the square of the control point's length. `cargo run -p ltcforge-studies -- arcs` finds them.
+pub const BULGE: [f64; 2] = [3.4, 0.6];
 /// Ends that are as near to each other as this, squared, are so in all digits that matter: where between them the image
 /// is halved does not.
 const NEAR2: f64 = 1e-8;
@@ -47,7 +47,13 @@ const NEAR2: f64 = 1e-8;
 /// The image is a conic with the control points `a`, `b` and `c`, of which the ends have length one
 /// (`docs/normals.md`, section 4). It is halved at the point n that is equally far from both ends, and each half is two
 /// arcs that meet in q, a little outside of it, so that they enclose the same area as the half.
-pub(super) fn four_arcs<T: Scalar>(psi: &AnglePerSine, view: &View<T>, from: &Corner<T>, to: &Corner<T>) -> Triple<T> {
+pub(super) fn four_arcs<T: Scalar>(
+    psi: &AnglePerSine,
+    bulge: [f64; 2],
+    view: &View<T>,
+    from: &Corner<T>,
+    to: &Corner<T>,
+) -> Triple<T> {
     let (a, c) = (from.c, to.c);
     let b = control_point(view, from, to);
     // The curve is a + 2 t b + t^2 c. Its distance from both ends is equal where (a - c) . (a + 2 t b + t^2 c) = 0.
@@ -59,7 +65,7 @@ pub(super) fn four_arcs<T: Scalar>(psi: &AnglePerSine, view: &View<T>, from: &Co
     let length = dot(middle, middle).max(T::of(1e-30)).sqrt();
     let n = scaled(middle, T::ONE / length);
     let half = |end: Triple<T>, control: Triple<T>| {
-        let [least, more] = BULGE.map(T::of);
+        let [least, more] = bulge.map(T::of);
         let bulge = (least + more * dot(control, control) / length) / length.sqrt();
         let q = plus(plus(end, n), scaled(control, bulge));
         scaled(q, T::ONE / dot(q, q).max(T::of(1e-30)).sqrt())

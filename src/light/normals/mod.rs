@@ -34,15 +34,16 @@ mod outline;
 mod view;
 
 pub(super) use self::model::NormalsModel;
-use self::{
-    arcs::{AnglePerSine, four_arcs},
-    outline::Outline,
-    view::View,
-};
 pub use self::{
+    arcs::BULGE,
     mean::{INPUTS, OUTPUTS, Region},
     model::by_normals,
     network::Network,
+};
+use self::{
+    arcs::{AnglePerSine, CLOSE, four_arcs},
+    outline::Outline,
+    view::View,
 };
 pub(super) use exact::cos_of_third;
 use ltcforge_fit::{
@@ -163,7 +164,7 @@ pub fn regions<T: Scalar>(
     let edges: Vec<Triple<T>> = if rule == NormalsRule::Exact {
         exact::edges(&view, &outline.corners)
     } else {
-        outline.edges().map(|(from, to)| four_arcs(psi, &view, from, to)).collect()
+        outline.edges().map(|(from, to)| four_arcs(psi, BULGE, &view, from, to)).collect()
     };
     let flux = edges.iter().fold([T::ZERO; 3], |sum, edge| plus(sum, *edge));
     let seen = dot(flux, view.stretched);
@@ -193,6 +194,16 @@ pub fn visible<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Triple<T>]) 
         return T::ZERO;
     }
     dot(exact::flux(&view, &outline.corners), view.stretched) * to_visible(&view)
+}
+
+/// The same by four arcs an edge that meet `bulge` outside of it, as rules `balanced` and `fine` have them with [`BULGE`].
+#[must_use]
+pub fn visible_by_arcs<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Triple<T>], bulge: [f64; 2]) -> T {
+    let view = View::new(alpha, wo);
+    let outline = Outline::new(&view, vertices);
+    let edges = outline.edges().map(|(from, to)| four_arcs(&CLOSE, bulge, &view, from, to));
+    let flux = edges.fold([T::ZERO; 3], |sum, edge| plus(sum, edge));
+    if outline.corners.len() < 3 { T::ZERO } else { dot(flux, view.stretched) * to_visible(&view) }
 }
 
 /// From the integral of `c x dc` along `A wo` to the part of the visible normals.
