@@ -73,7 +73,7 @@ fn a_slow_link_to_the_store_is_only_slow() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some((shared, _server, link)) = shared_on_s3(folder.path()) else { return };
     let replica = shared.replica(&folder.path().join("one"));
-    let _worker = Worker::start(&shared, folder.path(), "1");
+    let _worker = Worker::start(&shared, folder.path(), "3");
     link.set(Link::Slow);
     let job = replica.finished(text(&replica.submit(LARGE).with_status(202).json()["id"]));
     assert_eq!((&job["state"], &job["attempts"]), (&"done".into(), &1.into()), "{job:#}");
