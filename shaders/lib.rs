@@ -40,6 +40,8 @@ pub const LTC_SHAPES: &str = include_str!("ltc_shapes.wgsl");
 pub const LTC_SMOOTH: &str = include_str!("ltc_smooth.wgsl");
 /// `ltc_table.wgsl`.
 pub const LTC_TABLE: &str = include_str!("ltc_table.wgsl");
+/// `ltc_two_lobes.wgsl`.
+pub const LTC_TWO_LOBES: &str = include_str!("ltc_two_lobes.wgsl");
 /// `normals_arcs.wgsl`.
 pub const NORMALS_ARCS: &str = include_str!("normals_arcs.wgsl");
 /// `normals_arcs_rough.wgsl`.

@@ -62,8 +62,8 @@ fn ltc_place(steps: vec4<f32>) -> LtcPlace {
     return LtcPlace(lower, clamp(at - lower, vec4(0.0), vec4(1.0)));
 }
 
-/// The 16 entries around a place, interpolated here: exact weights, any texture format.
-fn ltc_fetch_weighed(lower: vec4<f32>, upper: vec4<f32>) -> LtcTexels {
+/// The 16 entries around a place, interpolated here: exact weights, any texture format. The lobe's layers begin at `layer`.
+fn ltc_fetch_weighed(lower: vec4<f32>, upper: vec4<f32>, layer: u32) -> LtcTexels {
     var sum = LtcTexels(vec4(0.0), vec4(0.0), vec4(0.0));
     let first = vec4<u32>(lower);
     let last = ltc_table.nodes - vec4(1u);
@@ -73,7 +73,7 @@ fn ltc_fetch_weighed(lower: vec4<f32>, upper: vec4<f32>) -> LtcTexels {
         let weight = weights.x * weights.y * weights.z * weights.w;
         // Beyond the last node there is no entry; its weight is zero.
         let entry = min(first + step, last);
-        let fetched = ltc_fetch(vec3(entry.w, entry.y * ltc_table.nodes.z + entry.z, entry.x));
+        let fetched = ltc_fetch(vec3(entry.w, entry.y * ltc_table.nodes.z + entry.z, entry.x + layer));
         sum.a += weight * fetched.a;
         sum.b += weight * fetched.b;
         sum.terms += weight * fetched.terms;
@@ -82,25 +82,37 @@ fn ltc_fetch_weighed(lower: vec4<f32>, upper: vec4<f32>) -> LtcTexels {
 }
 
 /// The same, interpolated by the sampler along all axes but ratio.
-fn ltc_fetch_filtered(lower: vec4<f32>, upper: vec4<f32>) -> LtcTexels {
+fn ltc_fetch_filtered(lower: vec4<f32>, upper: vec4<f32>, layer: u32) -> LtcTexels {
     // A row beyond the last ratio is clamped by the sampler; its weight is zero.
     let texel = ltc_table.texel;
     let place = lower + upper + vec4(0.5);
     let row = (lower.y * texel.z + place.z) * texel.y;
     let above = row + texel.z * texel.y;
     let x = place.w * texel.w;
-    return ltc_mix(ltc_sample(vec2(x, row), place.x), ltc_sample(vec2(x, above), place.x), upper.y);
+    return ltc_mix(ltc_sample(vec2(x, row), place.x, layer), ltc_sample(vec2(x, above), place.x, layer), upper.y);
 }
 
-/// The table at a surface and a view direction, wo as in ltc_fold.
-fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
+/// A surface and a view as the table has them.
+struct LtcSeen {
+    fold: LtcFold,
+    place: LtcPlace,
+}
+
+/// wo as in ltc_fold.
+fn ltc_seen(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcSeen {
     let fold = ltc_fold(alpha_x, alpha_y, wo);
-    let place = ltc_place_of(fold.alpha, fold.ratio, fold.wo);
+    return LtcSeen(fold, ltc_place_of(fold.alpha, fold.ratio, fold.wo));
+}
+
+/// The lobe whose layers begin at one.
+fn ltc_lobe_at(seen: LtcSeen, layer: u32) -> LtcLobe {
+    let fold = seen.fold;
+    let place = seen.place;
     var texels: LtcTexels;
     if (ltc_hardware_filter) {
-        texels = ltc_fetch_filtered(place.lower, place.weight);
+        texels = ltc_fetch_filtered(place.lower, place.weight, layer);
     } else {
-        texels = ltc_fetch_weighed(place.lower, place.weight);
+        texels = ltc_fetch_weighed(place.lower, place.weight, layer);
     }
     let stored = transpose(mat3x3(
         texels.a.xyz,
@@ -115,4 +127,9 @@ fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
     let z = vec3(fold.x * m[2].x + fold.y * m[2].y, m[2].z);
     lobe.m = mat3x3(x * fold.x.x + y * fold.y.x, x * fold.x.y + y * fold.y.y, z);
     return lobe;
+}
+
+/// The table at a surface and a view direction, wo as in ltc_fold.
+fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
+    return ltc_lobe_at(ltc_seen(alpha_x, alpha_y, wo), 0u);
 }

@@ -1,32 +1,45 @@
 // Reads a table of isotropic surfaces: the lobe is symmetric in the plane of incidence and turns with the view. Needs
 // ltc_table.wgsl, and functions ltc_steps and ltc_restore that call a layout's, which `ltcforge shader` writes.
 
-/// The 4 entries around a place, interpolated here: exact weights, any texture format.
-fn ltc_fetch_weighed(place: vec2<f32>) -> LtcTexels {
+/// The 4 entries around a place, interpolated here: exact weights, any texture format. The lobe's layers begin at `layer`.
+fn ltc_fetch_weighed(place: vec2<f32>, layer: u32) -> LtcTexels {
     let last = ltc_table.nodes.xz - vec2(1u);
     let at = clamp(place, vec2(0.0), vec2<f32>(last));
     let lower = vec2<u32>(at);
     let upper = min(lower + vec2(1u), last);
     let weight = fract(at);
-    let low = ltc_mix(ltc_fetch(vec3(0u, lower.yx)), ltc_fetch(vec3(0u, upper.y, lower.x)), weight.y);
-    let high = ltc_mix(ltc_fetch(vec3(0u, lower.y, upper.x)), ltc_fetch(vec3(0u, upper.yx)), weight.y);
+    let near = vec3(0u, lower.y, lower.x + layer);
+    let far = vec3(0u, upper.y, upper.x + layer);
+    let low = ltc_mix(ltc_fetch(near), ltc_fetch(vec3(far.xy, near.z)), weight.y);
+    let high = ltc_mix(ltc_fetch(vec3(near.xy, far.z)), ltc_fetch(far), weight.y);
     return ltc_mix(low, high, weight.x);
 }
 
-/// The table at a surface and a view direction; of an anisotropic surface the larger roughness counts. wo: view direction in the
-/// tangent frame, normal +z, of unit length.
-fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
-    let alpha = max(max(alpha_x, alpha_y), LTC_LEAST_ALPHA);
+/// A surface and a view as the table has them: where they lie along alpha and theta, and the azimuth.
+struct LtcSeen {
+    place: vec2<f32>,
+    ahead: vec2<f32>,
+}
+
+/// Of an anisotropic surface the larger roughness counts. wo: view direction in the tangent frame, normal +z, of unit length.
+fn ltc_seen(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcSeen {
+    let alpha = clamp(max(alpha_x, alpha_y), LTC_LEAST_ALPHA, 1.0);
     // Seen from straight above, the azimuth is 0.
     let flat = wo.xy + vec2(1e-18, 0.0);
     let ahead = flat * inverseSqrt(dot(flat, flat));
     let place = (ltc_steps(alpha, vec3(flat, wo.z)) - ltc_table.start.xz) * ltc_table.per_step.xz;
+    return LtcSeen(place, ahead);
+}
+
+/// The lobe whose layers begin at one.
+fn ltc_lobe_at(seen: LtcSeen, layer: u32) -> LtcLobe {
+    let ahead = seen.ahead;
     var texels: LtcTexels;
     if (ltc_hardware_filter) {
-        let middle = place + vec2(0.5);
-        texels = ltc_sample(vec2(0.5, middle.y * ltc_table.texel.y), middle.x);
+        let middle = seen.place + vec2(0.5);
+        texels = ltc_sample(vec2(0.5, middle.y * ltc_table.texel.y), middle.x, layer);
     } else {
-        texels = ltc_fetch_weighed(place);
+        texels = ltc_fetch_weighed(seen.place, layer);
     }
     // The columns in the plane of incidence, and the number across it.
     let x = vec2(texels.a.x, texels.b.z);
@@ -41,4 +54,9 @@ fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
         vec3(plane.z.x * ahead, plane.z.y),
     );
     return LtcLobe(m, texels.terms.y, texels.terms.z);
+}
+
+/// The table at a surface and a view direction, as in ltc_seen.
+fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
+    return ltc_lobe_at(ltc_seen(alpha_x, alpha_y, wo), 0u);
 }

@@ -6,20 +6,21 @@
 //     a      m00 m01 m02 m10
 //     b      m11 m12 m20 m21
 //     terms  m22 amplitude fresnel 0
-// 32 or 16 bits a number. A table without terms has amplitude 1 and fresnel 0 in their place.
+// 32 or 16 bits a number. A table without terms has amplitude 1 and fresnel 0 in their place. Of a table with two lobes an entry
+// all second ones follow all first ones along z.
 
 struct LtcTable {
     /// How many nodes alpha, ratio, theta and phi have.
     nodes: vec4<u32>,
     /// x: the layout's number, which a shader for one layout does not read. y: 1 for a table of isotropic surfaces with one
-    /// phi, whose lobes turn with the view.
+    /// phi, whose lobes turn with the view. z: how many layers after the first lobes the second ones are, 0 where there are none.
     reading: vec4<u32>,
     /// The first node of each axis in the variable in which the layout's nodes are evenly spaced, the step between nodes, and
     /// one over it; an axis of one node has the step 1.
     start: vec4<f32>,
     spacing: vec4<f32>,
     per_step: vec4<f32>,
-    /// For the sampler: one over the nodes of alpha, one over those of ratio and theta, those of theta, one over those of phi.
+    /// For the sampler: one over the layers of alpha, which are its nodes for each lobe; one over those of ratio and theta, those of theta, one over those of phi.
     texel: vec4<f32>,
     /// The first and the last node: of alpha, of ratio; the last and the first cosine of theta; cosine and sine of phi.
     roughness: vec4<f32>,

@@ -35,11 +35,17 @@ override lookup_is_constant: bool = false;
 override normals_rule: u32 = RULE_BALANCED;
 override gaussian: u32 = 0u;
 override gaussian_is_fitted: bool = false;
+/// How the second lobe of a table is used, see SECOND_.
+override second_lobe: u32 = SECOND_NONE;
 override light_is_polygon: bool = true;
 
 const RULE_BALANCED: u32 = 0u;
 const RULE_FAST: u32 = 1u;
 const RULE_FINE: u32 = 2u;
+
+const SECOND_NONE: u32 = 0u;
+const SECOND_INTEGRATED: u32 = 1u;
+const SECOND_BLENDED: u32 = 2u;
 
 const SURFACE_SPHERE: u32 = 0u;
 const SURFACE_FLOOR: u32 = 1u;
@@ -116,16 +122,29 @@ fn see(place: vec3<f32>) -> Seen {
 
 /// Radiance towards the eye, by the table.
 fn shade_by_table(at: Shaded) -> vec3<f32> {
-    var lobe = LtcLobe(mat3x3(at.alpha.x, 0.0, 0.0, 0.0, at.alpha.y, 0.0, -at.wo.x, -at.wo.y, at.wo.z), 1.0, 0.0);
-    if (!lookup_is_constant) {
-        lobe = ltc_lookup(at.alpha.x, at.alpha.y, at.wo);
+    if (second_lobe == SECOND_NONE) {
+        var lobe = LtcLobe(mat3x3(at.alpha.x, 0.0, 0.0, 0.0, at.alpha.y, 0.0, -at.wo.x, -at.wo.y, at.wo.z), 1.0, 0.0);
+        if (!lookup_is_constant) {
+            lobe = ltc_lookup(at.alpha.x, at.alpha.y, at.wo);
+        }
+        return reflected(vec2(lobe.amplitude, lobe.fresnel) * covered_by(lobe.m, at));
     }
-    let inverse = ltc_inverse(lobe.m);
+    let lobes = ltc_lookup_both(at.alpha.x, at.alpha.y, at.wo);
+    let parts = vec2(lobes.first.amplitude, lobes.first.fresnel);
+    if (second_lobe == SECOND_BLENDED) {
+        let f0 = dot(scene.f0.xyz, vec3(1.0 / 3.0));
+        return reflected(parts * covered_by(ltc_blend(lobes, f0, 1.0), at));
+    }
+    return reflected(parts * vec2(covered_by(lobes.first.m, at), covered_by(lobes.second, at)));
+}
+
+/// The part of the lobe of a matrix that the light covers.
+fn covered_by(m: mat3x3<f32>, at: Shaded) -> f32 {
+    let inverse = ltc_inverse(m);
     // World to cosine space in one matrix.
     let to_cosine = inverse.m * transpose(mat3x3(at.x, at.y, at.z));
     if (light_shape != LIGHT_POLYGON) {
-        let parts = vec2(lobe.amplitude, lobe.fresnel);
-        return reflected(parts * shape_covered(LtcInverse(to_cosine, inverse.side), at.position));
+        return shape_covered(LtcInverse(to_cosine, inverse.side), at.position);
     }
     // The outline of the light from the shaded point, in world space.
     if (light.options.x == 4u) {
@@ -136,15 +155,13 @@ fn shade_by_table(at: Shaded) -> vec3<f32> {
             light.vertices[2].xyz - p,
             light.vertices[3].xyz - p,
         );
-        let covered = ltc_rectangle(LtcInverse(to_cosine, inverse.side), corners, light.options.y == 1u);
-        return reflected(vec2(lobe.amplitude, lobe.fresnel) * covered);
+        return ltc_rectangle(LtcInverse(to_cosine, inverse.side), corners, light.options.y == 1u);
     }
     var clip = ltc_clip_begin(to_cosine * (light.vertices[light.options.x - 1u].xyz - at.position));
     for (var i = 0u; i < light.options.x; i++) {
         clip = ltc_clip_edge(clip, to_cosine * (light.vertices[i].xyz - at.position));
     }
-    let covered = ltc_clip_finish(clip, inverse.side, light.options.y == 1u);
-    return reflected(vec2(lobe.amplitude, lobe.fresnel) * covered);
+    return ltc_clip_finish(clip, inverse.side, light.options.y == 1u);
 }
 
 /// The part of the lobe that an ellipse, a sphere, a tube or a line covers.

@@ -11,9 +11,9 @@ fn ltc_fetch(texel: vec3<u32>) -> LtcTexels {
 }
 
 /// The sampler's mean of the entries around a place. at runs from 0 to 1 across the textures; alpha counts nodes, from half a
-/// node before the first.
-fn ltc_sample(at: vec2<f32>, alpha: f32) -> LtcTexels {
-    let place = vec3(at, alpha * ltc_table.texel.x);
+/// node before the first, whose layer is given.
+fn ltc_sample(at: vec2<f32>, alpha: f32, layer: u32) -> LtcTexels {
+    let place = vec3(at, (alpha + f32(layer)) * ltc_table.texel.x);
     return LtcTexels(
         textureSampleLevel(ltc_matrix_a, ltc_sampler, place, 0.0),
         textureSampleLevel(ltc_matrix_b, ltc_sampler, place, 0.0),

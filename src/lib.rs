@@ -112,8 +112,8 @@ pub use files::{
     recipe_document::{Fault, Preset, RecipeError},
 };
 pub use fit::{
-    BrdfKind, BrdfModel, Configuration, Layout, LobeModel, LookedUp, Metric, PerAxis, Precision, Recipe, Report, Shear,
-    Sides, Solver, Start, Table, WeightedF0,
+    BrdfKind, BrdfModel, Configuration, Layout, LobeModel, LookedUp, Metric, PerAxis, Precision, Recipe, Report,
+    SecondLobe, Shear, Sides, Solver, Start, Table, WeightedF0,
 };
 pub use glam;
 #[cfg(feature = "shaders")]

@@ -46,9 +46,9 @@ pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> R
         Export::Compact(container) => {
             let about = About::of_table(digest, recipe, error);
             let (bundle, compared) = pool.install(|| compact_bundle(container, &table, &about))?;
-            (bundle, Some(compared))
+            (bundle, compared)
         }
-        Export::Engine(_) | Export::Textures { .. } => (bundle(export, &table, digest, recipe, error)?, None),
+        Export::Engine(_) | Export::Textures { .. } => (bundle(export, &table, digest, recipe, error)?, vec![]),
     };
     for file in &files {
         let path = args.out.join(&file.path);
@@ -65,9 +65,9 @@ pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> R
         .collect();
     let value = json!({
         "table": digest, "for": args.choice.engine, "layout": layout, "container": args.choice.container, "files": list,
-        "steps": steps, "compared": compared,
+        "steps": steps, "compared": compared.first(), "compared_second": compared.get(1),
     });
-    print(context.stdout, json, &value, text(args, &files, compared.as_ref(), &steps).trim_end())?;
+    print(context.stdout, json, &value, text(args, &files, &compared, &steps).trim_end())?;
     Ok(Exit::Ok)
 }
 
@@ -113,17 +113,19 @@ fn no_layout(container: TextureContainer, table: Option<&Table>) -> String {
     format!("container {} holds textures: name their layout by --layout; {which} {layouts}", container.name())
 }
 
-/// The files of a compact form, and its error. Measures on the current rayon pool.
+/// The files of the compact forms of a table's lobes, and their errors. Measures on the current rayon pool.
 fn compact_bundle(
     container: CompactContainer,
     table: &Table,
     about: &About,
-) -> Result<(Bundle, Compared), CommandFailure> {
-    let Encoded { bytes, table, decoded } =
-        compact::encode_measured(table).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
-    let made = Export::compact_bundle(container, bytes, about);
-    let bundle = made.map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
-    Ok((bundle, Compared { table, decoded }))
+) -> Result<(Bundle, Vec<Compared>), CommandFailure> {
+    let refused = |error: String| CommandFailure::new(Exit::Usage, error);
+    let lobes = compact::encode_lobes(table).map_err(|error| refused(error.to_string()))?;
+    let compared = lobes.iter().map(|Encoded { table, decoded, .. }| Compared { table: *table, decoded: *decoded });
+    let compared = compared.collect();
+    let forms = lobes.into_iter().map(|encoded| encoded.bytes).collect();
+    let bundle = Export::compact_bundle(container, forms, about).map_err(|error| refused(error.to_string()))?;
+    Ok((bundle, compared))
 }
 
 /// The table's mean error between nodes, which its files state, if its recipe is known. Measures on the current rayon
@@ -148,7 +150,7 @@ pub(super) fn bundle(
 }
 
 /// A text that lists the files, the changes by rounding, and the steps to use them.
-fn text(args: &ExportArgs, files: &[TextureFile], compared: Option<&Compared>, steps: &[String]) -> String {
+fn text(args: &ExportArgs, files: &[TextureFile], compared: &[Compared], steps: &[String]) -> String {
     let mut out = String::new();
     for file in files {
         // Writing to a String cannot fail.
@@ -168,7 +170,7 @@ fn text(args: &ExportArgs, files: &[TextureFile], compared: Option<&Compared>, s
             let _ = writeln!(out, "{beyond}");
         }
     }
-    if let Some(Compared { table, decoded }) = compared {
+    for Compared { table, decoded } in compared {
         let _ = writeln!(
             out,
             "error between nodes as it is decoded: mean {:.5}, p95 {:.5} of the lobe's width; of the table: mean {:.5}, p95 {:.5}",

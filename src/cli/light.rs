@@ -23,7 +23,7 @@ use ltcforge_light::{LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOL
 pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let chosen = choose(args)?;
     let table = chosen.as_ref().map(|chosen| &chosen.table);
-    let lighting = table.map(Lighting::Table);
+    let lighting = table.map(if args.blend { Lighting::Blend } else { Lighting::Table });
     let formula = args.model.closed_form(args.rule).map(Lighting::ClosedForm);
     let lighting = lighting.or(formula).ok_or_else(|| needs_table(args.model))?;
     let brdf = table.map_or(BrdfKind::Ggx.into(), |table| table.model().clone());
@@ -38,15 +38,19 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
         let Some(case) = light_case::parse(args.light, line).map_err(LineFailure::Line)? else { return Ok(()) };
         let (at, light) = (case.at, &case.light);
         let refuse = |error: LightError| LineFailure::Line(error.to_string());
-        let reflected = lighting.reflected(&at, light).map_err(refuse)?;
-        let true_light =
-            if args.truth { Some(truth_of(&brdf, TRUTH_TOLERANCE, &at, light).map_err(refuse)?) } else { None };
+        let light_of = |light: ReflectedLight, of_material: Option<f64>| Printed { light, of_material };
+        let of_model = |f0: f64| lighting.of_material(&at, light, [f0, args.f90]);
+        let of_model = args.f0.map(of_model).transpose().map_err(refuse)?;
+        let found = light_of(lighting.reflected(&at, light).map_err(refuse)?, of_model);
+        let truth = || truth_of(&brdf, TRUTH_TOLERANCE, &at, light).map_err(refuse);
+        let truth = args.truth.then(truth).transpose()?;
+        let truth = truth.map(|truth| light_of(truth, args.f0.map(|f0| truth.schlick(f0, args.f90))));
         let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
         out_of_range.count(clamped.as_deref().unwrap_or_default());
         let written = if json {
-            write_json(&mut out, args, &reflected, true_light.as_ref(), clamped.as_deref())
+            write_json(&mut out, &found, truth.as_ref(), clamped.as_deref())
         } else {
-            write_row(&mut out, args, &reflected, true_light.as_ref())
+            write_row(&mut out, &found, truth.as_ref())
         };
         written.map_err(|error| LineFailure::stdout(&error))
     })?;
@@ -67,9 +71,11 @@ fn header(args: &LightArgs) -> String {
     if args.truth { format!("{},{}", of(""), of("true_")) } else { of("") }
 }
 
-/// The light that the material of `--f0` reflects; `None` without the option.
-fn of_material(args: &LightArgs, light: &ReflectedLight) -> Option<f64> {
-    args.f0.map(|f0| light.schlick(f0, args.f90))
+/// What is printed of a light.
+struct Printed {
+    light: ReflectedLight,
+    /// What the material of `--f0` reflects; `None` without the option.
+    of_material: Option<f64>,
 }
 
 fn needs_table(model: LightModel) -> CommandFailure {
@@ -104,6 +110,9 @@ fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
     if args.truth {
         tabulated::check_complete(table, path)?;
     }
+    if args.blend && table.second_matrices().is_none() {
+        return usage(format!("{}: {}", path.display(), LightError::OneLobe));
+    }
     if table.terms.is_none() {
         let message = format!("{}: {}", path.display(), LightError::NoTerms);
         return Err(CommandFailure::new(Exit::Failed, message));
@@ -112,16 +121,11 @@ fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
 }
 
 /// One line of CSV. Numbers are the shortest that read back as the same f64.
-fn write_row(
-    out: &mut dyn Write,
-    args: &LightArgs,
-    found: &ReflectedLight,
-    true_light: Option<&ReflectedLight>,
-) -> io::Result<()> {
+fn write_row(out: &mut dyn Write, found: &Printed, truth: Option<&Printed>) -> io::Result<()> {
     let mut numbers = Vec::with_capacity(6);
-    for light in [Some(found), true_light].into_iter().flatten() {
+    for Printed { light, of_material } in [Some(found), truth].into_iter().flatten() {
         numbers.extend([light.energy, light.fresnel]);
-        numbers.extend(of_material(args, light));
+        numbers.extend(of_material);
     }
     let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
     writeln!(out, "{}", numbers.join(","))
@@ -131,20 +135,17 @@ fn write_row(
 /// value used instead.
 fn write_json(
     out: &mut dyn Write,
-    args: &LightArgs,
-    found: &ReflectedLight,
-    true_light: Option<&ReflectedLight>,
+    found: &Printed,
+    truth: Option<&Printed>,
     clamped: Option<&[Clamped]>,
 ) -> io::Result<()> {
-    let mut line = json!({ "energy": found.energy, "fresnel": found.fresnel });
-    if let Some(reflected) = of_material(args, found) {
-        line["reflected"] = json!(reflected);
-    }
-    if let Some(true_light) = true_light {
-        line["true_energy"] = json!(true_light.energy);
-        line["true_fresnel"] = json!(true_light.fresnel);
-        if let Some(reflected) = of_material(args, true_light) {
-            line["true_reflected"] = json!(reflected);
+    let mut line = json!({});
+    for (prefix, printed) in [("", Some(found)), ("true_", truth)] {
+        let Some(Printed { light, of_material }) = printed else { continue };
+        line[format!("{prefix}energy")] = json!(light.energy);
+        line[format!("{prefix}fresnel")] = json!(light.fresnel);
+        if let Some(reflected) = of_material {
+            line[format!("{prefix}reflected")] = json!(reflected);
         }
     }
     if let Some(clamped) = clamped {

@@ -24,7 +24,8 @@ pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> R
     let mut out = BufWriter::new(&mut *context.stdout);
     let mut out_of_range = OutOfRangeCount::default();
     if !json {
-        writeln!(out, "{}", header()).map_err(|error| CommandFailure::stdout(&error))?;
+        writeln!(out, "{}", header(table.second_matrices().is_some()))
+            .map_err(|error| CommandFailure::stdout(&error))?;
     }
     points.each(points::is_header, |line| {
         let Some(point) = points::parse(line).map_err(LineFailure::Line)? else { return Ok(()) };
@@ -43,10 +44,14 @@ pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> R
     Ok(Exit::Ok)
 }
 
-fn header() -> String {
-    let matrix = (0..3).flat_map(|row| (0..3).map(move |column| format!("m{row}{column}")));
-    let columns: Vec<String> = COLUMNS.map(str::to_owned).into_iter().chain(matrix).collect();
-    columns.join(",") + ",amplitude,fresnel"
+/// The columns; those of a second lobe come last.
+fn header(has_second: bool) -> String {
+    let matrix = |name: &'static str| (0..9).map(move |i| format!("{name}{}{}", i / 3, i % 3));
+    let terms = ["amplitude", "fresnel"].map(str::to_owned);
+    let second = has_second.then(|| matrix("second"));
+    let columns =
+        COLUMNS.map(str::to_owned).into_iter().chain(matrix("m")).chain(terms).chain(second.into_iter().flatten());
+    columns.collect::<Vec<_>>().join(",")
 }
 
 /// One line of CSV. Numbers are the shortest that read back as the same f64; terms that the table lacks are empty.
@@ -61,6 +66,9 @@ fn write_row(out: &mut dyn Write, point: &Point<'_>, found: &LookedUp) -> io::Re
             None => write!(out, ",")?,
         }
     }
+    for element in found.second.iter().flatten() {
+        write!(out, ",{element}")?;
+    }
     writeln!(out)
 }
 
@@ -68,11 +76,14 @@ fn write_row(out: &mut dyn Write, point: &Point<'_>, found: &LookedUp) -> io::Re
 fn write_json(out: &mut dyn Write, point: &Point<'_>, found: &LookedUp, clamped: &[Clamped]) -> io::Result<()> {
     let at = &point.configuration;
     let clamped: BTreeMap<&str, f64> = clamped.iter().map(|clamped| (clamped.axis, clamped.to)).collect();
-    let line = json!({
+    let mut line = json!({
         "alpha_x": at.alpha_x, "alpha_y": at.alpha_y, "theta": at.theta, "phi": at.phi,
         "matrix": found.matrix, "amplitude": found.amplitude, "fresnel": found.fresnel,
         "clamped": clamped,
     });
+    if let Some(second) = found.second {
+        line["second"] = json!(second);
+    }
     writeln!(out, "{line}")
 }
 
@@ -90,16 +101,23 @@ mod tests {
     #[test]
     fn a_row_echoes_the_point_and_rounds_nothing() {
         let matrix = [1.0, 0.0, 0.1 + 0.2, 1e-17, -2.5, 0.0, 0.0, 0.0, 1.0];
-        let found = LookedUp { matrix, amplitude: Some(0.1), fresnel: Some(0.25) };
+        let found = LookedUp { matrix, second: None, amplitude: Some(0.1), fresnel: Some(0.25) };
         assert_eq!(row(&found), "0.10,1,0,7,1,0,0.30000000000000004,0.00000000000000001,-2.5,0,0,0,1,0.1,0.25\n");
         let bare = LookedUp { amplitude: None, fresnel: None, ..found };
         assert!(row(&bare).ends_with(",1,,\n"), "{}", row(&bare));
-        assert_eq!(row(&bare).matches(',').count(), header().matches(',').count());
+        assert_eq!(row(&bare).matches(',').count(), header(false).matches(',').count());
+        let two = row(&LookedUp { second: Some(matrix), ..bare });
+        assert_eq!(two.matches(',').count(), header(true).matches(',').count());
+        assert!(two.ends_with(",,,1,0,0.30000000000000004,0.00000000000000001,-2.5,0,0,0,1\n"), "{two}");
     }
 
     #[test]
     fn the_header_names_the_matrix_row_by_row() {
         let expected = "alpha_x,alpha_y,theta,phi,m00,m01,m02,m10,m11,m12,m20,m21,m22,amplitude,fresnel";
-        assert_eq!(header(), expected);
+        assert_eq!(header(false), expected);
+        assert!(
+            header(true)
+                .ends_with("fresnel,second00,second01,second02,second10,second11,second12,second20,second21,second22")
+        );
     }
 }

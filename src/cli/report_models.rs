@@ -78,7 +78,11 @@ pub(super) fn run(
         if let Some(any) = read {
             let name = format!("{}, table {}", any.table.lobe, &any.digest.hex()[..12]);
             let table = Lighting::Table(&any.table);
-            rows.push(Row::measure(name, LightModel::Ltc, table, &lights).map_err(failed)?);
+            rows.push(Row::measure(name.clone(), LightModel::Ltc, table, &lights).map_err(failed)?);
+            if any.table.second_lobe().is_some() {
+                let (name, blend) = (format!("{name}, blended"), Lighting::Blend(&any.table));
+                rows.push(Row::measure(name, LightModel::Ltc, blend, &lights).map_err(failed)?);
+            }
         }
         let is_asked = |form: &ClosedForm| args.rule.is_none_or(|rule| form.rule() == rule);
         for form in model.closed_forms().filter(is_asked) {

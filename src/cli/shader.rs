@@ -44,7 +44,8 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
             let filter = if args.hardware_filter { Filter::Hardware } else { Filter::Exact };
             let lights = args.lights.unwrap_or(Lights::ALL[0]);
             let bound = if args.texture_array { Bound::Array } else { Bound::Volumes };
-            include(language, lit_by, Reading { filter, bound }, lights, &namespace(args)).map(String::into_bytes)
+            include(language, lit_by, Reading { filter, bound, two_lobes: args.two_lobes }, lights, &namespace(args))
+                .map(String::into_bytes)
         }
         ShaderForm::Example => port(language, lit_by),
     }
@@ -190,6 +191,10 @@ fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailur
             refused(format!("{what} binds nothing by number: leave out --first-binding and --group"))
         }
         ShaderForm::Example if args.texture_array => refused("--texture-array is for a text to include".to_owned()),
+        ShaderForm::Example if args.two_lobes => refused("--two-lobes is for a text to include".to_owned()),
+        _ if args.two_lobes && (!has_table || args.model != LightModel::Ltc) => {
+            refused(format!("--two-lobes is for tables of LTCs: model {} has no second lobe to read", args.model))
+        }
         ShaderForm::Example if args.lights.is_some() => refused("--lights is for a text to include".to_owned()),
         _ if args.lights.is_some() && args.model != LightModel::Ltc => refused(format!(
             "--lights is of model ltc: model {} has no spheres, tubes and lines to leave out",

@@ -119,7 +119,8 @@ fn measure(
     let (wall_seconds, processor_seconds) = (started.elapsed().as_secs_f64(), processor_seconds() - processor_started);
     let between = report(&table, &recipe.range, POINTS).between;
     let light = tradeoff_models::error(Lighting::Table(&table), lights)?;
-    let compact_bytes = compact::encode(&table).ok().map(|bytes| bytes.len() as u64);
+    let compact_bytes =
+        compact::encode_lobes(&table).ok().map(|lobes| lobes.iter().map(|lobe| lobe.bytes.len() as u64).sum());
     let (width, sw1) = (between.width, between.sw1);
     Ok((Measurement { processor_seconds, wall_seconds, width, sw1, light, compact_bytes }, table))
 }

@@ -6,6 +6,7 @@ use super::{
     entry::FittedEntry,
     layout::{LobeNumbers, Precision, Reflection},
     math::{from_half_bits, from_row_major, half_bits_f64, row_major},
+    second,
     shard::Plan,
     table::{Table, Terms},
 };
@@ -19,21 +20,28 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
         // Portable: a processor's own instruction rounds twice between f64 and f16.
         Precision::F16 => from_half_bits(half_bits_f64(x)),
     };
-    let own: Vec<LobeNumbers> = (0..).zip(entries).map(|(index, entry)| store(plan, index, entry)).collect();
-    let stored = between::chosen(plan, entries, &own).unwrap_or(own);
+    let stored = stored(plan, entries);
+    let matrices = |stored: &[LobeNumbers]| stored.iter().map(|entry| row_major(&entry.matrix).map(round)).collect();
     let column = |value: fn(&LobeNumbers) -> f64| stored.iter().map(|entry| round(value(entry))).collect();
     Table {
         brdf: recipe.brdf.clone(),
         lobe: recipe.lobe,
         layout: recipe.layout,
         axes: plan.nodes().clone(),
-        matrix: stored.iter().map(|entry| row_major(&entry.matrix).map(round)).collect(),
+        matrix: matrices(&stored),
+        second: second::entries(plan, entries).map(|entries| matrices(&self::stored(plan, &entries))),
         terms: recipe.terms.then(|| Terms {
             amplitude: column(|entry| entry.terms.amplitude),
             fresnel: column(|entry| entry.terms.fresnel),
         }),
         node_error: entries.iter().map(|entry| round(entry.error)).collect(),
     }
+}
+
+/// The numbers that a layout stores, for the lobes of all entries.
+fn stored(plan: &Plan, entries: &[FittedEntry]) -> Vec<LobeNumbers> {
+    let own: Vec<LobeNumbers> = (0..).zip(entries).map(|(index, entry)| store(plan, index, entry)).collect();
+    between::chosen(plan, entries, &own).unwrap_or(own)
 }
 
 /// The numbers that a layout stores for the lobe of an entry.

@@ -20,7 +20,9 @@ const ENTRY_SECONDS: f64 = 65e-6;
 /// The time that the fit of a whole recipe takes, in seconds of one thread on the machine of the constants.
 #[must_use]
 pub fn fit_seconds(recipe: &Recipe) -> f64 {
-    lobes(recipe) * entry_seconds(recipe.brdf.kind(), recipe.lobe, &recipe.fit)
+    // The second lobe of an entry takes another fit.
+    let fits = if recipe.brdf.fresnel().second().is_some() { 2.0 } else { 1.0 };
+    fits * lobes(recipe) * entry_seconds(recipe.brdf.kind(), recipe.lobe, &recipe.fit)
 }
 
 /// The time that one entry's fit takes, likewise.

@@ -35,6 +35,8 @@ const ERROR_METRIC: Metric = Metric::Sw1;
 pub struct FittedEntry {
     /// `M` in the tangent frame, row-major.
     pub matrix: [f64; 9],
+    /// The same of the second lobe, where entries have two.
+    pub second: Option<[f64; 9]>,
     /// Directional albedo for a Fresnel factor of one; of a Gaussian over its part above the horizon, so that what it
     /// has over a light is multiplied by this.
     pub amplitude: f64,
@@ -161,7 +163,7 @@ impl Fitter {
         let error = self.distance(&Lobe { brdf, wo, target: &unseen }, &matrix, stop_check)?;
         let above = self.gaussian(&matrix).map_or(1.0, |gaussian| above_horizon(&gaussian));
         let [amplitude, fresnel] = [amplitude, fresnel].map(|term| term / above);
-        let entry = FittedEntry { matrix: row_major(&matrix), amplitude, fresnel, error };
+        let entry = FittedEntry { matrix: row_major(&matrix), second: None, amplitude, fresnel, error };
         Some((entry, target.frame.transpose() * matrix))
     }
 
@@ -199,9 +201,35 @@ impl Fitter {
         near: Option<DMat3>,
         stop_check: &mut StopCheck,
     ) -> Option<DMat3> {
+        let [_, next] = self.matrices(brdf, wo, 0, near, stop_check)?;
+        Some(next)
+    }
+
+    /// The matrix alone of [`Fitter::fit_near`], row-major.
+    pub(super) fn matrix_near(
+        &mut self,
+        brdf: &dyn Brdf,
+        wo: DVec3,
+        stream: u64,
+        near: Option<DMat3>,
+        stop_check: &mut StopCheck,
+    ) -> Option<[f64; 9]> {
+        let [matrix, _] = self.matrices(brdf, wo, stream, near, stop_check)?;
+        Some(row_major(&matrix))
+    }
+
+    /// The matrix of a lobe in the tangent frame, and in the frame of the lobe.
+    fn matrices(
+        &mut self,
+        brdf: &dyn Brdf,
+        wo: DVec3,
+        stream: u64,
+        near: Option<DMat3>,
+        stop_check: &mut StopCheck,
+    ) -> Option<[DMat3; 2]> {
         let target = self.seen.target(brdf, wo);
-        let matrix = self.solve(self.settings.solver, Lobe { brdf, wo, target: &target }, 0, near, stop_check)?;
-        Some(target.frame.transpose() * matrix)
+        let matrix = self.solve(self.settings.solver, Lobe { brdf, wo, target: &target }, stream, near, stop_check)?;
+        Some([matrix, target.frame.transpose() * matrix])
     }
 
     /// Calls `measure` with a function that evaluates loss and gradient once, at the lobe's first guess.

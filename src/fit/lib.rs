@@ -22,6 +22,7 @@ mod metric;
 mod named_list;
 mod recipe;
 mod run;
+mod second;
 mod shard;
 mod solver;
 mod stop_check;
@@ -33,7 +34,7 @@ pub mod testing;
 pub use assemble::assemble;
 pub use axes::{LEAST_ALPHA, PerAxis};
 pub use brdf::{
-    Asymmetry, BrdfKind, BrdfModel, LobeFresnel, MOST_ALBEDO, MOST_VALUES, TabulatedAxes, TabulatedBrdf,
+    Asymmetry, BrdfKind, BrdfModel, LobeFresnel, MOST_ALBEDO, MOST_VALUES, SecondLobe, TabulatedAxes, TabulatedBrdf,
     TabulatedFault, TabulatedFile, WeightedF0,
 };
 pub use cost::fit_seconds;
@@ -56,5 +57,7 @@ pub use run::{Progress, fit_entries, fit_plan};
 pub use shard::{Plan, ShardBytesError, fit_rows, fit_shard, shard_from_bytes, shard_to_bytes};
 pub use solver::{Shear, Simplex, Solver, Start};
 pub use stop_check::StopCheck;
-pub use table::{Configuration, FUNCTION_SIDE, FunctionError, IsotropicFunction, LookedUp, Table, Terms};
+pub use table::{
+    Configuration, FUNCTION_SIDE, FunctionError, IsotropicFunction, LookedUp, Table, Terms, blend_weight, blended,
+};
 pub use terms::{ggx_terms, terms_of};

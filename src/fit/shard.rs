@@ -181,8 +181,16 @@ fn fit_view(
     let (from_above, isotropic) = (place.theta == 0.0, place.ratio == 1.0);
     let mut fit = |phi: f64, index: u64, done: u64, on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>| {
         let place = PerAxis { phi, ..place };
+        let wo = place.view();
+        let mut go_on = || on_progress(done);
+        let stop_check = &mut StopCheck::new(&mut go_on);
         let surface = plan.recipe.brdf.lobe_surface_at(&place);
-        fitter.fit_near(&*surface, place.view(), index, start, &mut StopCheck::new(&mut || on_progress(done)))
+        let (mut entry, next) = fitter.fit_near(&*surface, wo, index, start, stop_check)?;
+        if let Some(surface) = plan.recipe.brdf.second_surface_at(&place) {
+            let near = start.map(|_| next);
+            entry.second = Some(fitter.matrix_near(&*surface, wo, index, near, stop_check)?);
+        }
+        Some((entry, next))
     };
     let done = entries.len() as u64;
     let shared = if from_above || isotropic { Some(fit(0.0, first, done, on_progress)?) } else { None };
@@ -205,18 +213,23 @@ fn fit_view(
 
 /// The entry of a round lobe, without the asymmetry of its samples: x and y are equal, so that a lookup may swap them.
 fn round(entry: &FittedEntry) -> FittedEntry {
-    let [xx, _, _, _, yy, _, _, _, zz] = entry.matrix;
-    let radius = 0.5 * (xx + yy);
-    FittedEntry { matrix: [radius, 0.0, 0.0, 0.0, radius, 0.0, 0.0, 0.0, zz], ..*entry }
+    let round = |[xx, _, _, _, yy, _, _, _, zz]: [f64; 9]| {
+        let radius = 0.5 * (xx + yy);
+        [radius, 0.0, 0.0, 0.0, radius, 0.0, 0.0, 0.0, zz]
+    };
+    FittedEntry { matrix: round(entry.matrix), second: entry.second.map(round), ..*entry }
 }
 
 /// The entry of an isotropic lobe that has turned with the view.
 fn turned(entry: &FittedEntry, phi: f64) -> FittedEntry {
-    FittedEntry { matrix: row_major(&turned_about_z(from_row_major(&entry.matrix), phi)), ..*entry }
+    let turn = |matrix: [f64; 9]| row_major(&turned_about_z(from_row_major(&matrix), phi));
+    FittedEntry { matrix: turn(entry.matrix), second: entry.second.map(turn), ..*entry }
 }
 
-/// Numbers of an entry in a shard's bytes.
+/// Numbers of an entry in a shard's bytes: the matrix, amplitude, Fresnel term and error.
 const NUMBERS: usize = 12;
+/// Those of a second matrix after them.
+const SECOND: usize = 9;
 
 /// Bytes that are not the result of a shard of the expected length.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -228,34 +241,39 @@ pub struct ShardBytesError {
     pub actual: usize,
 }
 
-/// A finished shard as bytes: 12 little-endian f64 an entry (matrix, amplitude, Fresnel, error).
+/// A finished shard as bytes: 12 little-endian f64 an entry (matrix, amplitude, Fresnel, error), and 9 more where it has a
+/// second matrix.
 #[must_use]
 pub fn shard_to_bytes(entries: &[FittedEntry]) -> Vec<u8> {
-    let numbers = |e: &FittedEntry| e.matrix.into_iter().chain([e.amplitude, e.fresnel, e.error]);
+    let numbers = |e: &FittedEntry| {
+        e.matrix.into_iter().chain([e.amplitude, e.fresnel, e.error]).chain(e.second.into_iter().flatten())
+    };
     entries.iter().flat_map(numbers).flat_map(f64::to_le_bytes).collect()
 }
 
-/// The inverse of [`shard_to_bytes`].
+/// The entries of a plan's shard: the inverse of [`shard_to_bytes`].
 ///
 /// # Errors
-/// When `bytes` is not exactly `entries` entries long.
-pub fn shard_from_bytes(bytes: &[u8], entries: usize) -> Result<Vec<FittedEntry>, ShardBytesError> {
-    let expected = entries * NUMBERS * size_of::<f64>();
+/// When `bytes` is not exactly as long as the shard's entries.
+pub fn shard_from_bytes(plan: &Plan, shard: u32, bytes: &[u8]) -> Result<Vec<FittedEntry>, ShardBytesError> {
+    let range = plan.shard_entries(shard);
+    let has_second = plan.recipe.brdf.fresnel().second().is_some();
+    let each = if has_second { NUMBERS + SECOND } else { NUMBERS };
+    let expected = (range.end - range.start) as usize * each * size_of::<f64>();
     if bytes.len() != expected {
         return Err(ShardBytesError { expected, actual: bytes.len() });
     }
     let (words, _) = bytes.as_chunks::<8>();
     let numbers: Vec<f64> = words.iter().map(|word| f64::from_le_bytes(*word)).collect();
-    let (entries, _) = numbers.as_chunks::<NUMBERS>();
-    Ok(entries
-        .iter()
-        .map(|&[m00, m01, m02, m10, m11, m12, m20, m21, m22, amplitude, fresnel, error]| FittedEntry {
-            matrix: [m00, m01, m02, m10, m11, m12, m20, m21, m22],
-            amplitude,
-            fresnel,
-            error,
-        })
-        .collect())
+    let matrix = |numbers: &[f64]| std::array::from_fn(|i| numbers[i]);
+    let entry = |numbers: &[f64]| FittedEntry {
+        matrix: matrix(numbers),
+        second: has_second.then(|| matrix(&numbers[NUMBERS..])),
+        amplitude: numbers[9],
+        fresnel: numbers[10],
+        error: numbers[11],
+    };
+    Ok(numbers.chunks_exact(each).map(entry).collect())
 }
 
 #[cfg(test)]

@@ -10,7 +10,9 @@ use ltcforge_files::{
     recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, canonical_json, digest, parse_with},
     tabulated::locate,
 };
-use ltcforge_fit::{BrdfKind, Layout, LobeModel, Metric, Precision, Recipe, Shear, Solver, Start, WeightedF0};
+use ltcforge_fit::{
+    BrdfKind, Layout, LobeModel, Metric, Precision, Recipe, SecondLobe, Shear, Solver, Start, WeightedF0,
+};
 
 /// Makes a [`Recipe`] field by field. A field that is not set has the value that a document without it has.
 ///
@@ -97,6 +99,11 @@ impl RecipeBuilder {
     /// The materials whose lobe is fitted, by their reflectances seen from above and weights; a perfect metal unless set.
     pub fn materials(self, materials: &[WeightedF0]) -> Self {
         self.set("fresnel", json!(materials))
+    }
+
+    /// Two lobes an entry, for materials of any reflectance, and how the second is used.
+    pub fn two_lobes(self, second: SecondLobe) -> Self {
+        self.set("fresnel", second.name())
     }
 
     /// The distribution that stands for a lobe.
@@ -216,6 +223,8 @@ mod tests {
             "resolution": {"alpha": 5}, "range": {"theta": [0, 1]}, "fit": {"samples": 64, "seed": 3}}"#;
         assert_eq!(built.expect("a recipe"), Recipe::from_json(document).expect("the same"));
         assert_eq!(Recipe::builder().build().expect("a recipe"), Recipe::from_json(b"{}").expect("the same"));
+        let two = Recipe::builder().two_lobes(SecondLobe::Blended).build().expect("a recipe");
+        assert_eq!(two, Recipe::from_json(br#"{"fresnel": "blended_lobes"}"#).expect("the same"));
     }
 
     #[test]

@@ -92,6 +92,7 @@ pub fn cosine(brdf: BrdfModel) -> Table {
         axes: PerAxis { alpha: vec![1.0], ratio: vec![1.0], theta: vec![0.0], phi: vec![0.0] },
         matrix: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]],
         terms: None,
+        second: None,
         node_error: vec![0.0],
     }
 }

@@ -53,6 +53,11 @@ pub enum LightError {
     /// A table tells how lobes look and not how much they reflect.
     #[error("the table has no amplitude and no Fresnel term")]
     NoTerms,
+    /// A blend needs two lobes.
+    #[error(
+        "the table has one lobe an entry; a blend is of two, as field fresnel of a recipe asks for: \"blended_lobes\""
+    )]
+    OneLobe,
     /// The model needs a table, and none was given.
     #[error("model {0} lights by a table: name one, or choose --model normals")]
     NeedsTable(crate::LightModel),

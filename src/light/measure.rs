@@ -114,7 +114,7 @@ pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread,
 pub fn material_error(model: Lighting<'_>, lights: &RandomLights, f0: f64) -> Result<Spread, LightError> {
     let own = with_terms(model, &lights.brdf)?;
     let model = own.as_ref().map_or(model, Lighting::Table);
-    errors(|at, light| model.reflected(at, light), lights, |reflected| reflected.schlick(f0, 1.0))
+    errors(|at, light| model.of_material(at, light, [f0, 1.0]), lights, |truth| truth.schlick(f0, 1.0))
 }
 
 /// [`light_error`] for a function that gives the light of a surface.
@@ -125,18 +125,17 @@ pub fn light_error_by(
     reflected: impl Fn(&Configuration, &PolygonLight) -> Result<ReflectedLight, LightError>,
     lights: &RandomLights,
 ) -> Result<Spread, LightError> {
-    errors(reflected, lights, |reflected| reflected.energy)
+    errors(|at, light| Ok(reflected(at, light)?.energy), lights, |truth| truth.energy)
 }
 
-/// Absolute errors of what `told` takes of the light.
+/// Absolute errors of what a model reflects, beside what `told` takes of the truth.
 fn errors(
-    reflected: impl Fn(&Configuration, &PolygonLight) -> Result<ReflectedLight, LightError>,
+    reflected: impl Fn(&Configuration, &PolygonLight) -> Result<f64, LightError>,
     lights: &RandomLights,
     told: impl Fn(&ReflectedLight) -> f64,
 ) -> Result<Spread, LightError> {
     let pairs = lights.lit.iter().zip(&lights.truth);
-    let error =
-        |(Lit { at, light }, truth): (&Lit, &ReflectedLight)| Ok((told(&reflected(at, light)?) - told(truth)).abs());
+    let error = |(Lit { at, light }, truth): (&Lit, &ReflectedLight)| Ok((reflected(at, light)? - told(truth)).abs());
     pairs.map(error).collect::<Result<_, _>>().map(spread)
 }
 

@@ -2,7 +2,7 @@
 
 use super::{
     AreaLight, LightError, gaussians, ltc,
-    ltc::by_table,
+    ltc::{by_blend, by_table},
     normals,
     normals::NormalsRule,
     rules::{Formula, LitPoint, ModelOfLight, ReflectedLight, lit},
@@ -37,6 +37,8 @@ pub enum Lighting<'a> {
     ClosedForm(ClosedForm),
     /// A table, of any scattering model.
     Table(&'a Table),
+    /// A table of two lobes an entry, by one integral of their blend for each material.
+    Blend(&'a Table),
 }
 
 impl LightModel {
@@ -161,7 +163,23 @@ impl Lighting<'_> {
     ) -> Result<ReflectedLight, LightError> {
         match self {
             Self::ClosedForm(form) => form.reflected(at, light),
-            Self::Table(table) => by_table(table, at, light),
+            Self::Table(table) | Self::Blend(table) => by_table(table, at, light),
+        }
+    }
+
+    /// What a material reflects by Schlick's Fresnel factor, `f0` face on and `f90` at grazing incidence.
+    ///
+    /// # Errors
+    /// Those of [`Lighting::reflected`] and [`by_blend`].
+    pub fn of_material<'a>(
+        self,
+        at: &Configuration,
+        light: impl Into<AreaLight<'a>>,
+        [f0, f90]: [f64; 2],
+    ) -> Result<f64, LightError> {
+        match self {
+            Self::Blend(table) => by_blend(table, at, light, [f0, f90]),
+            _ => Ok(self.reflected(at, light)?.schlick(f0, f90)),
         }
     }
 
@@ -171,7 +189,7 @@ impl Lighting<'_> {
     /// [`LightError::OtherLights`] for a table of another, [`LightError::OtherBrdf`] for a formula where it is not GGX.
     pub(super) fn check_brdf(self, brdf: &BrdfModel) -> Result<(), LightError> {
         match self {
-            Self::Table(table) if !table.brdf.is_surface_of(brdf) => {
+            Self::Table(table) | Self::Blend(table) if !table.brdf.is_surface_of(brdf) => {
                 Err(LightError::OtherLights { lights: brdf.kind(), table: table.brdf() })
             }
             Self::ClosedForm(_) if *brdf != BrdfKind::Ggx => Err(LightError::OtherBrdf(brdf.kind())),

@@ -15,7 +15,7 @@ pub(super) const SHADER: ModelShader = ModelShader {
     prefix: "gaussians",
     functions: |_| &["ltc_math", "gaussians_light"],
     example: "gaussians_example",
-    caller: |_| gaussians_caller("gaussians_view"),
+    caller: |_, _| gaussians_caller("gaussians_view"),
     program_comment: |language, _| gaussians_header(language),
     include_comment: |_, _, _, _, _| gaussians_include_header(),
 };

@@ -16,7 +16,7 @@ pub(super) const SHADER: ModelShader = ModelShader {
     prefix: "gaussians",
     functions: |_| &["ltc_math", "gaussians_light", "gaussians_table"],
     example: "gaussians_table_example",
-    caller: |_| gaussians_caller("gaussians_lookup"),
+    caller: |_, _| gaussians_caller("gaussians_lookup"),
     program_comment: gaussians_table_header,
     include_comment: gaussians_table_include_header,
 };

@@ -3,7 +3,9 @@
 use glam::DVec3;
 
 use ltcforge_fit::{
-    BrdfKind, Configuration, Layout, LobeModel, Ltc, PerAxis, Sides, Table, Terms,
+    BrdfKind, Configuration, Layout, LobeFresnel, LobeModel, Ltc, PerAxis, SecondLobe, Sides, Table, Terms,
+    blend_weight, blended,
+    brdf::LobeTerms,
     math::{atan2, from_row_major},
 };
 use ltcforge_light::{
@@ -45,6 +47,18 @@ pub struct Golden {
     pub covered: f64,
 }
 
+/// The values for the second lobe of a table with two.
+#[derive(Debug, Clone, Copy)]
+pub struct SecondGolden {
+    /// `M_2`, row-major.
+    pub matrix: [f64; 9],
+    /// The part that the rectangle covers of the blend of a dielectric, of [`BLENDED`].
+    pub blended: f64,
+}
+
+/// F0 and F90 of the dielectric.
+pub const BLENDED: [f64; 2] = [0.04, 1.0];
+
 /// How near a port in 32 bits comes to each value, as the header promises.
 pub const TOLERANCE: f64 = 2e-5;
 
@@ -83,8 +97,24 @@ pub fn table(layout: Layout) -> Table {
             amplitude: (0..entries).map(|entry| number(entry, 9)).collect(),
             fresnel: (0..entries).map(|entry| number(entry, 10)).collect(),
         }),
+        second: None,
         node_error: vec![0.0; entries],
     }
+}
+
+/// The same table with second lobes: number `k` of entry `e` is `I[k] + e (9 - k) / 1024`, with the same zeros.
+#[must_use]
+pub fn table_of_two_lobes(layout: Layout) -> Table {
+    let first = table(layout);
+    let entries = first.matrix.len();
+    let number = |entry: usize, k: usize| {
+        let start = if k.is_multiple_of(4) { 1.0 } else { 0.0 };
+        let is_zero = layout.only_ranges().is_some() && ACROSS.contains(&k);
+        (start + if is_zero { 0.0 } else { (entry * (9 - k)) as f64 * STEP }) as f32
+    };
+    let second = (0..entries).map(|entry| std::array::from_fn(|k| number(entry, k))).collect();
+    let brdf = first.brdf.clone().with_fresnel(LobeFresnel::Two(SecondLobe::Blended));
+    Table { brdf, second: Some(second), ..first }
 }
 
 impl Case {
@@ -104,6 +134,18 @@ impl Case {
             fresnel: found.fresnel.unwrap_or(0.0),
             covered: Ltc::new(from_row_major(&found.matrix)).map_or(0.0, |ltc| ltc.polygon(&light, Sides::One)),
         }
+    }
+
+    /// The lookup of the second lobe of [`table_of_two_lobes`], in f64.
+    pub fn golden_second(&self, layout: Layout) -> SecondGolden {
+        let found = table_of_two_lobes(layout).lookup(&self.configuration());
+        let matrix = found.second.unwrap_or(found.matrix);
+        let [amplitude, fresnel] = [found.amplitude, found.fresnel].map(|term| term.unwrap_or(0.0));
+        let weight = blend_weight(LobeTerms { amplitude, fresnel }, BLENDED[0], BLENDED[1]);
+        let blend = blended(&from_row_major(&found.matrix), &from_row_major(&matrix), weight);
+        let light = CORNERS.map(DVec3::from_array);
+        let blended = Ltc::new(blend).map_or(0.0, |ltc| ltc.polygon(&light, Sides::One));
+        SecondGolden { matrix, blended }
     }
 
     /// The light of the rectangle reflected by the table, taken for one of Gaussians: for a Fresnel factor of one, and

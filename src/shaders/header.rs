@@ -3,7 +3,7 @@
 use super::model_shader::{ModelShader, caller};
 use super::{
     Bound, Language, Lights,
-    golden::{CASES, CORNERS, Case, Golden, table},
+    golden::{CASES, CORNERS, Case, Golden, SecondGolden, table},
 };
 use super::{
     Filter, Namespace, Reading,
@@ -16,7 +16,7 @@ pub(super) const SHADER: ModelShader = ModelShader {
     prefix: "ltc",
     functions: light_files,
     example: "ltc_example",
-    caller: table_caller,
+    caller: |reading, lights| table_caller(reading.two_lobes, lights),
     program_comment: header,
     include_comment: table_include_header,
 };
@@ -31,15 +31,19 @@ pub(super) fn light_files(lights: Lights) -> &'static [&'static str] {
 
 /// The fragment shader that reaches every function of a table's light.
 #[must_use]
-pub fn table_caller(lights: Lights) -> String {
+pub fn table_caller(two_lobes: bool, lights: Lights) -> String {
     let (shapes, parts) = match lights {
         Lights::All => (SHAPES_CALLED, "disk + sphere, long"),
         Lights::Polygons => ("", "0.0, 0.0"),
     };
     let calls = format!("{shapes}{POLYGONS_CALLED}    return vec4(polygon, {parts}, lobe.fresnel);\n");
-    caller("let lobe = ltc_lookup(0.5, 0.5, vec3(0.0, 0.0, 1.0));\n    let inverse = ltc_inverse(lobe.m);", &calls)
+    let lookup = "let lobe = ltc_lookup(0.5, 0.5, vec3(0.0, 0.0, 1.0));\n    ";
+    let (before, m) = if two_lobes { (BLEND_CALLED, "blend") } else { ("", "lobe.m") };
+    caller(&format!("{lookup}{before}let inverse = ltc_inverse({m});"), &calls)
 }
 
+const BLEND_CALLED: &str = "let blend = ltc_blend(ltc_lookup_both(0.5, 0.5, vec3(0.0, 0.0, 1.0)), 0.04, 1.0);
+    ";
 const SHAPES_CALLED: &str = "    let disk = ltc_disk(inverse, vertices[0], vertices[1], vertices[2], true);
     let sphere = ltc_sphere(inverse, vertices[0], 1.0);
     let long = ltc_tube(inverse, vertices[0], vertices[1], 1.0) + ltc_line(inverse, vertices[0], vertices[1], 1.0);
@@ -61,6 +65,13 @@ FUNCTIONS
   ltc_lookup(alpha_x, alpha_y, wo)  M, amplitude and fresnel. GGX roughness along x and y; wo is the view direction in
       the tangent frame, normal +z, of unit length. M maps the clamped cosine to the lobe, in that frame.
 {lights}";
+
+/// The functions for tables with two lobes.
+const TWO_LOBES: &str = "  ltc_lookup_both(alpha_x, alpha_y, wo)  first, as ltc_lookup has it, and second, the matrix of the part that Schlick's
+      fifth power weighs, of a table with field fresnel of two_lobes or blended_lobes. Light of radiance L arrives as
+      L (f0 amplitude covered(first.m) + (f90 - f0) fresnel covered(second)).
+  ltc_blend(lobes, f0, f90)         one matrix for a material, M below: one integral, for which blended_lobes are fitted.
+";
 
 /// The functions of lights that both kinds of tables have.
 #[must_use]
@@ -109,11 +120,11 @@ BINDINGS OF A TABLE
   uniform   36 words, nine vectors of four, which ltcforge export --for wgpu writes as ltc.json. Two of u32: how
             many nodes alpha, ratio, theta and phi have; the layout's number, not read here
             ({numbers}),
-            1 if ratio has the one node 1 and phi has one node, else 0, and 0, 0. Seven of f32: the first node of
-            each axis in the variable in which the layout's nodes are evenly spaced, the step between nodes in it
-            (1 for one node), and one over that; 1 / alpha_nodes, 1 / (ratio_nodes theta_nodes), theta_nodes,
-            1 / phi_nodes; the first and last alpha, the first and last ratio; the cosines of the last and first
-            theta, 0, 0; cosine and sine of the first phi, and of the last
+            1 if ratio has the one node 1 and phi has one node, else 0; alpha_nodes if entries have two lobes, else 0;
+            and 0. Seven of f32: the first node of each axis in the variable in which the layout's nodes are evenly
+            spaced, the step between nodes in it (1 for one node), and one over that; 1 / alpha_nodes, half of it for
+            two lobes, 1 / (ratio_nodes theta_nodes), theta_nodes, 1 / phi_nodes; the first and last alpha, the first and
+            last ratio; the cosines of the last and first theta, 0, 0; cosine and sine of the first phi, and of the last
   {textures}  Texels stand in the order of the file's entries, but their numbers have to be put together from its tensors
   matrix, amplitude and fresnel. Alpha is the larger roughness, ratio the smaller over it, theta and phi the view
   direction's angles in radians.
@@ -125,7 +136,7 @@ const VOLUMES: &str = "\
   matrix_b  likewise: m11 m12 m20 m21
   terms     likewise: m22 amplitude fresnel 0; a table without terms has amplitude 1, fresnel 0
   The textures are phi wide, ratio * theta high and alpha deep: texel (p, r * theta_nodes + t, a) is entry [a, r, t, p]
-  of the file's tensors.
+  of the file's tensors. Second lobes, of tensor matrix_2, follow all first ones.
 ";
 
 /// A table in one texture.
@@ -266,8 +277,9 @@ fn bound_array(language: Language) -> &'static str {
 }
 
 /// The table and what it is called.
-fn about(layout: Layout, lights: Lights) -> String {
-    head(LICENCE, REVISION) + &ABOUT.replace("{layout}", layout.name()).replace("{lights}", functions_of(lights))
+fn about(layout: Layout, two_lobes: bool, lights: Lights) -> String {
+    let functions = if two_lobes { TWO_LOBES.to_owned() } else { String::new() } + functions_of(lights);
+    head(LICENCE, REVISION) + &ABOUT.replace("{layout}", layout.name()).replace("{lights}", &functions)
 }
 
 pub(super) fn bound_table(bound: Bound) -> String {
@@ -285,9 +297,9 @@ fn header(language: Language, layout: Layout) -> String {
     let table = bound_table(Bound::Volumes);
     let text = format!(
         "{}{CALLED}\n{table}  {}\n\n{EXAMPLE}\n{}",
-        about(layout, Lights::All),
+        about(layout, false, Lights::All),
         bindings(language),
-        check(layout)
+        check(layout, false)
     );
     commented(&text)
 }
@@ -302,7 +314,11 @@ fn table_include_header(
 ) -> String {
     let table = bound_table(reading.bound);
     let bindings = included_bindings(language, reading, namespace);
-    commented(&format!("{}{USE}\n{table}  {bindings}\n\n{}", about(layout, lights), check(layout)))
+    commented(&format!(
+        "{}{USE}\n{table}  {bindings}\n\n{}",
+        about(layout, reading.two_lobes, lights),
+        check(layout, reading.two_lobes)
+    ))
 }
 
 /// The text in lines that begin with `//`.
@@ -312,18 +328,34 @@ pub fn commented(text: &str) -> String {
 }
 
 /// The values to check a port against.
-fn check(layout: Layout) -> String {
+fn check(layout: Layout, two_lobes: bool) -> String {
     let corners = CORNERS.map(|corner| format!("({})", listed(&corner))).join(" ");
-    let goldens: String = CASES.iter().map(|case| shown(case, &case.golden(layout))).collect();
+    let second = |case: &Case| if two_lobes { shown_second(&case.golden_second(layout)) } else { String::new() };
+    let goldens: String = CASES.iter().map(|case| shown(case, &case.golden(layout)) + &second(case)).collect();
+    let numbers = if two_lobes { SECOND_NUMBERS } else { "" };
     format!(
         "\
 CHECK
 {} Covered is by the
   one-sided rectangle {corners}.
   M is given by rows. A port in 32 bits comes within 0.00002 of each number.
-{goldens}",
+{numbers}{goldens}",
         checked_table(layout)
     )
+}
+
+/// The table's second lobes, in words.
+const SECOND_NUMBERS: &str = "  The second lobe has the numbers I[k] + e * (9 - k) / 1024, with the zeros of the first; blended is what the blend for
+  f0 = 0.04, f90 = 1 covers.
+";
+
+fn shown_second(golden: &SecondGolden) -> String {
+    format!("    second {}\n    blended {}\n", by_rows(&golden.matrix), fixed(golden.blended))
+}
+
+fn by_rows(matrix: &[f64; 9]) -> String {
+    let rows = matrix.chunks(3).map(|row| row.iter().map(|x| fixed(*x)).collect::<Vec<_>>().join(" "));
+    rows.collect::<Vec<_>>().join(" | ")
 }
 
 /// The table that ports are checked with, in words.
@@ -348,13 +380,12 @@ pub(super) fn checked_table(layout: Layout) -> String {
 }
 
 fn shown(case: &Case, golden: &Golden) -> String {
-    let rows = golden.matrix.chunks(3).map(|row| row.iter().map(|x| fixed(*x)).collect::<Vec<_>>().join(" "));
     format!(
         "  alpha_x {} alpha_y {} wo ({})\n    M {}\n    amplitude {} fresnel {} covered {}\n",
         case.alpha_x,
         case.alpha_y,
         listed(&case.wo),
-        rows.collect::<Vec<_>>().join(" | "),
+        by_rows(&golden.matrix),
         fixed(golden.amplitude),
         fixed(golden.fresnel),
         fixed(golden.covered),

@@ -25,7 +25,10 @@ mod text;
 
 pub use es_module::{DECLARATIONS, es_module};
 pub use gaussians_header::SG_LIGHT;
-pub use golden::{CASES, CORNERS, Case, Golden, TOLERANCE, table as golden_table};
+pub use golden::{
+    BLENDED, CASES, CORNERS, Case, Golden, SecondGolden, TOLERANCE, table as golden_table,
+    table_of_two_lobes as golden_table_of_two_lobes,
+};
 pub use gpu_cost::{COMPILER, GpuCost};
 pub use header::{commented, functions_of, table_caller};
 pub use language::Language;

@@ -129,18 +129,22 @@ pub struct Reading {
     pub filter: Filter,
     /// The textures of the table.
     pub bound: Bound,
+    /// Whether the text reads the second lobe of tables of LTCs with two.
+    pub two_lobes: bool,
 }
 
 impl Reading {
-    /// Every way.
-    pub const ALL: [Self; 4] = {
+    /// Every way of one lobe, and two of two.
+    pub const ALL: [Self; 6] = {
         use Bound::{Array, Volumes};
         use Filter::{Exact, Hardware};
         [
-            Self { filter: Exact, bound: Volumes },
-            Self { filter: Exact, bound: Array },
-            Self { filter: Hardware, bound: Volumes },
-            Self { filter: Hardware, bound: Array },
+            Self { filter: Exact, bound: Volumes, two_lobes: false },
+            Self { filter: Exact, bound: Array, two_lobes: false },
+            Self { filter: Hardware, bound: Volumes, two_lobes: false },
+            Self { filter: Hardware, bound: Array, two_lobes: false },
+            Self { filter: Exact, bound: Volumes, two_lobes: true },
+            Self { filter: Hardware, bound: Array, two_lobes: true },
         ]
     };
 }

@@ -12,7 +12,7 @@ pub struct ModelShader {
     /// The file of the program that shows how to call them, and the name of its entry point.
     pub example: &'static str,
     /// A fragment shader that calls every function, named `ltc_included`.
-    pub caller: fn(Lights) -> String,
+    pub caller: fn(Reading, Lights) -> String,
     /// The comment at the top of the program, in lines that begin with `//`; of a formula it is the same for all
     /// layouts.
     pub(super) program_comment: fn(Language, Layout) -> String,

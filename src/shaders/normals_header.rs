@@ -37,7 +37,7 @@ macro_rules! by_rule {
             prefix: "normals",
             functions: |_| normals_files($rule),
             example: "normals_example",
-            caller: |_| caller("let view = normals_view(0.5, 0.5, vec3(0.0, 0.0, 1.0));", CALLS),
+            caller: |_, _| caller("let view = normals_view(0.5, 0.5, vec3(0.0, 0.0, 1.0));", CALLS),
             program_comment: |language, _| normals_header($rule, language),
             include_comment: |_, _, _, _, _| normals_include_header($rule),
         }

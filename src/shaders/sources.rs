@@ -2,10 +2,10 @@
 
 use super::Bound;
 use super::Lights;
-use super::LitBy;
 use super::header::light_files;
 use super::namespace::prefixed;
 use super::normals_header::normals_files;
+use super::{LitBy, Reading};
 use ltcforge_fit::{Layout, LayoutShader};
 use ltcforge_light::{LightModel, NormalsRule};
 
@@ -19,7 +19,7 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 30] = [
+pub const SHADERS: [Shader; 31] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
     Shader { name: "texels_volumes", source: ltcforge_wgsl::TEXELS_VOLUMES },
@@ -31,6 +31,7 @@ pub const SHADERS: [Shader; 30] = [
     Shader { name: "ltc_lookup", source: ltcforge_wgsl::LTC_LOOKUP },
     Shader { name: "ltc_lookup_among", source: ltcforge_wgsl::LTC_LOOKUP_AMONG },
     Shader { name: "ltc_lookup_round", source: ltcforge_wgsl::LTC_LOOKUP_ROUND },
+    Shader { name: "ltc_two_lobes", source: ltcforge_wgsl::LTC_TWO_LOBES },
     Shader { name: "ltc_light", source: ltcforge_wgsl::LTC_LIGHT },
     Shader { name: "ltc_shapes", source: ltcforge_wgsl::LTC_SHAPES },
     Shader { name: "normals_view", source: ltcforge_wgsl::NORMALS_VIEW },
@@ -151,7 +152,7 @@ fn previewed() -> Vec<&'static str> {
     let lights = others.flat_map(|lit_by| (lit_by.shader().functions)(Lights::All));
     TABLE
         .iter()
-        .chain(&["ltc_math"])
+        .chain(&["ltc_math", "ltc_two_lobes"])
         .chain(lights)
         .chain(&["ggx_reference", "reference_solids", "sphere"])
         .copied()
@@ -173,7 +174,7 @@ pub fn preview_module() -> String {
 /// The module that reads tables of these layouts, without an entry point.
 #[must_use]
 pub fn table_reader(bound: Bound, layouts: &[Layout]) -> String {
-    module(&["ltc_quadrant", texels(bound), "ltc_table", "ltc_lookup"], layouts)
+    module(&["ltc_quadrant", texels(bound), "ltc_table", "ltc_lookup", "ltc_two_lobes"], layouts)
 }
 
 /// The module that other renderers take.
@@ -201,8 +202,10 @@ fn texels(bound: Bound) -> &'static str {
 
 /// The functions alone that other renderers include.
 #[must_use]
-pub fn functions(lit_by: LitBy, bound: Bound, lights: Lights) -> String {
-    assembled(lit_by, ["ltc_quadrant", texels(bound), "ltc_table", "ltc_lookup"], lights, &[])
+pub fn functions(lit_by: LitBy, reading: Reading, lights: Lights) -> String {
+    let reader = ["ltc_quadrant", texels(reading.bound), "ltc_table", "ltc_lookup"];
+    let others: &[&str] = if reading.two_lobes && lit_by.model() == LightModel::Ltc { &["ltc_two_lobes"] } else { &[] };
+    assembled(lit_by, reader, lights, others)
 }
 
 /// The functions of a table's light that read no table: `smooth_at` has the coefficients.
@@ -249,6 +252,7 @@ mod tests {
         validate(&["ltc_light"]);
         validate(&["ltc_math", "ltc_light", "ltc_shapes"]);
         validate(&["ltc_quadrant", "texels_volumes", "ltc_table", "ltc_lookup", "ltc_light"]);
+        validate(&["ltc_quadrant", "texels_array", "ltc_table", "ltc_lookup", "ltc_two_lobes"]);
         let layouts = [None, Some(Layout::Reflected)];
         for lit_by in
             layouts.iter().flat_map(|of| LightModel::ALL.iter().map(|model| LitBy::new(*model, *of))).flatten()

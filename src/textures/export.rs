@@ -6,7 +6,7 @@ use super::{
     About, Bundle, CompactContainer, CompactFileError, Engine, NoTextures, TextureContainer, TextureFile,
     TextureFileError, TextureLayout, recipe::recipe_like, rounding::RoundingError, sampling_of,
 };
-use ltcforge_files::compact::{COMPACT_MAGIC, encode};
+use ltcforge_files::compact::{COMPACT_MAGIC, encode_lobes};
 use ltcforge_fit::{BrdfKind, Precision, Table};
 
 /// The name of files that hold all textures.
@@ -135,14 +135,10 @@ impl Export {
             Self::Engine(engine) => {
                 let layout = engine_textures(engine, table)?;
                 let textures = layout.textures(table)?;
-                let made = engine.bundle(
-                    &textures,
-                    &table.layout.shader_axes(&table.axes),
-                    &about.and(sampling_of(table, layout)),
-                );
+                let made = engine.bundle(&textures, &table.shader_axes(), &about.and(sampling_of(table, layout)));
                 made.map_err(|source| match source {
                     TextureFileError::Missing { .. } => {
-                        let recipe = recipe_like(layout.sampling().recipe, table.layout(), table);
+                        let recipe = recipe_like(layout.sampling().recipe, table.layout(), true, table);
                         ExportError::Sizes { source: Box::new(source), recipe }
                     }
                     other => ExportError::Files(other),
@@ -156,7 +152,8 @@ impl Export {
             }
             Self::Compact(container) => {
                 container.check(table)?;
-                Self::compact_bundle(container, encode(table).map_err(CompactFileError::Form)?, &about)
+                let forms = encode_lobes(table).map_err(CompactFileError::Form)?;
+                Self::compact_bundle(container, forms.into_iter().map(|encoded| encoded.bytes).collect(), &about)
             }
         }
     }
@@ -168,10 +165,11 @@ impl Export {
     /// When the table has no such textures.
     pub fn forms(self, table: &Table) -> Result<Vec<TextureFile>, ExportError> {
         let about = About::default();
+        let lobes = |bytes: Vec<u8>| vec![bytes; if table.second_matrices().is_some() { 2 } else { 1 }];
         let bundle = match self {
             Self::Engine(engine) => {
                 let textures = engine_textures(engine, table)?.rules().textures(table)?;
-                engine.bundle(&textures, &table.layout.shader_axes(&table.axes), &about).map_err(ExportError::Files)?
+                engine.bundle(&textures, &table.shader_axes(), &about).map_err(ExportError::Files)?
             }
             Self::Textures { layout, container, precision } => {
                 layout.check(table)?;
@@ -181,22 +179,26 @@ impl Export {
             }
             Self::Compact(CompactContainer::Wgsl) => {
                 // The module's text follows from numbers that these bytes lack.
-                let mut bundle = Self::compact_bundle(CompactContainer::Bytes, COMPACT_MAGIC.to_vec(), &about)?;
+                let mut bundle = Self::compact_bundle(CompactContainer::Bytes, lobes(COMPACT_MAGIC.to_vec()), &about)?;
                 let (path, bytes) = (format!("{STEM}.compact.wgsl"), b"// WGSL".to_vec());
                 bundle.files.insert(1, TextureFile { path, bytes, rounding: RoundingError::default() });
                 bundle
             }
-            Self::Compact(container) => Self::compact_bundle(container, COMPACT_MAGIC.to_vec(), &about)?,
+            Self::Compact(container) => Self::compact_bundle(container, lobes(COMPACT_MAGIC.to_vec()), &about)?,
         };
         Ok(bundle.files)
     }
 
-    /// [`Self::bundle`] of a table whose compact form is there already.
+    /// [`Self::bundle`] of a table the compact forms of whose lobes are there already.
     ///
     /// # Errors
     /// When the bytes are no compact form.
-    pub fn compact_bundle(container: CompactContainer, bytes: Vec<u8>, about: &About) -> Result<Bundle, ExportError> {
-        let bundle = Bundle { files: container.files_of(STEM, bytes, about)?, steps: container.steps(STEM) };
+    pub fn compact_bundle(
+        container: CompactContainer,
+        forms: Vec<Vec<u8>>,
+        about: &About,
+    ) -> Result<Bundle, ExportError> {
+        let bundle = Bundle { files: container.files_of_lobes(STEM, forms, about)?, steps: container.steps(STEM) };
         Ok(bundle.with_manifest(MANIFEST_KEY, container.name(), about))
     }
 }

@@ -50,16 +50,19 @@ const MOST_ROUNDS: usize = 8;
 pub(super) fn halved(table: &Table) -> (Table, Displacement) {
     let (choosing, telling) = (Cosine::new(CHOOSING), Cosine::new(TELLING));
     let mut halved = table.clone();
-    let (mut sum, mut max) = (0.0, 0.0_f64);
-    for (entry, matrix) in halved.matrix.iter_mut().enumerate() {
-        let decoder = LobeDecoder::of(table.layout, table.axes.node(entry));
-        let exact = *matrix;
-        *matrix = decoder.nearest_lobe(&exact, &choosing);
-        let moved = decoder.displacement(&exact, matrix, &telling).unwrap_or(WITHOUT_LOBE);
-        sum += moved;
-        max = max.max(moved);
+    let (mut sum, mut max, mut lobes) = (0.0, 0.0_f64, 0);
+    for matrices in [Some(&mut halved.matrix), halved.second.as_mut()].into_iter().flatten() {
+        for (entry, matrix) in matrices.iter_mut().enumerate() {
+            let decoder = LobeDecoder::of(table.layout, table.axes.node(entry));
+            let exact = *matrix;
+            *matrix = decoder.nearest_lobe(&exact, &choosing);
+            let moved = decoder.displacement(&exact, matrix, &telling).unwrap_or(WITHOUT_LOBE);
+            sum += moved;
+            max = max.max(moved);
+            lobes += 1;
+        }
     }
-    let mean = sum / halved.matrix.len().max(1) as f64;
+    let mean = sum / f64::from(lobes.max(1));
     (halved, Displacement { mean, max })
 }
 

@@ -6,8 +6,8 @@ use ltcforge_files::digest::Digest;
 use ltcforge_fit::{BrdfKind, Layout, LobeModel, Table};
 
 /// The recipe of a layout, with the scattering model, its materials and the lobe of a table added where the layout takes
-/// them.
-pub(super) fn recipe_like(recipe: &str, layout: Layout, table: &Table) -> String {
+/// them; two lobes an entry where its readers take these.
+pub(super) fn recipe_like(recipe: &str, layout: Layout, takes_two_lobes: bool, table: &Table) -> String {
     let brdf = table.brdf.kind();
     let file = table.brdf.file().map(|file| Digest::from_bytes(*file.digest()).to_string());
     let takes_brdf = brdf != BrdfKind::ALL[0] && layout.takes(brdf);
@@ -17,7 +17,10 @@ pub(super) fn recipe_like(recipe: &str, layout: Layout, table: &Table) -> String
     let fields = [
         ("brdf", takes_brdf.then(|| quoted(brdf.to_string()))),
         ("tabulated", file.filter(|_| takes_brdf).map(quoted)),
-        ("fresnel", (!fresnel.is_one()).then(|| json!(fresnel).to_string())),
+        (
+            "fresnel",
+            (!fresnel.is_one() && (takes_two_lobes || fresnel.second().is_none())).then(|| json!(fresnel).to_string()),
+        ),
         ("lobe", takes_lobe.then(|| quoted(table.lobe.to_string()))),
     ];
     let fields = fields.into_iter().filter_map(|(name, value)| value.map(|value| format!("\"{name}\": {value}, ")));
@@ -37,7 +40,7 @@ mod tests {
         let read = |document: &str| parse(document.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe");
         let recipe = read(&format!("{{{small}, {fresnel}}}"));
         let table = fit_plan(&Plan::new(&recipe), &|_| std::ops::ControlFlow::Continue(())).expect("not stopped");
-        let named = read(&recipe_like(r#"{"layout": "ltc2017"}"#, Layout::Ltc2017, &table));
+        let named = read(&recipe_like(r#"{"layout": "ltc2017"}"#, Layout::Ltc2017, false, &table));
         assert_eq!((named.layout(), named.model()), (Layout::Ltc2017, recipe.model()));
     }
 }

@@ -44,7 +44,7 @@ pub fn include_function(
     lights: Lights,
     namespace: &Namespace,
 ) -> Result<String, PortError> {
-    let source = format!("{}{}", without_textures(&smooth_at(function), lights), table_caller(lights));
+    let source = format!("{}{}", without_textures(&smooth_at(function), lights), table_caller(false, lights));
     let included = Included { source: &source, entry: "ltc_included", reading: None };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
     let lines = about.join("\n  ");

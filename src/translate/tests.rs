@@ -345,7 +345,7 @@ fn what_lights_by_polygons_alone_leaves_the_other_shapes_out() {
 #[test]
 fn what_is_included_binds_what_its_comment_says() {
     let included_from = |language, filter, bound| {
-        let reading = Reading { filter, bound };
+        let reading = Reading { filter, bound, two_lobes: false };
         code(&include(language, Layout::Reflected, reading, Lights::All, &Namespace::default()).expect("a text"))
     };
     let included = |language, filter| included_from(language, filter, Bound::Volumes);

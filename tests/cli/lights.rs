@@ -117,6 +117,51 @@ fn a_table_of_plastic_is_nearer_for_plastic_and_one_of_both_for_both() {
     assert!(metal[0] < metal[1] && metal[2] < 0.5 * (metal[0] + metal[1]), "{metal:?}");
 }
 
+/// Two lobes serve metal as one does, and plastic far better, by two integrals and by one of their blend.
+#[test]
+fn two_lobes_are_near_for_metal_and_for_plastic() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let lights = lights_around_reflections();
+    let fitted = |fresnel: &str| {
+        let resolution = r#""resolution": {"alpha": 16, "theta": 16}"#;
+        let recipe = format!(r#"{{"preset": "draft", "layout": "ltc2017", {resolution}, "fresnel": "{fresnel}"}}"#);
+        run_with_stdin(folder.path(), ["fit", "-"], &recipe).exited(0).last_line().to_owned()
+    };
+    let by = |table: &str, options: &[&str]| {
+        let words = ["light", "-", "--model", "ltc", "--table", table, "--truth"];
+        run_with_stdin(folder.path(), words.iter().chain(options), &lights)
+    };
+    let error = |table: &str, options: &[&str]| {
+        let found = rows(&by(table, options).exited(0).stdout);
+        found.iter().map(|row| (row[2] - row[5]).abs()).sum::<f64>() / found.len() as f64
+    };
+    let [one, two, blended] = ["one", "two_lobes", "blended_lobes"].map(fitted);
+    let plastic = |table: &str, blend: &[&str]| error(table, &[&["--f0", "0.04"], blend].concat());
+    let found = [plastic(&one, &[]), plastic(&two, &[]), plastic(&blended, &["--blend"])];
+    println!("plastic by one lobe, two and their blend: {found:.5?}");
+    assert!(found[1] < 0.4 * found[0] && found[2] < 0.4 * found[0], "{found:?}");
+    let metal = [&one, &two, &blended].map(|table| error(table, &["--f0", "1"]));
+    let blend = error(&blended, &["--f0", "1", "--blend"]);
+    assert!([metal[1], metal[2], blend].iter().all(|error| (error - metal[0]).abs() < 1e-14), "{metal:?} {blend}");
+    let refused = by(&one, &["--f0", "0.04", "--blend"]).exited(2).stderr.clone();
+    assert!(refused.contains("one lobe an entry") && refused.contains("blended_lobes"), "{refused}");
+    let found =
+        run_with_stdin(folder.path(), ["lookup", &two, "--points", "-"], "0.5,0.5,0.7,0").exited(0).stdout.clone();
+    assert!(found.lines().next().is_some_and(|head| head.ends_with("second22")), "{found}");
+    let small =
+        r#"{"preset": "draft", "fresnel": "two_lobes", "resolution": {"alpha": 3, "ratio": 2, "theta": 3, "phi": 2}}"#;
+    let small = run_with_stdin(folder.path(), ["fit", "-"], small).exited(0).last_line().to_owned();
+    run(folder.path(), ["export", &small, "--container", "compact", "-o", "out"]).exited(0);
+    for file in ["out/ltc.compact", "out/ltc_2.compact"] {
+        run(folder.path(), ["report", file, "--points", "8"]).exited(0);
+    }
+    let engine = run(folder.path(), ["export", &two, "--for", "three", "-o", "out"]).exited(2).stderr.clone();
+    assert!(
+        engine.contains("two") && engine.contains(r#"this recipe gives a table that has them: {"layout": "ltc2017"}"#),
+        "{engine}"
+    );
+}
+
 #[test]
 fn light_by_a_table_takes_a_table_and_only_then() {
     let folder = tempfile::tempdir().expect("a folder");

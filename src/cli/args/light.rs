@@ -44,6 +44,10 @@ pub struct LightArgs {
     /// The reflectance at grazing incidence, with `--f0`: 0 to 1
     #[arg(long, default_value_t = 1.0, value_parser = reflectance, requires = "f0")]
     pub f90: f64,
+    /// Find what the material of `--f0` reflects by one integral, of the blend of the two lobes that a table with field
+    /// `fresnel` of `blended_lobes` has, in place of one integral a lobe
+    #[arg(long, requires = "f0", requires = "table")]
+    pub blend: bool,
 }
 
 /// A number from 0 to 1.

@@ -144,6 +144,7 @@ pub enum PlotName {
 
 /// `shader`.
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "a flag each")]
 pub struct ShaderArgs {
     /// Language to write
     #[arg(long, value_parser = named(Language::ALL, Language::name))]
@@ -163,6 +164,10 @@ pub struct ShaderArgs {
     /// Read the table from one 2D array in place of three 3D textures, in a text to include: one sampler
     #[arg(long)]
     pub texture_array: bool,
+    /// Read the second lobe too, in a text to include: of tables whose recipes have field `fresnel` of `two_lobes` or
+    /// `blended_lobes`
+    #[arg(long)]
+    pub two_lobes: bool,
     /// Lights that a text of model ltc to include has functions for: all, or polygons alone, which is two fifths
     /// shorter [default: all]
     #[arg(long, value_parser = named(Lights::ALL, Lights::name))]
@@ -182,7 +187,7 @@ pub struct ShaderArgs {
     #[arg(long, value_parser = named(Layout::ALL, Layout::name))]
     pub layout: Option<Layout>,
     /// Put this table of isotropic surfaces into the code as polynomials: the shader reads no texture
-    #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "hardware_filter", "texture_array", "first_binding", "group"])]
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "hardware_filter", "texture_array", "two_lobes", "first_binding", "group"])]
     pub without_textures: Option<PathBuf>,
     /// The folder of tables
     #[command(flatten)]

@@ -67,7 +67,7 @@ pub fn encode(table: &Table) -> Result<Vec<u8>, CompactError> {
 }
 
 /// The compact form of a table, whose mean error between nodes is at most 1 % above the table's. `node_error` is not
-/// kept. Runs on the current rayon pool, for about a second on two cores, and for half a second more each time that the
+/// kept, and no second lobe: [`encode_lobes`] has it. Runs on the current rayon pool, for about a second on two cores, and for half a second more each time that the
 /// steps have to be finer; the pool's size changes nothing.
 ///
 /// # Errors
@@ -88,7 +88,9 @@ pub fn encode_measured(table: &Table) -> Result<Encoded, CompactError> {
     let (mut rounding, mut reached) = (Rounding::of(table), f64::NAN);
     for _ in 0..ATTEMPTS {
         let bytes = encode_rounded(table, header.clone(), &numbers, rounding)?;
-        let decoded = width_between(&decode(&bytes)?, MEASURED_AT);
+        // The bytes name the scattering model and not whose lobe was fitted.
+        let decoded = Table { brdf: table.brdf.clone(), ..decode(&bytes)? };
+        let decoded = width_between(&decoded, MEASURED_AT);
         reached = decoded.mean;
         if reached <= MOST_ERROR * errors.mean {
             return Ok(Encoded { bytes, table: errors, decoded });
@@ -96,6 +98,15 @@ pub fn encode_measured(table: &Table) -> Result<Encoded, CompactError> {
         rounding = rounding.finer();
     }
     Err(CompactError::Inexact { table: format!("{:.4}", errors.mean), decoded: format!("{reached:.4}") })
+}
+
+/// The compact forms of a table's lobes: one, or a second one that decodes to [`Table::of_second`] without terms.
+///
+/// # Errors
+/// As [`encode_measured`].
+pub fn encode_lobes(table: &Table) -> Result<Vec<Encoded>, CompactError> {
+    let second = table.of_second().map(|second| Table { terms: None, ..second });
+    [encode_measured(table)].into_iter().chain(second.as_ref().map(encode_measured)).collect()
 }
 
 /// Refuses lobes that are not LTCs, as its decoders take them for, and those that do not follow the reflection that

@@ -100,6 +100,7 @@ pub fn decode_npy(bytes: &[u8]) -> Result<NpyTable, NpyError> {
         layout,
         axes,
         matrix: matrix.to_vec(),
+        second: None,
         terms: None,
         node_error,
     };

@@ -3,6 +3,7 @@
 //! | tensor | type | shape |
 //! |---|---|---|
 //! | `matrix` | f32, or f16 where that is the recipe's precision | alpha, ratio, theta, phi, 3, 3 |
+//! | `matrix_2` (when the recipe has two lobes an entry) | as `matrix` | as `matrix` |
 //! | `amplitude`, `fresnel` (when the recipe has terms), `node_error` | as `matrix` | alpha, ratio, theta, phi |
 //! | `axis_alpha`, `axis_ratio`, `axis_theta`, `axis_phi` | f64 | nodes |
 //!
@@ -106,6 +107,9 @@ pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError>
         ("matrix".to_owned(), tensor(precision, &matrix_shape, table.matrix.iter().flatten())),
         ("node_error".to_owned(), tensor(precision, &shape, &table.node_error)),
     ];
+    if let Some(second) = &table.second {
+        tensors.push(("matrix_2".to_owned(), tensor(precision, &matrix_shape, second.iter().flatten())));
+    }
     if let Some(terms) = &table.terms {
         tensors.push(("amplitude".to_owned(), tensor(precision, &shape, &terms.amplitude)));
         tensors.push(("fresnel".to_owned(), tensor(precision, &shape, &terms.fresnel)));
@@ -148,10 +152,14 @@ pub fn stated_length(beginning: &[u8]) -> Result<u64, TableFileError> {
         Precision::F32 => 4,
         Precision::F16 => 2,
     };
-    // Matrix, error at the node, amplitude and Fresnel term.
-    let numbers = if recipe.terms { 12 } else { 10 };
+    // Matrix, error at the node, amplitude and Fresnel term; the matrix of a second lobe.
+    let numbers = if recipe.terms { 12 } else { 10 } + if has_second(&recipe) { 9 } else { 0 };
     let entries = lengths.iter().product::<usize>() as u64;
     Ok(8 + length + entries * numbers * number + 8 * lengths.iter().sum::<usize>() as u64)
+}
+
+fn has_second(recipe: &Recipe) -> bool {
+    recipe.model().fresnel().second().is_some()
 }
 
 fn recipe_of(header: &Metadata) -> Result<Recipe, TableFileError> {
@@ -184,12 +192,17 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
         }
     }
     let finite = |name: &str, shape: &[usize]| finite(&file, name, recipe.precision, shape);
-    let numbers = finite("matrix", &matrix_shape)?;
-    let (matrix, _) = numbers.as_chunks::<9>();
-    if let Some(index) = matrix.iter().position(|m| from_row_major(&m.map(f64::from)).determinant() <= 0.0) {
-        let detail = format!("the matrix of entry {index} has no positive determinant");
-        return Err(TableFileError::Tensor { name: "matrix".to_owned(), detail });
-    }
+    let matrices = |name: &str| {
+        let numbers = finite(name, &matrix_shape)?;
+        let (matrices, _) = numbers.as_chunks::<9>();
+        if let Some(index) = matrices.iter().position(|m| from_row_major(&m.map(f64::from)).determinant() <= 0.0) {
+            let detail = format!("the matrix of entry {index} has no positive determinant");
+            return Err(TableFileError::Tensor { name: name.to_owned(), detail });
+        }
+        Ok(matrices.to_vec())
+    };
+    let matrix = matrices("matrix")?;
+    let second = if has_second(&recipe) { Some(matrices("matrix_2")?) } else { None };
     let not_negative = |name: &str| {
         let values = finite(name, &shape)?;
         match values.iter().position(|x| *x < 0.0) {
@@ -213,7 +226,8 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
         lobe: recipe.lobe,
         layout: recipe.layout,
         axes,
-        matrix: matrix.to_vec(),
+        matrix,
+        second,
         terms,
         node_error,
     };

@@ -6,13 +6,14 @@ use serde_json::Value;
 
 use super::{
     fault::Fault,
+    fresnel::{check_second, read_fresnel},
     preset::Preset,
     reader::{Faults, Object, echo},
 };
 use crate::tabulated::FindBrdf;
 use ltcforge_fit::{
-    BrdfKind, BrdfModel, FITTER_VERSION, FitSettings, Layout, LobeFresnel, LobeModel, Metric, PerAxis, Precision,
-    Recipe, Shear, Simplex, Solver, Start, TabulatedAxes, WeightedF0,
+    BrdfKind, BrdfModel, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Precision, Recipe, Shear,
+    Simplex, Solver, Start, TabulatedAxes,
 };
 
 /// Entries that a table may have unless the caller sets another limit.
@@ -46,12 +47,6 @@ const DIRECTIONS: [u32; 2] = [4, 1024];
 const STEPS: [u32; 2] = [1, 100_000];
 /// Greatest seed: whole numbers up to here are exact in every JSON reader.
 const MOST_SEED: u64 = (1 << 53) - 1;
-/// Below it samples of a smooth surface seen from above weigh next to nothing, and few of them tell the lobe.
-const LEAST_F0: f64 = 1e-3;
-/// Most materials in a mix.
-const MOST_MATERIALS: usize = 64;
-/// Greatest weight of a material.
-const MOST_WEIGHT: f64 = 1e9;
 
 /// A file's ends in f32 are not those that a document has in decimals.
 const FILE_TOLERANCE: f64 = 1e-6;
@@ -84,6 +79,7 @@ pub(super) fn read(
     let fitter = read_fitter(&root, fitters, &mut faults);
     let fit = read_fit(&root, preset, &mut faults);
     check_lobe(&root, lobe, &fit, terms, &mut faults);
+    check_second(&root, model.fresnel(), lobe, terms, &mut faults);
     let range = read_range(&root, &model, layout, &mut faults);
     check_ratio(&range, &fit, &mut faults);
     let resolution = read_resolution(&root, layout, &range, &mut faults);
@@ -156,7 +152,7 @@ fn check_ratio(range: &PerAxis<[f64; 2]>, fit: &FitSettings, faults: &mut Faults
 }
 
 /// The names of some items, as an error lists them.
-fn listed<T: Copy + std::fmt::Display>(items: &[T], keep: impl Fn(T) -> bool) -> String {
+pub(super) fn listed<T: Copy + std::fmt::Display>(items: &[T], keep: impl Fn(T) -> bool) -> String {
     let names = items.iter().filter(|item| keep(**item)).map(|item| format!("\"{item}\""));
     names.collect::<Vec<_>>().join(", ")
 }
@@ -179,57 +175,6 @@ fn read_brdf(root: &Object, find: &FindBrdf<'_>, faults: &mut Faults) -> BrdfMod
         (true, Some(other)) => note(format!("{} is neither a path nor a digest sha256:<64 hex digits>", echo(other))),
     }
     kind.into()
-}
-
-/// The materials whose lobe is fitted: "one", or a list of weighted F0.
-fn read_fresnel(root: &Object, brdf: BrdfKind, faults: &mut Faults) -> LobeFresnel {
-    let value = match root.get("fresnel") {
-        None => return LobeFresnel::One,
-        Some(Value::String(name)) if name == "one" => return LobeFresnel::One,
-        Some(value) => value,
-    };
-    let pointer = root.pointer("fresnel");
-    if !brdf.has_fresnel() {
-        let others = listed(BrdfKind::ALL, BrdfKind::has_fresnel);
-        let detail = format!("brdf \"{brdf}\" has no Fresnel factor: leave this field out, or choose brdf {others}");
-        faults.note(pointer, detail);
-        return LobeFresnel::One;
-    }
-    let Value::Array(parts) = value else {
-        let detail =
-            format!("{} is neither \"one\" nor a list of materials like {{\"f0\": 0.04, \"weight\": 1}}", echo(value));
-        faults.note(pointer, detail);
-        return LobeFresnel::One;
-    };
-    if parts.is_empty() || parts.len() > MOST_MATERIALS {
-        faults.note(&*pointer, format!("{} materials; 1 to {MOST_MATERIALS} make a lobe", parts.len()));
-        return LobeFresnel::One;
-    }
-    let before = faults.0.len();
-    let part = |(index, part): (usize, &Value)| {
-        let object = Object::item(format!("{pointer}/{index}"), part, &["f0", "weight"], faults);
-        if part.is_object() && object.get("f0").is_none() {
-            faults.note(object.pointer("f0"), "missing: a material has the reflectance seen from above, 0 to 1");
-        }
-        WeightedF0 {
-            f0: object.number("f0", [0.0, 1.0], 1.0, faults),
-            weight: object.number("weight", [0.0, MOST_WEIGHT], 1.0, faults),
-        }
-    };
-    let parts: Vec<WeightedF0> = parts.iter().enumerate().map(part).collect();
-    if faults.0.len() > before {
-        return LobeFresnel::One;
-    }
-    match LobeFresnel::mix(parts) {
-        None => faults.note(pointer, "the weights are 0, all of them: no material counts"),
-        Some(LobeFresnel::Mix(parts)) if parts.iter().all(|part| part.f0 < LEAST_F0) => {
-            let detail =
-                format!("one material needs an f0 of {LEAST_F0} or more: seen from above the others reflect nothing");
-            faults.note(pointer, detail);
-        }
-        Some(fresnel) => return fresnel,
-    }
-    LobeFresnel::One
 }
 
 /// The default is the first layout that takes the lobes of the scattering model.

@@ -3,6 +3,7 @@
 
 mod document;
 mod fault;
+mod fresnel;
 mod preset;
 mod reader;
 mod strict;

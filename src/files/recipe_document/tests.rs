@@ -75,12 +75,20 @@ fn faults_of_materials_are_reported_at_their_place() {
         r#"{"fresnel": []}"#,
         r#"{"fresnel": 0.04}"#,
         r#"{"fresnel": "two"}"#,
+        r#"{"brdf": "charlie", "fresnel": "two_lobes"}"#,
+        r#"{"lobe": "sg", "fresnel": "blended_lobes"}"#,
         r#"{"fresnel": null}"#,
         r#"{"fresnel": [{"f0": 0.04, "weight": 0}]}"#,
         r#"{"fresnel": [{"f0": 0}, {"f0": 1, "weight": 0}]}"#,
         r#"{"brdf": "charlie", "fresnel": [{"f0": 0.04}]}"#,
     ] {
         assert_eq!(pointers(alone), ["/fresnel"], "{alone}");
+    }
+    assert_eq!(pointers(r#"{"lobe": "sg", "fresnel": "two_lobes", "terms": false}"#), ["/terms", "/fresnel", "/terms"]);
+    for two in ["two_lobes", "blended_lobes"] {
+        let read = recipe(&format!(r#"{{"brdf": "beckmann", "fresnel": "{two}"}}"#)).expect("a recipe");
+        assert!(canonical_json(&read).contains(&format!(r#""fresnel":"{two}""#)), "{}", canonical_json(&read));
+        assert_eq!(recipe(&canonical_json(&read)), Ok(read));
     }
     assert!(recipe(r#"{"brdf": "beckmann", "fresnel": [{"f0": 0}, {"f0": 1}]}"#).is_ok());
 }

@@ -36,6 +36,46 @@ pub enum LobeFresnel {
     /// The lobe between those of some materials, each of F90 = 1, by which the light of all is off least; see
     /// [`LobeFresnel::mix`].
     Mix(Vec<WeightedF0>),
+    /// Two lobes an entry, for materials of any F0: that of a factor of one, and a second for the part of it that Schlick's
+    /// fifth power weighs.
+    Two(SecondLobe),
+}
+
+/// How the two lobes of an entry are used, and so what the second is fitted to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SecondLobe {
+    /// Each is integrated by itself, `F0 amplitude LTC(M) + (F90 - F0) fresnel LTC(M_2)`: the second is the lobe of Schlick's
+    /// fifth power.
+    Integrated,
+    /// One integral, of their blend (see [`blended`](crate::blended)): the second is where the blend of a dielectric is its own
+    /// best lobe.
+    Blended,
+}
+
+impl SecondLobe {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Integrated, Self::Blended];
+
+    /// The name in recipes.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Integrated => "two_lobes",
+            Self::Blended => "blended_lobes",
+        }
+    }
+
+    /// The F0 of the lobe that is fitted beside that of a factor of one, with F90 = 1.
+    ///
+    /// Seen from above, a smooth surface has next to nothing that the fifth power weighs, and a little of the whole lobe
+    /// stands for it. A blend that is right at 0.02 is nearly as good as a lobe of its own from there to 1: docs/recipe.md has the figures.
+    #[must_use]
+    pub fn fitted_f0(self) -> f64 {
+        match self {
+            Self::Integrated => 1e-3,
+            Self::Blended => 0.02,
+        }
+    }
 }
 
 impl LobeFresnel {
@@ -64,10 +104,19 @@ impl LobeFresnel {
         }
     }
 
-    /// Whether the factor is one.
+    /// Whether the factor is one and no second lobe is there.
     #[must_use]
     pub fn is_one(&self) -> bool {
         *self == Self::One
+    }
+
+    /// How the second lobe is used, if there are two.
+    #[must_use]
+    pub fn second(&self) -> Option<SecondLobe> {
+        match self {
+            Self::Two(second) => Some(*second),
+            Self::One | Self::Mix(_) => None,
+        }
     }
 
     /// The F0 whose lobe stands for all materials in one view, whose terms for a Fresnel factor of one are `terms`.
@@ -93,9 +142,15 @@ impl LobeFresnel {
         if all > 0.0 { level / all } else { 1.0 }
     }
 
-    /// The surface with the lobe for `wo`.
+    /// The surface with the second lobe; `None` if there is one lobe.
+    pub(super) fn second_applied(&self, surface: Box<dyn Brdf>) -> Option<Box<dyn Brdf>> {
+        let f0 = self.second()?.fitted_f0();
+        Some(Box::new(Schlick { surface, f0 }))
+    }
+
+    /// The surface with the lobe for `wo`, the first of two.
     pub(super) fn applied(&self, surface: Box<dyn Brdf>, wo: DVec3) -> Box<dyn Brdf> {
-        if self.is_one() {
+        if !matches!(self, Self::Mix(_)) {
             return surface;
         }
         let points: Vec<SquarePoint> = Lattice::new(SAMPLES, [0.0; 2]).points().map(SquarePoint::new).collect();
@@ -106,7 +161,12 @@ impl LobeFresnel {
 
 impl fmt::Display for LobeFresnel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self::Mix(parts) = self else { return f.write_str("a Fresnel factor of one") };
+        let parts = match self {
+            Self::One => return f.write_str("a Fresnel factor of one"),
+            Self::Two(SecondLobe::Integrated) => return f.write_str("two lobes, each integrated by itself"),
+            Self::Two(SecondLobe::Blended) => return f.write_str("two lobes, blended into one integral"),
+            Self::Mix(parts) => parts,
+        };
         let told: Vec<String> =
             parts.iter().map(|part| format!("f0 {} with weight {}", part.f0, part.weight)).collect();
         f.write_str(&told.join(", "))
@@ -118,6 +178,7 @@ impl Serialize for LobeFresnel {
         match self {
             Self::One => serializer.serialize_str("one"),
             Self::Mix(parts) => parts.serialize(serializer),
+            Self::Two(second) => serializer.serialize_str(second.name()),
         }
     }
 }

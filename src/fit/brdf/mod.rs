@@ -21,7 +21,7 @@ pub use beckmann::Beckmann;
 pub use burley_diffuse::BurleyDiffuse;
 pub use charlie::Charlie;
 pub use charlie_neubelt::CharlieNeubelt;
-pub use fresnel::{LobeFresnel, WeightedF0};
+pub use fresnel::{LobeFresnel, SecondLobe, WeightedF0};
 pub use ggx::Ggx;
 pub use model::{BrdfModel, TabulatedFile};
 pub use oren_nayar::OrenNayar;

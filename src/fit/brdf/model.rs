@@ -96,6 +96,15 @@ impl BrdfModel {
         self.lobe_surface(place.roughness(), place.view())
     }
 
+    /// The surface whose lobe is the second of an entry, at a place of a table; `None` where entries have one lobe.
+    ///
+    /// # Panics
+    /// As [`BrdfModel::surface`].
+    #[must_use]
+    pub fn second_surface_at(&self, place: &PerAxis<f64>) -> Option<Box<dyn Brdf>> {
+        self.fresnel.second_applied(self.surface_at(place))
+    }
+
     /// The surface at a place of a table, x along its larger roughness.
     ///
     /// # Panics

@@ -89,7 +89,7 @@ impl Layout {
         self.rules().free_numbers()
     }
 
-    /// A table's axes as shaders read them. Domain: nodes of this layout, as [`Layout::nodes`] has them.
+    /// The axes of a table of one lobe as shaders read them. Domain: nodes of this layout, as [`Layout::nodes`] has them.
     #[must_use]
     pub fn shader_axes(self, axes: &PerAxis<Vec<f64>>) -> ShaderAxes {
         ShaderAxes::new(self.shader().number, self.rules().spacing(), axes)

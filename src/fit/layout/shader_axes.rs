@@ -12,7 +12,8 @@ use crate::{axes::PerAxis, math::sin_cos};
 pub struct ShaderAxes {
     /// How many nodes each axis has.
     pub nodes: [u32; 4],
-    /// The layout's number, and 1 for a table of isotropic surfaces with one phi.
+    /// The layout's number; 1 for a table of isotropic surfaces with one phi; from the layers of the first lobe to those of a
+    /// second one, 0 where there is none.
     pub reading: [u32; 4],
     /// The first node of each axis in the variable in which nodes are evenly spaced.
     pub start: [f32; 4],
@@ -20,7 +21,7 @@ pub struct ShaderAxes {
     pub step: [f32; 4],
     /// One over it.
     pub per_step: [f32; 4],
-    /// One over the nodes of alpha, one over those of ratio and theta, those of theta, one over those of phi.
+    /// One over the layers of alpha, which are its nodes for each lobe; one over those of ratio and theta, those of theta, one over those of phi.
     pub texel: [f32; 4],
     /// The first and the last alpha, the first and the last ratio.
     pub roughness: [f32; 4],
@@ -69,6 +70,13 @@ impl ShaderAxes {
             cosines: [sin_cos(theta[1]).1 as f32, sin_cos(theta[0]).1 as f32, 0.0, 0.0],
             azimuths: [cos_first, sin_first, cos_last, sin_last],
         }
+    }
+
+    /// The same for a table of two lobes an entry, whose second ones stand after all first ones.
+    pub(crate) fn with_second(self) -> Self {
+        let [number, turns, ..] = self.reading;
+        let [per_layer, x, y, z] = self.texel;
+        Self { reading: [number, turns, self.nodes[0], 0], texel: [0.5 * per_layer, x, y, z], ..self }
     }
 
     /// The words of the uniform, in its order.

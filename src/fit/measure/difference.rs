@@ -42,7 +42,7 @@ pub struct Gap {
 /// Matrices are compared by the distribution that they stand for: a positive factor does not change it, nor does
 /// turning or mirroring the clamped cosine about its axis. So each matrix is divided by its Frobenius norm, the first
 /// two columns of the second are turned or mirrored to be nearest to the first's (least squares), and the largest
-/// difference of an element counts, which is at most 2.
+/// difference of an element counts, which is at most 2. Where both tables have second lobes, the larger difference counts.
 #[must_use]
 pub fn difference(a: &Table, b: &Table, points: usize) -> Option<Difference> {
     let common = common(a, b)?;
@@ -56,7 +56,9 @@ pub fn difference(a: &Table, b: &Table, points: usize) -> Option<Difference> {
     let (mut matrix, mut amplitude, mut fresnel) = (Sum::default(), Sum::default(), Sum::default());
     for at in places {
         let [a, b] = [a, b].map(|table| table.lookup(&at));
-        matrix.add(apart(&from_row_major(&a.matrix), &from_row_major(&b.matrix)), at);
+        let lobes = [Some((a.matrix, b.matrix)), a.second.zip(b.second)];
+        let gaps = lobes.into_iter().flatten().map(|(a, b)| apart(&from_row_major(&a), &from_row_major(&b)));
+        matrix.add(gaps.reduce(|most, gap| if gap > most || gap.is_nan() { gap } else { most }).unwrap_or(0.0), at);
         for (sum, pair) in [(&mut amplitude, (a.amplitude, b.amplitude)), (&mut fresnel, (a.fresnel, b.fresnel))] {
             if let (Some(a), Some(b)) = pair {
                 sum.add((a - b).abs(), at);

@@ -193,6 +193,7 @@ mod tests {
             axes: PerAxis { alpha: vec![1e-4], ratio: vec![1e-4, 1.0], theta: vec![0.0], phi: vec![0.0] },
             matrix: vec![matrix; 2],
             terms: None,
+            second: None,
             node_error: vec![0.0; 2],
         }
     }

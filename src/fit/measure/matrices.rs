@@ -96,6 +96,7 @@ mod tests {
             axes,
             matrix,
             terms: None,
+            second: None,
             node_error: vec![0.0; 4],
         };
         let found = Matrices::of(&table);

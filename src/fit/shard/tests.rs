@@ -2,7 +2,8 @@ use std::ops::ControlFlow;
 
 use super::*;
 use crate::{
-    BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, Precision, Simplex, Solver, Table, assemble,
+    BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeFresnel, LobeModel, Metric, Precision, SecondLobe, Simplex,
+    Solver, Table, assemble,
 };
 
 /// The plan of the whole domain at a resolution, fitted coarsely.
@@ -78,12 +79,19 @@ fn a_fit_tells_of_every_entry_and_stops_when_it_is_told_to() {
 
 #[test]
 fn bytes_round_trip_and_other_lengths_are_refused() {
-    let plan = plan(SMALL);
-    let entries = fit_shard(&plan, 1, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
-    let bytes = shard_to_bytes(&entries);
-    assert_eq!(shard_from_bytes(&bytes, entries.len()), Ok(entries.clone()));
-    let expected = bytes.len();
-    assert_eq!(shard_from_bytes(&bytes[1..], entries.len()), Err(ShardBytesError { expected, actual: expected - 1 }));
+    let two = LobeFresnel::Two(SecondLobe::Integrated);
+    for fresnel in [LobeFresnel::One, two] {
+        let has_second = fresnel.second().is_some();
+        let recipe = plan(SMALL).recipe;
+        let plan = Plan::new(&Recipe { brdf: recipe.brdf.clone().with_fresnel(fresnel), ..recipe });
+        let entries = fit_shard(&plan, 1, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
+        assert!(entries.iter().all(|entry| entry.second.is_some() == has_second));
+        let bytes = shard_to_bytes(&entries);
+        assert_eq!(shard_from_bytes(&plan, 1, &bytes), Ok(entries.clone()));
+        let expected = bytes.len();
+        let short = ShardBytesError { expected, actual: expected - 1 };
+        assert_eq!(shard_from_bytes(&plan, 1, &bytes[1..]), Err(short));
+    }
 }
 
 #[test]

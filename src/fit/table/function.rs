@@ -75,6 +75,11 @@ pub enum FunctionError {
         /// The scattering model.
         brdf: BrdfKind,
     },
+    /// Two lobes an entry.
+    #[error(
+        "the table has two lobes an entry, and the function has one: leave field fresnel out, or name a mix of materials"
+    )]
+    TwoLobes,
     /// A lobe model that the function's light is not of.
     #[error("the function lights by LTCs, and the table has lobe {lobe}: a table of lobe ltc serves")]
     Lobe {
@@ -120,6 +125,9 @@ impl IsotropicFunction {
         }
         if table.lobe.gaussian().is_some() {
             return Err(FunctionError::Lobe { lobe: table.lobe });
+        }
+        if table.second.is_some() {
+            return Err(FunctionError::TwoLobes);
         }
         if !table.brdf.follows_reflection() {
             return Err(FunctionError::Reflection { brdf: table.brdf() });
@@ -213,6 +221,7 @@ impl IsotropicFunction {
         let LobeNumbers { matrix, terms } = Layout::Reflected.rules().restore(&place, &stored);
         LookedUp {
             matrix: row_major(&turned_about_z(matrix, phi)),
+            second: None,
             amplitude: Some(terms.amplitude),
             fresnel: Some(terms.fresnel),
         }

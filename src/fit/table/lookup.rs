@@ -1,5 +1,7 @@
 //! Reading a table at any configuration, as a shader would.
 
+use glam::DMat3;
+
 use super::{Configuration, Table, Terms, fold::Folded};
 use crate::{
     axes::PerAxis,
@@ -13,6 +15,8 @@ use crate::{
 pub struct LookedUp {
     /// `M` in the surface's tangent frame, row-major.
     pub matrix: [f64; 9],
+    /// The same of the second lobe, where the table's entries have two.
+    pub second: Option<[f64; 9]>,
     /// Directional albedo for a Fresnel factor of one, if the table has terms.
     pub amplitude: Option<f64>,
     /// The same albedo, weighted by Schlick's fifth power, if the table has terms.
@@ -71,11 +75,15 @@ impl Table {
             theta: clamped(configuration.theta, &axes.theta),
             phi: clamped(folded.phi, &axes.phi),
         };
-        let lobe = self.layout.rules().restore(&nearest, &self.interpolate(&nearest));
-        let matrix = turn.map_or(lobe.matrix, |angle| turned_about_z(lobe.matrix, angle));
+        let restored =
+            |matrices: &[[f32; 9]]| self.layout.rules().restore(&nearest, &self.interpolate(matrices, &nearest));
+        let unfolded =
+            |matrix: DMat3| row_major(&folded.unfold(turn.map_or(matrix, |angle| turned_about_z(matrix, angle))));
+        let lobe = restored(&self.matrix);
+        let second = self.second.as_deref().map(|matrices| unfolded(restored(matrices).matrix));
         let [amplitude, fresnel] =
             [lobe.terms.amplitude, lobe.terms.fresnel].map(|term| self.terms.as_ref().map(|_| term));
-        LookedUp { matrix: row_major(&folded.unfold(matrix)), amplitude, fresnel }
+        LookedUp { matrix: unfolded(lobe.matrix), second, amplitude, fresnel }
     }
 
     /// Whether this is a table of isotropic surfaces with one phi, which serves every phi: the lobe turns with the
@@ -85,9 +93,9 @@ impl Table {
         self.axes.ratio == [1.0] && self.axes.phi.len() == 1
     }
 
-    /// The stored matrix and terms, interpolated between the entries around a place within the nodes. The terms are
-    /// zero in a table without terms.
-    fn interpolate(&self, place: &PerAxis<f64>) -> LobeNumbers {
+    /// One of the stored matrices and the terms, interpolated between the entries around a place within the nodes. The
+    /// terms are zero in a table without terms.
+    fn interpolate(&self, matrices: &[[f32; 9]], place: &PerAxis<f64>) -> LobeNumbers {
         let axes = &self.axes;
         let spacing = self.layout.rules().weights();
         let place = PerAxis {
@@ -98,7 +106,7 @@ impl Table {
         };
         let (mut matrix, mut terms) = ([0.0; 9], [0.0; 2]);
         for (index, weight) in self.corners(&place) {
-            for (sum, stored) in matrix.iter_mut().zip(&self.matrix[index]) {
+            for (sum, stored) in matrix.iter_mut().zip(&matrices[index]) {
                 *sum += weight * f64::from(*stored);
             }
             if let Some(Terms { amplitude, fresnel }) = &self.terms {

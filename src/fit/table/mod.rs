@@ -2,6 +2,7 @@
 //!
 //! Invariant: `table` knows how a table is read, not how it came to be.
 
+mod blend;
 mod fold;
 mod function;
 mod lookup;
@@ -9,12 +10,13 @@ mod smooth;
 
 use super::{
     axes::PerAxis,
-    brdf::{BrdfKind, BrdfModel},
-    layout::Layout,
+    brdf::{BrdfKind, BrdfModel, LobeFresnel, SecondLobe, WeightedF0},
+    layout::{Layout, ShaderAxes},
     lobe::LobeModel,
     math::from_row_major,
 };
 
+pub use blend::{blend_weight, blended};
 pub use fold::Configuration;
 #[cfg(any(test, feature = "testing"))]
 pub use function::planted::planted as planted_isotropic;
@@ -48,6 +50,9 @@ pub struct Table {
     /// Stored matrices, row-major.
     #[doc(hidden)]
     pub matrix: Vec<[f32; 9]>,
+    /// Stored matrices of the second lobe, where entries have two.
+    #[doc(hidden)]
+    pub second: Option<Vec<[f32; 9]>>,
     /// Terms, where the recipe asks for them.
     #[doc(hidden)]
     pub terms: Option<Terms>,
@@ -93,10 +98,45 @@ impl Table {
         &self.matrix
     }
 
-    /// The determinant of each stored matrix. Where it is zero or not finite, the matrix makes no distribution; where
-    /// it is negative, a light's winding is reversed.
+    /// The matrices of the second lobe, where entries have two: see [`LobeFresnel`](crate::LobeFresnel).
+    #[must_use]
+    pub fn second_matrices(&self) -> Option<&[[f32; 9]]> {
+        self.second.as_deref()
+    }
+
+    /// The table's axes as shaders read them. Domain: nodes of its layout, which those of every file are.
+    #[must_use]
+    pub fn shader_axes(&self) -> ShaderAxes {
+        let axes = self.layout.shader_axes(&self.axes);
+        if self.second.is_some() { axes.with_second() } else { axes }
+    }
+
+    /// How the second lobe is used, where entries have two.
+    #[must_use]
+    pub fn second_lobe(&self) -> Option<SecondLobe> {
+        self.brdf.fresnel().second()
+    }
+
+    /// The table of the second lobe alone, of the same layout, axes and terms; `None` where entries have one lobe. The lobe
+    /// that it stands for is that of Schlick's fifth power.
+    #[must_use]
+    pub fn of_second(&self) -> Option<Self> {
+        let matrix = self.second.clone()?;
+        // That a blend reaches by way of a dielectric's is next to it.
+        let of_power = LobeFresnel::mix(vec![WeightedF0 { f0: SecondLobe::Integrated.fitted_f0(), weight: 1.0 }]);
+        let brdf = self.brdf.clone().with_fresnel(of_power.unwrap_or_default());
+        Some(Self { brdf, matrix, second: None, ..self.clone() })
+    }
+
+    /// The determinant of each stored matrix, where entries have two lobes the lesser. Where it is zero or not finite, the
+    /// matrix makes no distribution; where it is negative, a light's winding is reversed.
     pub fn determinants(&self) -> impl Iterator<Item = f64> {
-        self.matrix.iter().map(|matrix| from_row_major(&matrix.map(f64::from)).determinant())
+        let of = |matrix: &[f32; 9]| from_row_major(&matrix.map(f64::from)).determinant();
+        self.matrix.iter().enumerate().map(move |(entry, matrix)| {
+            let first = of(matrix);
+            let second = self.second.as_ref().map_or(first, |matrices| of(&matrices[entry]));
+            if first <= second { first } else { second }
+        })
     }
 
     /// The place of an entry in words, for messages.

@@ -42,6 +42,15 @@ impl Table {
             fresnel: stored.iter().map(|entry| entry.terms.fresnel as f32).collect(),
         });
         let matrix = stored.iter().map(|entry| row_major(&entry.matrix).map(|x| x as f32)).collect();
-        Self { brdf: brdf.into(), lobe, layout, axes, matrix, terms, node_error: vec![f32::NAN; numbers.len()] }
+        Self {
+            brdf: brdf.into(),
+            lobe,
+            layout,
+            axes,
+            matrix,
+            second: None,
+            terms,
+            node_error: vec![f32::NAN; numbers.len()],
+        }
     }
 }

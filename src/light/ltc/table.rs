@@ -1,5 +1,7 @@
 //! The light that a surface reflects, by a table.
 
+use glam::DMat3;
+
 use super::CosineSpace;
 use crate::{
     AreaLight, LightError, ReflectedLight,
@@ -7,10 +9,10 @@ use crate::{
     rules::surface_and_view,
     shaped::Form,
 };
-use ltcforge_fit::{Configuration, Ltc, Table, math::from_row_major};
+use ltcforge_fit::{Configuration, Ltc, Table, blend_weight, blended, brdf::LobeTerms, math::from_row_major};
 
 /// The part that the light covers of the LTC or of the Gaussian that stands for the lobe, times the table's amplitude
-/// and its Fresnel term.
+/// and its Fresnel term. Where entries have two lobes, the Fresnel term is spread over the second.
 ///
 /// An LTC is integrated over every shape itself, a Gaussian over the polygon that
 /// [`ShapedLight::outline`](crate::ShapedLight::outline) tells. Fresnel's weight is taken to be the same in every
@@ -30,9 +32,10 @@ pub fn by_table<'a>(
     let (Some(amplitude), Some(fresnel)) = (found.amplitude, found.fresnel) else { return Err(LightError::NoTerms) };
     let matrix = from_row_major(&found.matrix);
     let Some(gaussian) = table.lobe.gaussian() else {
-        let ltc = Ltc::new(matrix).ok_or(LightError::Singular)?;
-        let covered = covered(&ltc, light);
-        return Ok(ReflectedLight { energy: amplitude * covered, fresnel: fresnel * covered });
+        let of_first = covered(&matrix, light)?;
+        let of_second = found.second.map(|second| covered(&from_row_major(&second), light)).transpose()?;
+        let fresnel = fresnel * of_second.unwrap_or(of_first);
+        return Ok(ReflectedLight { energy: amplitude * of_first, fresnel });
     };
     let determinant = matrix.determinant();
     if determinant == 0.0 || !determinant.is_finite() {
@@ -45,10 +48,31 @@ pub fn by_table<'a>(
     Ok(ReflectedLight { energy, fresnel })
 }
 
+/// What a material reflects of a light, by Schlick's Fresnel factor and one integral: of the blend of the two lobes that
+/// entries have.
+///
+/// # Errors
+/// As [`by_table`]; [`LightError::OneLobe`] for a table of one lobe an entry.
+pub fn by_blend<'a>(
+    table: &Table,
+    at: &Configuration,
+    light: impl Into<AreaLight<'a>>,
+    [f0, f90]: [f64; 2],
+) -> Result<f64, LightError> {
+    surface_and_view(at)?;
+    let found = table.lookup(at);
+    let (Some(amplitude), Some(fresnel)) = (found.amplitude, found.fresnel) else { return Err(LightError::NoTerms) };
+    let second = found.second.ok_or(LightError::OneLobe)?;
+    let weight = blend_weight(LobeTerms { amplitude, fresnel }, f0, f90);
+    let matrix = blended(&from_row_major(&found.matrix), &from_row_major(&second), weight);
+    Ok((f0 * (amplitude - fresnel) + f90 * fresnel) * covered(&matrix, light.into())?)
+}
+
 /// The part of an LTC that a light covers.
-fn covered(ltc: &Ltc, light: AreaLight<'_>) -> f64 {
-    let space = CosineSpace::from(ltc);
-    match light {
+fn covered(matrix: &DMat3, light: AreaLight<'_>) -> Result<f64, LightError> {
+    let ltc = Ltc::new(*matrix).ok_or(LightError::Singular)?;
+    let space = CosineSpace::from(&ltc);
+    Ok(match light {
         AreaLight::Polygon(light) => ltc.polygon(light.vertices(), light.sides()),
         AreaLight::Shaped(light) => match *light.form() {
             Form::Ellipse { centre, half_axes, sides } => space.ellipse(centre, half_axes, sides),
@@ -56,5 +80,5 @@ fn covered(ltc: &Ltc, light: AreaLight<'_>) -> f64 {
             Form::Tube { ends, radius } => space.tube(ends, radius),
             Form::Line { ends, width } => space.line(ends, width),
         },
-    }
+    })
 }

@@ -188,7 +188,7 @@ impl Assembly for FitAssembly<'_> {
         let shard = self.shard;
         self.shard += 1;
         let Ok(all) = &mut self.fitted else { return };
-        match fit::shard_from_bytes(result, entries(self.plan, shard)) {
+        match fit::shard_from_bytes(self.plan, shard, result) {
             Ok(fitted) => all.extend(fitted),
             Err(error) => self.fitted = Err(format!("shard {shard}: {error}")),
         }

@@ -13,7 +13,7 @@ mod wgsl;
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 
 use super::{about::About, file::TextureFile, recipe::recipe_like, rounding::RoundingError};
-use ltcforge_files::compact::{self, CompactError, LAYOUTS, check_lobes, encode};
+use ltcforge_files::compact::{self, CompactError, LAYOUTS, check_lobes, encode_lobes};
 use ltcforge_fit::{Layout, Table, named_list};
 
 named_list! {
@@ -101,7 +101,7 @@ impl CompactContainer {
             container: self.name(),
             allowed: layouts.iter().map(|layout| layout.name()).collect::<Vec<_>>().join(", "),
             layout,
-            recipe: recipe_like(usual.1, usual.0, table),
+            recipe: recipe_like(usual.1, usual.0, true, table),
         })
     }
 
@@ -111,16 +111,24 @@ impl CompactContainer {
     /// When the table has no such form.
     pub fn files(self, stem: &str, table: &Table, about: &About) -> Result<Vec<TextureFile>, CompactFileError> {
         self.check(table)?;
-        self.files_of(stem, encode(table)?, about)
+        let forms = encode_lobes(table)?.into_iter().map(|encoded| encoded.bytes).collect();
+        self.files_of_lobes(stem, forms, about)
+    }
+
+    /// The files of the compact forms of a table's lobes; the names of a second lobe's begin with `stem` and `_2`.
+    pub(super) fn files_of_lobes(
+        self,
+        stem: &str,
+        forms: Vec<Vec<u8>>,
+        about: &About,
+    ) -> Result<Vec<TextureFile>, CompactFileError> {
+        let second = format!("{stem}_2");
+        let files = [stem, &second].into_iter().zip(forms).map(|(stem, bytes)| self.files_of(stem, bytes, about));
+        Ok(files.collect::<Result<Vec<_>, _>>()?.concat())
     }
 
     /// The files of a compact form that this container holds.
-    pub(super) fn files_of(
-        self,
-        stem: &str,
-        bytes: Vec<u8>,
-        about: &About,
-    ) -> Result<Vec<TextureFile>, CompactFileError> {
+    fn files_of(self, stem: &str, bytes: Vec<u8>, about: &About) -> Result<Vec<TextureFile>, CompactFileError> {
         let file = |ending: &str, bytes: Vec<u8>| TextureFile {
             path: format!("{stem}.{ending}"),
             bytes,

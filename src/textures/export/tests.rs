@@ -113,7 +113,7 @@ fn every_export_has_a_manifest_of_its_files() {
         let about = About::new(["table 1234"]);
         // Nobody measures a planted table.
         let made = match export {
-            Export::Compact(container) => Export::compact_bundle(container, unmeasured(&table), &about),
+            Export::Compact(container) => Export::compact_bundle(container, vec![unmeasured(&table)], &about),
             Export::Engine(_) | Export::Textures { .. } => export.bundle(&table, about),
         };
         let Bundle { files, steps } = made.expect(name);
@@ -140,7 +140,7 @@ fn the_forms_of_an_export_are_those_of_its_files() {
     for (table, export) in [&own, &theirs].iter().flat_map(|table| Export::all().map(move |export| (table, export))) {
         let about = About::new(["table 1234"]);
         let made = match export {
-            Export::Compact(container) => Export::compact_bundle(container, unmeasured(table), &about).ok(),
+            Export::Compact(container) => Export::compact_bundle(container, vec![unmeasured(table)], &about).ok(),
             // Layouts differ in numbers alone.
             Export::Textures { layout, .. } if layout.sampling().table != table.layout => None,
             Export::Engine(_) | Export::Textures { .. } => export.bundle(table, about).ok(),
@@ -217,6 +217,7 @@ fn uniform(recipe: &Recipe) -> Table {
         axes: recipe.nodes(),
         matrix: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]; entries],
         terms: recipe.terms.then(|| Terms { amplitude: vec![1.0; entries], fresnel: vec![0.5; entries] }),
+        second: None,
         node_error: vec![0.0; entries],
     }
 }

@@ -108,11 +108,16 @@ impl TextureLayout {
     pub(super) fn check(self, table: &Table) -> Result<(), NoTextures> {
         let TextureSampling { table: needed, recipe, .. } = self.sampling();
         let is_kept = self.rules().takes(table.brdf());
-        let recipe = || if is_kept { recipe_like(recipe, needed, table) } else { recipe.to_owned() };
+        let two = self.rules().takes_two_lobes();
+        let recipe = || if is_kept { recipe_like(recipe, needed, two, table) } else { recipe.to_owned() };
         if table.layout != needed {
             return Err(NoTextures::OtherLayout { table: table.layout, asked: self.name(), recipe: recipe() });
         }
-        let lacking = self.rules().lacks(table);
+        let lacking = if table.second.is_some() && !two {
+            Some("one lobe an entry; the table has two, for which its readers have no place".to_owned())
+        } else {
+            self.rules().lacks(table)
+        };
         lacking.map_or(Ok(()), |lacking| Err(NoTextures::Lacking { asked: self.name(), lacking, recipe: recipe() }))
     }
 }

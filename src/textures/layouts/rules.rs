@@ -52,6 +52,11 @@ pub(crate) trait TextureRules: Sync {
         true
     }
 
+    /// Whether its readers know a second lobe.
+    fn takes_two_lobes(&self) -> bool {
+        false
+    }
+
     /// The numbers of a texel: entry and texture.
     fn textures(&self, table: &Table) -> Result<Vec<Texture>, NoTextures>;
 }

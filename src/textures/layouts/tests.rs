@@ -15,6 +15,7 @@ fn planted(document: &str) -> Table {
         axes: recipe.nodes(),
         matrix,
         terms: Some(Terms { amplitude: term(9), fresnel: term(10) }),
+        second: None,
         node_error: vec![0.0; entries],
     }
 }
@@ -47,6 +48,34 @@ fn every_description_is_that_of_the_textures() {
         let lines = sampling_of(&table, *layout).join("\n");
         assert!(sampling.axes.iter().all(|axis| lines.contains(axis.coordinate)), "{lines}");
     }
+}
+
+/// Of each part the layers of second lobes follow those of the first ones, in volumes and in an array.
+#[test]
+fn second_lobes_have_layers_of_their_own_and_no_place_elsewhere() {
+    let table = planted(&SMALL.replacen('{', r#"{"fresnel": "two_lobes", "#, 1));
+    let second = table.matrix.iter().map(|m| m.map(|x| -x)).collect();
+    let table = Table { second: Some(second), ..table };
+    let volumes = textures_of(&table, "kt2022").expect("textures");
+    let array = textures_of(&table, "kt2022-array").expect("textures");
+    assert_eq!([volumes[0].depth, array[0].layers], [4, 12]);
+    for (y, alpha) in (0..12).flat_map(|y| (0..2).map(move |alpha| (y, alpha))) {
+        for (part, channels) in [["m00", "m10"], ["m11", "m21"], ["m22", "m22"]].iter().enumerate() {
+            for (channel, of_array) in channels.iter().zip(["x", if part == 2 { "x" } else { "w" }]) {
+                let own = at(&volumes[part], channel, [3, y, alpha]);
+                assert_eq!(at(&volumes[part], channel, [3, y, alpha + 2]), -own, "{channel}");
+                assert_eq!(at(&array[0], of_array, [3, y, 4 * part + alpha]), own, "{channel}");
+                assert_eq!(at(&array[0], of_array, [3, y, 4 * part + 2 + alpha]), -own, "{channel}");
+            }
+        }
+        let amplitude = |alpha: usize| at(&volumes[2], "amplitude", [3, y, alpha]);
+        assert_eq!(amplitude(alpha), amplitude(alpha + 2));
+    }
+    let isotropic = planted(r#"{"layout": "ltc2017", "fresnel": "two_lobes", "resolution": {"alpha": 5, "theta": 3}}"#);
+    let isotropic = Table { second: Some(isotropic.matrix.clone()), ..isotropic };
+    let refused = textures_of(&isotropic, "ltc2017").expect_err("no place for them").to_string();
+    assert!(refused.contains("one lobe an entry") && !refused.contains("two_lobes"), "{refused}");
+    assert_eq!(textures_of(&isotropic, "ltc2017-3d").expect("textures")[0].depth, 10);
 }
 
 #[test]

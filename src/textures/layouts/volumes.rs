@@ -15,14 +15,17 @@ use ltcforge_fit::{Layout, Table};
 const VOLUME: &[TextureAxis] = &[
     TextureAxis { axis: "x", coordinate: "node of phi" },
     TextureAxis { axis: "y", coordinate: "node of ratio times how many theta has, plus node of theta" },
-    TextureAxis { axis: "z", coordinate: "node of alpha" },
+    TextureAxis {
+        axis: "z",
+        coordinate: "node of alpha; where entries have two lobes, the second ones after all first ones",
+    },
 ];
 const ARRAY: &[TextureAxis] = &[
     TextureAxis { axis: "x", coordinate: "node of phi" },
     TextureAxis { axis: "y", coordinate: "node of ratio times how many theta has, plus node of theta" },
     TextureAxis {
         axis: "layer",
-        coordinate: "node of alpha; first those of matrix_a, then of matrix_b, then of terms",
+        coordinate: "node of alpha; first those of matrix_a, then of matrix_b, then of terms; of each part those of second lobes after those of first ones",
     },
 ];
 const PARTS: &[TexturesOf] = &[
@@ -96,20 +99,29 @@ impl TextureRules for ShaderTextures {
         None
     }
 
+    fn takes_two_lobes(&self) -> bool {
+        true
+    }
+
     fn textures(&self, table: &Table) -> Result<Vec<Texture>, NoTextures> {
         let counts = table.axes.lengths();
         let (width, height) = (counts.phi, counts.ratio.saturating_mul(counts.theta));
-        let parts = [0, 1, 2].map(|part| texels(table, part));
+        let lobes: Vec<&[[f32; 9]]> = [Some(table.matrices()), table.second_matrices()].into_iter().flatten().collect();
+        let layers = lobes.len() * counts.alpha;
         if self.is_array {
-            return Ok(vec![made(&TOGETHER[0], [width, height, 1], 3 * counts.alpha, parts.concat())?]);
+            let texels = (0..3).flat_map(|part| lobes.iter().flat_map(move |lobe| texels(table, lobe, part)));
+            return Ok(vec![made(&TOGETHER[0], [width, height, 1], 3 * layers, texels.collect())?]);
         }
-        let part = |(of, texels)| Ok(made(of, [width, height, counts.alpha], 1, texels)?);
-        PARTS.iter().zip(parts).map(part).collect()
+        let part = |(part, of)| {
+            let texels = lobes.iter().flat_map(|lobe| texels(table, lobe, part)).collect();
+            Ok(made(of, [width, height, layers], 1, texels)?)
+        };
+        PARTS.iter().enumerate().map(part).collect()
     }
 }
 
-/// The texels of a part, in the order of the entries.
-fn texels(table: &Table, part: usize) -> Vec<f32> {
+/// The texels of a part for one of the lobes, in the order of the entries.
+fn texels(table: &Table, lobe: &[[f32; 9]], part: usize) -> Vec<f32> {
     let terms = |i: usize| table.terms.as_ref().map_or([1.0, 0.0], |t| [t.amplitude()[i], t.fresnel()[i]]);
     let texel = |(i, m): (usize, &[f32; 9])| match part {
         0 => [m[0], m[1], m[2], m[3]],
@@ -119,5 +131,5 @@ fn texels(table: &Table, part: usize) -> Vec<f32> {
             [m[8], amplitude, fresnel, 0.0]
         }
     };
-    table.matrix.iter().enumerate().flat_map(texel).collect()
+    lobe.iter().enumerate().flat_map(texel).collect()
 }

@@ -8,7 +8,7 @@ use super::*;
 use crate::{include_function, tests::lit_by};
 use ltcforge_fit::{IsotropicFunction, Layout, testing::planted_isotropic};
 use ltcforge_light::LightModel;
-use ltcforge_shaders::{Bound, Filter, Lights, Namespace};
+use ltcforge_shaders::{Filter, Lights, Namespace};
 
 fn namespace(prefix: &str, first_binding: u16) -> Namespace {
     Namespace { prefix: Some(prefix.parse().expect("a prefix")), first_binding, group: 0 }
@@ -145,7 +145,7 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
     let hlsl = include(
         Language::Hlsl,
         Layout::Ltc2017,
-        Reading { filter: Filter::Hardware, bound: Bound::Volumes },
+        Reading { filter: Filter::Hardware, ..Reading::default() },
         Lights::All,
         &namespace("iso2", 5),
     )

@@ -96,7 +96,7 @@ fn sources() -> Vec<(LitBy, String)> {
         for (reading, lights) in
             Reading::ALL.into_iter().flat_map(|reading| Lights::ALL.iter().map(move |l| (reading, *l)))
         {
-            let source = functions(lit_by, reading.bound, lights) + &(lit_by.shader().caller)(lights);
+            let source = functions(lit_by, reading, lights) + &(lit_by.shader().caller)(reading, lights);
             let filtered = folded(&source, "ltc_hardware_filter", reading.filter == Filter::Hardware);
             sources.push((lit_by, filtered.unwrap_or_else(|fault| panic!("{}", fault.told(&source)))));
         }

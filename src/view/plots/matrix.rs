@@ -17,19 +17,28 @@ const BELOW: [u8; 3] = [0, 220, 230];
 const ABOVE: [u8; 3] = [60, 220, 90];
 /// Pixels between tiles.
 const GAP: usize = 2;
-/// The panels' names, row by row: the matrix, and beside it the other numbers of an entry.
-const NAMES: [&str; 12] =
-    ["m00", "m01", "m02", "amplitude", "m10", "m11", "m12", "fresnel", "m20", "m21", "m22", "node error"];
+/// The panels' names, row by row: the matrix, beside it the other numbers of an entry, and the matrix of a second lobe where
+/// there is one.
+const NAMES: [[&str; 7]; 3] = [
+    ["m00", "m01", "m02", "amplitude", "second 00", "second 01", "second 02"],
+    ["m10", "m11", "m12", "fresnel", "second 10", "second 11", "second 12"],
+    ["m20", "m21", "m22", "node error", "second 20", "second 21", "second 22"],
+];
+/// The columns of a table of one lobe.
+const OF_ONE_LOBE: usize = 4;
 
 /// Every panel, each over its own range of numbers.
 pub(super) fn draw(table: &Table, name: &str) -> Picture {
     let tiling = Tiling::new(table.axes.lengths());
     let width = tiling.width().max(SIDE) as u32;
-    let panels: Vec<Panel<'_>> = (0..)
-        .zip(NAMES)
-        .map(|(panel, title)| {
-            if let Some(numbers) = numbers(table, panel) {
-                let scale = Scale::of(&numbers, is_off_diagonal(panel));
+    let columns = if table.second_matrices().is_some() { NAMES[0].len() } else { OF_ONE_LOBE };
+    let places = (0..).zip(NAMES).flat_map(|(row, names)| {
+        names.into_iter().take(columns).enumerate().map(move |(column, title)| ([row, column], title))
+    });
+    let panels: Vec<Panel<'_>> = places
+        .map(|(place, title)| {
+            if let Some(numbers) = numbers(table, place) {
+                let scale = Scale::of(&numbers, is_off_diagonal(place));
                 let picture = tiling.panel(width, &numbers, &scale);
                 let [low, high] = [number(scale.low), number(scale.high)];
                 return Panel { title, picture, foot: bar(width, scale.colours(), [&low, &high], &scale.middle()) };
@@ -42,14 +51,15 @@ pub(super) fn draw(table: &Table, name: &str) -> Picture {
     let entries = format!("{name}: {alpha} x {ratio} x {theta} x {phi} entries: alpha x ratio x theta x phi");
     let how = "in a tile theta to the right, alpha upwards; tiles: phi to the right, ratio upwards";
     let beyond = "colours hold 98 % of the numbers, grey is zero of signed ones; cyan is below, green above";
-    headed(&[&[&entries], &[how], &[beyond], &[&tiling.left_out()]], &grid(&panels, 4))
+    headed(&[&[&entries], &[how], &[beyond], &[&tiling.left_out()]], &grid(&panels, columns as u32))
 }
 
 /// A number of each entry in storage order; `None` for what the table lacks.
-fn numbers(table: &Table, panel: usize) -> Option<Vec<f32>> {
-    let (row, column) = (panel / 4, panel % 4);
+fn numbers(table: &Table, [row, column]: [usize; 2]) -> Option<Vec<f32>> {
+    let of = |matrices: &[[f32; 9]], column: usize| matrices.iter().map(|m| m[3 * row + column]).collect();
     match (column, row) {
-        (0..3, _) => Some(table.matrix.iter().map(|m| m[3 * row + column]).collect()),
+        (0..=2, _) => Some(of(table.matrices(), column)),
+        (OF_ONE_LOBE.., _) => table.second_matrices().map(|matrices| of(matrices, column - OF_ONE_LOBE)),
         (_, 0) => table.terms.as_ref().map(|terms| terms.amplitude.clone()),
         (_, 1) => table.terms.as_ref().map(|terms| terms.fresnel.clone()),
         // Tables of others lack it.
@@ -58,9 +68,8 @@ fn numbers(table: &Table, panel: usize) -> Option<Vec<f32>> {
 }
 
 /// Whether a panel shows a number of the matrix beside its diagonal: such may have either sign.
-fn is_off_diagonal(panel: usize) -> bool {
-    let (row, column) = (panel / 4, panel % 4);
-    column < 3 && row != column
+fn is_off_diagonal([row, column]: [usize; 2]) -> bool {
+    column != OF_ONE_LOBE - 1 && row != column % OF_ONE_LOBE
 }
 
 /// The colours of a panel.

@@ -1,7 +1,7 @@
 //! The quantities that a renderer estimates.
 
 use super::ShaderTable;
-use ltcforge_fit::LobeModel;
+use ltcforge_fit::{LobeModel, SecondLobe};
 use ltcforge_light::{ClosedForm, LightModel, NormalsRule};
 
 /// Asked between parts of a picture whether to stop.
@@ -14,6 +14,8 @@ pub enum Estimator {
     ClosedForm(ClosedForm),
     /// Radiance by a table of these lobes.
     Table(LobeModel),
+    /// Radiance by a table of LTCs, two an entry.
+    TwoLobes(SecondLobe),
     /// Radiance by Monte Carlo integration.
     Reference,
     /// The table's lobe.
@@ -27,6 +29,7 @@ impl Estimator {
     pub fn all() -> impl Iterator<Item = Self> {
         let tables = LobeModel::ALL.iter().map(|lobe| Self::Table(*lobe));
         let formulas = LightModel::ALL.iter().flat_map(|model| model.closed_forms()).map(Self::ClosedForm);
+        let tables = tables.chain(SecondLobe::ALL.map(Self::TwoLobes));
         tables.chain(formulas).chain([Self::Reference, Self::TableLobe, Self::ReferenceLobe])
     }
 
@@ -35,7 +38,8 @@ impl Estimator {
     pub fn of(model: LightModel, rule: NormalsRule, table: &ShaderTable) -> Self {
         // There is no shader of the exact integrals.
         let rule = if NormalsRule::SHADED.contains(&rule) { rule } else { NormalsRule::Fine };
-        model.closed_form(Some(rule)).map_or(Self::Table(table.lobe), Self::ClosedForm)
+        let by_table = || table.second().map_or(Self::Table(table.lobe), Self::TwoLobes);
+        model.closed_form(Some(rule)).map_or_else(by_table, Self::ClosedForm)
     }
 
     /// The work of a pixel, in samples of the reference, which takes `spp` of them.
@@ -44,6 +48,7 @@ impl Estimator {
             Self::Reference => spp,
             Self::ClosedForm(form) => form.model().cost(),
             Self::Table(lobe) => LightModel::of_lobe(lobe).table_cost(),
+            Self::TwoLobes(_) => 2 * LightModel::Ltc.table_cost(),
             Self::TableLobe | Self::ReferenceLobe => LightModel::Ltc.table_cost(),
         }
     }

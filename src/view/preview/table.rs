@@ -4,7 +4,7 @@ use half::f16;
 
 use super::{Mode, Scene};
 use crate::picture::short_digest;
-use ltcforge_fit::{BrdfKind, BrdfModel, Layout, LobeModel, PerAxis, ShaderAxes, Table, named_list};
+use ltcforge_fit::{BrdfKind, BrdfModel, Layout, LobeModel, PerAxis, SecondLobe, ShaderAxes, Table, named_list};
 
 named_list! {
     /// How wide the numbers of a texel are.
@@ -27,7 +27,8 @@ pub struct ShaderTable {
     pub(super) format: TexelFormat,
     /// The axes as shaders read them.
     pub(super) axes: ShaderAxes,
-    /// `m00 m01 m02 m10`, `m11 m12 m20 m21`, `m22 amplitude fresnel 0` of each entry; rounded to the format.
+    /// `m00 m01 m02 m10`, `m11 m12 m20 m21`, `m22 amplitude fresnel 0` of each entry, then of each second lobe; rounded to
+    /// the format.
     pub(super) texels: [Vec<[f32; 4]>; 3],
     /// Its name in pictures.
     pub(super) label: Option<String>,
@@ -63,20 +64,25 @@ impl ShaderTable {
             TexelFormat::F32 => x,
             TexelFormat::F16 => f16::from_f32(x).to_f32(),
         };
-        let entry = |index: usize| {
-            let m = &table.matrix[index];
+        let entry = |lobe: &[[f32; 9]], index: usize| {
+            let m = &lobe[index];
             let terms = table.terms.as_ref();
             let (amplitude, fresnel) = terms.map_or((1.0, 0.0), |t| (t.amplitude[index], t.fresnel[index]));
             [[m[0], m[1], m[2], m[3]], [m[4], m[5], m[6], m[7]], [m[8], amplitude, fresnel, 0.0]]
                 .map(|texel| texel.map(rounded))
         };
+        let lobes: Vec<(&[[f32; 9]], usize)> = [Some(table.matrices()), table.second_matrices()]
+            .into_iter()
+            .flatten()
+            .flat_map(|lobe| (0..lobe.len()).map(move |index| (lobe, index)))
+            .collect();
         Self {
             brdf: table.brdf.clone(),
             lobe: table.lobe,
             layout: table.layout,
             format,
-            axes: table.layout.shader_axes(&table.axes),
-            texels: [0, 1, 2].map(|texel| (0..table.matrix.len()).map(|index| entry(index)[texel]).collect()),
+            axes: table.shader_axes(),
+            texels: [0, 1, 2].map(|texel| lobes.iter().map(|(lobe, index)| entry(lobe, *index)[texel]).collect()),
             label: None,
         }
     }
@@ -91,6 +97,12 @@ impl ShaderTable {
     #[must_use]
     pub fn has_reference_on_cpu_only(&self, scene: &Scene) -> bool {
         self.brdf != BrdfKind::Ggx && scene.mode != Mode::Ltc
+    }
+
+    /// How the second lobe of its entries is used, if they have two.
+    #[must_use]
+    pub fn second(&self) -> Option<SecondLobe> {
+        self.brdf.fresnel().second()
     }
 
     /// The name of its light in pictures.

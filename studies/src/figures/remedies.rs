@@ -117,7 +117,7 @@ fn read_finely(table: &Table, matrix: impl Fn(&[f64; 9]) -> DMat3) -> Result<Tab
         .map(|view| {
             let found = table.lookup(&view);
             let (amplitude, fresnel) = (found.amplitude.unwrap_or(1.0), found.fresnel.unwrap_or(0.0));
-            FittedEntry { matrix: row_major(&matrix(&found.matrix)), amplitude, fresnel, error: 0.0 }
+            FittedEntry { matrix: row_major(&matrix(&found.matrix)), second: None, amplitude, fresnel, error: 0.0 }
         })
         .collect();
     Ok(assemble(&plan, &entries))

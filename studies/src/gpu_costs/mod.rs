@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use ltcforge::{
     fit::Layout,
     light::{LightModel, NormalsRule, engines::EngineWay},
-    shaders::{Bound, Lights, LitBy, functions},
+    shaders::{Lights, LitBy, Reading, functions},
 };
 use ltcforge_driver::{Driver, DriverError, Figures, Resource};
 use naga::{
@@ -69,8 +69,10 @@ fn programs() -> Vec<Program> {
     let normals = NormalsRule::SHADED
         .map(|rule| LitBy::new(LightModel::Normals, None).and_then(|lit_by| lit_by.by_rule(Some(rule))));
     let texts = by_table.chain(by_formula).chain(normals).filter_map(Result::ok).map(of_text);
+    let two =
+        [Layout::Reflected, Layout::Ltc2017].into_iter().flat_map(|layout| TWO_LOBES.map(|way| of_two(layout, way)));
     let ways = EngineWay::ALL.iter().map(|way| of_way(*way));
-    texts.chain(ways).collect()
+    texts.chain(two).chain(ways).collect()
 }
 
 fn of_text(lit_by: LitBy) -> Program {
@@ -90,9 +92,34 @@ fn of_text(lit_by: LitBy) -> Program {
             )
         }
     };
-    let text = functions(lit_by, Bound::Volumes, Lights::Polygons);
+    let text = functions(lit_by, Reading::default(), Lights::Polygons);
     let lit = format!("fn lit(alpha: vec2<f32>, seen: Seen) -> vec4<f32> {{\n    {calls}\n}}\n");
     program(lit_by.name(), &[&text, &lit])
+}
+
+/// The ways to use two lobes, and the code that returns what is reflected. Alpha stands for an F0 that no compiler knows.
+const TWO_LOBES: [(&str, &str); 2] = [
+    (
+        "two integrals",
+        "let first = ltc_rectangle(ltc_inverse(lobes.first.m), seen.corners, false);
+    let second = ltc_rectangle(ltc_inverse(lobes.second), seen.corners, false);
+    return vec4(first, second, lobes.first.amplitude, lobes.first.fresnel);",
+    ),
+    (
+        "blended",
+        "let covered = ltc_rectangle(ltc_inverse(ltc_blend(lobes, alpha.y, 1.0)), seen.corners, false);
+    return vec4(covered, lobes.first.amplitude, lobes.first.fresnel, 0.0);",
+    ),
+];
+
+fn of_two(layout: Layout, (way, calls): (&str, &str)) -> Program {
+    let lit_by = LitBy::from(layout);
+    let text = functions(lit_by, Reading { two_lobes: true, ..Reading::default() }, Lights::Polygons);
+    let lit = format!(
+        "fn lit(alpha: vec2<f32>, seen: Seen) -> vec4<f32> {{
+    let lobes = ltc_lookup_both(alpha.x, alpha.y, seen.wo);\n    {calls}\n}}\n"
+    );
+    program(format!("{}, {way}", lit_by.name()), &[&text, &lit])
 }
 
 fn of_way(way: EngineWay) -> Program {

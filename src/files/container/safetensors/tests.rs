@@ -4,7 +4,7 @@ use half::f16;
 use proptest::prelude::*;
 
 use super::*;
-use ltcforge_fit::{BrdfKind, Layout, LobeModel};
+use ltcforge_fit::{BrdfKind, Layout, LobeFresnel, LobeModel, SecondLobe};
 
 /// A recipe of 2 x 2 x 3 x 2 entries, and a table of made-up numbers for it.
 fn example(terms: bool) -> (Recipe, Table) {
@@ -21,6 +21,7 @@ fn example(terms: bool) -> (Recipe, Table) {
         axes: recipe.nodes(),
         matrix: column(0.01).into_iter().map(|x| [0.5, x, 0.0, 0.0, 0.3, 0.0, x, 0.0, 1.0]).collect(),
         terms: terms.then(|| Terms { amplitude: column(0.04), fresnel: column(0.02) }),
+        second: None,
         node_error: column(0.001),
     };
     (recipe, table)
@@ -45,6 +46,29 @@ fn a_file_reads_back_as_it_was_written() {
         assert_eq!(decode(&file(terms)), Ok(TableFile { recipe, table }));
         assert_eq!(stated_length(&file(terms)), Ok(file(terms).len() as u64));
     }
+}
+
+/// The example with a second lobe.
+fn example_of_two_lobes() -> (Recipe, Table) {
+    let (recipe, table) = example(true);
+    let brdf = BrdfModel::from(BrdfKind::Ggx).with_fresnel(LobeFresnel::Two(SecondLobe::Blended));
+    let second = table.matrix.iter().map(|m| m.map(|x| 0.5 * x)).collect();
+    (Recipe { brdf: brdf.clone(), ..recipe }, Table { brdf, second: Some(second), ..table })
+}
+
+#[test]
+fn a_second_lobe_reads_back_and_takes_three_quarters_more_at_most() {
+    let (recipe, table) = example_of_two_lobes();
+    let bytes = encode(&recipe, &table).expect("a consistent table");
+    assert_eq!(stated_length(&bytes), Ok(bytes.len() as u64));
+    assert_eq!(bytes.len() - 24 * 9 * 4 - file(true).len(), 104, "the header's part");
+    assert_eq!(decode(&bytes), Ok(TableFile { recipe: recipe.clone(), table: table.clone() }));
+    let mut flat = table.clone();
+    flat.second.as_mut().expect("a second lobe")[7] = [0.0; 9];
+    let refused = decode(&encode(&recipe, &flat).expect("lengths agree")).expect_err("a flat lobe").to_string();
+    assert!(refused.contains("matrix_2") && refused.contains("entry 7"), "{refused}");
+    let lost = encode(&recipe, &Table { second: None, ..table }).expect("lengths agree");
+    assert!(decode(&lost).expect_err("no second lobe").to_string().contains("«matrix_2»: missing"));
 }
 
 /// Half floats are written as such, and numbers that they hold read back exactly.

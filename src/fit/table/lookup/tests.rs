@@ -27,6 +27,7 @@ fn linear() -> Table {
         axes: axes.clone(),
         matrix: vec![],
         terms: Some(Terms { amplitude: vec![], fresnel: vec![] }),
+        second: None,
         node_error: vec![],
     };
     let terms = table.terms.as_mut().expect("terms");
@@ -121,6 +122,7 @@ fn an_isotropic_table_turns_with_the_view() {
         axes: PerAxis { alpha: vec![0.5], ratio: vec![1.0], theta: vec![0.7], phi: vec![0.0] },
         matrix: vec![stored.map(|x| x as f32)],
         terms: None,
+        second: None,
         node_error: vec![0.0],
     };
     let m = from_row_major(&stored);
@@ -144,6 +146,7 @@ fn reflections(axes: PerAxis<Vec<f64>>, matrix: [f32; 9]) -> Table {
         axes,
         matrix: vec![matrix; entries],
         terms: Some(Terms { amplitude: vec![1.0; entries], fresnel: vec![0.0; entries] }),
+        second: None,
         node_error: vec![0.0; entries],
     }
 }
@@ -214,6 +217,7 @@ fn of_engines(layout: Layout) -> Table {
         axes,
         matrix: (0..20).map(matrix).collect(),
         terms: None,
+        second: None,
         node_error: vec![0.0; 20],
     }
 }

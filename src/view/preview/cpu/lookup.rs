@@ -61,6 +61,24 @@ impl Fold {
 }
 
 pub(super) fn lookup(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) -> ShaderNumbers {
+    lobe_at(table, alpha_x, alpha_y, wo, 0)
+}
+
+/// Both lobes of a table: the first, and the matrix of the second.
+pub(super) fn lookup_both(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) -> (ShaderNumbers, Mat3) {
+    let second = lobe_at(table, alpha_x, alpha_y, wo, table.axes.reading[2] as usize);
+    (lookup(table, alpha_x, alpha_y, wo), second.matrix)
+}
+
+/// Twin of `ltc_blend`.
+pub(super) fn blend(first: &ShaderNumbers, second: Mat3, f0: f32, f90: f32) -> Mat3 {
+    let weighed = (f90 - f0).max(0.0) * first.fresnel;
+    let w = weighed / (f0 * first.amplitude + weighed).max(1e-30);
+    first.matrix * (1.0 - w) + second * w
+}
+
+/// The lobe whose layers begin at one.
+fn lobe_at(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3, layer: usize) -> ShaderNumbers {
     let (axes, layout) = (&table.axes, table.layout);
     let fold = Fold::of(axes, alpha_x, alpha_y, wo);
     let place = layout.place_in_shader(axes, fold.alpha, fold.ratio, fold.wo);
@@ -71,7 +89,7 @@ pub(super) fn lookup(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) 
         let weight = |axis: usize| if step(axis) == 1 { place.weight[axis] } else { 1.0 - place.weight[axis] };
         let entry = |axis: usize| (place.lower[axis] as usize + step(axis)).min(counts[axis] - 1);
         let weight = weight(0) * weight(1) * weight(2) * weight(3);
-        let index = ((entry(0) * counts[1] + entry(1)) * counts[2] + entry(2)) * counts[3] + entry(3);
+        let index = (((entry(0) + layer) * counts[1] + entry(1)) * counts[2] + entry(2)) * counts[3] + entry(3);
         for (sum, texels) in sum.iter_mut().zip(&table.texels) {
             for (sum, number) in sum.iter_mut().zip(texels[index]) {
                 *sum += weight * number;

@@ -6,7 +6,7 @@ use super::{
     any_brdf,
     ggx::{self, Shaded},
     light::Inverse,
-    lookup::{LEAST_ALPHA, lookup},
+    lookup::{LEAST_ALPHA, blend, lookup, lookup_both},
     solids,
 };
 use crate::preview::{
@@ -15,7 +15,7 @@ use crate::preview::{
     frame::{Frame, FrameShape, LOWEST_VIEW},
     radiances::{BELOW, BESIDE},
 };
-use ltcforge_fit::{BrdfKind, Sides};
+use ltcforge_fit::{BrdfKind, SecondLobe, Sides};
 use ltcforge_light::{
     ClosedForm, Gaussian, LitPoint,
     gaussians::{self, SphericalGaussian},
@@ -32,6 +32,7 @@ pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at
             None => by_table(frame, table, at),
             Some(gaussian) => by_gaussian_table(frame, table, gaussian, at),
         }),
+        Estimator::TwoLobes(second) => surface(frame, place, cell, |at| by_two_lobes(frame, table, second, at)),
         Estimator::Reference => surface(frame, place, cell, |shaded| {
             let key = at[1] * frame.size + at[0];
             let parts = match table.brdf.kind() {
@@ -107,9 +108,27 @@ fn see(frame: &Frame, place: Vec2, cell: u32) -> Option<(Shaded, f32)> {
 
 fn by_table(frame: &Frame, table: &ShaderTable, at: &Shaded) -> Vec3 {
     let lobe = lookup(table, at.alpha.x, at.alpha.y, at.wo);
+    reflected(frame, Vec2::new(lobe.amplitude, lobe.fresnel) * covered_by(frame, lobe.matrix, at))
+}
+
+fn by_two_lobes(frame: &Frame, table: &ShaderTable, second: SecondLobe, at: &Shaded) -> Vec3 {
+    let (first, matrix) = lookup_both(table, at.alpha.x, at.alpha.y, at.wo);
+    let parts = Vec2::new(first.amplitude, first.fresnel);
+    match second {
+        SecondLobe::Blended => {
+            let f0 = frame.f0.dot(Vec3::splat(1.0 / 3.0));
+            reflected(frame, parts * covered_by(frame, blend(&first, matrix, f0, 1.0), at))
+        }
+        SecondLobe::Integrated => {
+            let covered = [first.matrix, matrix].map(|m| covered_by(frame, m, at));
+            reflected(frame, parts * Vec2::from(covered))
+        }
+    }
+}
+
+fn covered_by(frame: &Frame, m: Mat3, at: &Shaded) -> f32 {
     let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
-    let covered = Inverse::of(lobe.matrix).covered(&frame.light, at.position, to_local);
-    reflected(frame, Vec2::new(lobe.amplitude, lobe.fresnel) * covered)
+    Inverse::of(m).covered(&frame.light, at.position, to_local)
 }
 
 /// The light around a surface, in its tangent frame.

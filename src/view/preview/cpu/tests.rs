@@ -10,6 +10,15 @@ pub(in crate::preview) fn looked_up(table: &ShaderTable, alpha: [f32; 4], wo: [f
     [a, b, c, d, e, f, g, h, i, lobe.amplitude, lobe.fresnel, 0.0]
 }
 
+/// The second matrix by rows, and the numbers of the first row of the blend for F0 = 0.04.
+pub(in crate::preview) fn looked_up_second(table: &ShaderTable, alpha: [f32; 4], wo: [f32; 4]) -> [f32; 12] {
+    let [x, y, z, _] = wo;
+    let (first, second) = lookup::lookup_both(table, alpha[0], alpha[1], glam::Vec3::new(x, y, z));
+    let [a, b, c, d, e, f, g, h, i] = second.transpose().to_cols_array();
+    let blend = lookup::blend(&first, second, 0.04, 1.0);
+    [a, b, c, d, e, f, g, h, i, blend.x_axis.x, blend.y_axis.y, blend.z_axis.z]
+}
+
 /// `ltc_example`: M, and the amplitude, the Fresnel term and the part of the lobe that a one-sided polygon covers.
 pub(in crate::preview) fn lit(
     table: &ShaderTable,

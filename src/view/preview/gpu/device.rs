@@ -7,6 +7,7 @@ use crate::preview::{
     estimator::Estimator,
     frame::{Frame, FrameShape},
 };
+use ltcforge_fit::SecondLobe;
 use ltcforge_light::{Gaussian, LightModel, NormalsRule};
 use ltcforge_shaders::{Bound, preview_module};
 
@@ -149,6 +150,7 @@ impl Device {
             ("light_is_polygon", flag(key.is_polygon)),
             ("normals_rule", f64::from(rule as u32)),
             ("gaussian", f64::from(gaussian as u32)),
+            ("second_lobe", second_lobe(estimator)),
             ("gaussian_is_fitted", flag(matches!(estimator, Estimator::Table(_)))),
         ];
         let pipeline = self.wgpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -186,6 +188,7 @@ impl Program {
         let (model, rule) = match estimator {
             Estimator::ClosedForm(form) => (form.model(), form.rule()),
             Estimator::Table(lobe) => (LightModel::of_lobe(lobe), NormalsRule::ALL[0]),
+            Estimator::TwoLobes(_) => return Self::new("surface_by_table"),
             Estimator::Reference => return Self::new("surface_by_reference"),
             Estimator::TableLobe => return Self::new("lobe_by_table"),
             Estimator::ReferenceLobe => return Self::new("lobe_by_reference"),
@@ -200,6 +203,15 @@ impl Program {
 
     fn new(entry_point: &'static str) -> Self {
         Self { entry_point, gaussian: Gaussian::Sg, rule: NormalsRule::ALL[0] }
+    }
+}
+
+/// The shader's number of how a second lobe is used: `SECOND_` of `sphere.wgsl`.
+fn second_lobe(estimator: Estimator) -> f64 {
+    match estimator {
+        Estimator::TwoLobes(SecondLobe::Integrated) => 1.0,
+        Estimator::TwoLobes(SecondLobe::Blended) => 2.0,
+        _ => 0.0,
     }
 }
 

@@ -8,8 +8,9 @@ use crate::preview::{ShaderTable, TexelFormat};
 
 /// Group 0 of the shaders for a table. Fails for one that is larger than textures may be.
 pub(super) fn upload(gpu: &Device, table: &ShaderTable) -> Result<wgpu::BindGroup, GpuFailure> {
-    let [alpha, ratio, theta, phi] = table.axes.nodes.map(|n| n as usize);
-    let size = [phi, ratio * theta, alpha];
+    let [_, ratio, theta, phi] = table.axes.nodes.map(|n| n as usize);
+    let layers = table.texels[0].len() / (ratio * theta * phi);
+    let size = [phi, ratio * theta, layers];
     let most = gpu.wgpu.limits().max_texture_dimension_3d;
     if size.iter().any(|n| *n > most as usize) {
         return Err(GpuFailure::TableTooLarge { size, most });

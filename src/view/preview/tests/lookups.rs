@@ -10,10 +10,15 @@ use super::tell_skipped;
 use crate::preview::{
     ShaderTable, TexelFormat,
     cpu::tests as cpu,
-    gpu::{GpuFailure, tests::example},
+    gpu::{GpuFailure, Variant, Weights, tests::example},
 };
 use ltcforge_files::recipe_document;
-use ltcforge_fit::{Configuration, Layout, LookedUp, PerAxis, Plan, Precision, Table, fit_plan, math::direction};
+use ltcforge_fit::{
+    Configuration, Layout, LookedUp, PerAxis, Plan, Precision, Table, blend_weight, blended,
+    brdf::LobeTerms,
+    fit_plan,
+    math::{direction, from_row_major},
+};
 use ltcforge_shaders::{Bound, table_reader};
 
 /// The lookup alone, of the configurations of a case.
@@ -45,12 +50,33 @@ fn looked_up(@builtin(local_invocation_index) index: u32) {
 }
 ";
 
+/// The same of the second lobe, and the diagonal of the blend for F0 = 0.04.
+const SECOND_ENTRY: &str = "
+@compute @workgroup_size(256)
+fn looked_up_second(@builtin(local_invocation_index) index: u32) {
+    let given = given[index];
+    let lobes = ltc_lookup_both(given.alpha.x, given.alpha.y, given.wo.xyz);
+    let m = transpose(lobes.second);
+    let blend = ltc_blend(lobes, 0.04, 1.0);
+    found[index] = Found(
+        vec4(m[0], m[1].x),
+        vec4(m[1].yz, m[2].xy),
+        vec4(m[2].z, blend[0].x, blend[1].y, blend[2].z),
+    );
+}
+";
+
 /// A small table of the whole domain, or of isotropic surfaces alone, as the fit makes it.
 fn fitted(layout: Layout, precision: Precision, isotropic: bool) -> Table {
+    fitted_to("one", layout, precision, isotropic)
+}
+
+/// The same with lobes by field `fresnel`.
+fn fitted_to(fresnel: &str, layout: Layout, precision: Precision, isotropic: bool) -> Table {
     let (ratio, phi) = if isotropic { (1, 1) } else { (5, 4) };
     let range = if isotropic { r#", "range": {"ratio": [1, 1], "phi": [0, 0]}"# } else { "" };
     let document = format!(
-        r#"{{"layout": "{layout}", "precision": "{precision}", "fit": {{"samples": 64, "directions": 6, "steps": 8}},
+        r#"{{"layout": "{layout}", "fresnel": "{fresnel}", "precision": "{precision}", "fit": {{"samples": 64, "directions": 6, "steps": 8}},
             "resolution": {{"alpha": 6, "ratio": {ratio}, "theta": 5, "phi": {phi}}}{range}}}"#
     );
     let recipe = recipe_document::parse(document.as_bytes(), u64::MAX).expect("a recipe");
@@ -116,33 +142,55 @@ fn error(found: &[f32; 12], wanted: &LookedUp) -> f64 {
 /// columns that are differences of larger ones, that grows.
 const TOLERANCE: f64 = 2e-3;
 
-fn compare(table: &Table, format: TexelFormat, name: &str) {
+/// The configurations in which lookups are compared, in whole workgroups.
+fn configurations() -> Vec<Configuration> {
     let corners = corners();
     let count = (10_000 + corners.len()).next_multiple_of(256);
     let extra = count - corners.len();
-    let configurations: Vec<Configuration> = corners.into_iter().chain(random(extra)).collect();
-    let wanted: Vec<LookedUp> = configurations.iter().map(|c| table.lookup(c)).collect();
-    let cases: Vec<Case> = configurations.iter().map(Case::of).collect();
-    let shader_table = ShaderTable::new(table, format);
+    corners.into_iter().chain(random(extra)).collect()
+}
 
-    let twin: Vec<[f32; 12]> = cases.iter().map(|case| cpu::looked_up(&shader_table, case.alpha, case.wo)).collect();
-    let mut all = vec![("twin", twin)];
+/// Every reader's name, its textures and its layouts.
+fn readers(table: &Table) -> [(&'static str, Bound, Vec<Layout>); 4] {
+    let only = || vec![table.layout];
+    [
+        ("shader", Bound::Volumes, Layout::ALL.to_vec()),
+        ("shader of the layout", Bound::Volumes, only()),
+        ("shader of an array", Bound::Array, Layout::ALL.to_vec()),
+        ("shader of the layout's array", Bound::Array, only()),
+    ]
+}
+
+/// What an entry point gives for all cases, by every reader; none where there is no adapter.
+fn by_shaders(
+    table: &ShaderTable,
+    of: &Table,
+    variant: Variant,
+    entry: &str,
+    cases: &[Case],
+) -> Vec<(&'static str, Vec<[f32; 12]>)> {
     let (groups, rest) = cases.as_chunks::<256>();
     assert!(rest.is_empty(), "the shader takes 256 at a time");
-    let only = [table.layout];
-    for (who, textures, layouts) in [
-        ("shader", Bound::Volumes, Layout::ALL),
-        ("shader of the layout", Bound::Volumes, &only),
-        ("shader of an array", Bound::Array, Layout::ALL),
-        ("shader of the layout's array", Bound::Array, &only),
-    ] {
-        let source = table_reader(textures, layouts) + ENTRY;
-        match example::run::<_, [[f32; 12]; 256]>(&source, "looked_up", Some((&shader_table, textures)), groups) {
+    let mut all = Vec::new();
+    for (who, textures, layouts) in readers(of) {
+        let source = table_reader(textures, &layouts) + ENTRY + SECOND_ENTRY;
+        match example::run_variant::<_, [[f32; 12]; 256]>(variant, &source, entry, Some((table, textures)), groups) {
             Ok(found) => all.push((who, found.into_flattened())),
             Err(GpuFailure::Absent(reason)) => tell_skipped(&reason),
             Err(failure) => panic!("{failure}"),
         }
     }
+    all
+}
+
+fn compare(table: &Table, format: TexelFormat, name: &str) {
+    let configurations = configurations();
+    let wanted: Vec<LookedUp> = configurations.iter().map(|c| table.lookup(c)).collect();
+    let cases: Vec<Case> = configurations.iter().map(Case::of).collect();
+    let shader_table = ShaderTable::new(table, format);
+    let twin: Vec<[f32; 12]> = cases.iter().map(|case| cpu::looked_up(&shader_table, case.alpha, case.wo)).collect();
+    let mut all = vec![("twin", twin)];
+    all.extend(by_shaders(&shader_table, table, Variant::default(), "looked_up", &cases));
     for (who, found) in all {
         for ((found, wanted), at) in found.iter().zip(&wanted).zip(&configurations) {
             let error = error(found, wanted);
@@ -150,6 +198,66 @@ fn compare(table: &Table, format: TexelFormat, name: &str) {
         }
     }
 }
+
+/// The second lobe and the blend, of an anisotropic and an isotropic table, by every reader.
+#[test]
+fn both_lobes_are_read_from_any_textures() {
+    for (layout, isotropic) in [(Layout::Reflected, false), (Layout::Kt2022, false), (Layout::Ltc2017, true)] {
+        let table = fitted_to("blended_lobes", layout, Precision::F32, isotropic);
+        let configurations = configurations();
+        let cases: Vec<Case> = configurations.iter().map(Case::of).collect();
+        let shader_table = ShaderTable::new(&table, TexelFormat::F32);
+        let twin = cases.iter().map(|case| cpu::looked_up_second(&shader_table, case.alpha, case.wo)).collect();
+        let mut all = vec![("twin", twin)];
+        all.extend(by_shaders(&shader_table, &table, Variant::default(), "looked_up_second", &cases));
+        for (who, found) in all {
+            for (found, at) in found.iter().zip(&configurations) {
+                let wanted = table.lookup(at);
+                let [first, second] = [wanted.matrix, wanted.second.expect("two lobes")];
+                let terms = wanted.amplitude.zip(wanted.fresnel).expect("terms");
+                let weight = blend_weight(LobeTerms { amplitude: terms.0, fresnel: terms.1 }, 0.04, 1.0);
+                let of_second = LookedUp { matrix: second, ..wanted };
+                let [.., x, y, z] = *found;
+                let mut with_terms = *found;
+                with_terms[9] = terms.0 as f32;
+                with_terms[10] = terms.1 as f32;
+                let off = error(&with_terms, &of_second);
+                assert!(off < TOLERANCE, "{layout}, {who}: off by {off} at {at:?}:\n{found:?}\n{wanted:?}");
+                let blend = blended(&from_row_major(&first), &from_row_major(&second), weight);
+                let diagonal = [blend.x_axis.x, blend.y_axis.y, blend.z_axis.z];
+                for (found, wanted) in [x, y, z].into_iter().zip(diagonal) {
+                    assert!(
+                        (f64::from(found) - wanted).abs() < TOLERANCE,
+                        "{layout}, {who}: {found} {wanted} at {at:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// A sampler of textures weighs entries as the shader does, in volumes and in arrays.
+#[test]
+fn samplers_weigh_entries_as_shaders_do() {
+    let by_sampler = Variant { weights: Weights::Sampler, ..Variant::default() };
+    for (layout, isotropic) in [(Layout::Reflected, false), (Layout::Ltc2017, true)] {
+        let table = fitted_to("two_lobes", layout, Precision::F32, isotropic);
+        let cases: Vec<Case> = configurations().iter().map(Case::of).collect();
+        let shader_table = ShaderTable::new(&table, TexelFormat::F32);
+        for entry in ["looked_up", "looked_up_second"] {
+            let [exact, sampled] = [Variant::default(), by_sampler]
+                .map(|variant| by_shaders(&shader_table, &table, variant, entry, &cases));
+            for ((who, exact), (_, sampled)) in exact.iter().zip(&sampled) {
+                let apart = exact.iter().flatten().zip(sampled.iter().flatten()).map(|(a, b)| (a - b).abs());
+                let most = apart.fold(0.0, f32::max);
+                assert!(most < SAMPLED, "{layout}, {who}, {entry}: {most}");
+            }
+        }
+    }
+}
+
+/// Samplers of GPUs weigh by 8 bits, between numbers that differ by about one.
+const SAMPLED: f32 = 0.02;
 
 #[test]
 fn shader_twin_and_table_agree_at_every_corner_and_ten_thousand_places() {

@@ -13,7 +13,7 @@ use ltcforge_light::{
     cases::{Draw, Lit, Roughness},
     normals::{NormalsRule, reflected},
 };
-use ltcforge_shaders::{Bound, Lights, LitBy, functions};
+use ltcforge_shaders::{Bound, Lights, LitBy, Reading, functions};
 
 /// The integral alone, of a surface and a rectangle or another polygon that a case gives.
 const ENTRY: &str = "
@@ -124,7 +124,7 @@ fn the_shader_gives_what_f64_does_for_any_light() {
 fn check(rule: NormalsRule, entry: &str, lights: &[Lit], limits: [f64; 2]) {
     let normals =
         LitBy::new(LightModel::Normals, None).and_then(|normals| normals.by_rule(Some(rule))).expect("a rule");
-    let source = functions(normals, Bound::Volumes, Lights::All) + ENTRY;
+    let source = functions(normals, Reading::default(), Lights::All) + ENTRY;
     let table = shader_table(TexelFormat::F32);
     let lights: Vec<Single> = lights.iter().map(Single::of).collect();
     let words: Vec<[f32; 40]> = lights.iter().map(Single::words).collect();

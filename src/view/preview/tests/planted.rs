@@ -83,6 +83,7 @@ fn table(axes: PerAxis<Vec<f64>>, entry: impl Fn(usize) -> (DMat3, f64, f64)) ->
             amplitude: entries.iter().map(|(_, amplitude, _)| *amplitude as f32).collect(),
             fresnel: entries.iter().map(|(.., fresnel)| *fresnel as f32).collect(),
         }),
+        second: None,
         node_error: vec![0.0; entries.len()],
     }
 }

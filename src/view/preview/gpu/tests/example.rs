@@ -3,7 +3,7 @@
 use bytemuck::Pod;
 
 use super::super::{
-    GpuFailure, Variant,
+    GpuFailure, Variant, Weights,
     device::{Device, buffer, layout, table_bindings},
     table::{self, bind, bound, texture},
 };
@@ -18,7 +18,19 @@ pub(in crate::preview) fn run<Case: Pod, Found: Pod>(
     table: Option<(&ShaderTable, Bound)>,
     cases: &[Case],
 ) -> Result<Vec<Found>, GpuFailure> {
-    run_source(wgpu::ShaderSource::Wgsl(source.into()), entry_point, table, cases)
+    run_variant(Variant::default(), source, entry_point, table, cases)
+}
+
+/// The same, compiled in some way.
+pub(in crate::preview) fn run_variant<Case: Pod, Found: Pod>(
+    variant: Variant,
+    source: &str,
+    entry_point: &str,
+    table: Option<(&ShaderTable, Bound)>,
+    cases: &[Case],
+) -> Result<Vec<Found>, GpuFailure> {
+    let by_sampler = variant.weights == Weights::Sampler;
+    run_on(&Device::open(variant)?, by_sampler, wgpu::ShaderSource::Wgsl(source.into()), entry_point, table, cases)
 }
 
 /// The same in WGSL or SPIR-V.
@@ -28,7 +40,18 @@ pub(in crate::preview) fn run_source<Case: Pod, Found: Pod>(
     table: Option<(&ShaderTable, Bound)>,
     cases: &[Case],
 ) -> Result<Vec<Found>, GpuFailure> {
-    let gpu = Device::open(Variant::default())?;
+    run_on(&Device::open(Variant::default())?, false, source, entry_point, table, cases)
+}
+
+fn run_on<Case: Pod, Found: Pod>(
+    gpu: &Device,
+    by_sampler: bool,
+    source: wgpu::ShaderSource<'_>,
+    entry_point: &str,
+    table: Option<(&ShaderTable, Bound)>,
+    cases: &[Case],
+) -> Result<Vec<Found>, GpuFailure> {
+    let filter = [("ltc_hardware_filter", 1.0)];
     let label = Some(entry_point);
     let module = gpu.wgpu.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
     let case_layout = layout(
@@ -49,13 +72,16 @@ pub(in crate::preview) fn run_source<Case: Pod, Found: Pod>(
         layout: Some(&pipeline_layout),
         module: &module,
         entry_point: Some(entry_point),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        compilation_options: wgpu::PipelineCompilationOptions {
+            constants: if by_sampler { &filter } else { &[] },
+            ..Default::default()
+        },
         cache: None,
     });
     let bound = match table.zip(table_layout.as_ref()) {
         None => None,
-        Some(((table, Bound::Volumes), _)) => Some(table::upload(&gpu, table)?),
-        Some(((table, Bound::Array), layout)) => Some(upload_array(&gpu, table, layout)),
+        Some(((table, Bound::Volumes), _)) => Some(table::upload(gpu, table)?),
+        Some(((table, Bound::Array), layout)) => Some(upload_array(gpu, table, layout)),
     };
     let made = |bytes: usize, usage| {
         let size = bytes as u64;
@@ -64,7 +90,7 @@ pub(in crate::preview) fn run_source<Case: Pod, Found: Pod>(
     let given = made(size_of::<Case>(), wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST);
     let found = made(size_of::<Found>(), wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
     let all = made(size_of::<Found>() * cases.len(), wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
-    let group = bind(&gpu, &case_layout, &[given.as_entire_binding(), found.as_entire_binding()]);
+    let group = bind(gpu, &case_layout, &[given.as_entire_binding(), found.as_entire_binding()]);
     let failed = |error: &dyn std::fmt::Display| GpuFailure::Failed(error.to_string());
     for (i, case) in cases.iter().enumerate() {
         gpu.queue.write_buffer(&given, 0, bytemuck::bytes_of(case));

@@ -1,0 +1,89 @@
+//! The field `fresnel`: the materials whose lobes are fitted.
+
+use serde_json::Value;
+
+use super::{
+    document::listed,
+    reader::{Faults, Object, echo},
+};
+use ltcforge_fit::{BrdfKind, LobeFresnel, LobeModel, SecondLobe, WeightedF0};
+
+/// Below it samples of a smooth surface seen from above weigh next to nothing, and few of them tell the lobe.
+const LEAST_F0: f64 = 1e-3;
+/// Most materials in a mix.
+const MOST_MATERIALS: usize = 64;
+/// Greatest weight of a material.
+const MOST_WEIGHT: f64 = 1e9;
+
+/// The materials whose lobes are fitted: "one", a list of weighted F0, or one of two lobes.
+pub(super) fn read_fresnel(root: &Object, brdf: BrdfKind, faults: &mut Faults) -> LobeFresnel {
+    let value = match root.get("fresnel") {
+        None => return LobeFresnel::One,
+        Some(Value::String(name)) if name == "one" => return LobeFresnel::One,
+        Some(value) => value,
+    };
+    let pointer = root.pointer("fresnel");
+    if !brdf.has_fresnel() {
+        let others = listed(BrdfKind::ALL, BrdfKind::has_fresnel);
+        let detail = format!("brdf \"{brdf}\" has no Fresnel factor: leave this field out, or choose brdf {others}");
+        faults.note(pointer, detail);
+        return LobeFresnel::One;
+    }
+    let second = SecondLobe::ALL.into_iter().find(|second| value.as_str() == Some(second.name()));
+    if let Some(second) = second {
+        return LobeFresnel::Two(second);
+    }
+    let Value::Array(parts) = value else {
+        let [two, blended] = SecondLobe::ALL.map(SecondLobe::name);
+        let detail = format!(
+            "{} is neither \"one\", \"{two}\" nor \"{blended}\", nor a list of materials like {{\"f0\": 0.04, \"weight\": 1}}",
+            echo(value)
+        );
+        faults.note(pointer, detail);
+        return LobeFresnel::One;
+    };
+    if parts.is_empty() || parts.len() > MOST_MATERIALS {
+        faults.note(&*pointer, format!("{} materials; 1 to {MOST_MATERIALS} make a lobe", parts.len()));
+        return LobeFresnel::One;
+    }
+    let before = faults.0.len();
+    let part = |(index, part): (usize, &Value)| {
+        let object = Object::item(format!("{pointer}/{index}"), part, &["f0", "weight"], faults);
+        if part.is_object() && object.get("f0").is_none() {
+            faults.note(object.pointer("f0"), "missing: a material has the reflectance seen from above, 0 to 1");
+        }
+        WeightedF0 {
+            f0: object.number("f0", [0.0, 1.0], 1.0, faults),
+            weight: object.number("weight", [0.0, MOST_WEIGHT], 1.0, faults),
+        }
+    };
+    let parts: Vec<WeightedF0> = parts.iter().enumerate().map(part).collect();
+    if faults.0.len() > before {
+        return LobeFresnel::One;
+    }
+    match LobeFresnel::mix(parts) {
+        None => faults.note(pointer, "the weights are 0, all of them: no material counts"),
+        Some(LobeFresnel::Mix(parts)) if parts.iter().all(|part| part.f0 < LEAST_F0) => {
+            let detail =
+                format!("one material needs an f0 of {LEAST_F0} or more: seen from above the others reflect nothing");
+            faults.note(pointer, detail);
+        }
+        Some(fresnel) => return fresnel,
+    }
+    LobeFresnel::One
+}
+
+/// Two lobes are LTCs, and the terms tell how much each counts.
+pub(super) fn check_second(root: &Object, fresnel: &LobeFresnel, lobe: LobeModel, terms: bool, faults: &mut Faults) {
+    let Some(second) = fresnel.second() else { return };
+    let name = second.name();
+    if lobe.gaussian().is_some() {
+        let others = listed(LobeModel::ALL, |lobe| lobe.gaussian().is_none());
+        let detail = format!("\"{name}\" is for LTCs, not for lobe \"{lobe}\"; lobes for it are {others}");
+        faults.note(root.pointer("fresnel"), detail);
+    }
+    if !terms {
+        let detail = format!("false leaves \"{name}\" without what each lobe counts; leave the field out, or say true");
+        faults.note(root.pointer("terms"), detail);
+    }
+}

@@ -1,0 +1,52 @@
+//! One lobe for a material, blended of the two that an entry may have.
+
+use glam::DMat3;
+
+use crate::brdf::LobeTerms;
+
+/// The part of a material's light that Schlick's fifth power weighs, which is the weight of the second lobe in its blend:
+///
+/// ```text
+/// w = (F90 - F0) fresnel / (F0 amplitude + (F90 - F0) fresnel)
+/// ```
+///
+/// In \[0, 1\]: 0 for a material that reflects as much at grazing incidence as from above, or less, and for one that reflects
+/// nothing. Domain: F0 and F90 in \[0, 1\], finite terms.
+#[must_use]
+pub fn blend_weight(terms: LobeTerms, f0: f64, f90: f64) -> f64 {
+    let LobeTerms { amplitude, fresnel } = terms;
+    let weighed = (f90 - f0).max(0.0) * fresnel.max(0.0);
+    let reflected = f0 * amplitude + weighed;
+    if reflected > 0.0 { weighed / reflected } else { 0.0 }
+}
+
+/// The matrix of the lobe between two: `(1 - w) M + w M_2`, both as a lookup gives them.
+#[must_use]
+pub fn blended(first: &DMat3, second: &DMat3, weight: f64) -> DMat3 {
+    *first * (1.0 - weight) + *second * weight
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_weight_is_the_fifth_power_s_part_of_the_light() {
+        let terms = LobeTerms { amplitude: 0.9, fresnel: 0.1 };
+        assert_eq!(blend_weight(terms, 1.0, 1.0), 0.0);
+        assert_eq!(blend_weight(terms, 0.0, 1.0), 1.0);
+        assert!((blend_weight(terms, 0.04, 1.0) - 0.096 / (0.036 + 0.096)).abs() < 1e-15);
+        for (f0, f90) in [(0.5, 0.2), (0.0, 0.0)] {
+            assert_eq!(blend_weight(terms, f0, f90), 0.0);
+        }
+        assert_eq!(blend_weight(LobeTerms { amplitude: 1.0, fresnel: 0.0 }, 0.0, 1.0), 0.0);
+    }
+
+    #[test]
+    fn a_blend_goes_from_the_first_to_the_second() {
+        let (first, second) = (DMat3::IDENTITY, DMat3::from_diagonal(glam::DVec3::new(0.5, 0.25, 1.0)));
+        assert_eq!(blended(&first, &second, 0.0), first);
+        assert_eq!(blended(&first, &second, 1.0), second);
+        assert_eq!(blended(&first, &second, 0.5).y_axis.y, 0.625);
+    }
+}
