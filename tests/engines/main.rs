@@ -83,7 +83,7 @@ fn tell(text: &impl fmt::Display) {
 }
 
 /// The output of `run.js`. Sets of tables: `stock`; `again`, the same numbers by the way that others take; `wrong`;
-/// `ours`; and, in three.js, `both`: ours for metal and ours for plastic.
+/// `ours`; `both`: ours for metal and ours for plastic; and, in three.js, `mixed`: both in the shader of one material.
 #[derive(Deserialize)]
 struct Report {
     /// By engine and set of tables, the mean absolute error of each picture in linear radiance.
@@ -124,11 +124,11 @@ impl fmt::Display for Report {
         let mut roughnesses: Vec<f64> = self.pictures.iter().map(|picture| picture.roughness).collect();
         roughnesses.sort_by(f64::total_cmp);
         roughnesses.dedup();
-        write!(to, "{:<12}{:<8}{:>9}{:>9}{:>9}", "engine", "tables", "metal", "plastic", "dark")?;
+        write!(to, "{:<14}{:<8}{:>9}{:>9}{:>9}", "engine", "tables", "metal", "plastic", "dark")?;
         roughnesses.iter().try_for_each(|roughness| write!(to, "{:>9}", format!("r {roughness}")))?;
         for (engine, sets) in &self.errors {
             for set in sets.keys().filter(|set| *set != "again") {
-                write!(to, "\n{engine:<12}{set:<8}")?;
+                write!(to, "\n{engine:<14}{set:<8}")?;
                 let [metal, plastic] = self.by_material(engine, set);
                 let dark = self.mean(engine, set, |picture| picture.f0 == DARK_METAL);
                 write!(to, "{metal:>9.5}{plastic:>9.5}{dark:>9.5}")?;
@@ -158,8 +158,12 @@ const DEFAULT_COMPACT_BYTES: u64 = 16_000;
 /// Reflectance of dark metal, which is drawn at the lowest view alone.
 const DARK_METAL: f64 = 0.25;
 
-/// The mean error on black plastic with a set of tables for dielectrics lies below: 0.00084.
+/// The mean error on black plastic with a set of tables for dielectrics lies below: 0.00084 to 0.00087.
 const OWN_PLASTIC_ERROR: f64 = 0.00095;
+
+/// Metal has the same table with and without a set for dielectrics. A shader that mixes both rounds it otherwise, by 7e-9 of
+/// the error.
+const METAL_DIFFERS: f64 = 1e-6;
 
 /// Engines differ from each other by their number formats and how they clamp roughness: 0.3 % and 1.3 % of the error.
 const ENGINES_DIFFER: f64 = 0.03;
@@ -210,12 +214,12 @@ fn engines_draw_what_their_tables_say() {
         return;
     }
     let dielectric = folder.path().join("dielectric");
-    exported(&dielectric, r#", "fresnel": [{"f0": 0.04}]"#, &["three"]);
+    exported(&dielectric, r#", "fresnel": [{"f0": 0.04}]"#, &["three", "babylon", "playcanvas"]);
     let words = [given, at, "--dielectric", &dielectric.to_string_lossy()];
     let Some(report) = script::<Report>("run.js", &words) else { return };
     tell(&report);
 
-    assert_eq!(report.errors.keys().collect::<Vec<_>>(), ["babylon", "playcanvas", "three"]);
+    assert_eq!(report.errors.keys().collect::<Vec<_>>(), ["babylon", "playcanvas", "three", "three_webgpu"]);
     let first = report.by_material("three", "stock");
     for engine in report.errors.keys() {
         assert!(report.same[engine], "{engine}: the stock tables, given as those of others are, draw something else");
@@ -231,8 +235,12 @@ fn engines_draw_what_their_tables_say() {
         assert!(report.whole(engine, "ours") < report.whole(engine, "stock"), "{engine}: {ours:?}, {stock:?}");
     }
     if given == "--exports" {
-        let [ours, both] = ["ours", "both"].map(|set| report.by_material("three", set));
-        assert!(both[0] == ours[0] && both[1] < OWN_PLASTIC_ERROR, "{ours:?} {both:?}");
+        let twice = report.errors.keys().map(|engine| (engine.as_str(), "both"));
+        for (engine, set) in twice.chain([("three", "mixed"), ("three_webgpu", "mixed")]) {
+            let [ours, both] = ["ours", set].map(|set| report.by_material(engine, set));
+            assert!((both[0] / ours[0] - 1.0).abs() < METAL_DIFFERS, "{engine}: {set}: {ours:?} {both:?}");
+            assert!(both[1] < OWN_PLASTIC_ERROR, "{engine}: {set}: {both:?}");
+        }
     }
 }
 

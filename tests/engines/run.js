@@ -4,7 +4,8 @@
 //
 // Every engine draws every view at every roughness with the stock tables, with the same numbers by the way that others
 // take, with wrong ones, and with ours: the files that `ltcforge export --for ENGINE -o FOLDER/ENGINE` wrote, or those of FILE.
-// With --dielectric three.js draws with two sets too, that of --exports for metal and this one for plastic.
+// With --dielectric every engine draws with two sets too, that of --exports for metal and this one for plastic: by textures
+// of the material's own, and in three.js by one material that mixes both by metalness.
 // An error is the mean absolute difference of linear radiance.
 //
 // With --pictures it draws few and larger ones instead, and writes an ENGINE.png each: stock, ours, truth, and both errors.
@@ -22,7 +23,8 @@ import { height, pictures, pointsOf, query, questionOf, views, width } from './w
 
 const HERE = fileURLToPath( new URL( '.', import.meta.url ) );
 
-const ENGINES = [ 'three', 'babylon', 'playcanvas' ];
+/** By engine, whose files it reads. `three_webgpu` is three.js by another renderer, WebGPURenderer. */
+const ENGINES = { three: 'three', three_webgpu: 'three', babylon: 'babylon', playcanvas: 'playcanvas' };
 
 /** The truth of each picture, at the pixels that show the table. */
 async function truths( ltcforge ) {
@@ -155,15 +157,18 @@ if ( values.dielectric ) folders[ '/tables/dielectric/' ] = values.dielectric;
 const server = await serve( folders, answers );
 const address = `http://127.0.0.1:${ server.address().port }`;
 
+// One picture for three.js.
+const engines = values.pictures ? new Set( Object.values( ENGINES ) ) : Object.keys( ENGINES );
+
 const names = values.exports ? [ ...Object.keys( sets ), 'ours' ] : Object.keys( sets );
 
 /** The pictures of an engine with a set of tables, nothing for its own, and with one for dielectrics. */
-async function drawn( browser, engine, tables, dielectric ) {
+async function drawn( browser, engine, tables, dielectric, isMixed ) {
 
 	const page = await openPage( browser, engine, `${ address }/pages/?engine=${ engine }&${ query }` );
 	await page.waitForFunction( 'window.draw' );
-	const at = ( set ) => set && `${ address }/tables/${ set }/${ engine }`;
-	const pictures = await page.evaluate( ( sets ) => window.draw( ...sets ), [ at( tables ), at( dielectric ) ] );
+	const at = ( set ) => set && `${ address }/tables/${ set }/${ ENGINES[ engine ] }`;
+	const pictures = await page.evaluate( ( words ) => window.draw( ...words ), [ at( tables ), at( dielectric ), isMixed ] );
 	await page.close();
 	return pictures;
 
@@ -173,14 +178,17 @@ const report = { errors: {}, same: {} };
 try {
 
 	const truth = truths( values.ltcforge );
+	// WebGPURenderer falls back on WebGL 2 where there is no WebGPU.
 	await withBrowser( values.chromium, async ( browser ) => {
 
-		for ( const engine of values.only ? [ values.only ] : ENGINES ) {
+		for ( const engine of values.only ? [ values.only ] : engines ) {
 
 			// Only three.js has its tables in its package.
-			const all = { stock: await drawn( browser, engine, engine === 'three' ? null : 'again' ) };
+			const isThree = ENGINES[ engine ] === 'three';
+			const all = { stock: await drawn( browser, engine, isThree ? null : 'again' ) };
 			for ( const set of names ) all[ set ] = await drawn( browser, engine, set );
-			if ( values.dielectric && engine === 'three' ) all.both = await drawn( browser, engine, 'ours', 'dielectric' );
+			if ( values.dielectric ) all.both = await drawn( browser, engine, 'ours', 'dielectric' );
+			if ( values.dielectric && isThree ) all.mixed = await drawn( browser, engine, 'ours', 'dielectric', true );
 			report.errors[ engine ] = {};
 			for ( const [ set, those ] of Object.entries( all ) ) report.errors[ engine ][ set ] = errorsOf( those, await truth );
 			if ( values.pictures ) await writePictures( browser, engine, all, await truth );
@@ -188,7 +196,7 @@ try {
 
 		}
 
-	} );
+	}, [ '--enable-unsafe-webgpu' ] );
 
 } finally {
 

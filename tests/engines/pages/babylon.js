@@ -5,8 +5,8 @@
 
 import { height, light, pictures, redFromTop, table, width } from '/world.js';
 
-/** As in three.js; here `tables` has to be given. */
-export async function draw( tables ) {
+/** As in three.js, without its third argument; here `tables` has to be given. */
+export async function draw( tables, dielectric ) {
 
 	const BABYLON = await library();
 	BABYLON.Tools.AssetBaseUrl = tables;
@@ -26,6 +26,8 @@ export async function draw( tables ) {
 	// The table is fitted to single scattering; this would add a guess of the rest.
 	material.brdf.useEnergyConservation = false;
 	floor.material = material;
+	const plastic = material.clone( 'plastic' );
+	if ( dielectric ) bindOwnTables( plastic, await loadTables( `${ dielectric }/areaLights/areaLightsLTC.bin`, scene ) );
 
 	const lamp = new BABYLON.RectAreaLight( 'lamp', BABYLON.Vector3.Zero(), light.width, light.height, scene );
 	// It shines along -z and turns with its parent alone.
@@ -53,7 +55,8 @@ export async function draw( tables ) {
 	for ( const { f0, roughness, view } of pictures ) {
 
 		lamp.specular = new BABYLON.Color3( f0, f0, f0 );
-		material.roughness = roughness;
+		floor.material = f0 === 0.04 ? plastic : material;
+		floor.material.roughness = roughness;
 		camera.fov = view.fov * Math.PI / 180;
 		camera.position.set( ...view.eye );
 		camera.setTarget( new BABYLON.Vector3( ...view.target ) );
@@ -65,6 +68,25 @@ export async function draw( tables ) {
 
 	engine.dispose();
 	return drawn;
+
+}
+
+/** The two textures of a file of tables; the same function stands in docs/engines.md. */
+async function loadTables( address, scene ) {
+
+	const halves = new Uint16Array( await BABYLON.Tools.LoadFileAsync( address ) );
+	return [ 0, 4 ].map( ( first ) => BABYLON.RawTexture.CreateRGBATexture(
+		Uint16Array.from( { length: halves.length / 2 }, ( _, i ) => halves[ 8 * ( i >> 2 ) + first + i % 4 ] ), 64, 64, scene,
+		false, false, BABYLON.Texture.LINEAR_LINEAR, BABYLON.Constants.TEXTURETYPE_HALF_FLOAT ) );
+
+}
+
+/** Lights a material by tables of its own; the same function stands in docs/engines.md. */
+function bindOwnTables( material, textures ) {
+
+	// Babylon binds the tables of the scene before, with each light.
+	material.onBindObservable.add( () => textures.forEach( ( texture, i ) =>
+		material.getEffect().setTexture( `areaLightsLTC${ i + 1 }Sampler`, texture ) ) );
 
 }
 

@@ -8,32 +8,50 @@ import * as pc from 'playcanvas';
 
 import { height, light, pictures, redFromTop, table, width } from '/world.js';
 
-/** As in three.js; here `tables` has to be given. */
-export async function draw( tables ) {
+/** As in three.js, without its third argument; here `tables` has to be given. */
+export async function draw( tables, dielectric ) {
 
 	const app = new pc.Application( document.createElement( 'canvas' ), { graphicsDeviceOptions: { antialias: false } } );
 	app.autoRender = false;
 	app.start();
-	const luts = new pc.Asset( 'luts', 'json', { url: `${ tables }/area-light-luts.json` } );
-	await new Promise( ( loaded, failed ) => {
+	const load = async ( folder ) => {
 
-		luts.ready( loaded );
-		luts.on( 'error', failed );
-		app.assets.add( luts );
-		app.assets.load( luts );
+		const luts = new pc.Asset( 'luts', 'json', { url: `${ folder }/area-light-luts.json` } );
+		await new Promise( ( loaded, failed ) => {
 
-	} );
-	app.setAreaLightLuts( luts.resource.LTC_MAT_1, luts.resource.LTC_MAT_2 );
+			luts.ready( loaded );
+			luts.on( 'error', failed );
+			app.assets.add( luts );
+			app.assets.load( luts );
+
+		} );
+		return luts.resource;
+
+	};
+	const metals = await load( tables );
+	app.setAreaLightLuts( metals.LTC_MAT_1, metals.LTC_MAT_2 );
 	app.scene.lighting.areaLightsEnabled = true;
 	app.scene.ambientLight = new pc.Color( 0, 0, 0 );
 
 	const material = new pc.StandardMaterial();
 	material.useMetalness = true;
 	material.useFog = false;
-	const floor = new pc.Entity();
-	floor.addComponent( 'render', { type: 'plane', material } );
-	floor.setLocalScale( 2 * table.halfX, 1, 2 * table.halfZ );
-	app.root.addChild( floor );
+	// Metal and plastic, of which one is shown.
+	const floors = [ 0, 1 ].map( () => {
+
+		const floor = new pc.Entity();
+		floor.addComponent( 'render', { type: 'plane', material } );
+		floor.setLocalScale( 2 * table.halfX, 1, 2 * table.halfZ );
+		app.root.addChild( floor );
+		return floor;
+
+	} );
+	if ( dielectric ) {
+
+		const plastics = await load( dielectric );
+		bindOwnTables( floors[ 1 ].render.meshInstances, tableTextures( app.graphicsDevice, plastics.LTC_MAT_1, plastics.LTC_MAT_2 ) );
+
+	}
 
 	const lamp = new pc.Entity();
 	lamp.addComponent( 'light', {
@@ -61,6 +79,7 @@ export async function draw( tables ) {
 	const drawn = [];
 	for ( const { f0, roughness, view } of pictures ) {
 
+		floors.forEach( ( floor, i ) => floor.enabled = i === Number( f0 === 0.04 ) );
 		// PlayCanvas's plastic has an f0 of 0.04.
 		material.metalness = f0 === 0.04 ? 0 : 1;
 		// Colours are not linear.
@@ -79,5 +98,29 @@ export async function draw( tables ) {
 
 	app.destroy();
 	return drawn;
+
+}
+
+/** The two textures of a set of tables; the same function stands in docs/engines.md. */
+function tableTextures( device, ...numbers ) {
+
+	return numbers.map( ( numbers ) => {
+
+		const texture = new pc.Texture( device, {
+			width: 64, height: 64, format: pc.PIXELFORMAT_RGBA16F, mipmaps: false, minFilter: pc.FILTER_NEAREST, magFilter: pc.FILTER_LINEAR,
+			addressU: pc.ADDRESS_CLAMP_TO_EDGE, addressV: pc.ADDRESS_CLAMP_TO_EDGE,
+		} );
+		texture.lock().set( numbers.map( pc.FloatPacking.float2Half ) );
+		texture.unlock();
+		return texture;
+
+	} );
+
+}
+
+/** Lights meshes by tables of their own; the same function stands in docs/engines.md. */
+function bindOwnTables( meshInstances, textures ) {
+
+	for ( const mesh of meshInstances ) textures.forEach( ( texture, i ) => mesh.setParameter( `areaLightsLutTex${ i + 1 }`, texture ) );
 
 }

@@ -11,9 +11,10 @@ import { height, light, pictures, redFromTop, table, width } from '/world.js';
  *
  * @param {?string} tables - Address of the folder of the tables' files; nothing for those that three brings along.
  * @param {?string} dielectric - Address of the folder of those for dielectrics; nothing where one set lights all.
+ * @param {boolean} isMixed - Whether all pictures have the same material, whose shader mixes both sets by metalness.
  * @returns {Promise<number[][]>} The red channel of each, linear, from the top left.
  */
-export async function draw( tables, dielectric ) {
+export async function draw( tables, dielectric, isMixed ) {
 
 	RectAreaLightUniformsLib.init();
 	if ( tables ) {
@@ -24,10 +25,12 @@ export async function draw( tables, dielectric ) {
 	}
 
 	const plastic = new THREE.MeshStandardMaterial( { color: 0x000000 } );
+	const metal = new THREE.MeshStandardMaterial( { metalness: 1 } );
 	if ( dielectric ) {
 
 		const { createLTC } = await import( `${ dielectric }/ltc.js` );
-		bindOwnTables( plastic, createLTC( THREE ) );
+		if ( isMixed ) mixTables( metal, createLTC( THREE ) );
+		else bindOwnTables( plastic, createLTC( THREE ) );
 
 	}
 
@@ -36,7 +39,6 @@ export async function draw( tables, dielectric ) {
 	if ( ! renderer.extensions.has( 'OES_texture_float_linear' ) ) throw new Error( 'float textures are not filtered here' );
 
 	const scene = new THREE.Scene();
-	const metal = new THREE.MeshStandardMaterial( { metalness: 1 } );
 	const floor = new THREE.Mesh( new THREE.PlaneGeometry( 2 * table.halfX, 2 * table.halfZ ), metal );
 	floor.rotation.x = - Math.PI / 2;
 	const lamp = new THREE.RectAreaLight( 0xffffff, 1, light.width, light.height );
@@ -48,11 +50,8 @@ export async function draw( tables, dielectric ) {
 
 	const target = new THREE.WebGLRenderTarget( width, height, { type: THREE.FloatType } );
 	const pixels = new Float32Array( 4 * width * height );
-	const drawn = pictures.map( ( { f0, roughness, view } ) => {
+	const shot = ( roughness, view ) => {
 
-		// three's plastic has an f0 of 0.04.
-		floor.material = f0 === 0.04 ? plastic : metal;
-		metal.color.setScalar( f0 );
 		floor.material.roughness = roughness;
 		const camera = new THREE.PerspectiveCamera( view.fov, width / height, 0.1, 100 );
 		camera.position.set( ...view.eye );
@@ -62,7 +61,18 @@ export async function draw( tables, dielectric ) {
 		renderer.readRenderTargetPixels( target, 0, 0, width, height, pixels );
 		return redFromTop( pixels );
 
+	};
+	const drawn = pictures.map( ( { f0, roughness, view } ) => {
+
+		// three's plastic has an f0 of 0.04.
+		const isPlastic = f0 === 0.04;
+		floor.material = isPlastic && ! isMixed ? plastic : metal;
+		metal.color.setScalar( isPlastic ? 0 : f0 );
+		metal.metalness = isPlastic ? 0 : 1;
+		return shot( roughness, view );
+
 	} );
+	if ( isMixed ) requireMixed( metal, pictures.map( ( { roughness, view } ) => () => shot( roughness, view ) ) );
 
 	renderer.dispose();
 	return drawn;
@@ -79,5 +89,53 @@ function bindOwnTables( material, tables ) {
 		shader.uniforms.ltc_2 = { get value() { return tables.LTC_FLOAT_2; }, set value( _ ) {} };
 
 	};
+
+}
+
+/** Adds tables for dielectrics to a material and mixes both by its metalness; the same function stands in docs/engines.md. */
+function mixTables( material, tables ) {
+
+	material.onBeforeCompile = ( shader ) => {
+
+		shader.uniforms.ltc_1_dielectric = { value: tables.LTC_FLOAT_1 };
+		shader.uniforms.ltc_2_dielectric = { value: tables.LTC_FLOAT_2 };
+		let chunk = THREE.ShaderChunk.lights_physical_pars_fragment;
+		const replace = ( line, by ) => {
+
+			if ( ! chunk.includes( line ) ) throw new Error( `this three.js has no ${ line }` );
+			chunk = chunk.replace( line, by );
+
+		};
+		replace( 'reflectedLight.directSpecular += lightColor * fresnel * LTC_Evaluate( normal, viewDir, position, mInv, rectCoords );', `
+			vec4 d1 = texture2D( ltc_1_dielectric, uv );
+			vec4 d2 = texture2D( ltc_2_dielectric, uv );
+			mat3 dInv = mat3( vec3( d1.x, 0, d1.y ), vec3( 0, 1, 0 ), vec3( d1.z, 0, d1.w ) );
+			vec3 metal = material.diffuseColor * t2.x + ( material.specularF90 - material.diffuseColor ) * t2.y;
+			vec3 dielectric = material.specularColor * d2.x + ( material.specularF90 - material.specularColor ) * d2.y;
+			reflectedLight.directSpecular += lightColor * mix(
+				dielectric * LTC_Evaluate( normal, viewDir, position, dInv, rectCoords ),
+				metal * LTC_Evaluate( normal, viewDir, position, mInv, rectCoords ), material.metalness );` );
+		// Clearcoat is a dielectric.
+		replace( 'texture2D( ltc_1, uvClearcoat )', 'texture2D( ltc_1_dielectric, uvClearcoat )' );
+		replace( 'texture2D( ltc_2, uvClearcoat )', 'texture2D( ltc_2_dielectric, uvClearcoat )' );
+		shader.fragmentShader = shader.fragmentShader.replace( '#include <lights_physical_pars_fragment>',
+			`uniform sampler2D ltc_1_dielectric;\nuniform sampler2D ltc_2_dielectric;\n${ chunk }` );
+
+	};
+
+}
+
+/** Holds what a grey material, a quarter metal, shows to the same mix of what it shows as metal and as dielectric. */
+function requireMixed( material, shots ) {
+
+	material.color.setScalar( 0.5 );
+	const [ plastic, metal, quarter ] = [ 0, 1, 0.25 ].map( ( metalness ) => {
+
+		material.metalness = metalness;
+		return shots.map( ( shot ) => shot() ).flat();
+
+	} );
+	const difference = Math.max( ...quarter.map( ( value, i ) => Math.abs( value - 0.75 * plastic[ i ] - 0.25 * metal[ i ] ) ) );
+	if ( ! ( difference < 1e-4 ) || Math.max( ...metal ) < 0.1 ) throw new Error( `a material that is a quarter metal differs by ${ difference }` );
 
 }
