@@ -103,7 +103,7 @@ impl RandomLights {
 /// model than the lights, [`LightError::OtherBrdf`] for a closed form where that is not GGX.
 pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread, LightError> {
     let own = with_terms(model, &lights.brdf)?;
-    let model = own.as_ref().map_or(model, Lighting::Table);
+    let model = own.as_ref().map_or(model, |table| model.with_table(table));
     light_error_by(|at, light| model.reflected(at, light), lights)
 }
 
@@ -113,7 +113,7 @@ pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread,
 /// As [`light_error`].
 pub fn material_error(model: Lighting<'_>, lights: &RandomLights, f0: f64) -> Result<Spread, LightError> {
     let own = with_terms(model, &lights.brdf)?;
-    let model = own.as_ref().map_or(model, Lighting::Table);
+    let model = own.as_ref().map_or(model, |table| model.with_table(table));
     errors(|at, light| model.reflected(at, light), lights, |reflected| reflected.schlick(f0, 1.0))
 }
 
@@ -167,7 +167,8 @@ pub fn light_map(
     count: usize,
 ) -> Result<LightMap, LightError> {
     let own: Vec<_> = models.iter().map(|model| with_terms(*model, brdf)).collect::<Result<_, _>>()?;
-    let models = models.iter().zip(&own).map(|(model, own)| own.as_ref().map_or(*model, Lighting::Table));
+    let models =
+        models.iter().zip(&own).map(|(model, own)| own.as_ref().map_or(*model, |table| model.with_table(table)));
     let models: Vec<Lighting<'_>> = models.collect();
     let roughness = range.alpha.map(|alpha| alpha.clamp(LEAST_DRAWN_ALPHA, 1.0).sqrt());
     let theta = range.theta.map(|theta| theta.min(STEEPEST));
@@ -194,7 +195,7 @@ fn spread(mut errors: Vec<f64>) -> Spread {
 /// truth of what it stands for.
 fn with_terms(model: Lighting<'_>, brdf: &BrdfModel) -> Result<Option<Table>, LightError> {
     model.check_brdf(brdf)?;
-    let Lighting::Table(table) = model else { return Ok(None) };
+    let Some(table) = model.table() else { return Ok(None) };
     if table.terms.is_some() {
         return Ok(None);
     }

@@ -2,7 +2,7 @@
 
 use super::{
     AreaLight, LightError, gaussians, ltc,
-    ltc::by_table,
+    ltc::{by_table, by_table_above},
     normals,
     normals::NormalsRule,
     rules::{Formula, LitPoint, ModelOfLight, ReflectedLight, lit},
@@ -37,6 +37,8 @@ pub enum Lighting<'a> {
     ClosedForm(ClosedForm),
     /// A table, of any scattering model.
     Table(&'a Table),
+    /// A table whose LTCs end at the surface: see [`by_table_above`].
+    TableAbove(&'a Table),
 }
 
 impl LightModel {
@@ -149,6 +151,17 @@ impl ClosedForm {
     }
 }
 
+impl<'a> Lighting<'a> {
+    /// The same by another table; a formula has none.
+    pub(super) fn with_table(self, table: &'a Table) -> Self {
+        match self {
+            Self::ClosedForm(_) => self,
+            Self::Table(_) => Self::Table(table),
+            Self::TableAbove(_) => Self::TableAbove(table),
+        }
+    }
+}
+
 impl Lighting<'_> {
     /// The light that a surface reflects.
     ///
@@ -162,6 +175,15 @@ impl Lighting<'_> {
         match self {
             Self::ClosedForm(form) => form.reflected(at, light),
             Self::Table(table) => by_table(table, at, light),
+            Self::TableAbove(table) => by_table_above(table, at, light),
+        }
+    }
+
+    /// The table; `None` of a formula.
+    pub(super) fn table(&self) -> Option<&Table> {
+        match self {
+            Self::ClosedForm(_) => None,
+            Self::Table(table) | Self::TableAbove(table) => Some(table),
         }
     }
 
@@ -171,7 +193,7 @@ impl Lighting<'_> {
     /// [`LightError::OtherLights`] for a table of another, [`LightError::OtherBrdf`] for a formula where it is not GGX.
     pub(super) fn check_brdf(self, brdf: &BrdfModel) -> Result<(), LightError> {
         match self {
-            Self::Table(table) if !table.brdf.is_surface_of(brdf) => {
+            Self::Table(table) | Self::TableAbove(table) if !table.brdf.is_surface_of(brdf) => {
                 Err(LightError::OtherLights { lights: brdf.kind(), table: table.brdf() })
             }
             Self::ClosedForm(_) if *brdf != BrdfKind::Ggx => Err(LightError::OtherBrdf(brdf.kind())),

@@ -24,14 +24,47 @@ pub fn by_table<'a>(
     at: &Configuration,
     light: impl Into<AreaLight<'a>>,
 ) -> Result<ReflectedLight, LightError> {
+    reflected(table, at, light.into(), Below::Shines)
+}
+
+/// As [`by_table`], by an LTC that ends at the surface: see [`AboveSurface`](super::AboveSurface). Gaussians end there
+/// in either case.
+///
+/// # Errors
+/// As [`by_table`].
+pub fn by_table_above<'a>(
+    table: &Table,
+    at: &Configuration,
+    light: impl Into<AreaLight<'a>>,
+) -> Result<ReflectedLight, LightError> {
+    reflected(table, at, light.into(), Below::Cut)
+}
+
+/// What becomes of light from below the surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Below {
+    /// An LTC lets some of it through.
+    Shines,
+    /// Both light and lobe end at the surface.
+    Cut,
+}
+
+fn reflected(
+    table: &Table,
+    at: &Configuration,
+    light: AreaLight<'_>,
+    below: Below,
+) -> Result<ReflectedLight, LightError> {
     surface_and_view(at)?;
-    let light = light.into();
     let found = table.lookup(at);
     let (Some(amplitude), Some(fresnel)) = (found.amplitude, found.fresnel) else { return Err(LightError::NoTerms) };
     let matrix = from_row_major(&found.matrix);
     let Some(gaussian) = table.lobe.gaussian() else {
         let ltc = Ltc::new(matrix).ok_or(LightError::Singular)?;
-        let covered = covered(&ltc, light);
+        let covered = match below {
+            Below::Shines => covered(&ltc, light),
+            Below::Cut => covered_above(&ltc, light),
+        };
         return Ok(ReflectedLight { energy: amplitude * covered, fresnel: fresnel * covered });
     };
     let determinant = matrix.determinant();
@@ -55,6 +88,20 @@ fn covered(ltc: &Ltc, light: AreaLight<'_>) -> f64 {
             Form::Sphere { centre, radius } => space.sphere(centre, radius),
             Form::Tube { ends, radius } => space.tube(ends, radius),
             Form::Line { ends, width } => space.line(ends, width),
+        },
+    }
+}
+
+/// The part of an LTC that ends at the surface, likewise.
+fn covered_above(ltc: &Ltc, light: AreaLight<'_>) -> f64 {
+    let above = CosineSpace::from(ltc).above_surface();
+    match light {
+        AreaLight::Polygon(light) => above.polygon(light.vertices(), light.sides()),
+        AreaLight::Shaped(light) => match *light.form() {
+            Form::Ellipse { centre, half_axes, sides } => above.ellipse(centre, half_axes, sides),
+            Form::Sphere { centre, radius } => above.sphere(centre, radius),
+            Form::Tube { ends, radius } => above.tube(ends, radius),
+            Form::Line { ends, width } => above.line(ends, width),
         },
     }
 }

@@ -108,7 +108,12 @@ fn see(frame: &Frame, place: Vec2, cell: u32) -> Option<(Shaded, f32)> {
 fn by_table(frame: &Frame, table: &ShaderTable, at: &Shaded) -> Vec3 {
     let lobe = lookup(table, at.alpha.x, at.alpha.y, at.wo);
     let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
-    let covered = Inverse::of(lobe.matrix).covered(&frame.light, at.position, to_local);
+    let inverse = Inverse::of(lobe.matrix);
+    let covered = if frame.is_cut {
+        inverse.covered_above(&frame.light, at.position, to_local)
+    } else {
+        inverse.covered(&frame.light, at.position, to_local)
+    };
     reflected(frame, Vec2::new(lobe.amplitude, lobe.fresnel) * covered)
 }
 
