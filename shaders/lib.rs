@@ -16,6 +16,10 @@ pub const LAYOUT_ISOTROPIC: &str = include_str!("layout_isotropic.wgsl");
 pub const LAYOUT_KT2022: &str = include_str!("layout_kt2022.wgsl");
 /// `layout_reflected.wgsl`.
 pub const LAYOUT_REFLECTED: &str = include_str!("layout_reflected.wgsl");
+/// `ltc_cut.wgsl`.
+pub const LTC_CUT: &str = include_str!("ltc_cut.wgsl");
+/// `ltc_cut_shapes.wgsl`.
+pub const LTC_CUT_SHAPES: &str = include_str!("ltc_cut_shapes.wgsl");
 /// `ltc_decode.wgsl`.
 pub const LTC_DECODE: &str = include_str!("ltc_decode.wgsl");
 /// `ltc_example.wgsl`.

@@ -38,6 +38,8 @@ override gaussian_is_fitted: bool = false;
 /// How the second lobe of a table is used, see SECOND_.
 override second_lobe: u32 = SECOND_NONE;
 override light_is_polygon: bool = true;
+/// Whether light from below the surface is cut off, where a table of LTCs lets it through.
+override light_is_cut: bool = false;
 
 const RULE_BALANCED: u32 = 0u;
 const RULE_FAST: u32 = 1u;
@@ -141,6 +143,9 @@ fn shade_by_table(at: Shaded) -> vec3<f32> {
 /// The part of the lobe of a matrix that the light covers.
 fn covered_by(m: mat3x3<f32>, at: Shaded) -> f32 {
     let inverse = ltc_inverse(m);
+    if (light_is_cut) {
+        return covered_above(inverse, at);
+    }
     // World to cosine space in one matrix.
     let to_cosine = inverse.m * transpose(mat3x3(at.x, at.y, at.z));
     if (light_shape != LIGHT_POLYGON) {
@@ -175,6 +180,31 @@ fn shape_covered(inverse: LtcInverse, position: vec3<f32>) -> f32 {
         return ltc_line(inverse, start, end, light.centre.w);
     }
     return ltc_tube(inverse, start, end, light.centre.w);
+}
+
+/// The part of the lobe above the surface that the light covers.
+fn covered_above(inverse: LtcInverse, at: Shaded) -> f32 {
+    let two_sided = light.options.y == 1u;
+    let to_local = transpose(mat3x3(at.x, at.y, at.z));
+    if (light_shape == LIGHT_POLYGON) {
+        var previous = to_local * (light.vertices[light.options.x - 1u].xyz - at.position);
+        var cut = LtcCut(ltc_clip_begin(inverse.m * previous), vec3(0.0), vec3(0.0));
+        for (var i = 0u; i < light.options.x; i++) {
+            let vertex = to_local * (light.vertices[i].xyz - at.position);
+            cut = ltc_cut_edge(inverse, cut, previous, vertex);
+            previous = vertex;
+        }
+        return ltc_cut_finish(inverse, cut, two_sided);
+    }
+    let start = to_local * (light.centre.xyz - at.position);
+    if (light_shape == LIGHT_ELLIPSE) {
+        return ltc_cut_disk(inverse, start, to_local * light.half_axes[0].xyz, to_local * light.half_axes[1].xyz, two_sided);
+    }
+    let end = to_local * (light.half_axes[0].xyz - at.position);
+    if (light_shape == LIGHT_LINE) {
+        return ltc_cut_line(inverse, start, end, light.centre.w);
+    }
+    return ltc_cut_tube(inverse, start, end, light.centre.w);
 }
 
 /// The vertices that models of polygons light, around a point of the surface in its tangent frame.

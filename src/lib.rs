@@ -118,6 +118,8 @@ pub use fit::{
 pub use glam;
 #[cfg(feature = "shaders")]
 pub use library::shader;
-pub use library::{Error, Fit, RecipeBuilder, RecipeDocument, cached, fit, light, light_by_table, write_table};
+pub use library::{
+    Error, Fit, RecipeBuilder, RecipeDocument, cached, fit, light, light_by_table, light_by_table_above, write_table,
+};
 pub use light::{LightError, LightModel, PolygonLight, ReflectedLight};
 pub use shaders::{Language, LitBy, wgsl};

@@ -17,13 +17,14 @@ use super::{
     tabulated,
 };
 use ltcforge_fit::BrdfKind;
-use ltcforge_light::{LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE, truth_of};
+use ltcforge_light::{LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE, TableUse, truth_of};
 
 /// Prints the reflected light of each line as soon as it is read.
 pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let chosen = choose(args)?;
     let table = chosen.as_ref().map(|chosen| &chosen.table);
-    let lighting = table.map(if args.blend { Lighting::Blend } else { Lighting::Table });
+    let used = TableUse { blend: args.blend, cut: args.cut };
+    let lighting = table.map(|table| Lighting::Table(table, used));
     let formula = args.model.closed_form(args.rule).map(Lighting::ClosedForm);
     let lighting = lighting.or(formula).ok_or_else(|| needs_table(args.model))?;
     let brdf = table.map_or(BrdfKind::Ggx.into(), |table| table.model().clone());
@@ -99,6 +100,11 @@ fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
         let alike = LightModel::names_of(is_alike);
         let has = if alike == model.name() { format!("model {model} has") } else { format!("models {alike} have") };
         return usage(format!("--rule is of model {ruled}; {has} one rule"));
+    }
+    if args.cut && model != LightModel::Ltc {
+        return usage(format!(
+            "--cut is of model ltc; by model {model} nothing shines through from below: leave it out"
+        ));
     }
     let Some(name) = &args.table else { return Ok(None) };
     let chosen = AnyTable::named(name, &args.folder)?;

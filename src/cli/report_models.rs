@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{CommandFailure, Context, Exit, args::ReportArgs, input::AnyTable, print, tabulated};
 use ltcforge_fit::{BrdfKind, BrdfModel, Spread};
 use ltcforge_light::{
-    ClosedForm, EVERYWHERE, LightError, LightModel, Lighting, RandomLights, light_error, material_error,
+    ClosedForm, EVERYWHERE, LightError, LightModel, Lighting, RandomLights, TableUse, light_error, material_error,
 };
 
 /// The default number of random rectangles.
@@ -77,10 +77,13 @@ pub(super) fn run(
         let mut rows = Vec::new();
         if let Some(any) = read {
             let name = format!("{}, table {}", any.table.lobe, &any.digest.hex()[..12]);
-            let table = Lighting::Table(&any.table);
+            let table = Lighting::by(&any.table);
             rows.push(Row::measure(name.clone(), LightModel::Ltc, table, &lights).map_err(failed)?);
             if any.table.second_lobe().is_some() {
-                let (name, blend) = (format!("{name}, blended"), Lighting::Blend(&any.table));
+                let (name, blend) = (
+                    format!("{name}, blended"),
+                    Lighting::Table(&any.table, TableUse { blend: true, ..TableUse::default() }),
+                );
                 rows.push(Row::measure(name, LightModel::Ltc, blend, &lights).map_err(failed)?);
             }
         }

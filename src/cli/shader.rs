@@ -13,7 +13,9 @@ use super::{
 };
 use ltcforge_fit::{FUNCTION_SIDE, FunctionError, IsotropicFunction, Table, report};
 use ltcforge_light::LightModel;
-use ltcforge_shaders::{Bound, DECLARATIONS, Filter, Language, Lights, LitBy, Namespace, Reading, es_module};
+use ltcforge_shaders::{
+    Additions, Bound, DECLARATIONS, Filter, Language, Lights, LitBy, Namespace, Reading, es_module,
+};
 use ltcforge_textures::About;
 use ltcforge_translate::{include, include_function, port};
 
@@ -29,6 +31,8 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
     }
     let lit_by = LitBy::new(args.model, args.layout)
         .and_then(|lit_by| lit_by.by_rule(args.rule))
+        .map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?
+        .with(additions(args))
         .map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
     check_form(args, language)?;
     let types = types_file(args)?;
@@ -65,6 +69,11 @@ fn namespace(args: &ShaderArgs) -> Namespace {
     }
 }
 
+/// What the text has beside the functions of its model.
+fn additions(args: &ShaderArgs) -> Additions {
+    Additions { cut: args.additions.cut }
+}
+
 /// The light of a table by polynomials, as a text to include. A comment in it states their error and the table's.
 fn without_textures(
     args: &ShaderArgs,
@@ -96,10 +105,16 @@ fn without_textures(
     let about = about.and([format!(
         "mean error of the polynomials: {width:.4} of the lobe's width; of the table: {table_width:.4}"
     )]);
-    let shader =
-        include_function(language, &function, about.lines(), args.lights.unwrap_or(Lights::ALL[0]), &namespace(args))
-            .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?
-            .into_bytes();
+    let shader = include_function(
+        language,
+        &function,
+        about.lines(),
+        args.lights.unwrap_or(Lights::ALL[0]),
+        additions(args),
+        &namespace(args),
+    )
+    .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?
+    .into_bytes();
     let value = json!({
         "language": language.name(), "model": LightModel::Ltc, "table": digest,
         "coefficients": 6 * FUNCTION_SIDE * FUNCTION_SIDE, "error": width, "table_error": table_width,
@@ -195,6 +210,7 @@ fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailur
         _ if args.two_lobes && (!has_table || args.model != LightModel::Ltc) => {
             refused(format!("--two-lobes is for tables of LTCs: model {} has no second lobe to read", args.model))
         }
+        ShaderForm::Example if args.additions.cut => refused("--cut is for a text to include".to_owned()),
         ShaderForm::Example if args.lights.is_some() => refused("--lights is for a text to include".to_owned()),
         _ if args.lights.is_some() && args.model != LightModel::Ltc => refused(format!(
             "--lights is of model ltc: model {} has no spheres, tubes and lines to leave out",

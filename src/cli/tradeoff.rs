@@ -118,7 +118,7 @@ fn measure(
     let table = fit::fit(&Plan::new(recipe), bar, interrupt).ok_or_else(CommandFailure::interrupted)?;
     let (wall_seconds, processor_seconds) = (started.elapsed().as_secs_f64(), processor_seconds() - processor_started);
     let between = report(&table, &recipe.range, POINTS).between;
-    let light = tradeoff_models::error(Lighting::Table(&table), lights)?;
+    let light = tradeoff_models::error(Lighting::by(&table), lights)?;
     let compact_bytes =
         compact::encode_lobes(&table).ok().map(|lobes| lobes.iter().map(|lobe| lobe.bytes.len() as u64).sum());
     let (width, sw1) = (between.width, between.sw1);

@@ -146,7 +146,7 @@ fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, Co
         rule: None,
         layout: Some(recipe.layout),
         recipe_digest: Some(recipe_document::digest(recipe)),
-        light_error: error(Lighting::Table(table), lights)?,
+        light_error: error(Lighting::by(table), lights)?,
         gpu_cost: GpuCost::of(&lit_by.name()),
         frame_milliseconds: 0.0,
         gpu_bytes: shader_table.gpu_bytes(),

@@ -2,7 +2,7 @@
 
 use super::Error;
 use ltcforge_fit::{Configuration, Table};
-use ltcforge_light::{AreaLight, NormalsRule, ReflectedLight, by_normals, by_table};
+use ltcforge_light::{AreaLight, NormalsRule, ReflectedLight, TableUse, by_normals, by_table, by_table_as};
 
 /// The reflection of a light of radiance one, in closed form and without a table; see [`mod@ltcforge_light`] for other
 /// rules and the truth by quadrature. The light is a [`PolygonLight`](ltcforge_light::PolygonLight) or a
@@ -24,4 +24,17 @@ pub fn light_by_table<'a>(
     light: impl Into<AreaLight<'a>>,
 ) -> Result<ReflectedLight, Error> {
     Ok(by_table(table, at, light)?)
+}
+
+/// The same without light from below the surface, where an LTC lets some of it through: lights are cut at the surface,
+/// and the lobe there too.
+///
+/// # Errors
+/// [`Error::Light`] as [`light_by_table()`].
+pub fn light_by_table_above<'a>(
+    table: &Table,
+    at: &Configuration,
+    light: impl Into<AreaLight<'a>>,
+) -> Result<ReflectedLight, Error> {
+    Ok(by_table_as(table, at, light, TableUse { cut: true, ..TableUse::default() })?)
 }

@@ -13,7 +13,7 @@ mod tables;
 pub use builder::{RecipeBuilder, RecipeDocument};
 pub use error::Error;
 pub use fitting::{Fit, fit};
-pub use lighting::{light, light_by_table};
+pub use lighting::{light, light_by_table, light_by_table_above};
 #[cfg(feature = "shaders")]
 pub use shader::shader;
 pub use tables::{cached, write_table};

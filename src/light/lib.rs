@@ -25,7 +25,7 @@ mod truth;
 
 pub use error::LightError;
 pub use gaussians::{Gaussian, by_gaussian};
-pub use ltc::{CosineSpace, by_blend, by_table};
+pub use ltc::{AboveSurface, CosineSpace, TableUse, by_blend, by_table, by_table_as};
 pub use measure::{EVERYWHERE, LightMap, RandomLights, light_error, light_error_by, light_map, material_error};
 pub use model::{ClosedForm, LightModel, Lighting};
 pub use normals::{NormalsRule, by_normals};

@@ -103,7 +103,7 @@ impl RandomLights {
 /// model than the lights, [`LightError::OtherBrdf`] for a closed form where that is not GGX.
 pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread, LightError> {
     let own = with_terms(model, &lights.brdf)?;
-    let model = own.as_ref().map_or(model, Lighting::Table);
+    let model = own.as_ref().map_or(model, |table| model.with_table(table));
     light_error_by(|at, light| model.reflected(at, light), lights)
 }
 
@@ -113,7 +113,7 @@ pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread,
 /// As [`light_error`].
 pub fn material_error(model: Lighting<'_>, lights: &RandomLights, f0: f64) -> Result<Spread, LightError> {
     let own = with_terms(model, &lights.brdf)?;
-    let model = own.as_ref().map_or(model, Lighting::Table);
+    let model = own.as_ref().map_or(model, |table| model.with_table(table));
     errors(|at, light| model.of_material(at, light, [f0, 1.0]), lights, |truth| truth.schlick(f0, 1.0))
 }
 
@@ -166,7 +166,8 @@ pub fn light_map(
     count: usize,
 ) -> Result<LightMap, LightError> {
     let own: Vec<_> = models.iter().map(|model| with_terms(*model, brdf)).collect::<Result<_, _>>()?;
-    let models = models.iter().zip(&own).map(|(model, own)| own.as_ref().map_or(*model, Lighting::Table));
+    let models =
+        models.iter().zip(&own).map(|(model, own)| own.as_ref().map_or(*model, |table| model.with_table(table)));
     let models: Vec<Lighting<'_>> = models.collect();
     let roughness = range.alpha.map(|alpha| alpha.clamp(LEAST_DRAWN_ALPHA, 1.0).sqrt());
     let theta = range.theta.map(|theta| theta.min(STEEPEST));
@@ -193,7 +194,7 @@ fn spread(mut errors: Vec<f64>) -> Spread {
 /// truth of what it stands for.
 fn with_terms(model: Lighting<'_>, brdf: &BrdfModel) -> Result<Option<Table>, LightError> {
     model.check_brdf(brdf)?;
-    let Lighting::Table(table) = model else { return Ok(None) };
+    let Some(table) = model.table() else { return Ok(None) };
     if table.terms.is_some() {
         return Ok(None);
     }
@@ -306,7 +307,7 @@ mod tests {
     #[test]
     fn a_map_tells_where_a_model_is_off() {
         let (wrong, rules) = (cosine(BrdfKind::Ggx.into()), NormalsRule::Balanced);
-        let map = light_map(&[Lighting::Table(&wrong), normals(rules)], &BrdfKind::Ggx.into(), &EVERYWHERE, 3, 12)
+        let map = light_map(&[Lighting::by(&wrong), normals(rules)], &BrdfKind::Ggx.into(), &EVERYWHERE, 3, 12)
             .expect("a surface");
         assert_eq!((map.errors.len(), map.errors[0].len()), (2, 9));
         // The cosine is the lobe of nothing sharp.
@@ -315,7 +316,7 @@ mod tests {
         let corner = PerAxis { alpha: [0.01, 0.16], theta: [0.0, STEEPEST / 3.0], ..EVERYWHERE };
         let alpha = [map.roughness[0], map.roughness[0] + (map.roughness[1] - map.roughness[0]) / 3.0];
         let lights = lights(&PerAxis { alpha: alpha.map(|x| x * x), ..corner }, 12);
-        let alone = light_error(Lighting::Table(&wrong), &lights).expect("a lobe").mean;
+        let alone = light_error(Lighting::by(&wrong), &lights).expect("a lobe").mean;
         assert!((alone - ltc[0]).abs() < 1e-12, "{alone} {ltc:?}");
     }
 
@@ -326,10 +327,10 @@ mod tests {
         let [fast, balanced, fine] = [NormalsRule::Fast, NormalsRule::Balanced, NormalsRule::Fine].map(error);
         assert!(10.0 * TOLERANCE < fine && 1.2 * fine < balanced, "{fine} {balanced}");
         assert!(1.2 * balanced < fast && fast < 0.002, "{balanced} {fast}");
-        let wrong = light_error(Lighting::Table(&cosine(BrdfKind::Ggx.into())), &lights).expect("a lobe");
+        let wrong = light_error(Lighting::by(&cosine(BrdfKind::Ggx.into())), &lights).expect("a lobe");
         assert!(wrong.mean > 0.05 && wrong.max > 0.5, "{wrong:?}");
         assert!(wrong.mean < wrong.p95 && wrong.p95 <= wrong.max, "{wrong:?}");
         let flat = Table { matrix: vec![[0.0; 9]], ..cosine(BrdfKind::Ggx.into()) };
-        assert_eq!(light_error(Lighting::Table(&flat), &lights).err(), Some(LightError::Singular));
+        assert_eq!(light_error(Lighting::by(&flat), &lights).err(), Some(LightError::Singular));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     AreaLight, LightError, gaussians, ltc,
-    ltc::{by_blend, by_table},
+    ltc::{TableUse, by_blend, by_table_as},
     normals,
     normals::NormalsRule,
     rules::{Formula, LitPoint, ModelOfLight, ReflectedLight, lit},
@@ -35,10 +35,8 @@ pub struct ClosedForm {
 pub enum Lighting<'a> {
     /// A formula, of GGX.
     ClosedForm(ClosedForm),
-    /// A table, of any scattering model.
-    Table(&'a Table),
-    /// A table of two lobes an entry, by one integral of their blend for each material.
-    Blend(&'a Table),
+    /// A table, of any scattering model, and how it is used.
+    Table(&'a Table, TableUse),
 }
 
 impl LightModel {
@@ -151,6 +149,22 @@ impl ClosedForm {
     }
 }
 
+impl<'a> Lighting<'a> {
+    /// A table as it is used where nothing is chosen.
+    #[must_use]
+    pub fn by(table: &'a Table) -> Self {
+        Self::Table(table, TableUse::default())
+    }
+
+    /// The same by another table; a formula has none.
+    pub(super) fn with_table(self, table: &'a Table) -> Self {
+        match self {
+            Self::ClosedForm(_) => self,
+            Self::Table(_, used) => Self::Table(table, used),
+        }
+    }
+}
+
 impl Lighting<'_> {
     /// The light that a surface reflects.
     ///
@@ -163,7 +177,7 @@ impl Lighting<'_> {
     ) -> Result<ReflectedLight, LightError> {
         match self {
             Self::ClosedForm(form) => form.reflected(at, light),
-            Self::Table(table) | Self::Blend(table) => by_table(table, at, light),
+            Self::Table(table, used) => by_table_as(table, at, light, used),
         }
     }
 
@@ -178,8 +192,16 @@ impl Lighting<'_> {
         [f0, f90]: [f64; 2],
     ) -> Result<f64, LightError> {
         match self {
-            Self::Blend(table) => by_blend(table, at, light, [f0, f90]),
+            Self::Table(table, used) if used.blend => by_blend(table, at, light, [f0, f90], used),
             _ => Ok(self.reflected(at, light)?.schlick(f0, f90)),
+        }
+    }
+
+    /// The table; `None` of a formula.
+    pub(super) fn table(&self) -> Option<&Table> {
+        match self {
+            Self::ClosedForm(_) => None,
+            Self::Table(table, _) => Some(table),
         }
     }
 
@@ -189,7 +211,7 @@ impl Lighting<'_> {
     /// [`LightError::OtherLights`] for a table of another, [`LightError::OtherBrdf`] for a formula where it is not GGX.
     pub(super) fn check_brdf(self, brdf: &BrdfModel) -> Result<(), LightError> {
         match self {
-            Self::Table(table) | Self::Blend(table) if !table.brdf.is_surface_of(brdf) => {
+            Self::Table(table, _) if !table.brdf.is_surface_of(brdf) => {
                 Err(LightError::OtherLights { lights: brdf.kind(), table: table.brdf() })
             }
             Self::ClosedForm(_) if *brdf != BrdfKind::Ggx => Err(LightError::OtherBrdf(brdf.kind())),

@@ -15,8 +15,9 @@ pub struct GpuCost {
 /// The compiler, as the driver names itself: Mesa's for RDNA 2, a GPU that need not be there.
 pub const COMPILER: &str = "Null hardware (RADV NAVI21), Mesa 22.3.6";
 
-/// The costs of all texts, by the names that [`LitBy::name`](super::LitBy::name) has for them, of two lobes with how
-/// they are used, and of engines' ways by theirs: registers, instructions and inverse throughput. `cargo run --release -p ltcforge-studies -- gpu-costs` finds them.
+/// The costs of all texts, by the names that [`LitBy::name`](super::LitBy::name) has for them, `cheap horizon` where
+/// `LTC_CHEAP_HORIZON` is chosen, of two lobes with how they are used, and of engines' ways by theirs: registers, instructions
+/// and inverse throughput. `cargo run --release -p ltcforge-studies -- gpu-costs` finds them.
 const COSTS: &[(&str, [u32; 3])] = &[
     ("ltc reflected", [48, 692, 1261]),
     ("ltc kt2022", [40, 577, 1033]),
@@ -39,6 +40,12 @@ const COSTS: &[(&str, [u32; 3])] = &[
     ("ltc reflected, blended", [64, 817, 1481]),
     ("ltc ltc2017, two integrals", [56, 711, 1328]),
     ("ltc ltc2017, blended", [40, 478, 866]),
+    ("ltc reflected, cut", [48, 1112, 1599]),
+    ("ltc reflected, cheap horizon", [48, 671, 1219]),
+    ("ltc reflected, cut, cheap horizon", [48, 908, 1454]),
+    ("ltc ltc2017, cut", [48, 834, 1090]),
+    ("ltc ltc2017, cheap horizon", [40, 392, 706]),
+    ("ltc ltc2017, cut, cheap horizon", [48, 629, 943]),
     ("ltc2017, clipless", [40, 311, 548]),
     ("ltc2017, stretched", [40, 328, 588]),
     ("kt2022, its own", [48, 713, 833]),

@@ -7,6 +7,7 @@
 //! Invariants: `shaders` knows neither a GPU nor a picture, and translates nothing; equal arguments give equal bytes on
 //! every machine.
 
+mod additions;
 mod es_module;
 mod gaussians_header;
 mod gaussians_table_header;
@@ -23,6 +24,7 @@ mod sources;
 mod stamp;
 mod text;
 
+pub use additions::{Additions, NothingBelow};
 pub use es_module::{DECLARATIONS, es_module};
 pub use gaussians_header::SG_LIGHT;
 pub use golden::{

@@ -1,5 +1,6 @@
 //! Models of light with the layouts of their tables, as shaders know them.
 
+use super::{Additions, NothingBelow};
 use ltcforge_fit::{Layout, named_list};
 use ltcforge_light::{LightModel, NormalsRule};
 
@@ -10,6 +11,7 @@ pub struct LitBy {
     model: LightModel,
     layout: Option<Layout>,
     rule: Option<NormalsRule>,
+    additions: Additions,
 }
 
 /// Why a model has no shader.
@@ -66,7 +68,9 @@ impl LitBy {
             (_, None) if model.needs_table() => Err(LitByError::NeedsLayout(model)),
             (None, Some(_)) => Err(LitByError::NoTable(model)),
             (Some(lobe), Some(layout)) if !layout.stores(lobe) => Err(LitByError::NotStored { model, layout }),
-            _ => Ok(Self { model, layout, rule: model.rule_choices().first().copied() }),
+            _ => {
+                Ok(Self { model, layout, rule: model.rule_choices().first().copied(), additions: Additions::default() })
+            }
         }
     }
 
@@ -84,19 +88,35 @@ impl LitBy {
         }
     }
 
-    /// The model, and its layout or rule where it has one: `ltc reflected`, `normals fast`, `sg`.
+    /// The same with additions to its text to include.
+    ///
+    /// # Errors
+    /// [`NothingBelow`].
+    pub fn with(self, additions: Additions) -> Result<Self, NothingBelow> {
+        additions.check(self.model)?;
+        Ok(Self { additions, ..self })
+    }
+
+    /// The model, its layout or rule where it has one, and its additions: `ltc reflected`, `normals fast`, `sg`,
+    /// `ltc reflected, cut`.
     #[must_use]
     pub fn name(self) -> String {
-        match self.layout.map(Layout::name).or(self.rule.map(NormalsRule::name)) {
-            Some(kind) => format!("{} {kind}", self.model),
-            None => self.model.name().to_owned(),
-        }
+        let kind = self.layout.map(Layout::name).or(self.rule.map(NormalsRule::name));
+        let kind = kind.map_or(String::new(), |kind| format!(" {kind}"));
+        let cut = if self.additions.cut { ", cut" } else { "" };
+        format!("{}{kind}{cut}", self.model)
     }
 
     /// The rule, of a model that has any.
     #[must_use]
     pub fn rule(self) -> Option<NormalsRule> {
         self.rule
+    }
+
+    /// What is added to its text to include.
+    #[must_use]
+    pub fn additions(self) -> Additions {
+        self.additions
     }
 
     /// The model.
@@ -172,6 +192,6 @@ pub enum Filter {
 
 impl From<Layout> for LitBy {
     fn from(layout: Layout) -> Self {
-        Self { model: LightModel::Ltc, layout: Some(layout), rule: None }
+        Self { model: LightModel::Ltc, layout: Some(layout), rule: None, additions: Additions::default() }
     }
 }

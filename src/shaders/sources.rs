@@ -1,5 +1,6 @@
 //! The sources in WGSL, and how they are joined.
 
+use super::Additions;
 use super::Bound;
 use super::Lights;
 use super::header::light_files;
@@ -19,7 +20,7 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 31] = [
+pub const SHADERS: [Shader; 33] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
     Shader { name: "texels_volumes", source: ltcforge_wgsl::TEXELS_VOLUMES },
@@ -34,6 +35,8 @@ pub const SHADERS: [Shader; 31] = [
     Shader { name: "ltc_two_lobes", source: ltcforge_wgsl::LTC_TWO_LOBES },
     Shader { name: "ltc_light", source: ltcforge_wgsl::LTC_LIGHT },
     Shader { name: "ltc_shapes", source: ltcforge_wgsl::LTC_SHAPES },
+    Shader { name: "ltc_cut", source: ltcforge_wgsl::LTC_CUT },
+    Shader { name: "ltc_cut_shapes", source: ltcforge_wgsl::LTC_CUT_SHAPES },
     Shader { name: "normals_view", source: ltcforge_wgsl::NORMALS_VIEW },
     Shader { name: "normals_arcs", source: ltcforge_wgsl::NORMALS_ARCS },
     Shader { name: "normals_arcs_rough", source: ltcforge_wgsl::NORMALS_ARCS_ROUGH },
@@ -152,7 +155,7 @@ fn previewed() -> Vec<&'static str> {
     let lights = others.flat_map(|lit_by| (lit_by.shader().functions)(Lights::All));
     TABLE
         .iter()
-        .chain(&["ltc_math", "ltc_two_lobes"])
+        .chain(&["ltc_math", "ltc_two_lobes", "ltc_cut", "ltc_cut_shapes"])
         .chain(lights)
         .chain(&["ggx_reference", "reference_solids", "sphere"])
         .copied()
@@ -185,10 +188,10 @@ pub fn ported(lit_by: LitBy) -> String {
 
 /// The shaders of a model's light, what reads its tables if it has any, and others.
 fn assembled(lit_by: LitBy, reader: [&str; 4], lights: Lights, others: &[&str]) -> String {
-    let functions = (lit_by.shader().functions)(lights);
+    let functions = [(lit_by.shader().functions)(lights), lit_by.additions().files(lights)].concat();
     match lit_by.layout() {
-        Some(layout) => module(&[&reader, functions, others].concat(), &[layout]),
-        None => joined(&[functions, others].concat()),
+        Some(layout) => module(&[&reader[..], &functions, others].concat(), &[layout]),
+        None => joined(&[&functions, others].concat()),
     }
 }
 
@@ -210,10 +213,10 @@ pub fn functions(lit_by: LitBy, reading: Reading, lights: Lights) -> String {
 
 /// The functions of a table's light that read no table: `smooth_at` has the coefficients.
 #[must_use]
-pub fn without_textures(smooth_at: &str, lights: Lights) -> String {
+pub fn without_textures(smooth_at: &str, lights: Lights, additions: Additions) -> String {
     let source = ltcforge_wgsl::LAYOUT_REFLECTED;
     let parts = ["ltc_smooth", "ltc_function"];
-    format!("{}\n{source}\n{smooth_at}", joined(&[&parts[..], light_files(lights)].concat()))
+    format!("{}\n{source}\n{smooth_at}", joined(&[&parts[..], light_files(lights), additions.files(lights)].concat()))
 }
 
 #[cfg(test)]
@@ -251,6 +254,8 @@ mod tests {
         validate(&["ltc_quadrant", "texels_array", "ltc_table", "ltc_lookup"]);
         validate(&["ltc_light"]);
         validate(&["ltc_math", "ltc_light", "ltc_shapes"]);
+        validate(&["ltc_light", "ltc_cut"]);
+        validate(&["ltc_math", "ltc_light", "ltc_shapes", "ltc_cut", "ltc_cut_shapes"]);
         validate(&["ltc_quadrant", "texels_volumes", "ltc_table", "ltc_lookup", "ltc_light"]);
         validate(&["ltc_quadrant", "texels_array", "ltc_table", "ltc_lookup", "ltc_two_lobes"]);
         let layouts = [None, Some(Layout::Reflected)];

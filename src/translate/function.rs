@@ -8,7 +8,7 @@ use super::{
 };
 use ltcforge_fit::{IsotropicFunction, Layout};
 use ltcforge_shaders::{
-    Language, Lights, Namespace, commented, functions_of, head, stamped, table_caller, without_textures,
+    Additions, Language, Lights, Namespace, commented, functions_of, head, stamped, table_caller, without_textures,
 };
 
 /// The licences of the text and of a table's numbers.
@@ -42,14 +42,19 @@ pub fn include_function(
     function: &IsotropicFunction,
     about: &[String],
     lights: Lights,
+    additions: Additions,
     namespace: &Namespace,
 ) -> Result<String, PortError> {
-    let source = format!("{}{}", without_textures(&smooth_at(function), lights), table_caller(false, lights));
+    let source = format!(
+        "{}{}",
+        without_textures(&smooth_at(function), lights, additions),
+        additions.called(&table_caller(false, lights), lights)
+    );
     let included = Included { source: &source, entry: "ltc_included", reading: None };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
     let lines = about.join("\n  ");
     let about = head(LICENCE, REVISION) + &ABOUT.replace("{lights}", functions_of(lights));
-    let header = commented(&format!("{about}  {lines}"));
+    let header = additions.explained(&commented(&format!("{about}  {lines}")), lights);
     let [header, text] = [&header, &text].map(|part| namespace.named(part, Layout::Reflected.into()));
     Ok(stamped(&header, &text))
 }

@@ -4,6 +4,7 @@
 //! commands.
 
 pub mod arcs;
+pub mod below;
 pub mod best;
 pub mod clock;
 pub mod costs;

@@ -14,7 +14,7 @@ use ltcforge::{
 };
 use ltcforge_driver::FAMILY_VARIABLE;
 use ltcforge_studies::{
-    arcs, best, costs, expected,
+    arcs, below, best, costs, expected,
     figures::Figure,
     glass, gpu_costs, l3, minimax, models,
     networks::{self, Asked, Numbers},
@@ -83,6 +83,8 @@ enum Study {
         #[arg(long, num_args = 2)]
         shipped: Option<Vec<PathBuf>>,
     },
+    /// The tables of docs/extremes.md and docs/lights.md: light from below the surface, and a cut there
+    Below,
     /// The polynomials of the shaders: `ltc_light.wgsl`, `ltc_quadrant.wgsl` and `normals_arcs*.wgsl`
     Polynomials,
     /// What the texts cost a GPU: `src/shaders/gpu_cost.rs`. Needs Mesa's RADV, no GPU
@@ -139,6 +141,7 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::Expected => expected::tell(|line| println!("{line}"))?,
         Study::Costs => print!("{}", costs::text(&costs::Efforts::WHOLE)?),
         Study::Models => print!("{}", models::tables(1.0)?),
+        Study::Below => print!("{}", below::tables(1.0)?),
         Study::Best { isotropic: true, shipped, .. } => print!("{}", best::isotropic(pair(shipped.as_deref()))?),
         Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),
         Study::L3 { shipped } => print!("{}", l3::tables(pair(shipped.as_deref()))?),

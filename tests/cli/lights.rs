@@ -338,3 +338,30 @@ fn the_documentation_shows_what_is_printed() {
     fs::write(folder.path().join("lights.csv"), lights).expect("lights");
     assert_eq!(run(folder.path(), ["light", "lights.csv", "--truth"]).exited(0).stdout, answer);
 }
+
+/// A light below the surface shines through an LTC, and not where it is cut.
+#[test]
+fn what_is_cut_at_the_surface_lets_nothing_through() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0).last_line().to_owned();
+    let below =
+        "1,1,1.55,0,2,-90,-90,-1,-90,90,-1,90,90,-1,90,-90,-1\n0.5,0.25,0.7,0.3,2,-1,-1,2,-1,1,2,1,1,2,1,-1,2\n";
+    let with = |options: &[&str]| {
+        let table = ["light", "-", "--model", "ltc", "--table", table.as_str()];
+        rows(&run_with_stdin(folder.path(), table.iter().chain(options), below).exited(0).stdout)
+    };
+    let (whole, cut) = (with(&[]), with(&["--cut"]));
+    assert!(whole[0][0] > 0.0 && cut[0] == [0.0, 0.0], "{whole:?} {cut:?}");
+    // What is above is lit by a lobe that is all above, which is brighter there.
+    assert!(cut[1][0] > whole[1][0] && cut[1][0] < 1.2 * whole[1][0], "{whole:?} {cut:?}");
+    for model in ["normals", "asg"] {
+        let refused = run_with_stdin(folder.path(), ["light", "-", "--cut", "--model", model], below).exited(2);
+        assert!(refused.stderr.contains("--cut is of model ltc"), "{}", refused.stderr);
+        let refused = run(folder.path(), ["shader", "--language", "hlsl", "--cut", "--model", model]).exited(2);
+        assert!(refused.stderr.contains("--cut is of model ltc"), "{}", refused.stderr);
+    }
+    let shader = ["shader", "--language", "hlsl", "--layout", "reflected", "--cut"];
+    assert!(run(folder.path(), shader).exited(0).stdout.contains("float ltc_cut_tube("));
+    let example = shader.iter().chain(&["--as", "example"]);
+    assert!(run(folder.path(), example).exited(2).stderr.contains("--cut is for a text to include"));
+}

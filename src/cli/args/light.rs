@@ -32,6 +32,9 @@ pub struct LightArgs {
     /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
+    /// Let light and lobe of model `ltc` end at the surface: nothing shines through from below
+    #[arg(long)]
+    pub cut: bool,
     /// The rule of model `normals` [default: balanced]
     #[arg(long, value_parser = named(NormalsRule::ALL, NormalsRule::name))]
     pub rule: Option<NormalsRule>,

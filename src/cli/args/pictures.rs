@@ -172,6 +172,9 @@ pub struct ShaderArgs {
     /// shorter [default: all]
     #[arg(long, value_parser = named(Lights::ALL, Lights::name))]
     pub lights: Option<Lights>,
+    /// What a text to include has beside the functions of its model
+    #[command(flatten)]
+    pub additions: AdditionArgs,
     /// Beginning of all names in a text to include, in place of ltc, normals or gaussians, for two tables in one shader
     #[arg(long, value_name = "NAME")]
     pub prefix: Option<Prefix>,
@@ -201,6 +204,14 @@ pub struct ShaderArgs {
     /// The file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+/// What a text to include has beside the functions of its model.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct AdditionArgs {
+    /// Add functions, in a text of model ltc to include, by which nothing shines through from below the surface
+    #[arg(long)]
+    pub cut: bool,
 }
 
 /// The form of a shader.

@@ -262,7 +262,7 @@ impl<T: Scalar> Cone<T> {
 }
 
 /// A number that grows with the angle from one turn anticlockwise to another, from 0 to 4.
-fn round<T: Scalar>(from: Turn<T>, to: Turn<T>) -> T {
+pub(super) fn round<T: Scalar>(from: Turn<T>, to: Turn<T>) -> T {
     let cos = from[0] * to[0] + from[1] * to[1];
     let sin = from[0] * to[1] - from[1] * to[0];
     if sin < T::ZERO { T::of(3.0) + cos } else { T::ONE - cos }

@@ -1,12 +1,14 @@
 //! The light of a table of Linearly Transformed Cosines: exact for the lobe that stands for the BRDF's.
 
 mod cone;
+mod cut;
 mod shapes;
 mod table;
 
 pub use cone::Cone;
+pub use cut::AboveSurface;
 pub use shapes::CosineSpace;
-pub use table::{by_blend, by_table};
+pub use table::{TableUse, by_blend, by_table, by_table_as};
 
 use super::rules::ModelOfLight;
 use ltcforge_fit::LobeModel;

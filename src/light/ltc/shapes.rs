@@ -15,8 +15,8 @@ use ltcforge_fit::{
 /// The linear map to the space in which a distribution is the clamped cosine.
 #[derive(Debug, Clone, Copy)]
 pub struct CosineSpace<T> {
-    rows: [Triple<T>; 3],
-    determinant: T,
+    pub(super) rows: [Triple<T>; 3],
+    pub(super) determinant: T,
 }
 
 impl<T: Scalar> CosineSpace<T> {
@@ -44,7 +44,7 @@ impl<T: Scalar> CosineSpace<T> {
         self.cone(centre, half_axes).map_or(T::ZERO, |cone| cone.covered())
     }
 
-    fn cone(&self, centre: Triple<T>, half_axes: [Triple<T>; 2]) -> Option<Cone<T>> {
+    pub(super) fn cone(&self, centre: Triple<T>, half_axes: [Triple<T>; 2]) -> Option<Cone<T>> {
         Cone::new(self.of(centre), half_axes.map(|axis| self.of(axis)))
     }
 
@@ -58,13 +58,20 @@ impl<T: Scalar> CosineSpace<T> {
         self.outline(centre, radius).map_or(T::ZERO, |cone| cone.covered())
     }
 
-    /// The cone of a sphere: that of a disk which faces the origin. Domain: outside of the sphere.
+    /// The cone of a sphere. Domain: outside of the sphere.
     fn outline(&self, centre: Triple<T>, radius: T) -> Option<Cone<T>> {
+        let (centre, half_axes) = Self::disk_of_sphere(centre, radius);
+        self.cone(centre, half_axes)
+    }
+
+    /// The centre and half axes of the disk that is seen of a sphere, up to a factor; it faces the origin. Domain:
+    /// outside of the sphere.
+    pub(super) fn disk_of_sphere(centre: Triple<T>, radius: T) -> (Triple<T>, [Triple<T>; 2]) {
         let towards = unit(centre);
         let sine2 = radius * radius / dot(centre, centre);
         let (x, y) = basis(towards);
-        let [x, y] = [x, y].map(|axis| scaled(axis, sine2.sqrt()));
-        self.cone(scaled(towards, (T::ONE - sine2).max(T::ZERO).sqrt()), [x, y])
+        let half_axes = [x, y].map(|axis| scaled(axis, sine2.sqrt()));
+        (scaled(towards, (T::ONE - sine2).max(T::ZERO).sqrt()), half_axes)
     }
 
     /// The part that a line covers, of a width that faces the origin everywhere, in the limit of a small one: it is
@@ -118,35 +125,43 @@ impl<T: Scalar> CosineSpace<T> {
     #[must_use]
     pub fn tube<V: Into<Triple<T>>>(&self, ends: [V; 2], radius: T) -> T {
         let ends = ends.map(V::into);
+        let [[first_right, first_left], [second_right, second_left]] = match self.edges_of_tube(ends, radius) {
+            Ok(touched) => touched.map(|end| end.map(|point| self.of(point))),
+            Err(nearest) => return self.sphere(nearest, radius),
+        };
+        let (Some(first), Some(second)) = (self.outline(ends[0], radius), self.outline(ends[1], radius)) else {
+            return T::ZERO;
+        };
+        let mut clip = Clip::begin(first_right);
+        clip.edge_to(second_right);
+        second.add_border(&mut clip, second_left);
+        clip.edge_to(first_left);
+        first.add_border(&mut clip, first_right);
+        clip.finish().max(T::ZERO).min(T::ONE)
+    }
+
+    /// The points at which the two planes through the origin that touch both spheres of a tube do so: for each end that
+    /// on the right and that on the left. An error is the point of the line whose sphere hides all the rest, or has the
+    /// origin inside.
+    pub(super) fn edges_of_tube(&self, ends: [Triple<T>; 2], radius: T) -> Result<[[Triple<T>; 2]; 2], Triple<T>> {
         let along = minus(ends[1], ends[0]);
         let length = dot(along, along).sqrt();
         let axis = unit(along);
         let foot = (-dot(ends[0], axis)).max(T::ZERO).min(length);
         let nearest = plus(ends[0], scaled(axis, foot));
-        if dot(nearest, nearest) <= radius * radius {
-            return T::ONE;
-        }
         let beside = minus(ends[0], scaled(axis, dot(ends[0], axis)));
         let distance2 = dot(beside, beside);
-        if !(length > T::ZERO) || distance2 <= radius * radius {
-            return self.sphere(nearest, radius);
+        if dot(nearest, nearest) <= radius * radius || !(length > T::ZERO) || distance2 <= radius * radius {
+            return Err(nearest);
         }
-        let (Some(first), Some(second)) = (self.outline(ends[0], radius), self.outline(ends[1], radius)) else {
-            return T::ZERO;
-        };
         // The planes with unit normals (r u +- sqrt(d^2 - r^2) v) / d touch the spheres, for the unit vector u from the
         // origin to the line, d long, and v across both.
         let towards = scaled(beside, radius / distance2);
         let sideways = scaled(cross(axis, beside), (distance2 - radius * radius).sqrt() / distance2);
         let sideways = if self.determinant < T::ZERO { scaled(sideways, -T::ONE) } else { sideways };
-        let touched = |end: Triple<T>, normal: Triple<T>| self.of(minus(end, scaled(normal, radius)));
+        let touched = |end: Triple<T>, normal: Triple<T>| minus(end, scaled(normal, radius));
         let (left, right) = (plus(towards, sideways), minus(towards, sideways));
-        let mut clip = Clip::begin(touched(ends[0], right));
-        clip.edge_to(touched(ends[1], right));
-        second.add_border(&mut clip, touched(ends[1], left));
-        clip.edge_to(touched(ends[0], left));
-        first.add_border(&mut clip, touched(ends[0], right));
-        clip.finish().max(T::ZERO).min(T::ONE)
+        Ok(ends.map(|end| [touched(end, right), touched(end, left)]))
     }
 }
 

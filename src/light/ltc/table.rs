@@ -2,7 +2,7 @@
 
 use glam::DMat3;
 
-use super::CosineSpace;
+use super::{AboveSurface, CosineSpace};
 use crate::{
     AreaLight, LightError, ReflectedLight,
     gaussians::{SphericalGaussian, reflected_by},
@@ -26,14 +26,37 @@ pub fn by_table<'a>(
     at: &Configuration,
     light: impl Into<AreaLight<'a>>,
 ) -> Result<ReflectedLight, LightError> {
-    surface_and_view(at)?;
+    by_table_as(table, at, light, TableUse::default())
+}
+
+/// How a table's light is found where there is a choice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TableUse {
+    /// An LTC and the light end at the surface: see [`AboveSurface`]. Else an LTC lets some light through from below;
+    /// Gaussians end there in either case.
+    pub cut: bool,
+    /// What a material reflects is one integral, of the blend of the two lobes of an entry; else each lobe has its own.
+    pub blend: bool,
+}
+
+/// As [`by_table`], with a choice.
+///
+/// # Errors
+/// As [`by_table`].
+pub fn by_table_as<'a>(
+    table: &Table,
+    at: &Configuration,
+    light: impl Into<AreaLight<'a>>,
+    TableUse { cut, .. }: TableUse,
+) -> Result<ReflectedLight, LightError> {
     let light = light.into();
+    surface_and_view(at)?;
     let found = table.lookup(at);
     let (Some(amplitude), Some(fresnel)) = (found.amplitude, found.fresnel) else { return Err(LightError::NoTerms) };
     let matrix = from_row_major(&found.matrix);
     let Some(gaussian) = table.lobe.gaussian() else {
-        let of_first = covered(&matrix, light)?;
-        let of_second = found.second.map(|second| covered(&from_row_major(&second), light)).transpose()?;
+        let of_first = covered(&matrix, light, cut)?;
+        let of_second = found.second.map(|second| covered(&from_row_major(&second), light, cut)).transpose()?;
         let fresnel = fresnel * of_second.unwrap_or(of_first);
         return Ok(ReflectedLight { energy: amplitude * of_first, fresnel });
     };
@@ -58,6 +81,7 @@ pub fn by_blend<'a>(
     at: &Configuration,
     light: impl Into<AreaLight<'a>>,
     [f0, f90]: [f64; 2],
+    TableUse { cut, .. }: TableUse,
 ) -> Result<f64, LightError> {
     surface_and_view(at)?;
     let found = table.lookup(at);
@@ -65,13 +89,16 @@ pub fn by_blend<'a>(
     let second = found.second.ok_or(LightError::OneLobe)?;
     let weight = blend_weight(LobeTerms { amplitude, fresnel }, f0, f90);
     let matrix = blended(&from_row_major(&found.matrix), &from_row_major(&second), weight);
-    Ok((f0 * (amplitude - fresnel) + f90 * fresnel) * covered(&matrix, light.into())?)
+    Ok((f0 * (amplitude - fresnel) + f90 * fresnel) * covered(&matrix, light.into(), cut)?)
 }
 
-/// The part of an LTC that a light covers.
-fn covered(matrix: &DMat3, light: AreaLight<'_>) -> Result<f64, LightError> {
+/// The part that a light covers of an LTC, or of one that ends at the surface.
+fn covered(matrix: &DMat3, light: AreaLight<'_>, cut: bool) -> Result<f64, LightError> {
     let ltc = Ltc::new(*matrix).ok_or(LightError::Singular)?;
     let space = CosineSpace::from(&ltc);
+    if cut {
+        return Ok(covered_above(&space.above_surface(), light));
+    }
     Ok(match light {
         AreaLight::Polygon(light) => ltc.polygon(light.vertices(), light.sides()),
         AreaLight::Shaped(light) => match *light.form() {
@@ -81,4 +108,16 @@ fn covered(matrix: &DMat3, light: AreaLight<'_>) -> Result<f64, LightError> {
             Form::Line { ends, width } => space.line(ends, width),
         },
     })
+}
+
+fn covered_above(above: &AboveSurface<f64>, light: AreaLight<'_>) -> f64 {
+    match light {
+        AreaLight::Polygon(light) => above.polygon(light.vertices(), light.sides()),
+        AreaLight::Shaped(light) => match *light.form() {
+            Form::Ellipse { centre, half_axes, sides } => above.ellipse(centre, half_axes, sides),
+            Form::Sphere { centre, radius } => above.sphere(centre, radius),
+            Form::Tube { ends, radius } => above.tube(ends, radius),
+            Form::Line { ends, width } => above.line(ends, width),
+        },
+    }
 }

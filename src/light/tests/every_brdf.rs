@@ -212,7 +212,7 @@ fn lambert() -> BrdfModel {
 fn a_table_is_measured_by_what_it_stands_for() {
     let error = |brdf: &BrdfModel| {
         let lights = RandomLights::draw(brdf, &RANGE, 60).expect("ranges of a table");
-        (light_error(Lighting::Table(&cosine(brdf.clone())), &lights).expect("a lobe"), lights.mean_energy())
+        (light_error(Lighting::by(&cosine(brdf.clone())), &lights).expect("a lobe"), lights.mean_energy())
     };
     let (exact, energy) = error(&lambert());
     assert!(exact.max < 1e-4 && (0.05..0.8).contains(&energy), "{exact:?} {energy}");
@@ -232,9 +232,9 @@ fn what_stands_for_another_model_is_refused() {
     }
     let burley = cosine(BrdfKind::BurleyDiffuse.into());
     let refused = LightError::OtherLights { lights: BrdfKind::OrenNayar, table: BrdfKind::BurleyDiffuse };
-    assert_eq!(light_error(Lighting::Table(&burley), &lights).err(), Some(refused.clone()));
-    let map = light_map(&[Lighting::Table(&burley)], &BrdfKind::OrenNayar.into(), &RANGE, 1, 1);
+    assert_eq!(light_error(Lighting::by(&burley), &lights).err(), Some(refused.clone()));
+    let map = light_map(&[Lighting::by(&burley)], &BrdfKind::OrenNayar.into(), &RANGE, 1, 1);
     assert_eq!(map.err(), Some(refused));
-    let map = light_map(&[Lighting::Table(&burley)], &BrdfKind::BurleyDiffuse.into(), &RANGE, 2, 3).expect("a table");
+    let map = light_map(&[Lighting::by(&burley)], &BrdfKind::BurleyDiffuse.into(), &RANGE, 2, 3).expect("a table");
     assert!(map.errors[0].len() == 4 && map.errors[0].iter().all(|error| *error < 0.2), "{map:?}");
 }

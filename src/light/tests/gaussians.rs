@@ -80,7 +80,7 @@ fn fitted_gaussians_are_nearer_than_closed_forms() {
     let error = |model: Lighting<'_>| light_error(model, &lights).expect("a surface");
     for (lobe, part) in [(LobeModel::Sg, 0.8), (LobeModel::Asg, 0.84)] {
         let table = fitted(lobe);
-        let [fitted, closed] = [Lighting::Table(&table), formula(LightModel::of_lobe(lobe))].map(error);
+        let [fitted, closed] = [Lighting::by(&table), formula(LightModel::of_lobe(lobe))].map(error);
         let measured = report(&table, &EVERYWHERE, 64);
         println!("{lobe}: {fitted:?}, closed form {closed:?}, {:?}", measured.nodes.amplitude);
         assert!(fitted.mean < part * closed.mean, "{lobe}: {fitted:?} {closed:?}");
@@ -89,7 +89,7 @@ fn fitted_gaussians_are_nearer_than_closed_forms() {
         assert!(amplitude.mean < 0.01, "{lobe}: {amplitude:?}");
         assert!(table.terms().expect("terms").amplitude().iter().any(|stored| *stored > 1.05), "{lobe}");
         assert_eq!(
-            light_error(Lighting::Table(&Table { terms: None, ..table }), &lights).err(),
+            light_error(Lighting::by(&Table { terms: None, ..table }), &lights).err(),
             Some(LightError::NoTerms)
         );
     }

@@ -6,8 +6,15 @@ use ltcforge_fit::testing::planted_isotropic;
 fn every_language_has_the_functions_and_binds_nothing() {
     let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
     for language in Language::ALL.iter().copied().filter(|language| language.has_includes()) {
-        let text = include_function(language, &function, &["table 17".to_owned()], Lights::All, &Namespace::default())
-            .expect("a translation");
+        let text = include_function(
+            language,
+            &function,
+            &["table 17".to_owned()],
+            Lights::All,
+            Additions::default(),
+            &Namespace::default(),
+        )
+        .expect("a translation");
         let name = language.name();
         assert!(text.starts_with("// SPDX") && text.contains("//   table 17\n"), "{name}");
         let code: String = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect();

@@ -8,7 +8,7 @@ use super::*;
 use crate::{include_function, tests::lit_by};
 use ltcforge_fit::{IsotropicFunction, Layout, testing::planted_isotropic};
 use ltcforge_light::LightModel;
-use ltcforge_shaders::{Filter, Lights, Namespace};
+use ltcforge_shaders::{Additions, Filter, Lights, Namespace};
 
 fn namespace(prefix: &str, first_binding: u16) -> Namespace {
     Namespace { prefix: Some(prefix.parse().expect("a prefix")), first_binding, group: 0 }
@@ -22,7 +22,8 @@ fn lights(language: Language, reading: Reading) -> [(String, &'static str); 6] {
     };
     let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
     let function =
-        include_function(language, &function, &[], Lights::All, &namespace("smooth", 0)).expect("a translation");
+        include_function(language, &function, &[], Lights::All, Additions::default(), &namespace("smooth", 0))
+            .expect("a translation");
     [
         (text(Layout::Reflected.into(), &Namespace::default()), "ltc"),
         (text(Layout::Ltc2017.into(), &namespace("iso2", 5)), "iso2"),

@@ -8,7 +8,7 @@ use super::*;
 use crate::{tests::lit_by, wgsl::folded};
 use ltcforge_fit::Layout;
 use ltcforge_light::{LightModel, NormalsRule};
-use ltcforge_shaders::{Filter, Lights, LitBy, Reading, SHADERS, functions};
+use ltcforge_shaders::{Additions, Filter, Lights, LitBy, Reading, SHADERS, functions};
 
 const TEXTS: [Language; 5] = [Language::Glsl, Language::Glsl330, Language::GlslEs, Language::Hlsl, Language::Msl];
 
@@ -90,13 +90,15 @@ fn sources() -> Vec<(LitBy, String)> {
     let rules = NormalsRule::SHADED.map(|rule| lit_by(LightModel::Normals, None).by_rule(Some(rule)).expect("a rule"));
     let models =
         rules.into_iter().chain([lit_by(LightModel::Asg, None), lit_by(LightModel::Asg, Some(Layout::Kt2022))]);
-    let layouts = Layout::ALL.iter().map(|layout| (*layout).into());
+    let cut = LitBy::from(Layout::Reflected).with(Additions { cut: true }).expect("a table of LTCs");
+    let layouts = Layout::ALL.iter().map(|layout| (*layout).into()).chain([cut]);
     let mut sources = Vec::new();
     for lit_by in models.chain(layouts) {
         for (reading, lights) in
             Reading::ALL.into_iter().flat_map(|reading| Lights::ALL.iter().map(move |l| (reading, *l)))
         {
-            let source = functions(lit_by, reading, lights) + &(lit_by.shader().caller)(reading, lights);
+            let source = functions(lit_by, reading, lights)
+                + &lit_by.additions().called(&(lit_by.shader().caller)(reading, lights), lights);
             let filtered = folded(&source, "ltc_hardware_filter", reading.filter == Filter::Hardware);
             sources.push((lit_by, filtered.unwrap_or_else(|fault| panic!("{}", fault.told(&source)))));
         }

@@ -20,7 +20,8 @@ fn texts() -> Vec<(String, String)> {
     let renamed = Namespace { prefix: "sheen".parse().ok(), first_binding: 6, group: 1 };
     for language in Language::ALL.iter().copied().filter(|language| language.has_includes()) {
         let name = language.name();
-        let by_function = include_function(language, &function, &[], Lights::All, &renamed).expect("a text");
+        let by_function =
+            include_function(language, &function, &[], Lights::All, Additions::default(), &renamed).expect("a text");
         let by_table = include(language, Layout::Ltc2017, Reading::default(), Lights::All, &renamed).expect("a text");
         texts.extend([(format!("{name} function"), by_function), (format!("{name} ltc2017"), by_table)]);
     }

@@ -32,7 +32,7 @@ pub fn light_errors(table: Option<NamedTable<'_>>, rule: NormalsRule, count: usi
     let brdf = table.map_or(&ggx, |named| named.table.model());
     let closed = LightModel::Normals.closed_form(Some(rule)).filter(|_| *brdf == BrdfKind::Ggx);
     let models: Vec<Lighting<'_>> =
-        table.iter().map(|named| Lighting::Table(named.table)).chain(closed.map(Lighting::ClosedForm)).collect();
+        table.iter().map(|named| Lighting::by(named.table)).chain(closed.map(Lighting::ClosedForm)).collect();
     let range = table.map_or(EVERYWHERE, |named| *named.range);
     let map = light_map(&models, brdf, &range, CELLS, count)?;
     let nodes = table.map_or([&[][..], &[][..]], |NamedTable { table, .. }| [&table.axes.alpha, &table.axes.theta]);

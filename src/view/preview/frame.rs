@@ -39,6 +39,8 @@ pub(super) struct Frame {
     pub(super) cells: u32,
     pub(super) spp: u32,
     pub(super) light: FrameLight,
+    /// Whether light from below the surface is cut off: a constant of the pipeline.
+    pub(super) is_cut: bool,
 }
 
 /// Uniforms of `ggx_reference.wgsl`.
@@ -137,6 +139,7 @@ impl Frame {
                 radiance: scene.light.intensity as f32,
                 two_sided: scene.light.two_sided,
             },
+            is_cut: scene.cut,
         }
     }
 

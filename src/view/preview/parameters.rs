@@ -20,7 +20,7 @@ const TURN: [f64; 2] = [-TAU, TAU];
 const QUARTER: f64 = TAU / 4.0;
 
 /// Every parameter. They are set in this order: the named scene first, then the parameters that differ from it.
-pub static PARAMETERS: [Parameter; 25] = [
+pub static PARAMETERS: [Parameter; 26] = [
     name(
         "scene",
         "Named set-up",
@@ -51,6 +51,13 @@ pub static PARAMETERS: [Parameter; 25] = [
         |s| NormalsRule::SHADED.iter().position(|rule| *rule == s.rule),
         |s, i| s.rule = NormalsRule::SHADED[i],
     ),
+    Parameter {
+        name: "cut",
+        help: "Whether light and lobe of model ltc end at the surface: nothing shines through from below",
+        value_name: "BOOL",
+        unit: None,
+        form: ParameterForm::Flag(|s| &mut s.cut),
+    },
     whole("size", "Pixels a side of each panel", [64, 2048], |s| &mut s.size),
     whole("spp", "Samples a pixel of the reference", [1, 4096], |s| &mut s.spp),
     alpha("alpha_x", "GGX roughness along the tangent, of one material in place of the scene's", |m| &mut m.alpha_x),

@@ -37,6 +37,8 @@ pub struct Scene {
     pub model: LightModel,
     /// The rule of model `normals`.
     pub rule: NormalsRule,
+    /// Whether light and lobe of model `ltc` end at the surface: nothing shines through from below.
+    pub cut: bool,
     /// Radiance is multiplied by this before it is displayed.
     pub exposure: f64,
     /// The difference, in radiance, at the end of the colour bar.
@@ -152,18 +154,19 @@ impl Scene {
     pub fn canonical(self) -> Self {
         let usual = Self { mode: self.mode, size: self.size, ..Self::default() };
         let rule = if self.shows(LightModel::Normals) { self.rule } else { usual.rule };
+        let cut = self.cut && self.mode != Mode::Lobe && self.shows(LightModel::Ltc);
         match self.mode {
             Mode::Ltc => {
                 let Self { lobe, spp, difference_scale, .. } = usual;
-                Self { lobe, spp, rule, difference_scale, ..self }
+                Self { lobe, spp, rule, cut, difference_scale, ..self }
             }
             Mode::Reference => {
                 let Self { lobe, model, difference_scale, .. } = usual;
-                Self { lobe, model, rule, difference_scale, ..self }
+                Self { lobe, model, rule, cut, difference_scale, ..self }
             }
             // False colours are of radiance, whatever it is displayed like.
-            Mode::Difference => Self { lobe: usual.lobe, exposure: usual.exposure, rule, ..self },
-            Mode::Strip => Self { lobe: usual.lobe, rule, ..self },
+            Mode::Difference => Self { lobe: usual.lobe, exposure: usual.exposure, rule, cut, ..self },
+            Mode::Strip => Self { lobe: usual.lobe, rule, cut, ..self },
             Mode::Models => Self { lobe: usual.lobe, model: usual.model, ..self },
             Mode::Lobe => {
                 let roughness = |material: &Material| Material { rotation: 0.0, ..*material };
@@ -222,6 +225,7 @@ impl Default for Scene {
             mode: Mode::Ltc,
             model: LightModel::Ltc,
             rule: NormalsRule::Balanced,
+            cut: false,
             exposure: 1.0,
             difference_scale: 0.2,
         }

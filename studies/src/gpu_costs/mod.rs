@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use ltcforge::{
     fit::Layout,
     light::{LightModel, NormalsRule, engines::EngineWay},
-    shaders::{Lights, LitBy, Reading, functions},
+    shaders::{Additions, Lights, LitBy, Reading, functions},
 };
 use ltcforge_driver::{Driver, DriverError, Figures, Resource};
 use naga::{
@@ -72,14 +72,35 @@ fn programs() -> Vec<Program> {
     let two =
         [Layout::Reflected, Layout::Ltc2017].into_iter().flat_map(|layout| TWO_LOBES.map(|way| of_two(layout, way)));
     let ways = EngineWay::ALL.iter().map(|way| of_way(*way));
-    texts.chain(two).chain(ways).collect()
+    texts.chain(two).chain(by_choice()).chain(ways).collect()
+}
+
+/// Tables' texts by what may be chosen of them: cut at the surface, the horizon by the cheap fit, both.
+fn by_choice() -> impl Iterator<Item = Program> {
+    let layouts = [Layout::Reflected, Layout::Ltc2017];
+    let choices = [(true, false), (false, true), (true, true)];
+    layouts.into_iter().flat_map(move |layout| choices.map(|choice| (layout, choice))).filter_map(
+        |(layout, (cut, is_cheap))| {
+            let text = of_text(LitBy::from(layout).with(Additions { cut }).ok()?);
+            Some(if is_cheap { with_cheap_horizon(text) } else { text })
+        },
+    )
+}
+
+fn with_cheap_horizon(Program { name, wgsl }: Program) -> Program {
+    let [exact, cheap] = [false, true].map(|is_cheap| format!("const LTC_CHEAP_HORIZON: bool = {is_cheap};"));
+    Program { name: format!("{name}, cheap horizon"), wgsl: wgsl.replacen(&exact, &cheap, 1) }
 }
 
 fn of_text(lit_by: LitBy) -> Program {
     let calls = match lit_by.model() {
-        LightModel::Ltc => "let lobe = ltc_lookup(alpha.x, alpha.y, seen.wo);
-    return vec4(ltc_rectangle(ltc_inverse(lobe.m), seen.corners, false), lobe.amplitude, lobe.fresnel, 0.0);"
-            .to_owned(),
+        LightModel::Ltc => {
+            let rectangle = if lit_by.additions().cut { "ltc_cut_rectangle" } else { "ltc_rectangle" };
+            format!(
+                "let lobe = ltc_lookup(alpha.x, alpha.y, seen.wo);
+    return vec4({rectangle}(ltc_inverse(lobe.m), seen.corners, false), lobe.amplitude, lobe.fresnel, 0.0);"
+            )
+        }
         LightModel::Normals => "let view = normals_view(alpha.x, alpha.y, seen.wo);
     return vec4(normals_rectangle(view, seen.corners, false), 0.0, 0.0);"
             .to_owned(),

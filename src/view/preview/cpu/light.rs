@@ -43,6 +43,26 @@ impl Inverse {
         (if light.two_sided { covered.abs() } else { covered }).clamp(0.0, 1.0)
     }
 
+    /// The part of the distribution above the surface, likewise. Twin of `ltc_cut.wgsl` and `ltc_cut_shapes.wgsl`.
+    pub(super) fn covered_above(&self, light: &FrameLight, position: Vec3, to_local: Mat3) -> f32 {
+        let Some(space) = self.cosine_space(Mat3::IDENTITY) else { return 0.0 };
+        let above = space.above_surface();
+        let around = |v: Vec3| to_local * (v - position);
+        let sides = if light.two_sided { Sides::Two } else { Sides::One };
+        match light.shape {
+            FrameShape::Polygon => {
+                let vertices: Vec<Vec3> = light.vertices.iter().map(|v| around(*v)).collect();
+                above.polygon(&vertices, sides)
+            }
+            FrameShape::Ellipse(ellipse) => {
+                let half_axes = ellipse.half_axes.map(|(axis, _)| to_local * axis);
+                above.ellipse(around(ellipse.centre), half_axes, sides)
+            }
+            FrameShape::Tube { ends, radius } => above.tube(ends.map(around), radius),
+            FrameShape::Line { ends, width } => above.line(ends.map(around), width),
+        }
+    }
+
     /// The space of the clamped cosine, from that which `to_local` leads into the tangent frame; `None` where nothing
     /// is lit. Twin of `ltc_shapes.wgsl`.
     pub(super) fn cosine_space(&self, to_local: Mat3) -> Option<CosineSpace<f32>> {

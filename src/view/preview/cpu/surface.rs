@@ -128,7 +128,12 @@ fn by_two_lobes(frame: &Frame, table: &ShaderTable, second: SecondLobe, at: &Sha
 
 fn covered_by(frame: &Frame, m: Mat3, at: &Shaded) -> f32 {
     let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
-    Inverse::of(m).covered(&frame.light, at.position, to_local)
+    let inverse = Inverse::of(m);
+    if frame.is_cut {
+        inverse.covered_above(&frame.light, at.position, to_local)
+    } else {
+        inverse.covered(&frame.light, at.position, to_local)
+    }
 }
 
 /// The light around a surface, in its tangent frame.

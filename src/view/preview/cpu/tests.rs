@@ -44,7 +44,16 @@ pub(in crate::preview) fn lit_by_gaussian(
 
 /// `ltc_polygon` with the inverse of `m`.
 pub(in crate::preview) fn covered(m: glam::Mat3, vertices: &[glam::Vec3], two_sided: bool) -> f32 {
-    let light = super::super::frame::FrameLight {
+    light::Inverse::of(m).covered(&polygon(vertices, two_sided), glam::Vec3::ZERO, glam::Mat3::IDENTITY)
+}
+
+/// `ltc_cut_polygon`, likewise.
+pub(in crate::preview) fn covered_above(m: glam::Mat3, vertices: &[glam::Vec3], two_sided: bool) -> f32 {
+    light::Inverse::of(m).covered_above(&polygon(vertices, two_sided), glam::Vec3::ZERO, glam::Mat3::IDENTITY)
+}
+
+fn polygon(vertices: &[glam::Vec3], two_sided: bool) -> super::super::frame::FrameLight {
+    super::super::frame::FrameLight {
         vertices: vertices.to_vec(),
         area_up_to: Vec::new(),
         shape: super::super::frame::FrameShape::Polygon,
@@ -52,8 +61,7 @@ pub(in crate::preview) fn covered(m: glam::Mat3, vertices: &[glam::Vec3], two_si
         area: 0.0,
         radiance: 1.0,
         two_sided,
-    };
-    light::Inverse::of(m).covered(&light, glam::Vec3::ZERO, glam::Mat3::IDENTITY)
+    }
 }
 
 /// `ltc_disk`, `ltc_sphere`, `ltc_tube` and `ltc_line` with the inverse of `m`: of a centre and two half axes, and of `size`.
@@ -65,5 +73,17 @@ pub(in crate::preview) fn shapes_covered(m: glam::Mat3, [centre, x, y]: [glam::V
         space.sphere(centre, size),
         space.tube(ends, size),
         space.line(ends, size),
+    ]
+}
+
+/// `ltc_cut_disk`, `ltc_cut_sphere`, `ltc_cut_tube` and `ltc_cut_line`, likewise.
+pub(in crate::preview) fn shapes_covered_above(m: glam::Mat3, [centre, x, y]: [glam::Vec3; 3], size: f32) -> [f32; 4] {
+    let Some(space) = light::Inverse::of(m).cosine_space(glam::Mat3::IDENTITY) else { return [0.0; 4] };
+    let (above, ends) = (space.above_surface(), [centre - x, centre + x]);
+    [
+        above.ellipse(centre, [x, y], ltcforge_fit::Sides::Two),
+        above.sphere(centre, size),
+        above.tube(ends, size),
+        above.line(ends, size),
     ]
 }

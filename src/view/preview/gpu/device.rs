@@ -7,7 +7,7 @@ use crate::preview::{
     estimator::Estimator,
     frame::{Frame, FrameShape},
 };
-use ltcforge_fit::SecondLobe;
+use ltcforge_fit::{LobeModel, SecondLobe};
 use ltcforge_light::{Gaussian, LightModel, NormalsRule};
 use ltcforge_shaders::{Bound, preview_module};
 
@@ -39,6 +39,8 @@ struct PipelineKey {
     shape: u32,
     /// The light of closed forms and Gaussians is a polygon of other than four vertices.
     is_polygon: bool,
+    /// Light from below the surface is cut off, where a table lets it through.
+    is_cut: bool,
 }
 
 impl PipelineKey {
@@ -52,6 +54,7 @@ impl PipelineKey {
             estimator,
             shape: if estimator.is_lobe() || (is_flat && is_of_polygons) { 0 } else { frame.light.shape.number() },
             is_polygon: is_of_polygons && frame.light.outline_vertices() != 4,
+            is_cut: frame.is_cut && matches!(estimator, Estimator::Table(LobeModel::Ltc) | Estimator::TwoLobes(_)),
         }
     }
 }
@@ -148,6 +151,7 @@ impl Device {
             ("lookup_is_constant", flag(self.lookup_is_constant)),
             ("light_shape", f64::from(key.shape)),
             ("light_is_polygon", flag(key.is_polygon)),
+            ("light_is_cut", flag(key.is_cut)),
             ("normals_rule", f64::from(rule as u32)),
             ("gaussian", f64::from(gaussian as u32)),
             ("second_lobe", second_lobe(estimator)),

@@ -146,6 +146,30 @@ fn gpu_and_cpu_agree_on_every_shape() {
     }
 }
 
+/// Lights of every shape whose part below the surface is cut off.
+#[test]
+fn gpu_and_cpu_agree_on_lights_that_the_surface_cuts() {
+    let mut renderers = renderers();
+    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let table = shader_table(TexelFormat::F32);
+    let mut darker = 0;
+    for (named, kind) in [NamedScene::BrushedFloor, NamedScene::Horizon, NamedScene::Sphere]
+        .into_iter()
+        .flat_map(|named| LightKind::NAMED.map(|(_, kind)| (named, kind)))
+    {
+        let usual = named.scene();
+        for (centre, half_size) in [(usual.light.centre, [0.8, 0.3]), ([0.9, 0.1, 0.2], [2.0, 0.5])] {
+            let light = Light { kind, centre, half_size, rotation: [0.3, 0.8, 0.1], ..usual.light };
+            let scene = Scene { size: 64, cut: true, light, ..usual.clone() };
+            let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
+            assert_twins(&a.picture, &b.picture, &format!("{kind:?} {} {centre:?}", named.name()));
+            let whole = render(cpu, &table, &Scene { cut: false, ..scene });
+            darker += usize::from(apart(&whole.picture, &b.picture).1 > 0.01);
+        }
+    }
+    assert!(darker > 10, "{darker} pictures show that anything is cut");
+}
+
 #[test]
 fn gpu_and_cpu_agree_on_mirrors_and_needles() {
     let mut renderers = renderers();

@@ -6,7 +6,7 @@ use super::tell_skipped;
 use crate::preview::gpu::{GpuFailure, tests::example};
 use ltcforge_fit::{Configuration, IsotropicFunction, Layout, testing::planted_isotropic};
 use ltcforge_shaders::Namespace;
-use ltcforge_shaders::{Language, Lights};
+use ltcforge_shaders::{Additions, Language, Lights};
 use ltcforge_translate::include_function;
 
 #[test]
@@ -25,7 +25,9 @@ fn tried_once() {
 }
 ";
     let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
-    let source = include_function(Language::Wgsl, &function, &[], Lights::All, &Namespace::default()).expect("WGSL");
+    let source =
+        include_function(Language::Wgsl, &function, &[], Lights::All, Additions::default(), &Namespace::default())
+            .expect("WGSL");
     let mut tried = Vec::new();
     // The first three are below the least that is fitted.
     for alpha in [0.0, 1e-5, 5e-5, 0.0002, 0.01, 0.13, 0.6, 1.0] {

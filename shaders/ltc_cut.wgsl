@@ -1,0 +1,105 @@
+// Integrates a Linearly Transformed Cosine that ends at the surface over polygons: nothing shines through from below. Needs
+// ltc_light.wgsl.
+//
+// Lights are given relative to the shaded point in its tangent frame, normal +z, as in ltc_light.wgsl. They are cut at the
+// surface, then at the lobe's own horizon, and what is left is divided by the part of the lobe above the surface.
+
+/// An outline that is cut at the surface edge by edge.
+struct LtcCut {
+    clip: LtcClip,
+    /// Where it dips below the surface and where it comes back, in the tangent frame.
+    leaves: vec3<f32>,
+    enters: vec3<f32>,
+}
+
+/// One over the part of the lobe above the surface, which is half of 1 + cos t for the angle t between the normal z and M^T z:
+/// that of a clamped cosine in a half space.
+fn ltc_per_part_above(inverse: LtcInverse) -> f32 {
+    // The last row of M, up to a factor.
+    let row = cross(inverse.m[0], inverse.m[1]) * inverse.side;
+    return 2.0 / max(1.0 + row.z * inverseSqrt(dot(row, row) + 1e-36), 1e-6);
+}
+
+/// Adds an edge above the surface, which need not begin where the last one ends.
+fn ltc_cut_above(inverse: LtcInverse, clip: LtcClip, start: vec3<f32>, end: vec3<f32>) -> LtcClip {
+    var next = clip;
+    let a = inverse.m * start;
+    let b = inverse.m * end;
+    next.previous = a;
+    next.previous_unit = ltc_unit(a);
+    next = ltc_clip_edge(next, b);
+    if (LTC_CHEAP_HORIZON) {
+        // The sum is not read of polygons; ltc_cut_shapes.wgsl adds arcs to it.
+        var p = ltc_unit(a);
+        var q = ltc_unit(b);
+        if (a.z > 0.0 && b.z <= 0.0) {
+            q = ltc_unit(vec3(b.xy * a.z - a.xy * b.z, 0.0));
+            next.leaves = q;
+        }
+        if (a.z <= 0.0 && b.z > 0.0) {
+            p = ltc_unit(vec3(a.xy * b.z - b.xy * a.z, 0.0));
+            next.enters = p;
+        }
+        if (a.z > 0.0 || b.z > 0.0) {
+            next.sum += ltc_chord(p, q, clip.origin) + ltc_arc(p, q);
+        }
+    }
+    return next;
+}
+
+/// Adds an edge of a light.
+fn ltc_cut_edge(inverse: LtcInverse, cut: LtcCut, a: vec3<f32>, b: vec3<f32>) -> LtcCut {
+    var next = cut;
+    if (a.z <= 0.0 && b.z <= 0.0) {
+        return next;
+    }
+    let crossing = vec3(a.xy * abs(b.z) + b.xy * abs(a.z), 0.0);
+    var start = a;
+    var end = b;
+    if (b.z <= 0.0) {
+        next.leaves = crossing;
+        end = crossing;
+    }
+    if (a.z <= 0.0) {
+        next.enters = crossing;
+        start = crossing;
+    }
+    next.clip = ltc_cut_above(inverse, next.clip, start, end);
+    return next;
+}
+
+/// The part of the lobe that is covered. A straight edge along the surface closes a cut outline.
+fn ltc_cut_finish(inverse: LtcInverse, cut: LtcCut, two_sided: bool) -> f32 {
+    var clip = cut.clip;
+    if (any(cut.leaves != cut.enters)) {
+        clip = ltc_cut_above(inverse, clip, cut.leaves, cut.enters);
+    }
+    return min(ltc_clip_finish(clip, inverse.side, two_sided) * ltc_per_part_above(inverse), 1.0);
+}
+
+/// As ltc_rectangle, without light from below.
+fn ltc_cut_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: bool) -> f32 {
+    let last = corners[0] + corners[2] - corners[1];
+    var cut = LtcCut(ltc_clip_begin(inverse.m * corners[0]), vec3(0.0), vec3(0.0));
+    cut = ltc_cut_edge(inverse, cut, corners[0], corners[1]);
+    cut = ltc_cut_edge(inverse, cut, corners[1], corners[2]);
+    cut = ltc_cut_edge(inverse, cut, corners[2], last);
+    cut = ltc_cut_edge(inverse, cut, last, corners[0]);
+    return ltc_cut_finish(inverse, cut, two_sided);
+}
+
+/// As ltc_polygon, without light from below.
+fn ltc_cut_polygon(inverse: LtcInverse, vertices: array<vec3<f32>, 8>, count: u32, two_sided: bool) -> f32 {
+    var outline = vertices;
+    let number = clamp(count, 3u, 8u);
+    var previous = outline[number - 1u];
+    var cut = LtcCut(ltc_clip_begin(inverse.m * previous), vec3(0.0), vec3(0.0));
+    for (var i = 0u; i < 8u; i++) {
+        if (i >= number) {
+            break;
+        }
+        cut = ltc_cut_edge(inverse, cut, previous, outline[i]);
+        previous = outline[i];
+    }
+    return ltc_cut_finish(inverse, cut, two_sided);
+}
