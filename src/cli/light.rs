@@ -12,12 +12,14 @@ use super::{
     args::LightArgs,
     csv::{CsvLines, LineFailure},
     input::AnyTable,
-    light_case,
+    light_case::CaseFormat,
     out_of_range::{Clamped, OutOfRangeCount, clamped},
     tabulated,
 };
 use ltcforge_fit::BrdfKind;
-use ltcforge_light::{LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE, truth_of};
+use ltcforge_light::{
+    AnisotropicRoughness, LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE, truth_of,
+};
 
 /// Prints the reflected light of each line as soon as it is read.
 pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
@@ -30,26 +32,34 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
     let lines = CsvLines::open(&args.cases, "lights")?;
     let mut out = BufWriter::new(&mut *context.stdout);
     let mut out_of_range = OutOfRangeCount::default();
+    if let Some(material) = args.material
+        && material != material.within_bounds()
+    {
+        eprintln!("material: alpha {} {} is taken as 1 where it is above", material.alpha_x, material.alpha_y);
+    }
     if !json {
         writeln!(out, "{}", header(args)).map_err(|error| CommandFailure::stdout(&error))?;
     }
-    let is_header = |line: &str| light_case::is_header(args.light, line);
-    lines.each(is_header, |line| {
-        let Some(case) = light_case::parse(args.light, line).map_err(LineFailure::Line)? else { return Ok(()) };
-        let (at, light) = (case.at, &case.light);
-        let refuse = |error: LightError| LineFailure::Line(error.to_string());
-        let reflected = lighting.reflected(&at, light).map_err(refuse)?;
-        let true_light =
-            if args.truth { Some(truth_of(&brdf, TRUTH_TOLERANCE, &at, light).map_err(refuse)?) } else { None };
-        let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
-        out_of_range.count(clamped.as_deref().unwrap_or_default());
-        let written = if json {
-            write_json(&mut out, args, &reflected, true_light.as_ref(), clamped.as_deref())
-        } else {
-            write_row(&mut out, args, &reflected, true_light.as_ref())
-        };
-        written.map_err(|error| LineFailure::stdout(&error))
-    })?;
+    let format = CaseFormat { shape: args.light, material: args.material.map(AnisotropicRoughness::within_bounds) };
+    lines.each(
+        |line| format.is_header(line),
+        |line| {
+            let Some(case) = format.parse(line).map_err(LineFailure::Line)? else { return Ok(()) };
+            let (at, light) = (case.at, &case.light);
+            let refuse = |error: LightError| LineFailure::Line(error.to_string());
+            let reflected = lighting.reflected(&at, light).map_err(refuse)?;
+            let true_light =
+                if args.truth { Some(truth_of(&brdf, TRUTH_TOLERANCE, &at, light).map_err(refuse)?) } else { None };
+            let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
+            out_of_range.count(clamped.as_deref().unwrap_or_default());
+            let written = if json {
+                write_json(&mut out, args, &reflected, true_light.as_ref(), clamped.as_deref())
+            } else {
+                write_row(&mut out, args, &reflected, true_light.as_ref())
+            };
+            written.map_err(|error| LineFailure::stdout(&error))
+        },
+    )?;
     out.flush().map_err(|error| CommandFailure::stdout(&error))?;
     // In JSON, each line lists the clamped axes.
     if !json && !out_of_range.is_empty() {

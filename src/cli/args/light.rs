@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{named::named, tables::TableFolder};
-use ltcforge_light::{LightModel, LightShape, NormalsRule};
+use ltcforge_light::{AnisotropicRoughness, LightModel, LightShape, NormalsRule};
 
 /// `light`.
 #[derive(Debug, Args)]
@@ -19,6 +19,11 @@ pub struct LightArgs {
     /// `ax,ay,az,bx,by,bz,width`
     #[arg(value_name = "CSV")]
     pub cases: PathBuf,
+    /// One material in place of the columns `alpha_x,alpha_y`, by the parameters of `gltf`, `openpbr`, `materialx`,
+    /// `disney` or `hdrp`, such as `openpbr:specular_roughness=0.3,specular_roughness_anisotropy=0.5`; views and lights are
+    /// then around the surface's own tangent
+    #[arg(long, value_name = "MODEL:NAME=X,...", value_parser = AnisotropicRoughness::parse)]
+    pub material: Option<AnisotropicRoughness>,
     /// The shape of the lights
     #[arg(long, default_value = LightShape::ALL[0].name(), value_parser = named(LightShape::ALL, LightShape::name))]
     pub light: LightShape,
