@@ -20,7 +20,8 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
         Precision::F16 => from_half_bits(half_bits_f64(x)),
     };
     let own: Vec<LobeNumbers> = (0..).zip(entries).map(|(index, entry)| store(plan, index, entry)).collect();
-    let stored = between::chosen(plan, entries, &own).unwrap_or(own);
+    let chosen = if recipe.is_searched() { between::chosen(plan, entries, &own) } else { None };
+    let stored = chosen.unwrap_or(own);
     let column = |value: fn(&LobeNumbers) -> f64| stored.iter().map(|entry| round(value(entry))).collect();
     Table {
         brdf: recipe.brdf.clone(),

@@ -185,6 +185,12 @@ impl Recipe {
         self.precision
     }
 
+    /// Whether its entries are searched for: not where the scattering model's lobes are of the table's lobe model.
+    #[must_use]
+    pub fn is_searched(&self) -> bool {
+        !(self.lobe == LobeModel::Ltc && self.brdf.kind().is_ltc())
+    }
+
     /// Ascending nodes of each axis of the table.
     #[must_use]
     pub fn nodes(&self) -> PerAxis<Vec<f64>> {

@@ -7,6 +7,7 @@ mod burley_diffuse;
 mod charlie;
 mod charlie_neubelt;
 mod fresnel;
+mod fuzz;
 mod ggx;
 mod hemisphere;
 mod model;
@@ -22,6 +23,7 @@ pub use burley_diffuse::BurleyDiffuse;
 pub use charlie::Charlie;
 pub use charlie_neubelt::CharlieNeubelt;
 pub use fresnel::{LobeFresnel, WeightedF0};
+pub use fuzz::Fuzz;
 pub use ggx::Ggx;
 pub use model::{BrdfModel, TabulatedFile};
 pub use oren_nayar::OrenNayar;
@@ -49,6 +51,8 @@ named_list! {
         BurleyDiffuse = "burley_diffuse" => burley_diffuse::BurleyDiffuseRules,
         /// Energy-preserving Oren-Nayar [Portsmouth, Kutz and Hill 2024].
         OrenNayar = "oren_nayar" => oren_nayar::OrenNayarRules,
+        /// Sheen of a volume of fibres [Zeltner, Burley and Chiang 2022], which is an LTC itself.
+        Fuzz = "fuzz" => fuzz::FuzzRules,
         /// An isotropic BRDF given as numbers in a file.
         Tabulated = "tabulated" => tabulated::TabulatedRules,
     }
@@ -89,6 +93,12 @@ impl BrdfKind {
     #[must_use]
     pub fn has_fresnel(self) -> bool {
         self.follows_reflection() && !self.needs_file()
+    }
+
+    /// Whether its lobes are LTCs, so that the entries of a table of those are the model's own and nothing is fitted.
+    #[must_use]
+    pub fn is_ltc(self) -> bool {
+        self.rules().is_ltc()
     }
 
     /// Whether its lobes lie around the reflection of GGX, as layout `reflected` needs.

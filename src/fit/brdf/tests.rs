@@ -7,6 +7,7 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{Brdf, BrdfKind, BrdfModel, BrdfSample, MOST_ALBEDO, planted_tabulated};
+use crate::lobe::ltc::Ltc;
 use crate::math::{Lattice, atan2, direction, sin_cos};
 
 /// Configurations from broad to narrow, from above and grazing: `(alpha_x, alpha_y, theta, phi)`.
@@ -108,6 +109,7 @@ fn no_furnace_glows_more_than_its_model_says() {
             BrdfKind::CharlieNeubelt => (3.2, 3.4),
             BrdfKind::BurleyDiffuse => (1.5, 1.6),
             BrdfKind::OrenNayar => (1.0 - 1e-3, 1.0 + 1e-3),
+            BrdfKind::Fuzz => (0.7, 0.75),
             // The planted file is Oren-Nayar's reflection between nodes, and files may not reflect more.
             BrdfKind::Tabulated => (0.99, MOST_ALBEDO + 1e-3),
         };
@@ -139,8 +141,11 @@ fn values_are_density_times_weight_and_reciprocal() {
             above += 1;
             let value = brdf.eval_cos(wo, wi);
             assert!((value / (brdf.pdf(wo, wi) * weight) - 1.0).abs() < 1e-8, "{name}: {value}");
-            // A file has no views beyond its last one, to exchange such lights with.
-            if kind != BrdfKind::Tabulated || wi.z > 0.11 && wo.z > 0.11 {
+            // A file has no views beyond its last one, to exchange such lights with, and the lobes of fuzz are fitted for
+            // each view alone.
+            if kind == BrdfKind::Fuzz {
+                exchanged += 1;
+            } else if kind != BrdfKind::Tabulated || wi.z > 0.11 && wo.z > 0.11 {
                 let swapped = brdf.eval_cos(wi, wo) / wo.z * wi.z;
                 assert!((value / swapped - 1.0).abs() < 1e-9, "{name}: {value} {swapped}");
                 exchanged += 1;
@@ -149,6 +154,23 @@ fn values_are_density_times_weight_and_reciprocal() {
         }
         assert!(above > 16 && exchanged > 16, "{name}");
     }
+}
+
+/// What says that it is an LTC has the density of one, with its own matrix.
+#[test]
+fn lobes_that_are_ltcs_have_their_density() {
+    let mut ltcs = 0;
+    for (kind, brdf, wo, name) in all() {
+        assert_eq!(brdf.ltc(wo).is_some(), kind.is_ltc(), "{name}");
+        let Some(ltc) = brdf.ltc(wo).and_then(Ltc::new) else { continue };
+        ltcs += 1;
+        for u in Lattice::new(64, [0.3, 0.1]).points() {
+            let [own, of_matrix] = [brdf.sample(wo, u).wi, ltc.sample(u)];
+            assert!((brdf.pdf(wo, own) / ltc.pdf(own) - 1.0).abs() < 1e-9, "{name}: {own}");
+            assert!((brdf.pdf(wo, of_matrix) / ltc.pdf(of_matrix) - 1.0).abs() < 1e-9, "{name}: {of_matrix}");
+        }
+    }
+    assert_eq!(ltcs, CONFIGURATIONS.len());
 }
 
 /// An isotropic model takes the larger roughness and turns with the view; others tell their axes apart.
