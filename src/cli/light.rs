@@ -16,9 +16,9 @@ use super::{
     out_of_range::{Clamped, OutOfRangeCount, clamped},
     tabulated,
 };
-use ltcforge_fit::BrdfKind;
+use ltcforge_fit::{BrdfKind, Table};
 use ltcforge_light::{
-    AnisotropicRoughness, LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE, truth_of,
+    AnisotropicRoughness, LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE, edge_truth_of, truth_of,
 };
 
 /// Prints the reflected light of each line as soon as it is read.
@@ -41,31 +41,42 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
         writeln!(out, "{}", header(args)).map_err(|error| CommandFailure::stdout(&error))?;
     }
     let format = CaseFormat { shape: args.light, material: args.material.map(AnisotropicRoughness::within_bounds) };
-    lines.each(
-        |line| format.is_header(line),
-        |line| {
-            let Some(case) = format.parse(line).map_err(LineFailure::Line)? else { return Ok(()) };
-            let (at, light) = (case.at, &case.light);
-            let refuse = |error: LightError| LineFailure::Line(error.to_string());
-            let reflected = lighting.reflected(&at, light).map_err(refuse)?;
-            let true_light =
-                if args.truth { Some(truth_of(&brdf, TRUTH_TOLERANCE, &at, light).map_err(refuse)?) } else { None };
-            let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
-            out_of_range.count(clamped.as_deref().unwrap_or_default());
-            let written = if json {
-                write_json(&mut out, args, &reflected, true_light.as_ref(), clamped.as_deref())
-            } else {
-                write_row(&mut out, args, &reflected, true_light.as_ref())
-            };
-            written.map_err(|error| LineFailure::stdout(&error))
-        },
-    )?;
+    let is_header = |line: &str| format.is_header(line);
+    lines.each(is_header, |line| {
+        let Some(case) = format.parse(line).map_err(LineFailure::Line)? else { return Ok(()) };
+        let (at, light) = (case.at, &case.light);
+        let refuse = |error: LightError| LineFailure::Line(error.to_string());
+        let is_metal = args.f82.is_some();
+        let found = OfSurface {
+            light: lighting.reflected(&at, light).map_err(refuse)?,
+            edge: if is_metal { lighting.edge(&at, light).map_err(refuse)? } else { 0.0 },
+        };
+        let truth = || -> Result<OfSurface, LightError> {
+            let edge = if is_metal { edge_truth_of(&brdf, TRUTH_TOLERANCE, &at, light)? } else { 0.0 };
+            Ok(OfSurface { light: truth_of(&brdf, TRUTH_TOLERANCE, &at, light)?, edge })
+        };
+        let true_light = args.truth.then(truth).transpose().map_err(refuse)?;
+        let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
+        out_of_range.count(clamped.as_deref().unwrap_or_default());
+        let written = if json {
+            write_json(&mut out, args, &found, true_light.as_ref(), clamped.as_deref())
+        } else {
+            write_row(&mut out, args, &found, true_light.as_ref())
+        };
+        written.map_err(|error| LineFailure::stdout(&error))
+    })?;
     out.flush().map_err(|error| CommandFailure::stdout(&error))?;
     // In JSON, each line lists the clamped axes.
     if !json && !out_of_range.is_empty() {
         eprintln!("{out_of_range}");
     }
     Ok(Exit::Ok)
+}
+
+/// What a surface reflects, and the same weighed by F82's edge, zero where that was not asked for.
+struct OfSurface {
+    light: ReflectedLight,
+    edge: f64,
 }
 
 /// The columns of a row.
@@ -77,9 +88,9 @@ fn header(args: &LightArgs) -> String {
     if args.truth { format!("{},{}", of(""), of("true_")) } else { of("") }
 }
 
-/// The light that the material of `--f0` reflects; `None` without the option.
-fn of_material(args: &LightArgs, light: &ReflectedLight) -> Option<f64> {
-    args.f0.map(|f0| light.schlick(f0, args.f90))
+/// The light that the material of `--f0` reflects, a metal with `--f82`; `None` without the option.
+fn of_material(args: &LightArgs, OfSurface { light, edge }: &OfSurface) -> Option<f64> {
+    args.f0.map(|f0| light.metal(*edge, [f0, args.f90], args.f82.unwrap_or(1.0)))
 }
 
 fn needs_table(model: LightModel) -> CommandFailure {
@@ -118,20 +129,35 @@ fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
         let message = format!("{}: {}", path.display(), LightError::NoTerms);
         return Err(CommandFailure::new(Exit::Failed, message));
     }
+    let faults = f82_faults(args, table);
+    if !faults.is_empty() {
+        return usage(format!("{}: --f82: {}", path.display(), faults.join("; ")));
+    }
     Ok(Some(chosen))
+}
+
+/// Why the surface of a table cannot be a metal by F82: every reason.
+fn f82_faults(args: &LightArgs, table: &Table) -> Vec<String> {
+    if args.f82.is_none() {
+        return Vec::new();
+    }
+    let brdf = table.brdf();
+    let no_fresnel = (!brdf.has_fresnel()).then(|| format!("brdf {brdf} has no Fresnel factor"));
+    let no_edge = table.terms().is_none_or(|terms| terms.edge().is_none()).then(|| LightError::NoEdge.to_string());
+    no_fresnel.into_iter().chain(no_edge).collect()
 }
 
 /// One line of CSV. Numbers are the shortest that read back as the same f64.
 fn write_row(
     out: &mut dyn Write,
     args: &LightArgs,
-    found: &ReflectedLight,
-    true_light: Option<&ReflectedLight>,
+    found: &OfSurface,
+    true_light: Option<&OfSurface>,
 ) -> io::Result<()> {
     let mut numbers = Vec::with_capacity(6);
-    for light in [Some(found), true_light].into_iter().flatten() {
-        numbers.extend([light.energy, light.fresnel]);
-        numbers.extend(of_material(args, light));
+    for found in [Some(found), true_light].into_iter().flatten() {
+        numbers.extend([found.light.energy, found.light.fresnel]);
+        numbers.extend(of_material(args, found));
     }
     let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
     writeln!(out, "{}", numbers.join(","))
@@ -142,17 +168,17 @@ fn write_row(
 fn write_json(
     out: &mut dyn Write,
     args: &LightArgs,
-    found: &ReflectedLight,
-    true_light: Option<&ReflectedLight>,
+    found: &OfSurface,
+    true_light: Option<&OfSurface>,
     clamped: Option<&[Clamped]>,
 ) -> io::Result<()> {
-    let mut line = json!({ "energy": found.energy, "fresnel": found.fresnel });
+    let mut line = json!({ "energy": found.light.energy, "fresnel": found.light.fresnel });
     if let Some(reflected) = of_material(args, found) {
         line["reflected"] = json!(reflected);
     }
     if let Some(true_light) = true_light {
-        line["true_energy"] = json!(true_light.energy);
-        line["true_fresnel"] = json!(true_light.fresnel);
+        line["true_energy"] = json!(true_light.light.energy);
+        line["true_fresnel"] = json!(true_light.light.fresnel);
         if let Some(reflected) = of_material(args, true_light) {
             line["true_reflected"] = json!(reflected);
         }

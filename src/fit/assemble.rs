@@ -6,8 +6,10 @@ use super::{
     entry::FittedEntry,
     layout::{LobeNumbers, Precision, Reflection},
     math::{from_half_bits, from_row_major, half_bits_f64, row_major},
+    recipe::StoredTerms,
     shard::Plan,
     table::{Table, Terms},
+    terms::edge_terms,
 };
 
 /// Aligns, normalises and rounds all entries of a plan, given in storage order, into its table.
@@ -29,9 +31,11 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
         layout: recipe.layout,
         axes: plan.nodes().clone(),
         matrix: stored.iter().map(|entry| row_major(&entry.matrix).map(round)).collect(),
-        terms: recipe.terms.then(|| Terms {
+        terms: recipe.terms.any().then(|| Terms {
             amplitude: column(|entry| entry.terms.amplitude),
             fresnel: column(|entry| entry.terms.fresnel),
+            edge: (recipe.terms == StoredTerms::F82)
+                .then(|| edge_terms(&recipe.brdf, plan.nodes()).into_iter().map(round).collect()),
         }),
         node_error: entries.iter().map(|entry| round(entry.error)).collect(),
     }

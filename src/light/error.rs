@@ -53,6 +53,9 @@ pub enum LightError {
     /// A table tells how lobes look and not how much they reflect.
     #[error("the table has no amplitude and no Fresnel term")]
     NoTerms,
+    /// A table has not the third term of metals.
+    #[error("the table has no edge term, by which F82 weighs: its recipe needs \"terms\": \"f82\"")]
+    NoEdge,
     /// The model needs a table, and none was given.
     #[error("model {0} lights by a table: name one, or choose --model normals")]
     NeedsTable(crate::LightModel),

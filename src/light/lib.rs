@@ -26,14 +26,14 @@ mod truth;
 
 pub use error::LightError;
 pub use gaussians::{Gaussian, by_gaussian};
-pub use ltc::{CosineSpace, by_table};
+pub use ltc::{CosineSpace, by_table, edge_by_table};
 pub use materials::{AnisotropicRoughness, MaterialFaults, MaterialModel};
 pub use measure::{EVERYWHERE, LightMap, RandomLights, light_error, light_error_by, light_map, material_error};
 pub use model::{ClosedForm, LightModel, Lighting};
 pub use normals::{NormalsRule, by_normals};
 pub use polygon::PolygonLight;
 pub use refracted::by_refraction;
-pub use rules::{LitPoint, ReflectedLight};
+pub use rules::{LitPoint, ReflectedLight, edge_of_parts};
 pub use shaped::{AnyLight, AreaLight, LightShape, ShapeParameter, ShapedLight};
 pub use shapes::{ELLIPSE_VERTICES, TubeEnds, disk, ellipse, line, rectangle, tube};
-pub use truth::{TRUTH_TOLERANCE, truth, truth_of, truth_within};
+pub use truth::{TRUTH_TOLERANCE, edge_truth_of, truth, truth_of, truth_within};

@@ -15,9 +15,9 @@ named_list! {
     pub enum MaterialModel {
         /// glTF 2.0 with extension `KHR_materials_anisotropy`.
         Gltf = "gltf",
-        /// `OpenPBR` surface.
+        /// OpenPBR surface.
         OpenPbr = "openpbr",
-        /// `MaterialX`, node `roughness_anisotropy` of its library of physically based shading.
+        /// MaterialX, node `roughness_anisotropy` of its library of physically based shading.
         MaterialX = "materialx",
         /// Disney's principled BRDF [Burley 2012].
         Disney = "disney",
@@ -75,8 +75,8 @@ pub fn gltf(roughness_factor: f64, anisotropy_strength: f64, anisotropy_rotation
     AnisotropicRoughness { alpha_x: alpha_y * (1.0 - share) + share, alpha_y, rotation: anisotropy_rotation }
 }
 
-/// `OpenPBR`'s: `alpha_x = r^2 sqrt(2 / (1 + (1 - a)^2))`, `alpha_y = (1 - a) alpha_x` for a roughness `r` and an anisotropy
-/// `a`, both in [0, 1]: `alpha_x^2 + alpha_y^2 = 2 r^4`, up to an `alpha_x` of the root of two [`OpenPBR` 1.1, microfacet
+/// OpenPBR's: `alpha_x = r^2 sqrt(2 / (1 + (1 - a)^2))`, `alpha_y = (1 - a) alpha_x` for a roughness `r` and an anisotropy
+/// `a`, both in [0, 1]: `alpha_x^2 + alpha_y^2 = 2 r^4`, up to an `alpha_x` of the root of two [OpenPBR 1.1, microfacet
 /// model]. The coat's roughness and anisotropy mean the same.
 #[must_use]
 pub fn openpbr(specular_roughness: f64, specular_roughness_anisotropy: f64) -> AnisotropicRoughness {
@@ -85,7 +85,7 @@ pub fn openpbr(specular_roughness: f64, specular_roughness_anisotropy: f64) -> A
     AnisotropicRoughness { alpha_x, alpha_y: across * alpha_x, rotation: 0.0 }
 }
 
-/// `MaterialX`': `alpha_x = min(r^2 / s, 1)`, `alpha_y = r^2 s` with `s = sqrt(1 - min(a, 0.98))` for a roughness `r` and an
+/// MaterialX': `alpha_x = min(r^2 / s, 1)`, `alpha_y = r^2 s` with `s = sqrt(1 - min(a, 0.98))` for a roughness `r` and an
 /// anisotropy `a`, both in [0, 1] [node `roughness_anisotropy`, 1.39].
 #[must_use]
 pub fn materialx(roughness: f64, anisotropy: f64) -> AnisotropicRoughness {

@@ -131,7 +131,12 @@ impl Sampled {
             matrix += of_node * weight;
             amplitude += term * weight;
         }
-        LookedUp { matrix: row_major(&self.form.restored(&matrix)), amplitude: Some(amplitude), fresnel: None }
+        LookedUp {
+            matrix: row_major(&self.form.restored(&matrix)),
+            amplitude: Some(amplitude),
+            fresnel: None,
+            edge: None,
+        }
     }
 }
 

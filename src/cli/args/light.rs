@@ -46,6 +46,10 @@ pub struct LightArgs {
     /// Print what a material of this reflectance, seen from above, reflects as well, by Schlick's Fresnel factor: 0 to 1
     #[arg(long, value_parser = reflectance)]
     pub f0: Option<f64>,
+    /// The part of Schlick's reflectance that a metal has at 82 degrees, with `--f0`: what it reflects by F82, the Fresnel
+    /// factor of OpenPBR's metals: 0 to 1. A table needs terms "f82" of its recipe
+    #[arg(long, value_name = "TINT", value_parser = reflectance, requires = "f0")]
+    pub f82: Option<f64>,
     /// The reflectance at grazing incidence, with `--f0`: 0 to 1
     #[arg(long, default_value_t = 1.0, value_parser = reflectance, requires = "f0")]
     pub f90: f64,

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use super::scattering::{Brdf, BrdfRules, BrdfSample, PredictionFactors};
 use crate::math::{SquarePoint, cosine_hemisphere, exp};
 
-/// The multiple-scattering sheen of Zeltner, Burley and Chiang 2022, the fuzz of `OpenPBR`: light that a layer of upright
+/// The multiple-scattering sheen of Zeltner, Burley and Chiang 2022, the fuzz of OpenPBR: light that a layer of upright
 /// fibres reflects after any number of bounces, the rest of which passes through.
 ///
 /// ```text
@@ -15,8 +15,8 @@ use crate::math::{SquarePoint, cosine_hemisphere, exp};
 /// ```
 ///
 /// with `x` along the view's azimuth. `R`, the albedo, and `a`, `b` are numbers of the view's cosine and the roughness, here by
-/// rational functions in place of the authors' table: those of `MaterialX` 1.39, `mx_microfacet_sheen.glsl` (Copyright
-/// Contributors to the `MaterialX` Project, Apache-2.0), after <https://github.com/tizian/ltc-sheen> (Apache-2.0). The lobe is
+/// rational functions in place of the authors' table: those of MaterialX 1.39, `mx_microfacet_sheen.glsl` (Copyright
+/// Contributors to the MaterialX Project, Apache-2.0), after <https://github.com/tizian/ltc-sheen> (Apache-2.0). The lobe is
 /// fitted for each view alone, so that the model is reciprocal only about.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fuzz {

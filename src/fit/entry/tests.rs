@@ -6,7 +6,7 @@ use super::*;
 use crate::brdf::{BrdfKind, Fuzz, Ggx};
 use crate::{
     ALPHA_FLOOR, Configuration, FITTER_VERSION, Layout, Metric, PerAxis, Plan, Precision, RATIO_FLOOR, Recipe,
-    THETA_CEILING, assemble, fit_shard,
+    StoredTerms, THETA_CEILING, assemble, fit_shard,
     lobe::ltc::Ltc,
     math::{direction, from_row_major},
 };
@@ -195,7 +195,7 @@ fn tables_of_an_ltc_have_its_matrices_at_their_nodes() {
             resolution: nodes,
             range: PerAxis { alpha: [0.0, 1.0], ratio: [1.0; 2], theta: quarter, phi: [0.0; 2] },
             fit: settings(Solver::Bfgs, 64, 6, 1),
-            terms: true,
+            terms: StoredTerms::Schlick,
             precision: Precision::F32,
         });
         let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");

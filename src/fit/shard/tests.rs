@@ -2,7 +2,8 @@ use std::ops::ControlFlow;
 
 use super::*;
 use crate::{
-    BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, Precision, Simplex, Solver, Table, assemble,
+    BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, Precision, Simplex, Solver, StoredTerms, Table,
+    assemble,
 };
 
 /// The plan of the whole domain at a resolution, fitted coarsely.
@@ -31,7 +32,7 @@ fn plan_of(layout: Layout, [alpha, ratio, theta, phi]: [u32; 4]) -> Plan {
             seed: 0,
             simplex: None,
         },
-        terms: true,
+        terms: StoredTerms::Schlick,
         precision: Precision::F32,
     })
 }

@@ -215,6 +215,7 @@ impl IsotropicFunction {
             matrix: row_major(&turned_about_z(matrix, phi)),
             amplitude: Some(terms.amplitude),
             fresnel: Some(terms.fresnel),
+            edge: None,
         }
     }
 

@@ -6,7 +6,7 @@ mod table;
 
 pub use cone::Cone;
 pub use shapes::CosineSpace;
-pub use table::by_table;
+pub use table::{by_table, edge_by_table};
 
 use super::rules::ModelOfLight;
 use ltcforge_fit::LobeModel;

@@ -45,6 +45,21 @@ pub fn by_table<'a>(
     Ok(ReflectedLight { energy, fresnel })
 }
 
+/// The same light weighed by F82's edge, in proportion to the table's edge term: see [`ReflectedLight::metal`].
+///
+/// # Errors
+/// As [`by_table`], and [`LightError::NoEdge`] for a table without that term, which those of Gaussians are.
+pub fn edge_by_table<'a>(
+    table: &Table,
+    at: &Configuration,
+    light: impl Into<AreaLight<'a>>,
+) -> Result<f64, LightError> {
+    let found = table.lookup(at);
+    let (Some(amplitude), Some(edge)) = (found.amplitude, found.edge) else { return Err(LightError::NoEdge) };
+    let reflected = by_table(table, at, light)?;
+    Ok(if amplitude > 0.0 { edge * (reflected.energy / amplitude) } else { 0.0 })
+}
+
 /// The part of an LTC that a light covers.
 fn covered(ltc: &Ltc, light: AreaLight<'_>) -> f64 {
     let space = CosineSpace::from(ltc);

@@ -4,6 +4,7 @@ mod bent;
 mod closed_form;
 mod every_brdf;
 mod extremes;
+mod f82;
 mod gaussians;
 mod jumps;
 mod shape_lights;

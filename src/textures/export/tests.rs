@@ -216,7 +216,11 @@ fn uniform(recipe: &Recipe) -> Table {
         layout: recipe.layout,
         axes: recipe.nodes(),
         matrix: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]; entries],
-        terms: recipe.terms.then(|| Terms { amplitude: vec![1.0; entries], fresnel: vec![0.5; entries] }),
+        terms: recipe.terms.any().then(|| Terms {
+            amplitude: vec![1.0; entries],
+            fresnel: vec![0.5; entries],
+            edge: None,
+        }),
         node_error: vec![0.0; entries],
     }
 }

@@ -108,7 +108,7 @@ fn row(base: &Recipe, recipe: &Recipe, measured: &Measurement, threads: usize) -
     let Expectation { seconds, error } = expectation(recipe);
     let effort = |of: &ltcforge_fit::FitSettings| (of.samples, of.directions, of.steps);
     let has_effort = |preset: &Preset| effort(&preset.fit()) == effort(&recipe.fit);
-    let numbers = if recipe.terms { 9 + 2 } else { 9 };
+    let numbers = 9 + recipe.terms.count() as u64;
     let number_bytes = match recipe.precision {
         Precision::F32 => 4,
         Precision::F16 => 2,
