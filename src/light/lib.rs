@@ -12,6 +12,7 @@ pub mod transmission;
 pub mod cases;
 pub mod engines;
 mod error;
+pub mod layers;
 pub mod materials;
 mod measure;
 mod model;

@@ -6,6 +6,7 @@ mod table;
 
 pub use cone::Cone;
 pub use shapes::CosineSpace;
+pub(crate) use table::covered;
 pub use table::{by_table, edge_by_table};
 
 use super::rules::ModelOfLight;

@@ -61,7 +61,7 @@ pub fn edge_by_table<'a>(
 }
 
 /// The part of an LTC that a light covers.
-fn covered(ltc: &Ltc, light: AreaLight<'_>) -> f64 {
+pub(crate) fn covered(ltc: &Ltc, light: AreaLight<'_>) -> f64 {
     let space = CosineSpace::from(ltc);
     match light {
         AreaLight::Polygon(light) => ltc.polygon(light.vertices(), light.sides()),

@@ -7,6 +7,7 @@ mod extremes;
 mod f82;
 mod gaussians;
 mod jumps;
+mod layers;
 mod shape_lights;
 mod shaped_lights;
 mod shapes_energy;

@@ -1,6 +1,7 @@
 //! The two renderers against each other and against independent references.
 
 mod closed_form;
+mod layers;
 mod lookups;
 mod normals;
 mod pictures;
