@@ -6,7 +6,7 @@ use ltcforge_files::{
     digest::Digest,
     recipe_document,
 };
-use ltcforge_fit::{Layout, LobeModel, Plan, Recipe, Terms, fit_plan};
+use ltcforge_fit::{BrdfKind, Layout, LobeModel, Plan, Recipe, Terms, fit_plan};
 
 fn table(document: &str) -> Table {
     let recipe = recipe_document::parse(document.as_bytes(), 10_000).expect("a recipe");
