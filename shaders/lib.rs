@@ -10,6 +10,8 @@ pub const GAUSSIANS_TABLE: &str = include_str!("gaussians_table.wgsl");
 pub const GAUSSIANS_TABLE_EXAMPLE: &str = include_str!("gaussians_table_example.wgsl");
 /// `ggx_reference.wgsl`.
 pub const GGX_REFERENCE: &str = include_str!("ggx_reference.wgsl");
+/// `layers.wgsl`.
+pub const LAYERS: &str = include_str!("layers.wgsl");
 /// `layout_isotropic.wgsl`.
 pub const LAYOUT_ISOTROPIC: &str = include_str!("layout_isotropic.wgsl");
 /// `layout_kt2022.wgsl`.

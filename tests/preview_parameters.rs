@@ -32,6 +32,7 @@ fn row(parameter: &Parameter) -> String {
     let unit = parameter.unit.unwrap_or_default();
     let names = match parameter.form {
         ParameterForm::Name { names, .. } => format!(": `{}`", names().join("`, `")),
+        ParameterForm::OneMaterial => ": [materials.md](materials.md)".to_owned(),
         ParameterForm::Point(..) => "; the bound is its distance from the origin".to_owned(),
         _ => String::new(),
     };
@@ -72,6 +73,7 @@ fn entry(parameter: &Parameter) -> String {
             format!("type: integer, minimum: {low}, maximum: {high}, default: {default}")
         }
         ParameterForm::Flag(_) => format!("type: boolean, default: {default}"),
+        ParameterForm::OneMaterial => "type: string".to_owned(),
         ParameterForm::Point(..) => list,
         ParameterForm::Numbers(..) if parameter.count() > 1 => list,
         ParameterForm::Numbers(bounds, _)

@@ -12,12 +12,15 @@ use super::{
     args::LightArgs,
     csv::{CsvLines, LineFailure},
     input::AnyTable,
-    light_case,
+    light_case::CaseFormat,
     out_of_range::{Clamped, OutOfRangeCount, clamped},
     tabulated,
 };
-use ltcforge_fit::BrdfKind;
-use ltcforge_light::{LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE, TableUse, truth_of};
+use ltcforge_fit::{BrdfKind, Table, brdf::edge_factor};
+use ltcforge_light::{
+    AnisotropicRoughness, LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE, TableUse, edge_truth_of,
+    truth_of,
+};
 
 /// Prints the reflected light of each line as soon as it is read.
 pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
@@ -31,21 +34,34 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
     let lines = CsvLines::open(&args.cases, "lights")?;
     let mut out = BufWriter::new(&mut *context.stdout);
     let mut out_of_range = OutOfRangeCount::default();
+    if let Some(material) = args.material
+        && material != material.within_bounds()
+    {
+        eprintln!("material: alpha {} {} is taken as 1 where it is above", material.alpha_x, material.alpha_y);
+    }
     if !json {
         writeln!(out, "{}", header(args)).map_err(|error| CommandFailure::stdout(&error))?;
     }
-    let is_header = |line: &str| light_case::is_header(args.light, line);
+    let format = CaseFormat { shape: args.light, material: args.material.map(AnisotropicRoughness::within_bounds) };
+    let is_header = |line: &str| format.is_header(line);
     lines.each(is_header, |line| {
-        let Some(case) = light_case::parse(args.light, line).map_err(LineFailure::Line)? else { return Ok(()) };
+        let Some(case) = format.parse(line).map_err(LineFailure::Line)? else { return Ok(()) };
         let (at, light) = (case.at, &case.light);
         let refuse = |error: LightError| LineFailure::Line(error.to_string());
-        let light_of = |light: ReflectedLight, of_material: Option<f64>| Printed { light, of_material };
-        let of_model = |f0: f64| lighting.of_material(&at, light, [f0, args.f90]);
-        let of_model = args.f0.map(of_model).transpose().map_err(refuse)?;
-        let found = light_of(lighting.reflected(&at, light).map_err(refuse)?, of_model);
-        let truth = || truth_of(&brdf, TRUTH_TOLERANCE, &at, light).map_err(refuse);
-        let truth = args.truth.then(truth).transpose()?;
-        let truth = truth.map(|truth| light_of(truth, args.f0.map(|f0| truth.schlick(f0, args.f90))));
+        let edge_factor = |f0: f64| args.f82.map_or(0.0, |tint| edge_factor(f0, args.f90, tint));
+        let found = || -> Result<Printed, LightError> {
+            let edge = if args.f82.is_some() { lighting.edge(&at, light)? } else { 0.0 };
+            let of_model = |f0: f64| Ok(lighting.of_material(&at, light, [f0, args.f90])? - edge_factor(f0) * edge);
+            Ok(Printed { light: lighting.reflected(&at, light)?, of_material: args.f0.map(of_model).transpose()? })
+        };
+        let truth = || -> Result<Printed, LightError> {
+            let light_truth = truth_of(&brdf, TRUTH_TOLERANCE, &at, light)?;
+            let edge = if args.f82.is_some() { edge_truth_of(&brdf, TRUTH_TOLERANCE, &at, light)? } else { 0.0 };
+            let of_truth = |f0: f64| light_truth.schlick(f0, args.f90) - edge_factor(f0) * edge;
+            Ok(Printed { light: light_truth, of_material: args.f0.map(of_truth) })
+        };
+        let found = found().map_err(refuse)?;
+        let truth = args.truth.then(truth).transpose().map_err(refuse)?;
         let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
         out_of_range.count(clamped.as_deref().unwrap_or_default());
         let written = if json {
@@ -75,7 +91,7 @@ fn header(args: &LightArgs) -> String {
 /// What is printed of a light.
 struct Printed {
     light: ReflectedLight,
-    /// What the material of `--f0` reflects; `None` without the option.
+    /// What the material of `--f0` reflects, a metal with `--f82`; `None` without the option.
     of_material: Option<f64>,
 }
 
@@ -123,7 +139,22 @@ fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
         let message = format!("{}: {}", path.display(), LightError::NoTerms);
         return Err(CommandFailure::new(Exit::Failed, message));
     }
+    let faults = f82_faults(args, table);
+    if !faults.is_empty() {
+        return usage(format!("{}: --f82: {}", path.display(), faults.join("; ")));
+    }
     Ok(Some(chosen))
+}
+
+/// Why the surface of a table cannot be a metal by F82: every reason.
+fn f82_faults(args: &LightArgs, table: &Table) -> Vec<String> {
+    if args.f82.is_none() {
+        return Vec::new();
+    }
+    let brdf = table.brdf();
+    let no_fresnel = (!brdf.has_fresnel()).then(|| format!("brdf {brdf} has no Fresnel factor"));
+    let no_edge = table.terms().is_none_or(|terms| terms.edge().is_none()).then(|| LightError::NoEdge.to_string());
+    no_fresnel.into_iter().chain(no_edge).collect()
 }
 
 /// One line of CSV. Numbers are the shortest that read back as the same f64.

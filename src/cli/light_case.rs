@@ -5,10 +5,11 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 
 use ltcforge_fit::{Configuration, MAX_VERTICES, Sides};
-use ltcforge_light::{AnyLight, LightError, LightShape, ShapeParameter};
+use ltcforge_light::{AnisotropicRoughness, AnyLight, LightError, LightShape, ShapeParameter};
 
-/// The names of the columns before the light.
+/// The names of the columns before the light. Where all lines are of one material, the first two are left out.
 const COLUMNS: [&str; 4] = ["alpha_x", "alpha_y", "theta", "phi"];
+const ROUGHNESS_COLUMNS: usize = 2;
 const MIN_VERTICES: usize = 3;
 
 /// A surface, a view direction and a light, which a line describes.
@@ -16,6 +17,14 @@ const MIN_VERTICES: usize = 3;
 pub(super) struct LightCase {
     pub(super) at: Configuration,
     pub(super) light: AnyLight,
+}
+
+/// How the lines of a file read: the shape of all lights, and the material of all surfaces if there is one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CaseFormat {
+    pub(super) shape: LightShape,
+    /// View and light are then in the frame of the surface's own tangent.
+    pub(super) material: Option<AnisotropicRoughness>,
 }
 
 /// The names of a light's columns, after those of the surface and the view. A polygon has further ones for its
@@ -34,35 +43,76 @@ fn has_vertices(shape: LightShape) -> bool {
     shape.parameters().contains(&ShapeParameter::Vertices)
 }
 
-/// The name of a column. After its own, a polygon has `x0`, `y0`, `z0`, `x1` ... `None` beyond the last column.
-fn column(shape: LightShape, index: usize) -> Option<String> {
-    let own = columns_of(shape);
-    if let Some(name) = COLUMNS.iter().chain(&own).nth(index) {
-        return Some((*name).to_owned());
+impl CaseFormat {
+    /// The names of the columns before the light.
+    fn surface_columns(&self) -> &'static [&'static str] {
+        if self.material.is_some() { &COLUMNS[ROUGHNESS_COLUMNS..] } else { &COLUMNS }
     }
-    let number = index - COLUMNS.len() - own.len();
-    has_vertices(shape).then(|| format!("{}{}", ["x", "y", "z"][number % 3], number / 3))
-}
 
-/// The columns that a line of a shape should have, for the message to a line that has others.
-fn expected(shape: LightShape) -> String {
-    let names = [&COLUMNS[..], &columns_of(shape)].concat().join(",");
-    if has_vertices(shape) {
-        return format!("{names} and then x,y,z of {MIN_VERTICES} to {MAX_VERTICES} vertices");
+    /// The name of a column. After its own, a polygon has `x0`, `y0`, `z0`, `x1` ... `None` beyond the last column.
+    fn column(&self, index: usize) -> Option<String> {
+        let own = columns_of(self.shape);
+        if let Some(name) = self.surface_columns().iter().chain(&own).nth(index) {
+            return Some((*name).to_owned());
+        }
+        let number = index - self.surface_columns().len() - own.len();
+        has_vertices(self.shape).then(|| format!("{}{}", ["x", "y", "z"][number % 3], number / 3))
     }
-    names
+
+    /// The columns that a line should have, for the message to a line that has others.
+    fn expected(&self) -> String {
+        let names = [self.surface_columns(), &columns_of(self.shape)].concat().join(",");
+        if has_vertices(self.shape) {
+            return format!("{names} and then x,y,z of {MIN_VERTICES} to {MAX_VERTICES} vertices");
+        }
+        names
+    }
+
+    /// Reads a line; `None` for an empty line.
+    ///
+    /// # Errors
+    /// Every field that is wrong and the values that it may have, or the fault of a light whose fields are right.
+    pub(super) fn parse(&self, line: &str) -> Result<Option<LightCase>, String> {
+        if line.trim().is_empty() {
+            return Ok(None);
+        }
+        let shape = self.shape;
+        let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+        let more = fields.len().checked_sub(self.surface_columns().len() + columns_of(shape).len());
+        let are_vertices = |more: usize| more.is_multiple_of(3) && (MIN_VERTICES..=MAX_VERTICES).contains(&(more / 3));
+        let is_whole = more.is_some_and(|more| if has_vertices(shape) { are_vertices(more) } else { more == 0 });
+        if !is_whole {
+            let kind = if has_vertices(shape) { "light" } else { shape.name() };
+            return Err(format!("{} fields; a {kind} has {}", fields.len(), self.expected()));
+        }
+        let mut fields = Fields { format: self, texts: fields, faults: Vec::new() };
+        let at = fields.surface_and_view();
+        match fields.light() {
+            Some(light) => Ok(Some(LightCase { at, light: light.map_err(|error| error.to_string())? })),
+            None => Err(fields.faults.join("; ")),
+        }
+    }
+
+    /// Whether a line is a header of the columns. Those of polygons have any number of vertices.
+    pub(super) fn is_header(&self, line: &str) -> bool {
+        let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+        let min = self.surface_columns().len() + columns_of(self.shape).len();
+        let min = min + usize::from(has_vertices(self.shape));
+        fields.len() >= min
+            && fields.iter().enumerate().all(|(index, name)| self.column(index).as_deref() == Some(*name))
+    }
 }
 
 /// The fields of a line, and their faults.
 struct Fields<'a> {
-    shape: LightShape,
+    format: &'a CaseFormat,
     texts: Vec<&'a str>,
     faults: Vec<String>,
 }
 
 impl Fields<'_> {
     fn refuse(&mut self, index: usize, allowed: &str) {
-        let name = column(self.shape, index).unwrap_or_default();
+        let name = self.format.column(index).unwrap_or_default();
         self.faults.push(format!("{name} is «{}»; {allowed}", self.texts[index]));
     }
 
@@ -82,16 +132,15 @@ impl Fields<'_> {
     }
 
     fn surface_and_view(&mut self) -> Configuration {
-        Configuration {
-            alpha_x: self.roughness(0),
-            alpha_y: self.roughness(1),
-            theta: self.number(
-                2,
-                |x| (0.0..FRAC_PI_2).contains(&x),
-                "a polar angle is a number from 0 to below pi/2, in radians",
-            ),
-            phi: self.number(3, |_| true, "an azimuth is a finite number, in radians"),
-        }
+        let roughness = match self.format.material {
+            Some(material) => material,
+            None => AnisotropicRoughness { alpha_x: self.roughness(0), alpha_y: self.roughness(1), rotation: 0.0 },
+        };
+        let first = self.format.surface_columns().len() - 2;
+        let is_above = |x| (0.0..FRAC_PI_2).contains(&x);
+        let theta = self.number(first, is_above, "a polar angle is a number from 0 to below pi/2, in radians");
+        let phi = self.number(first + 1, |_| true, "an azimuth is a finite number, in radians");
+        roughness.seen_from(theta, phi)
     }
 
     fn sides(&mut self, index: usize) -> Sides {
@@ -105,7 +154,8 @@ impl Fields<'_> {
 
     fn point(&mut self, first: usize) -> DVec3 {
         let [x, y, z] = [0, 1, 2].map(|i| self.number(first + i, |_| true, "a coordinate is a finite number"));
-        DVec3::new(x, y, z)
+        let point = DVec3::new(x, y, z);
+        self.format.material.map_or(point, |material| material.turned(point))
     }
 
     fn length(&mut self, index: usize, name: &str) -> f64 {
@@ -115,8 +165,9 @@ impl Fields<'_> {
     /// The light, or its fault; `None` if a field has one.
     fn light(&mut self) -> Option<Result<AnyLight, LightError>> {
         let (mut sides, mut points, mut length) = (Sides::Two, Vec::new(), f64::NAN);
-        let mut index = COLUMNS.len();
-        for parameter in self.shape.parameters() {
+        let shape = self.format.shape;
+        let mut index = self.format.surface_columns().len();
+        for parameter in shape.parameters() {
             match parameter {
                 ShapeParameter::Sides => {
                     sides = self.sides(index);
@@ -135,43 +186,8 @@ impl Fields<'_> {
                 }
             }
         }
-        self.faults.is_empty().then(|| self.shape.light(sides, &points, length))
+        self.faults.is_empty().then(|| shape.light(sides, &points, length))
     }
-}
-
-/// Reads a line for a shape; `None` for an empty line.
-///
-/// # Errors
-/// Every field that is wrong and the values that it may have, or the fault of a light whose fields are right.
-pub(super) fn parse(shape: LightShape, line: &str) -> Result<Option<LightCase>, String> {
-    if line.trim().is_empty() {
-        return Ok(None);
-    }
-    let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-    let more = fields.len().checked_sub(COLUMNS.len() + columns_of(shape).len());
-    let are_vertices = |more: usize| more.is_multiple_of(3) && (MIN_VERTICES..=MAX_VERTICES).contains(&(more / 3));
-    let is_whole = more.is_some_and(|more| if has_vertices(shape) { are_vertices(more) } else { more == 0 });
-    if !is_whole {
-        return Err(format!("{} fields; a {} has {}", fields.len(), kind(shape), expected(shape)));
-    }
-    let mut fields = Fields { shape, texts: fields, faults: Vec::new() };
-    let at = fields.surface_and_view();
-    match fields.light() {
-        Some(light) => Ok(Some(LightCase { at, light: light.map_err(|error| error.to_string())? })),
-        None => Err(fields.faults.join("; ")),
-    }
-}
-
-fn kind(shape: LightShape) -> &'static str {
-    if has_vertices(shape) { "light" } else { shape.name() }
-}
-
-/// Whether a line is a header of a shape's columns. Those of polygons have any number of vertices.
-pub(super) fn is_header(shape: LightShape, line: &str) -> bool {
-    let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-    let min = COLUMNS.len() + columns_of(shape).len();
-    let min = min + usize::from(has_vertices(shape));
-    fields.len() >= min && fields.iter().enumerate().all(|(index, name)| column(shape, index).as_deref() == Some(*name))
 }
 
 #[cfg(test)]
@@ -180,6 +196,18 @@ mod tests {
     use ltcforge_light::{PolygonLight, ShapedLight};
 
     const SQUARE: &str = "0.5,0.25,0.7,-7e1,1,-1,-1,2,1,-1,2,1,1,2,-1,1,2";
+
+    fn of(shape: LightShape) -> CaseFormat {
+        CaseFormat { shape, material: None }
+    }
+
+    fn parse(shape: LightShape, line: &str) -> Result<Option<LightCase>, String> {
+        of(shape).parse(line)
+    }
+
+    fn is_header(shape: LightShape, line: &str) -> bool {
+        of(shape).is_header(line)
+    }
 
     fn polygon(case: &LightCase) -> &PolygonLight {
         let AnyLight::Polygon(light) = &case.light else { panic!("{case:?}") };
@@ -261,7 +289,7 @@ mod tests {
             assert_eq!(case.light, AnyLight::Shaped(wanted), "{shape}");
             assert_eq!((case.at.phi, wanted.shape()), (-70.0, shape));
             assert_eq!(parse(shape, " "), Ok(None));
-            let header = expected(shape);
+            let header = of(shape).expected();
             assert!(is_header(shape, &format!("{header}\r")) && !is_header(shape, &format!("{header},x0")), "{header}");
             assert!(!is_header(shape, header.rsplit_once(',').expect("columns").0) && !is_header(Polygon, &header));
             let refused = parse(shape, &format!("0.5,0.25,0.7,0,{light},1")).expect_err("too many fields");

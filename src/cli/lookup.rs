@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn a_row_echoes_the_point_and_rounds_nothing() {
         let matrix = [1.0, 0.0, 0.1 + 0.2, 1e-17, -2.5, 0.0, 0.0, 0.0, 1.0];
-        let found = LookedUp { matrix, second: None, amplitude: Some(0.1), fresnel: Some(0.25) };
+        let found = LookedUp { matrix, second: None, amplitude: Some(0.1), fresnel: Some(0.25), edge: None };
         assert_eq!(row(&found), "0.10,1,0,7,1,0,0.30000000000000004,0.00000000000000001,-2.5,0,0,0,1,0.1,0.25\n");
         let bare = LookedUp { amplitude: None, fresnel: None, ..found };
         assert!(row(&bare).ends_with(",1,,\n"), "{}", row(&bare));

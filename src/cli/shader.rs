@@ -17,7 +17,7 @@ use ltcforge_shaders::{
     Additions, Bound, DECLARATIONS, Filter, Language, Lights, LitBy, Namespace, Reading, es_module,
 };
 use ltcforge_textures::About;
-use ltcforge_translate::{include, include_function, port};
+use ltcforge_translate::{include, include_function, include_layers, port};
 
 /// Configurations at which a table and its polynomials are measured: so many that a single one hardly matters.
 const COMPARED_AT: usize = 512;
@@ -28,6 +28,9 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
     let language = args.language;
     if let Some(table) = &args.without_textures {
         return without_textures(args, language, table, json, context);
+    }
+    if args.form == ShaderForm::Layers {
+        return layers(args, language, json, context);
     }
     let lit_by = LitBy::new(args.model, args.layout)
         .and_then(|lit_by| lit_by.by_rule(args.rule))
@@ -43,15 +46,14 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
         ));
     }
     let out = Outputs::check(args, types)?;
-    let shader = match args.form {
-        ShaderForm::Include => {
-            let filter = if args.hardware_filter { Filter::Hardware } else { Filter::Exact };
-            let lights = args.lights.unwrap_or(Lights::ALL[0]);
-            let bound = if args.texture_array { Bound::Array } else { Bound::Volumes };
-            include(language, lit_by, Reading { filter, bound, two_lobes: args.two_lobes }, lights, &namespace(args))
-                .map(String::into_bytes)
-        }
-        ShaderForm::Example => port(language, lit_by),
+    let shader = if args.form == ShaderForm::Example {
+        port(language, lit_by)
+    } else {
+        let filter = if args.hardware_filter { Filter::Hardware } else { Filter::Exact };
+        let lights = args.lights.unwrap_or(Lights::ALL[0]);
+        let bound = if args.texture_array { Bound::Array } else { Bound::Volumes };
+        let reading = Reading { filter, bound, two_lobes: args.two_lobes };
+        include(language, lit_by, reading, lights, &namespace(args)).map(String::into_bytes)
     }
     .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
     let value = json!({
@@ -83,7 +85,7 @@ fn without_textures(
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
     let usage = |what: &str| CommandFailure::new(Exit::Usage, what.to_owned());
-    if args.form == ShaderForm::Example || language == Language::Spirv {
+    if args.form != ShaderForm::Include || language == Language::Spirv {
         return Err(usage("--without-textures gives functions to include: choose another language, and no example"));
     }
     if args.model != LightModel::Ltc {
@@ -190,6 +192,34 @@ fn hand_out(
     Ok(Exit::Ok)
 }
 
+/// The functions that combine layers. Refuses what is of models of light, all at once: they are of none.
+fn layers(
+    args: &ShaderArgs,
+    language: Language,
+    json: bool,
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
+    let given = [
+        ("--model", args.model != LightModel::Ltc),
+        ("--rule", args.rule.is_some()),
+        ("--layout", args.layout.is_some()),
+        ("--lights", args.lights.is_some()),
+        ("--hardware-filter", args.hardware_filter),
+        ("--texture-array", args.texture_array),
+        ("--prefix", args.prefix.is_some()),
+        ("--first-binding", args.first_binding.is_some()),
+        ("--group", args.group.is_some()),
+    ];
+    let given: Vec<&str> = given.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name).collect();
+    if !given.is_empty() {
+        let message = format!("--as layers is of no model of light and binds nothing: leave out {}", given.join(", "));
+        return Err(CommandFailure::new(Exit::Usage, message));
+    }
+    let out = Outputs::check(args, types_file(args)?)?;
+    let text = include_layers(language).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
+    hand_out(args, &out, text.as_bytes(), json!({ "language": language.name() }), json, context)
+}
+
 /// Refuses options that a language or a model does not have.
 fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailure> {
     let refused = |what: String| Err(CommandFailure::new(Exit::Usage, what));
@@ -236,6 +266,6 @@ fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailur
         ShaderForm::Include if language == Language::Wgsl => {
             refused("in WGSL the constant ltc_hardware_filter chooses: leave out --hardware-filter".to_owned())
         }
-        ShaderForm::Include => Ok(()),
+        ShaderForm::Include | ShaderForm::Layers => Ok(()),
     }
 }

@@ -6,9 +6,11 @@ use super::{
     entry::FittedEntry,
     layout::{LobeNumbers, Precision, Reflection},
     math::{from_half_bits, from_row_major, half_bits_f64, row_major},
+    recipe::StoredTerms,
     second,
     shard::Plan,
     table::{Table, Terms},
+    terms::edge_terms,
 };
 
 /// Aligns, normalises and rounds all entries of a plan, given in storage order, into its table.
@@ -30,9 +32,11 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
         axes: plan.nodes().clone(),
         matrix: matrices(&stored),
         second: second::entries(plan, entries).map(|entries| matrices(&self::stored(plan, &entries))),
-        terms: recipe.terms.then(|| Terms {
+        terms: recipe.terms.any().then(|| Terms {
             amplitude: column(|entry| entry.terms.amplitude),
             fresnel: column(|entry| entry.terms.fresnel),
+            edge: (recipe.terms == StoredTerms::F82)
+                .then(|| edge_terms(&recipe.brdf, plan.nodes()).into_iter().map(round).collect()),
         }),
         node_error: entries.iter().map(|entry| round(entry.error)).collect(),
     }
@@ -41,7 +45,8 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
 /// The numbers that a layout stores, for the lobes of all entries.
 fn stored(plan: &Plan, entries: &[FittedEntry]) -> Vec<LobeNumbers> {
     let own: Vec<LobeNumbers> = (0..).zip(entries).map(|(index, entry)| store(plan, index, entry)).collect();
-    between::chosen(plan, entries, &own).unwrap_or(own)
+    let chosen = if plan.recipe().is_searched() { between::chosen(plan, entries, &own) } else { None };
+    chosen.unwrap_or(own)
 }
 
 /// The numbers that a layout stores for the lobe of an entry.

@@ -39,7 +39,9 @@ fn entry_seconds(brdf: BrdfKind, lobe: LobeModel, fit: &FitSettings) -> f64 {
     let is_fixed = fit.metric == Metric::Sw1 && fit.solver != Solver::Sgd;
     let of_step = if is_fixed { 1.0 } else { 1.0 + STEP_SAMPLING * (of_sample - 1.0) };
     let sampling = SAMPLING_SECONDS * of_sample * f64::from(fit.samples);
-    of_step * fit.solver.rules().seconds(lobe, &effort) + sampling + ENTRY_SECONDS
+    let is_searched = !(lobe == LobeModel::Ltc && brdf.is_ltc());
+    let search = if is_searched { of_step * fit.solver.rules().seconds(lobe, &effort) } else { 0.0 };
+    search + sampling + ENTRY_SECONDS
 }
 
 /// The number of entries that are fitted. Where the surface is isotropic or seen from above, the entries of all phi

@@ -179,6 +179,11 @@ impl Fitter {
         let effort = Effort { metric, samples: samples as usize, directions: directions as usize, steps, seed };
         let simplex = simplex.unwrap_or_default();
         let Lobe { brdf, wo, target } = lobe;
+        if self.lobe == LobeModel::Ltc
+            && let Some(own) = brdf.ltc(wo)
+        {
+            return Some(own);
+        }
         let mut loss = self.seen.distance.to(&lobe, stop_check)?;
         let model = self.lobe;
         solver

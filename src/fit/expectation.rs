@@ -42,8 +42,8 @@ pub fn expectation(recipe: &Recipe) -> Expectation {
 mod tests {
     use super::*;
     use crate::{
-        BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Solver, assemble,
-        fit_shard, report,
+        BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Solver,
+        StoredTerms, assemble, fit_shard, report,
     };
     use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
@@ -69,7 +69,7 @@ mod tests {
                 seed: 0,
                 simplex: None,
             },
-            terms: false,
+            terms: StoredTerms::None,
             precision: Precision::F32,
         }
     }
@@ -108,7 +108,7 @@ mod tests {
             let isotropic =
                 Recipe { range: one, resolution: PerAxis { alpha: 8, ratio: 1, theta: 8, phi: 1 }, ..base.clone() };
             let shape = if kind.is_isotropic() { isotropic } else { base };
-            let recipe = Recipe { brdf: kind.into(), lobe, terms: true, ..shape };
+            let recipe = Recipe { brdf: kind.into(), lobe, terms: StoredTerms::Schlick, ..shape };
             let plan = Plan::new(&recipe);
             let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
             let entries: Vec<_> = (0..plan.shards()).flat_map(fit).collect();

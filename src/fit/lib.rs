@@ -52,7 +52,7 @@ pub use measure::{
     error_map_while, extremes, figures_of, report, report_points, report_while, width_between,
 };
 pub use metric::Metric;
-pub use recipe::{FITTER_VERSION, FitSettings, Recipe};
+pub use recipe::{FITTER_VERSION, FitSettings, Recipe, StoredTerms};
 pub use run::{Progress, fit_entries, fit_plan};
 pub use shard::{Plan, ShardBytesError, fit_rows, fit_shard, shard_from_bytes, shard_to_bytes};
 pub use solver::{Shear, Simplex, Solver, Start};
@@ -60,4 +60,4 @@ pub use stop_check::StopCheck;
 pub use table::{
     Configuration, FUNCTION_SIDE, FunctionError, IsotropicFunction, LookedUp, Table, Terms, blend_weight, blended,
 };
-pub use terms::{ggx_terms, terms_of};
+pub use terms::{edge_terms, ggx_terms, terms_of};

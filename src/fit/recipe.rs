@@ -2,7 +2,7 @@
 //!
 //! Invariant: no defaults and no JSON here; `ltcforge_files::recipe_document` reads documents and fills presets in.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::{
     axes::PerAxis,
@@ -44,6 +44,47 @@ pub struct FitSettings {
     pub simplex: Option<Simplex>,
 }
 
+/// The terms that are stored beside the lobes. In a recipe they are `true`, `false` or `"f82"`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StoredTerms {
+    /// None.
+    None,
+    /// Amplitude and Fresnel term, for Schlick's Fresnel factor.
+    Schlick,
+    /// The edge term as well, for metals by F82.
+    F82,
+}
+
+impl StoredTerms {
+    /// The name of [`StoredTerms::F82`]; the others are `true` and `false`.
+    pub const F82_NAME: &'static str = "f82";
+
+    /// How many there are.
+    #[must_use]
+    pub fn count(self) -> usize {
+        match self {
+            Self::None => 0,
+            Self::Schlick => 2,
+            Self::F82 => 3,
+        }
+    }
+
+    /// Whether there are any.
+    #[must_use]
+    pub fn any(self) -> bool {
+        self != Self::None
+    }
+}
+
+impl Serialize for StoredTerms {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::F82 => serializer.serialize_str(Self::F82_NAME),
+            _ => serializer.serialize_bool(self.any()),
+        }
+    }
+}
+
 /// A complete recipe. Equal recipes give equal bytes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Recipe {
@@ -71,9 +112,9 @@ pub struct Recipe {
     /// Fit settings.
     #[doc(hidden)]
     pub fit: FitSettings,
-    /// Whether amplitude and Fresnel terms are stored.
+    /// The terms that are stored.
     #[doc(hidden)]
-    pub terms: bool,
+    pub terms: StoredTerms,
     /// Number format of the table.
     #[doc(hidden)]
     pub precision: Precision,
@@ -173,9 +214,9 @@ impl Recipe {
         self.fitter
     }
 
-    /// Whether amplitude and Fresnel term are stored.
+    /// The terms that are stored.
     #[must_use]
-    pub fn terms(&self) -> bool {
+    pub fn terms(&self) -> StoredTerms {
         self.terms
     }
 
@@ -183,6 +224,12 @@ impl Recipe {
     #[must_use]
     pub fn precision(&self) -> Precision {
         self.precision
+    }
+
+    /// Whether its entries are searched for: not where the scattering model's lobes are of the table's lobe model.
+    #[must_use]
+    pub fn is_searched(&self) -> bool {
+        !(self.lobe == LobeModel::Ltc && self.brdf.kind().is_ltc())
     }
 
     /// Ascending nodes of each axis of the table.

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{
     axes::PerAxis,
-    brdf::{BrdfKind, BrdfModel},
+    brdf::{BrdfKind, BrdfModel, edge_term},
     layout::{Layout, within_limits},
     math::{Lattice, SquarePoint},
     table::Terms,
@@ -37,7 +37,24 @@ pub fn terms_of(brdf: &BrdfModel, layout: Layout, axes: &PerAxis<Vec<f64>>) -> T
             (stored.amplitude as f32, stored.fresnel as f32)
         })
         .unzip();
-    Terms { amplitude, fresnel }
+    Terms { amplitude, fresnel, edge: None }
+}
+
+/// A scattering model's [`edge_term`] at every node, in storage order: what every layout stores. Runs on the current
+/// rayon pool; its size changes nothing.
+///
+/// Domain: as [`terms_of`].
+#[must_use]
+pub fn edge_terms(brdf: &BrdfModel, axes: &PerAxis<Vec<f64>>) -> Vec<f64> {
+    let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
+    let points: Vec<SquarePoint> = Lattice::new(SAMPLES, [0.0; 2]).points().map(SquarePoint::new).collect();
+    (0..alpha * ratio * theta * phi)
+        .into_par_iter()
+        .map(|index| {
+            let place = within_limits(axes.node(index));
+            edge_term(&*brdf.surface_at(&place), place.view(), &points)
+        })
+        .collect()
 }
 
 #[cfg(test)]
@@ -46,7 +63,8 @@ mod tests {
 
     use super::*;
     use crate::{
-        BrdfKind, FITTER_VERSION, FitSettings, LobeModel, Metric, Plan, Precision, Recipe, Solver, assemble, fit_shard,
+        BrdfKind, FITTER_VERSION, FitSettings, LobeModel, Metric, Plan, Precision, Recipe, Solver, StoredTerms,
+        assemble, fit_shard,
     };
 
     #[test]
@@ -69,7 +87,7 @@ mod tests {
                     seed: 0,
                     simplex: None,
                 },
-                terms: true,
+                terms: StoredTerms::Schlick,
                 precision: Precision::F32,
             });
             let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");

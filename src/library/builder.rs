@@ -11,7 +11,7 @@ use ltcforge_files::{
     tabulated::locate,
 };
 use ltcforge_fit::{
-    BrdfKind, Layout, LobeModel, Metric, Precision, Recipe, SecondLobe, Shear, Solver, Start, WeightedF0,
+    BrdfKind, Layout, LobeModel, Metric, Precision, Recipe, SecondLobe, Shear, Solver, Start, StoredTerms, WeightedF0,
 };
 
 /// Makes a [`Recipe`] field by field. A field that is not set has the value that a document without it has.
@@ -124,6 +124,11 @@ impl RecipeBuilder {
     /// Whether amplitude and Fresnel term are stored.
     pub fn terms(self, terms: bool) -> Self {
         self.set("terms", terms)
+    }
+
+    /// Stores the edge term as well, by which metals weigh light by F82.
+    pub fn f82_terms(self) -> Self {
+        self.set("terms", StoredTerms::F82_NAME)
     }
 
     /// Nodes on the axis `axis`: `alpha`, `ratio`, `theta` or `phi`.

@@ -139,7 +139,7 @@ mod tests {
     /// Every lobe is the clamped cosine.
     fn table() -> Table {
         let table = cosine(BrdfModel::from(BrdfKind::Ggx));
-        Table { terms: Some(Terms { amplitude: vec![1.0], fresnel: vec![0.0] }), ..table }
+        Table { terms: Some(Terms { amplitude: vec![1.0], fresnel: vec![0.0], edge: None }), ..table }
     }
 
     const AT: Configuration = Configuration { alpha_x: 0.3, alpha_y: 0.3, theta: 0.6, phi: 0.4 };

@@ -58,6 +58,9 @@ pub enum LightError {
         "the table has one lobe an entry; a blend is of two, as field fresnel of a recipe asks for: \"blended_lobes\""
     )]
     OneLobe,
+    /// A table has not the third term of metals.
+    #[error("the table has no edge term, by which F82 weighs: its recipe needs \"terms\": \"f82\"")]
+    NoEdge,
     /// The model needs a table, and none was given.
     #[error("model {0} lights by a table: name one, or choose --model normals")]
     NeedsTable(crate::LightModel),

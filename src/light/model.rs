@@ -2,7 +2,7 @@
 
 use super::{
     AreaLight, LightError, gaussians, ltc,
-    ltc::{TableUse, by_blend, by_table_as},
+    ltc::{TableUse, by_blend, by_table_as, edge_by_table},
     normals,
     normals::NormalsRule,
     rules::{Formula, LitPoint, ModelOfLight, ReflectedLight, lit},
@@ -142,6 +142,16 @@ impl ClosedForm {
         lit(at, light.into(), |lit| formula.map_or([0.0; 2], |formula| formula.reflected(lit, self.rule)))
     }
 
+    /// The same light weighed by F82's edge: see [`ReflectedLight::metal`].
+    ///
+    /// # Errors
+    /// As [`ClosedForm::reflected`].
+    pub fn edge<'a>(self, at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<f64, LightError> {
+        let formula = self.model.rules().formula();
+        let of = |lit: &LitPoint<'_, f64>| [formula.map_or(0.0, |formula| formula.edge(lit, self.rule)), 0.0];
+        lit(at, light.into(), of).map(|found| found.energy)
+    }
+
     /// The same in the numbers of a shader: for a Fresnel factor of one, and its part weighed by Schlick's factor.
     #[must_use]
     pub fn reflected_f32(self, lit: &LitPoint<'_, f32>) -> [f32; 2] {
@@ -202,6 +212,17 @@ impl Lighting<'_> {
         match self {
             Self::ClosedForm(_) => None,
             Self::Table(table, _) => Some(table),
+        }
+    }
+
+    /// The same light weighed by F82's edge: see [`ReflectedLight::metal`].
+    ///
+    /// # Errors
+    /// As [`Lighting::reflected`], and [`LightError::NoEdge`] for a table without that term.
+    pub fn edge<'a>(self, at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<f64, LightError> {
+        match self {
+            Self::ClosedForm(form) => form.edge(at, light),
+            Self::Table(table, used) => edge_by_table(table, at, light, used),
         }
     }
 

@@ -7,7 +7,8 @@ use glam::DVec3;
 use super::{AreaLight, LightError, normals::NormalsRule};
 use ltcforge_fit::{
     Configuration, LEAST_ALPHA, LobeModel, Sides,
-    math::{Triple, direction},
+    brdf::{edge_factor, edge_weight},
+    math::{Triple, direction, pow},
 };
 
 /// A model of light: a formula, a table of lobes, or either.
@@ -41,6 +42,11 @@ pub(crate) trait Formula: Sync {
     /// The reflected light of a polygon of radiance one: for a Fresnel factor of one, and its part weighed by Schlick's
     /// `(1 - wo . h)^5`.
     fn reflected(&self, lit: &LitPoint<'_, f64>, rule: NormalsRule) -> [f64; 2];
+
+    /// The reflected light weighed by F82's edge: by default at the incidence that Schlick's part tells.
+    fn edge(&self, lit: &LitPoint<'_, f64>, rule: NormalsRule) -> f64 {
+        edge_of_parts(self.reflected(lit, rule))
+    }
 
     /// The same in the numbers of a shader.
     fn reflected_f32(&self, lit: &LitPoint<'_, f32>, rule: NormalsRule) -> [f32; 2];
@@ -78,6 +84,21 @@ impl ReflectedLight {
     pub fn schlick(&self, f0: f64, f90: f64) -> f64 {
         f0 * (self.energy - self.fresnel) + f90 * self.fresnel
     }
+
+    /// The reflected light of a metal by F82: Schlick's, less `b` times the light weighed by
+    /// [`edge_weight`](ltcforge_fit::brdf::edge_weight), `edge`, so that at 82 degrees `tint` of Schlick's is left:
+    /// `f0 (energy - fresnel) + f90 fresnel - b edge`, with `b` of [`edge_factor`].
+    #[must_use]
+    pub fn metal(&self, edge: f64, [f0, f90]: [f64; 2], tint: f64) -> f64 {
+        self.schlick(f0, f90) - edge_factor(f0, f90, tint) * edge
+    }
+}
+
+/// The light weighed by [`edge_weight`] where all of it has one incidence, that whose Schlick's factor is the part of it
+/// that `fresnel` is: `energy x (1 - x)^6` with `1 - x = (fresnel / energy)^(1/5)`.
+#[must_use]
+pub fn edge_of_parts([energy, fresnel]: [f64; 2]) -> f64 {
+    if energy > 0.0 { energy * edge_weight(1.0 - pow(fresnel / energy, 0.2)) } else { 0.0 }
 }
 
 /// A surface's roughnesses along x and y, raised to [`LEAST_ALPHA`], and the direction from which it is seen.

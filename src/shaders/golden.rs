@@ -96,6 +96,7 @@ pub fn table(layout: Layout) -> Table {
         terms: Some(Terms {
             amplitude: (0..entries).map(|entry| number(entry, 9)).collect(),
             fresnel: (0..entries).map(|entry| number(entry, 10)).collect(),
+            edge: None,
         }),
         second: None,
         node_error: vec![0.0; entries],

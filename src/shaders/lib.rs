@@ -15,6 +15,7 @@ mod golden;
 mod gpu_cost;
 mod header;
 mod language;
+mod layers;
 mod lit_by;
 mod model_shader;
 mod models;
@@ -34,6 +35,7 @@ pub use golden::{
 pub use gpu_cost::{COMPILER, GpuCost};
 pub use header::{commented, functions_of, table_caller};
 pub use language::Language;
+pub use layers::{FUZZ_CASES, fuzz_values, layers_comment, layers_source};
 pub use lit_by::{Bound, Filter, Lights, LitBy, LitByError, Reading};
 pub use model_shader::ModelShader;
 pub use namespace::{BadPrefix, Namespace, Prefix};

@@ -20,7 +20,7 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 33] = [
+pub const SHADERS: [Shader; 34] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
     Shader { name: "texels_volumes", source: ltcforge_wgsl::TEXELS_VOLUMES },
@@ -47,6 +47,7 @@ pub const SHADERS: [Shader; 33] = [
     Shader { name: "normals_disk", source: ltcforge_wgsl::NORMALS_DISK },
     Shader { name: "gaussians_light", source: ltcforge_wgsl::GAUSSIANS_LIGHT },
     Shader { name: "gaussians_table", source: ltcforge_wgsl::GAUSSIANS_TABLE },
+    Shader { name: "layers", source: ltcforge_wgsl::LAYERS },
     Shader { name: "ltc_example", source: ltcforge_wgsl::LTC_EXAMPLE },
     Shader { name: "normals_example", source: ltcforge_wgsl::NORMALS_EXAMPLE },
     Shader { name: "gaussians_example", source: ltcforge_wgsl::GAUSSIANS_EXAMPLE },

@@ -6,6 +6,9 @@ use ltcforge_fit::{BrdfKind, Recipe};
 /// The licence of the numbers: tables are facts about a BRDF, and those who ship them should not have to ask.
 const LICENCE: &str = "licence of the numbers: CC0-1.0";
 
+/// Where the lobes of `fuzz` come from, which are published numbers and no fit.
+const FUZZ: &str = "lobes of fuzz: Zeltner, Burley, Chiang 2022, by the functions of MaterialX 1.39, Apache-2.0";
+
 /// The papers that a layout's numbers come from.
 const PAPERS: [&str; 2] = [
     "Heitz, Dupuy, Hill, Neubelt: Real-Time Polygonal-Light Shading with Linearly Transformed Cosines, 2016",
@@ -57,6 +60,7 @@ impl About {
             format!("mean error between nodes: {width:.4} of the lobe's width, at {places} places")
         }));
         lines.push(LICENCE.to_owned());
+        lines.extend(brdf.filter(|brdf| *brdf == BrdfKind::Fuzz).map(|_| FUZZ.to_owned()));
         lines.extend(PAPERS.map(str::to_owned));
         Self { table: Some(table), ..Self::new(lines) }
     }

@@ -7,7 +7,7 @@ use super::{
     TextureFileError, TextureLayout, recipe::recipe_like, rounding::RoundingError, sampling_of,
 };
 use ltcforge_files::compact::{COMPACT_MAGIC, encode_lobes};
-use ltcforge_fit::{BrdfKind, Precision, Table};
+use ltcforge_fit::{Precision, Table};
 
 /// The name of files that hold all textures.
 const STEM: &str = "ltc";
@@ -135,7 +135,8 @@ impl Export {
             Self::Engine(engine) => {
                 let layout = engine_textures(engine, table)?;
                 let textures = layout.textures(table)?;
-                let made = engine.bundle(&textures, &table.shader_axes(), &about.and(sampling_of(table, layout)));
+                let about = about.and(sampling_of(table, layout));
+                let made = engine.bundle(table.brdf(), &textures, &table.shader_axes(), &about);
                 made.map_err(|source| match source {
                     TextureFileError::Missing { .. } => {
                         let recipe = recipe_like(layout.sampling().recipe, table.layout(), true, table);
@@ -169,7 +170,7 @@ impl Export {
         let bundle = match self {
             Self::Engine(engine) => {
                 let textures = engine_textures(engine, table)?.rules().textures(table)?;
-                engine.bundle(&textures, &table.shader_axes(), &about).map_err(ExportError::Files)?
+                engine.bundle(table.brdf(), &textures, &table.shader_axes(), &about).map_err(ExportError::Files)?
             }
             Self::Textures { layout, container, precision } => {
                 layout.check(table)?;
@@ -219,8 +220,9 @@ fn engine_textures(engine: Engine, table: &Table) -> Result<TextureLayout, NoTex
     if table.lobe.gaussian().is_some() {
         return Err(NoTextures::OtherLobe { engine: engine.name(), lobe: table.lobe, layout: there_is });
     }
-    if engine.layout().is_some() && table.brdf != BrdfKind::Ggx {
-        return Err(NoTextures::OtherBrdf { engine: engine.name(), brdf: table.brdf(), layout: there_is });
+    if engine.layout().is_some() && !engine.brdfs().contains(&table.brdf()) {
+        let known = engine.brdfs().iter().map(|brdf| brdf.name()).collect::<Vec<_>>().join(", ");
+        return Err(NoTextures::OtherBrdf { engine: engine.name(), known, brdf: table.brdf(), layout: there_is });
     }
     checked.map(|()| layout)
 }

@@ -9,6 +9,7 @@
 
 mod function;
 mod include;
+mod layers;
 mod port;
 mod printer;
 #[cfg(test)]
@@ -18,4 +19,5 @@ mod wgsl;
 
 pub use function::include_function;
 pub use include::include;
+pub use layers::include_layers;
 pub use port::{PortError, port};

@@ -136,6 +136,7 @@ impl Sampled {
             second: None,
             amplitude: Some(amplitude),
             fresnel: None,
+            edge: None,
         }
     }
 }

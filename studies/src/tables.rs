@@ -52,7 +52,7 @@ pub fn best(places: &[Configuration]) -> Vec<(Configuration, LookedUp)> {
         let mut go_on = || ControlFlow::Continue(());
         let entry = fitter.fit(&*surface, wo, 0, &mut StopCheck::new(&mut go_on)).expect("nothing stops it");
         let (amplitude, fresnel) = (Some(entry.amplitude), Some(entry.fresnel));
-        (*at, LookedUp { matrix: entry.matrix, second: None, amplitude, fresnel })
+        (*at, LookedUp { matrix: entry.matrix, second: None, amplitude, fresnel, edge: None })
     };
     places.par_iter().with_max_len(1).map_init(|| fitter.another(), fit).collect()
 }

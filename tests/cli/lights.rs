@@ -81,6 +81,67 @@ fn light_of_a_material_is_its_share_of_both_parts() {
     }
 }
 
+/// `--material` stands for two columns, and its rotation for that of view and light.
+#[test]
+fn light_of_a_described_material_is_that_of_its_roughness() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let with =
+        |options: &[&str], lines: &str| run_with_stdin(folder.path(), ["light", "-"].iter().chain(options), lines);
+    let lit = "0.7,0.3,1,-2,-1,1,1,-1,2,-1,1,2";
+    let columns = with(&[], &format!("0.375,0.125,{lit}")).exited(0).stdout;
+    let material = ["--material", "hdrp:_Smoothness=0.5,_Anisotropy=0.5"];
+    assert_eq!(with(&material, lit).exited(0).stdout, columns);
+    let header = "theta,phi,sides,x0,y0,z0,x1,y1,z1,x2,y2,z2";
+    assert_eq!(with(&material, &format!("{header}\n{lit}")).exited(0).stdout, columns);
+
+    // A quarter turn swaps what lies along and across.
+    let turned = "gltf:roughnessFactor=0.5,anisotropyStrength=0.5,anisotropyRotation=1.5707963267948966";
+    let found = rows(&with(&["--material", turned], lit).exited(0).stdout);
+    let swapped = rows(&with(&[], &format!("0.25,0.4375,{lit}")).exited(0).stdout);
+    assert!(found[0].iter().zip(&swapped[0]).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} {swapped:?}");
+    let along = rows(&with(&[], &format!("0.4375,0.25,{lit}")).exited(0).stdout);
+    assert!((along[0][0] - swapped[0][0]).abs() > 1e-3, "{along:?} {swapped:?}");
+
+    // Rougher than 1 is told, and what is wrong refused, all at once.
+    let rough = with(&["--material", "disney:roughness=1,anisotropic=1"], lit).exited(0);
+    assert!(rough.stderr.contains("taken as 1") && !rough.stdout.contains("NaN"), "{}", rough.stderr);
+    let refused = with(&["--material", "disney:roughness=2,shiny=1"], lit).exited(2).stderr;
+    assert!(refused.contains("roughness is «2»") && refused.contains("disney has no «shiny»"), "{refused}");
+    let refused = with(&material, &format!("0.375,0.125,{lit}")).exited(2).stderr;
+    assert!(refused.contains("14 fields; a light has theta,phi,sides"), "{refused}");
+}
+
+/// A metal by F82 reflects less than by Schlick's factor, by a formula and by a table that has the term; others say what
+/// they lack.
+#[test]
+fn light_of_a_metal_is_darker_at_its_edge() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let lights = lights_around_reflections();
+    let with = |options: &[&str]| run_with_stdin(folder.path(), ["light", "-"].iter().chain(options), &lights);
+    let fit = |more: &str| {
+        let small =
+            r#""preset": "draft", "range": {"ratio": [1, 1], "phi": [0, 0]}, "resolution": {"alpha": 8, "theta": 12}"#;
+        run_with_stdin(folder.path(), ["fit", "-"], &format!("{{{small}{more}}}")).exited(0).last_line().to_owned()
+    };
+    let metal = ["--f0", "0.9", "--f82", "0.5", "--truth"];
+    let table = fit(r#", "terms": "f82""#);
+    for by in [&["--model", "normals"][..], &["--model", "asg"], &["--model", "ltc", "--table", &table]] {
+        let found = rows(&with(&[by, &metal].concat()).exited(0).stdout);
+        let schlick = rows(&with(&[by, &metal[..2], &metal[4..]].concat()).exited(0).stdout);
+        let off = |i: usize| found.iter().map(|row| (row[i] - row[5]).abs()).sum::<f64>() / found.len() as f64;
+        let undarkened = found.iter().zip(&schlick).map(|(row, schlick)| (schlick[2] - row[5]).abs()).sum::<f64>();
+        let darker = found.iter().zip(&schlick).all(|(row, schlick)| row[2] <= schlick[2] && row[5] <= schlick[5]);
+        println!("{by:?}: off by {:.4}, {:.4} by Schlick's factor", off(2), undarkened / found.len() as f64);
+        assert!(darker && off(2) < 0.7 * undarkened / found.len() as f64, "{by:?}: {} {undarkened}", off(2));
+    }
+    let by = |table: &str| with(&[&["--model", "ltc", "--table", table], &metal[..4]].concat()).exited(2).stderr;
+    assert!(by(&fit("")).contains(r#"its recipe needs "terms": "f82""#));
+    let cloth = fit(r#", "brdf": "charlie""#);
+    let told = by(&cloth);
+    assert!(told.contains("brdf charlie has no Fresnel factor; ") && told.contains("no edge term"), "{told}");
+    assert!(with(&["--f82", "0.5"]).exited(2).stderr.contains("--f0"));
+}
+
 /// Lights around the mirrored views of smooth to rough surfaces, low ones among them.
 fn lights_around_reflections() -> String {
     let mut lines = Vec::new();

@@ -94,6 +94,28 @@ fn hlsl_is_what_direct3d_takes() {
     }
 }
 
+/// Layers are of no model: their functions compile by themselves, and options of models are refused, all at once.
+#[test]
+fn layers_are_a_text_of_their_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    let text = run(here, ["shader", "--as", "layers", "--language", "glsl"]).exited(0).stdout;
+    let call = "layers_fuzzed(layers_coated(vec3(0.5), 0.1, layers_albedo(0.9, 0.1, 0.04), 0.5, vec3(1.0)), vec3(0.2), \
+                layers_fuzz(0.5, vec3(0.0, 0.0, 1.0)).albedo, 0.5)";
+    let program = format!(
+        "#version 450\n{text}\nlayout(location = 0) out vec4 colour;\nvoid main() {{ colour = vec4({call}, 1.0); }}\n"
+    );
+    fs::write(here.join("layers.frag"), program).expect("a file");
+    let args = ["-V", "layers.frag", "-o", "layers.spv"];
+    if let Some(output) = checked("glslang-tools", "glslangValidator", &args, here) {
+        assert_sound(&output);
+    }
+    let words = ["shader", "--as", "layers", "--language", "wgsl", "--layout", "kt2022", "--prefix", "a"];
+    let told = run(here, words).exited(2).stderr;
+    assert!(told.contains("leave out --layout, --prefix"), "{told}");
+    run(here, ["shader", "--as", "layers", "--language", "spirv", "-o", "layers.spv"]).exited(2);
+}
+
 /// The command of docs/preview.md.
 #[test]
 fn the_digest_in_a_text_is_that_of_sha256sum() {

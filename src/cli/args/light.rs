@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{named::named, tables::TableFolder};
-use ltcforge_light::{LightModel, LightShape, NormalsRule};
+use ltcforge_light::{AnisotropicRoughness, LightModel, LightShape, NormalsRule};
 
 /// `light`.
 #[derive(Debug, Args)]
@@ -19,6 +19,11 @@ pub struct LightArgs {
     /// `ax,ay,az,bx,by,bz,width`
     #[arg(value_name = "CSV")]
     pub cases: PathBuf,
+    /// One material in place of the columns `alpha_x,alpha_y`, by the parameters of `gltf`, `openpbr`, `materialx`,
+    /// `disney` or `hdrp`, such as `openpbr:specular_roughness=0.3,specular_roughness_anisotropy=0.5`; views and lights are
+    /// then around the surface's own tangent
+    #[arg(long, value_name = "MODEL:NAME=X,...", value_parser = AnisotropicRoughness::parse)]
+    pub material: Option<AnisotropicRoughness>,
     /// The shape of the lights
     #[arg(long, default_value = LightShape::ALL[0].name(), value_parser = named(LightShape::ALL, LightShape::name))]
     pub light: LightShape,
@@ -44,6 +49,10 @@ pub struct LightArgs {
     /// Print what a material of this reflectance, seen from above, reflects as well, by Schlick's Fresnel factor: 0 to 1
     #[arg(long, value_parser = reflectance)]
     pub f0: Option<f64>,
+    /// The part of Schlick's reflectance that a metal has at 82 degrees, with `--f0`: what it reflects by F82, the Fresnel
+    /// factor of OpenPBR's metals: 0 to 1. A table needs terms "f82" of its recipe
+    #[arg(long, value_name = "TINT", value_parser = reflectance, requires = "f0")]
+    pub f82: Option<f64>,
     /// The reflectance at grazing incidence, with `--f0`: 0 to 1
     #[arg(long, default_value_t = 1.0, value_parser = reflectance, requires = "f0")]
     pub f90: f64,

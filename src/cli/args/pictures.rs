@@ -221,4 +221,6 @@ pub enum ShaderForm {
     Include,
     /// A compute shader that calls them
     Example,
+    /// Functions that combine a coat and fuzz with what lies below them, for any model
+    Layers,
 }

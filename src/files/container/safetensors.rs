@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `matrix` | f32, or f16 where that is the recipe's precision | alpha, ratio, theta, phi, 3, 3 |
 //! | `matrix_2` (when the recipe has two lobes an entry) | as `matrix` | as `matrix` |
-//! | `amplitude`, `fresnel` (when the recipe has terms), `node_error` | as `matrix` | alpha, ratio, theta, phi |
+//! | `amplitude`, `fresnel` (when the recipe has terms), `edge` (those of F82), `node_error` | as `matrix` | alpha, ratio, theta, phi |
 //! | `axis_alpha`, `axis_ratio`, `axis_theta`, `axis_phi` | f64 | nodes |
 //!
 //! Equal recipe and table give equal bytes, and no other bytes decode to them.
@@ -13,7 +13,7 @@ use safetensors::{Dtype, SafeTensors, serialize, tensor::Metadata};
 
 use crate::{recipe_document, tabulated::FindBrdf, tensor::Tensor, text::other_form};
 use ltcforge_fit::{
-    BrdfModel, Precision, Recipe, Table, Terms,
+    BrdfModel, Precision, Recipe, StoredTerms, Table, Terms,
     math::{from_half_bits, from_row_major, half_bits},
 };
 
@@ -113,6 +113,9 @@ pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError>
     if let Some(terms) = &table.terms {
         tensors.push(("amplitude".to_owned(), tensor(precision, &shape, &terms.amplitude)));
         tensors.push(("fresnel".to_owned(), tensor(precision, &shape, &terms.fresnel)));
+        if let Some(edge) = &terms.edge {
+            tensors.push(("edge".to_owned(), tensor(precision, &shape, edge)));
+        }
     }
     for (name, nodes) in table.axes.named() {
         let bytes = nodes.iter().flat_map(|x| x.to_le_bytes()).collect();
@@ -152,8 +155,8 @@ pub fn stated_length(beginning: &[u8]) -> Result<u64, TableFileError> {
         Precision::F32 => 4,
         Precision::F16 => 2,
     };
-    // Matrix, error at the node, amplitude and Fresnel term; the matrix of a second lobe.
-    let numbers = if recipe.terms { 12 } else { 10 } + if has_second(&recipe) { 9 } else { 0 };
+    // Matrix, error at the node, terms; the matrix of a second lobe.
+    let numbers = 10 + recipe.terms.count() as u64 + if has_second(&recipe) { 9 } else { 0 };
     let entries = lengths.iter().product::<usize>() as u64;
     Ok(8 + length + entries * numbers * number + 8 * lengths.iter().sum::<usize>() as u64)
 }
@@ -213,10 +216,11 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
             }
         }
     };
-    let terms = if recipe.terms {
+    let terms = if recipe.terms.any() {
         // The number that layout `reflected` stores for the Fresnel term may be negative.
         let (amplitude, fresnel) = (not_negative("amplitude")?, finite("fresnel", &shape)?);
-        Some(Terms { amplitude, fresnel })
+        let edge = (recipe.terms == StoredTerms::F82).then(|| not_negative("edge")).transpose()?;
+        Some(Terms { amplitude, fresnel, edge })
     } else {
         None
     };

@@ -13,7 +13,7 @@ use super::{
 use crate::tabulated::FindBrdf;
 use ltcforge_fit::{
     BrdfKind, BrdfModel, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Precision, Recipe, Shear,
-    Simplex, Solver, Start, TabulatedAxes,
+    Simplex, Solver, Start, StoredTerms, TabulatedAxes,
 };
 
 /// Entries that a table may have unless the caller sets another limit.
@@ -75,11 +75,11 @@ pub(super) fn read(
     let lobe = root.choice("lobe", &named(LobeModel::ALL, LobeModel::name), LobeModel::ALL[0], &mut faults);
     let layout = read_layout(&root, brdf, lobe, &mut faults);
     let precision = root.choice("precision", &named(Precision::ALL, Precision::name), Precision::ALL[0], &mut faults);
-    let terms = root.boolean("terms", true, &mut faults);
+    let terms = read_terms(&root, brdf, lobe, &mut faults);
     let fitter = read_fitter(&root, fitters, &mut faults);
     let fit = read_fit(&root, preset, &mut faults);
     check_lobe(&root, lobe, &fit, terms, &mut faults);
-    check_second(&root, model.fresnel(), lobe, terms, &mut faults);
+    check_second(&root, model.fresnel(), lobe, terms.any(), &mut faults);
     let range = read_range(&root, &model, layout, &mut faults);
     check_ratio(&range, &fit, &mut faults);
     let resolution = read_resolution(&root, layout, &range, &mut faults);
@@ -177,6 +177,31 @@ fn read_brdf(root: &Object, find: &FindBrdf<'_>, faults: &mut Faults) -> BrdfMod
     kind.into()
 }
 
+/// The terms that are stored: `true`, `false`, or "f82", which metals of microfacets have.
+fn read_terms(root: &Object, brdf: BrdfKind, lobe: LobeModel, faults: &mut Faults) -> StoredTerms {
+    match root.get("terms") {
+        None | Some(Value::Bool(true)) => return StoredTerms::Schlick,
+        Some(Value::Bool(false)) => return StoredTerms::None,
+        Some(Value::String(name)) if name == StoredTerms::F82_NAME => {}
+        Some(other) => {
+            let detail = format!("{} is neither true, false nor \"{}\"", echo(other), StoredTerms::F82_NAME);
+            faults.note(root.pointer("terms"), detail);
+            return StoredTerms::Schlick;
+        }
+    }
+    if !brdf.has_fresnel() {
+        let others = listed(BrdfKind::ALL, BrdfKind::has_fresnel);
+        let detail = format!("brdf \"{brdf}\" has no Fresnel factor to be F82: say true, or choose brdf {others}");
+        faults.note(root.pointer("terms"), detail);
+    }
+    if lobe.gaussian().is_some() {
+        let ltc = LobeModel::ALL[0];
+        let detail = format!("\"f82\" is of tables of lobe \"{ltc}\", not \"{lobe}\": say true, or choose that lobe");
+        faults.note(root.pointer("terms"), detail);
+    }
+    StoredTerms::F82
+}
+
 /// The default is the first layout that takes the lobes of the scattering model.
 fn read_layout(root: &Object, brdf: BrdfKind, lobe: LobeModel, faults: &mut Faults) -> Layout {
     let takes = |layout: &Layout| layout.takes(brdf) && layout.stores(lobe);
@@ -199,7 +224,7 @@ fn read_layout(root: &Object, brdf: BrdfKind, lobe: LobeModel, faults: &mut Faul
 }
 
 /// Checks what a lobe model other than the default requires of the rest of a recipe.
-fn check_lobe(root: &Object, lobe: LobeModel, fit: &FitSettings, terms: bool, faults: &mut Faults) {
+fn check_lobe(root: &Object, lobe: LobeModel, fit: &FitSettings, terms: StoredTerms, faults: &mut Faults) {
     let FitSettings { solver, metric, .. } = *fit;
     if lobe.gaussian().is_some() && !metric.compares_images() {
         let others = listed(Metric::ALL, Metric::compares_images);
@@ -211,7 +236,7 @@ fn check_lobe(root: &Object, lobe: LobeModel, fit: &FitSettings, terms: bool, fa
         let detail = format!("solver \"{solver}\" finds LTCs, not lobe \"{lobe}\"; solvers for it are {others}");
         faults.note("/fit/solver", detail);
     }
-    if !terms && lobe.gaussian().is_some() {
+    if !terms.any() && lobe.gaussian().is_some() {
         let detail = format!("false leaves lobe \"{lobe}\" without its amplitude; leave the field out, or say true");
         faults.note(root.pointer("terms"), detail);
     }

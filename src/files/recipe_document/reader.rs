@@ -80,18 +80,6 @@ impl<'a> Object<'a> {
         u32::try_from(number).unwrap_or(default)
     }
 
-    /// `true` or `false`.
-    pub(super) fn boolean(&self, field: &str, default: bool, faults: &mut Faults) -> bool {
-        match self.get(field) {
-            None => default,
-            Some(Value::Bool(value)) => *value,
-            Some(other) => {
-                faults.note(self.pointer(field), format!("{} is not true or false", echo(other)));
-                default
-            }
-        }
-    }
-
     /// One of a few names.
     pub(super) fn choice<T: Copy>(&self, field: &str, choices: &[(&str, T)], default: T, faults: &mut Faults) -> T {
         let Some(value) = self.get(field) else { return default };

@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use ltcforge_fit::{BrdfKind, Layout, LobeModel, Metric, Solver};
+use ltcforge_fit::{BrdfKind, Layout, LobeModel, Metric, Solver, StoredTerms};
 
 fn recipe(json: &str) -> Result<Recipe, RecipeError> {
     parse(json.as_bytes(), DEFAULT_ENTRY_LIMIT)
@@ -269,6 +269,19 @@ fn what_gaussians_need_is_told_all_at_once() {
     found.sort();
     assert_eq!(found, ["/fit/solver", "/layout", "/terms"]);
     assert_eq!(pointers(r#"{"lobe": "asg", "fit": {"metric": "l3"}}"#), ["/fit/metric"]);
+}
+
+#[test]
+fn terms_of_f82_are_told_and_refused_where_nothing_reflects() {
+    let metal = recipe(r#"{"terms": "f82"}"#).expect("a recipe");
+    assert_eq!((metal.terms, metal.terms.count()), (StoredTerms::F82, 3));
+    let text = canonical_json(&metal);
+    assert!(text.contains(r#""terms":"f82""#), "{text}");
+    assert_eq!(recipe(&text), Ok(metal));
+    let plain = canonical_json(&recipe("{}").expect("a recipe"));
+    assert!(plain.contains(r#""terms":true"#), "{plain}");
+    assert_eq!(pointers(r#"{"terms": "f90"}"#), ["/terms"]);
+    assert_eq!(pointers(r#"{"terms": "f82", "brdf": "fuzz", "lobe": "sg"}"#), ["/terms", "/terms"]);
 }
 
 #[test]

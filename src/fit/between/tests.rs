@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 use super::*;
 use crate::{
     BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, PerAxis, Precision,
-    Recipe, Solver, Table, Terms, assemble,
+    Recipe, Solver, StoredTerms, Table, Terms, assemble,
     brdf::{Ggx, Mirrors},
     fit_shard,
     math::{direction, from_row_major, row_major},
@@ -32,7 +32,7 @@ fn fitted(layout: Layout, nodes: u32, precision: Precision) -> (Plan, Vec<Fitted
         resolution: PerAxis { alpha: nodes, ratio: 1, theta: nodes, phi: 1 },
         range: layout.only_ranges().expect("the layout has one domain"),
         fit: SETTINGS,
-        terms: true,
+        terms: StoredTerms::Schlick,
         precision,
     });
     let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
@@ -57,7 +57,7 @@ fn as_fitted(plan: &Plan, entries: &[FittedEntry], chosen: &Table) -> Table {
     let own = own_numbers(plan, entries);
     let matrix = own.iter().map(|own| row_major(&own.matrix).map(|x| x as f32)).collect();
     let term = |of: fn(&LobeTerms) -> f64| own.iter().map(|own| of(&own.terms) as f32).collect();
-    let terms = Terms { amplitude: term(|terms| terms.amplitude), fresnel: term(|terms| terms.fresnel) };
+    let terms = Terms { amplitude: term(|terms| terms.amplitude), fresnel: term(|terms| terms.fresnel), edge: None };
     Table { matrix, terms: Some(terms), ..chosen.clone() }
 }
 

@@ -6,7 +6,9 @@ mod beckmann;
 mod burley_diffuse;
 mod charlie;
 mod charlie_neubelt;
+mod f82;
 mod fresnel;
+mod fuzz;
 mod ggx;
 mod hemisphere;
 mod model;
@@ -21,7 +23,9 @@ pub use beckmann::Beckmann;
 pub use burley_diffuse::BurleyDiffuse;
 pub use charlie::Charlie;
 pub use charlie_neubelt::CharlieNeubelt;
+pub use f82::{EDGE_COSINE, edge_factor, edge_term, edge_weight};
 pub use fresnel::{LobeFresnel, SecondLobe, WeightedF0};
+pub use fuzz::Fuzz;
 pub use ggx::Ggx;
 pub use model::{BrdfModel, TabulatedFile};
 pub use oren_nayar::OrenNayar;
@@ -49,6 +53,8 @@ named_list! {
         BurleyDiffuse = "burley_diffuse" => burley_diffuse::BurleyDiffuseRules,
         /// Energy-preserving Oren-Nayar [Portsmouth, Kutz and Hill 2024].
         OrenNayar = "oren_nayar" => oren_nayar::OrenNayarRules,
+        /// Sheen of a volume of fibres [Zeltner, Burley and Chiang 2022], which is an LTC itself.
+        Fuzz = "fuzz" => fuzz::FuzzRules,
         /// An isotropic BRDF given as numbers in a file.
         Tabulated = "tabulated" => tabulated::TabulatedRules,
     }
@@ -89,6 +95,12 @@ impl BrdfKind {
     #[must_use]
     pub fn has_fresnel(self) -> bool {
         self.follows_reflection() && !self.needs_file()
+    }
+
+    /// Whether its lobes are LTCs, so that the entries of a table of those are the model's own and nothing is fitted.
+    #[must_use]
+    pub fn is_ltc(self) -> bool {
+        self.rules().is_ltc()
     }
 
     /// Whether its lobes lie around the reflection of GGX, as layout `reflected` needs.

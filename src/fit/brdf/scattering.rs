@@ -1,6 +1,6 @@
 //! The interface of a scattering model.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use crate::math::SquarePoint;
 
@@ -81,6 +81,12 @@ pub trait Brdf: Sync {
         LobeTerms { amplitude, fresnel }
     }
 
+    /// The matrix of the lobe for `wo`, where the model is a linearly transformed cosine itself: there is nothing to fit
+    /// then.
+    fn ltc(&self, _wo: DVec3) -> Option<DMat3> {
+        None
+    }
+
     /// Density with which [`Brdf::sample`] draws `wi`, per steradian.
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64;
 }
@@ -128,6 +134,11 @@ pub(crate) trait BrdfRules: Sync {
     /// and sheen do not.
     fn follows_reflection(&self) -> bool {
         true
+    }
+
+    /// Whether its lobes are LTCs, whose matrices [`Brdf::ltc`] has.
+    fn is_ltc(&self) -> bool {
+        false
     }
 
     /// Whether its numbers are in a file that a recipe names.

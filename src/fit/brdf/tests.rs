@@ -7,7 +7,8 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{Brdf, BrdfKind, BrdfModel, BrdfSample, MOST_ALBEDO, planted_tabulated};
-use crate::math::{Lattice, atan2, direction, sin_cos};
+use crate::lobe::ltc::Ltc;
+use crate::math::{Lattice, atan2, cosine_hemisphere, direction, sin_cos};
 
 /// Configurations from broad to narrow, from above and grazing: `(alpha_x, alpha_y, theta, phi)`.
 const CONFIGURATIONS: [(f64, f64, f64, f64); 6] = [
@@ -108,6 +109,7 @@ fn no_furnace_glows_more_than_its_model_says() {
             BrdfKind::CharlieNeubelt => (3.2, 3.4),
             BrdfKind::BurleyDiffuse => (1.5, 1.6),
             BrdfKind::OrenNayar => (1.0 - 1e-3, 1.0 + 1e-3),
+            BrdfKind::Fuzz => (0.7, 0.75),
             // The planted file is Oren-Nayar's reflection between nodes, and files may not reflect more.
             BrdfKind::Tabulated => (0.99, MOST_ALBEDO + 1e-3),
         };
@@ -139,8 +141,11 @@ fn values_are_density_times_weight_and_reciprocal() {
             above += 1;
             let value = brdf.eval_cos(wo, wi);
             assert!((value / (brdf.pdf(wo, wi) * weight) - 1.0).abs() < 1e-8, "{name}: {value}");
-            // A file has no views beyond its last one, to exchange such lights with.
-            if kind != BrdfKind::Tabulated || wi.z > 0.11 && wo.z > 0.11 {
+            // A file has no views beyond its last one, to exchange such lights with, and the lobes of fuzz are fitted for
+            // each view alone.
+            if kind == BrdfKind::Fuzz {
+                exchanged += 1;
+            } else if kind != BrdfKind::Tabulated || wi.z > 0.11 && wo.z > 0.11 {
                 let swapped = brdf.eval_cos(wi, wo) / wo.z * wi.z;
                 assert!((value / swapped - 1.0).abs() < 1e-9, "{name}: {value} {swapped}");
                 exchanged += 1;
@@ -149,6 +154,67 @@ fn values_are_density_times_weight_and_reciprocal() {
         }
         assert!(above > 16 && exchanged > 16, "{name}");
     }
+}
+
+/// What says that it is an LTC has the density of one, with its own matrix.
+#[test]
+fn lobes_that_are_ltcs_have_their_density() {
+    let mut ltcs = 0;
+    for (kind, brdf, wo, name) in all() {
+        assert_eq!(brdf.ltc(wo).is_some(), kind.is_ltc(), "{name}");
+        let Some(ltc) = brdf.ltc(wo).and_then(Ltc::new) else { continue };
+        ltcs += 1;
+        for u in Lattice::new(64, [0.3, 0.1]).points() {
+            let [own, of_matrix] = [brdf.sample(wo, u).wi, ltc.sample(u)];
+            assert!((brdf.pdf(wo, own) / ltc.pdf(own) - 1.0).abs() < 1e-9, "{name}: {own}");
+            assert!((brdf.pdf(wo, of_matrix) / ltc.pdf(of_matrix) - 1.0).abs() < 1e-9, "{name}: {of_matrix}");
+        }
+    }
+    assert_eq!(ltcs, CONFIGURATIONS.len());
+}
+
+/// Unity's HDRP lights by these formulas, in its names (`BSDF.hlsl`, `Fabric.hlsl`): Burley's diffuse reflection but for a
+/// constant, which no LTC has, and Charlie by two visibilities. Its Oren-Nayar, of 1994, is another model than ours.
+#[test]
+fn hdrps_formulas_are_ours_but_oren_nayars() {
+    const DISNEY_NORMALISATION: f64 = 1.035_71;
+    let [mut same, mut apart] = [0.0_f64; 2];
+    for (alpha, wo) in
+        [0.05, 0.3, 0.9].into_iter().flat_map(|alpha| [0.3, 1.0, 1.4].map(|t| (alpha, direction(t, 0.4))))
+    {
+        let surfaces = [BrdfKind::BurleyDiffuse, BrdfKind::CharlieNeubelt, BrdfKind::Charlie, BrdfKind::OrenNayar];
+        let ours = surfaces.map(|kind| kind.surface([alpha; 2]));
+        for wi in Lattice::new(40, [0.2, 0.6]).points().map(cosine_hemisphere) {
+            let (nv, nl, lv) = (wo.z, wi.z, wo.dot(wi));
+            let f90 = 0.5 + alpha.sqrt() * (1.0 + lv);
+            let scatter = |cosine: f64| 1.0 + (f90 - 1.0) * (1.0 - cosine).powi(5);
+            let disney = scatter(nl) * scatter(nv) / PI / DISNEY_NORMALISATION;
+            let sin2 = 1.0 - (wo + wi).normalize().z.powi(2);
+            let d = (2.0 + 1.0 / alpha) * sin2.powf(0.5 / alpha) / TAU;
+            let ashikhmin = d / (4.0 * (nl + nv - nl * nv));
+            let mix = |a: f64, b: f64| a + (b - a) * (1.0 - (1.0 - alpha) * (1.0 - alpha));
+            let l = |x: f64| {
+                mix(25.3245, 21.5473) / (1.0 + mix(3.32435, 3.82987) * x.powf(mix(0.16801, 0.19823)))
+                    + mix(-1.27393, -1.97760) * x
+                    + mix(-4.85967, -4.32054)
+            };
+            let shadow = |x: f64| if x < 0.5 { l(x) } else { 2.0 * l(0.5) - l(1.0 - x) }.exp();
+            let charlie = d / ((1.0 + shadow(nv) + shadow(nl)) * 4.0 * nv * nl);
+            let theirs = [disney * DISNEY_NORMALISATION, ashikhmin, charlie];
+            for (ours, theirs) in ours.iter().zip(theirs) {
+                let ratio = ours.eval_cos(wo, wi) / (theirs * nl);
+                same = same.max(if theirs > 0.0 { (ratio - 1.0).abs() } else { 0.0 });
+            }
+            let sigma2 = (0.5 * PI * alpha).powi(2);
+            let (low, high) = (nv.min(nl), nv.max(nl));
+            let slant = ((1.0 - low * low) * (1.0 - high * high)).sqrt() / high;
+            let between = (wo.x * wi.x + wo.y * wi.y) / ((1.0 - nv * nv) * (1.0 - nl * nl)).sqrt();
+            let oren_nayar =
+                1.0 - 0.5 * sigma2 / (sigma2 + 0.57) + 0.45 * sigma2 / (sigma2 + 0.09) * between.max(0.0) * slant;
+            apart = apart.max((ours[3].eval_cos(wo, wi) * PI / (oren_nayar * nl) - 1.0).abs());
+        }
+    }
+    assert!(same < 1e-9 && apart > 0.3, "{same} {apart}");
 }
 
 /// An isotropic model takes the larger roughness and turns with the view; others tell their axes apart.

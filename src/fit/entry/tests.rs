@@ -3,9 +3,11 @@ use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 use proptest::prelude::*;
 
 use super::*;
-use crate::brdf::Ggx;
+use crate::brdf::{BrdfKind, Fuzz, Ggx};
 use crate::{
-    ALPHA_FLOOR, Metric, RATIO_FLOOR, THETA_CEILING,
+    ALPHA_FLOOR, Configuration, FITTER_VERSION, Layout, Metric, PerAxis, Plan, Precision, RATIO_FLOOR, Recipe,
+    StoredTerms, THETA_CEILING, assemble, fit_shard,
+    lobe::ltc::Ltc,
     math::{direction, from_row_major},
 };
 
@@ -157,6 +159,60 @@ fn an_entry_of_any_size_is_stopped_within_a_moment() {
         assert!(entry.is_some() && calls >= least(solver, metric), "{solver} {metric}: {calls} calls");
         for stop in [1, calls / 2, calls].into_iter().filter(|stop| *stop > 0) {
             assert_eq!(stopped_at(stop), (stop, None), "{solver} {metric}");
+        }
+    }
+}
+
+/// Whatever the solver and its settings: the entry of a model that is an LTC is the model's own, and so are the terms.
+#[test]
+fn what_is_an_ltc_itself_is_not_fitted() {
+    let searches = Solver::ALL.iter().map(|solver| settings(*solver, 64, 6, 1));
+    for (alpha, theta) in [(0.01, 1.3), (0.3, 0.9), (1.0, 0.2)] {
+        let (fuzz, wo) = (BrdfKind::Fuzz.surface([alpha; 2]), direction(theta, 0.4));
+        for settings in searches.clone() {
+            let entry =
+                Fitter::new(&settings).fit(&*fuzz, wo, 0, &mut StopCheck::new(&mut unstopped)).expect("unstopped");
+            assert_eq!(Some(from_row_major(&entry.matrix)), fuzz.ltc(wo), "{settings:?}");
+            let albedo = Fuzz::new(alpha.sqrt()).albedo(wo.z);
+            assert!((entry.amplitude / albedo - 1.0).abs() < 1e-12 && entry.error < 0.05, "{entry:?} {albedo}");
+        }
+        let mut gaussian = Fitter::new(&settings(Solver::Bfgs, 64, 6, 20)).of(LobeModel::Sg);
+        let entry = gaussian.fit(&*fuzz, wo, 0, &mut StopCheck::new(&mut unstopped)).expect("unstopped");
+        assert_ne!(Some(from_row_major(&entry.matrix)), fuzz.ltc(wo), "a Gaussian is searched");
+    }
+}
+
+/// A layout whose entries are otherwise chosen for the error between nodes stores the model's own, too.
+#[test]
+fn tables_of_an_ltc_have_its_matrices_at_their_nodes() {
+    for layout in [Layout::Kt2022, Layout::Ltc2017] {
+        let (nodes, quarter) = (PerAxis { alpha: 5, ratio: 1, theta: 6, phi: 1 }, [0.0, FRAC_PI_2]);
+        let plan = Plan::new(&Recipe {
+            fitter: FITTER_VERSION,
+            brdf: BrdfKind::Fuzz.into(),
+            lobe: LobeModel::Ltc,
+            layout,
+            resolution: nodes,
+            range: PerAxis { alpha: [0.0, 1.0], ratio: [1.0; 2], theta: quarter, phi: [0.0; 2] },
+            fit: settings(Solver::Bfgs, 64, 6, 1),
+            terms: StoredTerms::Schlick,
+            precision: Precision::F32,
+        });
+        let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
+        let table = assemble(&plan, &(0..plan.shards()).flat_map(fit).collect::<Vec<_>>());
+        let places = (0..plan.entries()).map(|index| (plan.nodes().node(index as usize), plan.place(index)));
+        let kept: Vec<_> = places.filter(|(node, place)| node == place).collect();
+        assert!(kept.len() >= 20, "{layout}: {}", kept.len());
+        for (_, place) in kept {
+            let [alpha_x, alpha_y] = place.roughness();
+            let at = Configuration { alpha_x, alpha_y, theta: place.theta, phi: place.phi };
+            let found = Ltc::new(from_row_major(&table.lookup(&at).matrix)).expect("a lobe");
+            let fuzz = BrdfKind::Fuzz.surface_at(&place);
+            for u in Lattice::new(16, [0.3, 0.1]).points() {
+                let wi = fuzz.sample(place.view(), u).wi;
+                let apart = found.pdf(wi) / fuzz.pdf(place.view(), wi) - 1.0;
+                assert!(apart.abs() < 2e-3, "{layout} {place:?}: {apart}");
+            }
         }
     }
 }

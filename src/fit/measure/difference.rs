@@ -138,8 +138,8 @@ mod tests {
 
     use super::*;
     use crate::{
-        BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, Plan, Precision, Recipe, Solver, Terms,
-        fit_plan,
+        BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, Plan, Precision, Recipe, Solver, StoredTerms,
+        Terms, fit_plan,
     };
 
     fn fitted() -> Table {
@@ -160,7 +160,7 @@ mod tests {
                 seed: 0,
                 simplex: None,
             },
-            terms: true,
+            terms: StoredTerms::Schlick,
             precision: Precision::F32,
         };
         fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("a table")

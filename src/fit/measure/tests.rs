@@ -7,7 +7,7 @@ use std::{
 use super::*;
 use crate::{
     BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, Plan, Precision, Recipe,
-    Solver, assemble, brdf::Ggx, fit_shard,
+    Solver, StoredTerms, assemble, brdf::Ggx, fit_shard,
 };
 
 fn recipe([alpha, ratio, theta, phi]: [u32; 4], samples: u32, directions: u32, solver: Solver) -> Recipe {
@@ -20,7 +20,7 @@ fn recipe([alpha, ratio, theta, phi]: [u32; 4], samples: u32, directions: u32, s
         resolution: PerAxis { alpha, ratio, theta, phi },
         range: PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: quarter, phi: quarter },
         fit: FitSettings { metric: Metric::Sw1, solver, samples, directions, steps: 60, seed: 0, simplex: None },
-        terms: true,
+        terms: StoredTerms::Schlick,
         precision: Precision::F32,
     }
 }

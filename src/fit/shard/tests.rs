@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 use super::*;
 use crate::{
     BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeFresnel, LobeModel, Metric, Precision, SecondLobe, Simplex,
-    Solver, Table, assemble,
+    Solver, StoredTerms, Table, assemble,
 };
 
 /// The plan of the whole domain at a resolution, fitted coarsely.
@@ -32,7 +32,7 @@ fn plan_of(layout: Layout, [alpha, ratio, theta, phi]: [u32; 4]) -> Plan {
             seed: 0,
             simplex: None,
         },
-        terms: true,
+        terms: StoredTerms::Schlick,
         precision: Precision::F32,
     })
 }

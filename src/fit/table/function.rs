@@ -224,6 +224,7 @@ impl IsotropicFunction {
             second: None,
             amplitude: Some(terms.amplitude),
             fresnel: Some(terms.fresnel),
+            edge: None,
         }
     }
 

@@ -21,6 +21,8 @@ pub struct LookedUp {
     pub amplitude: Option<f64>,
     /// The same albedo, weighted by Schlick's fifth power, if the table has terms.
     pub fresnel: Option<f64>,
+    /// The same albedo, weighted by [`edge_weight`](crate::brdf::edge_weight), if the table has that term.
+    pub edge: Option<f64>,
 }
 
 /// The two nodes of an axis that bracket a value.
@@ -83,7 +85,7 @@ impl Table {
         let second = self.second.as_deref().map(|matrices| unfolded(restored(matrices).matrix));
         let [amplitude, fresnel] =
             [lobe.terms.amplitude, lobe.terms.fresnel].map(|term| self.terms.as_ref().map(|_| term));
-        LookedUp { matrix: unfolded(lobe.matrix), second, amplitude, fresnel }
+        LookedUp { matrix: unfolded(lobe.matrix), second, amplitude, fresnel, edge: self.edge_at(&nearest) }
     }
 
     /// Whether this is a table of isotropic surfaces with one phi, which serves every phi: the lobe turns with the
@@ -93,23 +95,33 @@ impl Table {
         self.axes.ratio == [1.0] && self.axes.phi.len() == 1
     }
 
-    /// One of the stored matrices and the terms, interpolated between the entries around a place within the nodes. The
-    /// terms are zero in a table without terms.
-    fn interpolate(&self, matrices: &[[f32; 9]], place: &PerAxis<f64>) -> LobeNumbers {
+    /// The edge term at a place within the nodes, which every layout stores as it is.
+    fn edge_at(&self, place: &PerAxis<f64>) -> Option<f64> {
+        let edge = self.terms.as_ref()?.edge.as_ref()?;
+        Some(self.corners(&self.brackets(place)).map(|(index, weight)| weight * f64::from(edge[index])).sum())
+    }
+
+    /// The nodes around a place within them.
+    fn brackets(&self, place: &PerAxis<f64>) -> PerAxis<Bracket> {
         let axes = &self.axes;
         let spacing = self.layout.rules().weights();
-        let place = PerAxis {
+        PerAxis {
             alpha: Bracket::find(&axes.alpha, place.alpha, spacing.alpha),
             ratio: Bracket::find(&axes.ratio, place.ratio, spacing.ratio),
             theta: Bracket::find(&axes.theta, place.theta, spacing.theta),
             phi: Bracket::find(&axes.phi, place.phi, spacing.phi),
-        };
+        }
+    }
+
+    /// One of the stored matrices and the terms, interpolated between the entries around a place within the nodes. The
+    /// terms are zero in a table without terms.
+    fn interpolate(&self, matrices: &[[f32; 9]], place: &PerAxis<f64>) -> LobeNumbers {
         let (mut matrix, mut terms) = ([0.0; 9], [0.0; 2]);
-        for (index, weight) in self.corners(&place) {
+        for (index, weight) in self.corners(&self.brackets(place)) {
             for (sum, stored) in matrix.iter_mut().zip(&matrices[index]) {
                 *sum += weight * f64::from(*stored);
             }
-            if let Some(Terms { amplitude, fresnel }) = &self.terms {
+            if let Some(Terms { amplitude, fresnel, .. }) = &self.terms {
                 terms[0] += weight * f64::from(amplitude[index]);
                 terms[1] += weight * f64::from(fresnel[index]);
             }

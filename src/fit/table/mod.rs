@@ -30,6 +30,9 @@ pub struct Terms {
     pub amplitude: Vec<f32>,
     /// The same albedo, weighted by Schlick's fifth power.
     pub fresnel: Vec<f32>,
+    /// The same albedo, weighted by [`edge_weight`](crate::brdf::edge_weight), where the recipe asks for it: metals by F82
+    /// reflect `b` times this less.
+    pub edge: Option<Vec<f32>>,
 }
 
 /// A table as it is stored. Every vector has one element an entry, in the order of [`PerAxis`].
@@ -169,5 +172,11 @@ impl Terms {
     #[must_use]
     pub fn fresnel(&self) -> &[f32] {
         &self.fresnel
+    }
+
+    /// The same albedo, weighted by F82's edge, if the table has that term.
+    #[must_use]
+    pub fn edge(&self) -> Option<&[f32]> {
+        self.edge.as_deref()
     }
 }

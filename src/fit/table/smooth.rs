@@ -40,6 +40,7 @@ impl Table {
         let terms = has_terms.then(|| Terms {
             amplitude: stored.iter().map(|entry| entry.terms.amplitude as f32).collect(),
             fresnel: stored.iter().map(|entry| entry.terms.fresnel as f32).collect(),
+            edge: None,
         });
         let matrix = stored.iter().map(|entry| row_major(&entry.matrix).map(|x| x as f32)).collect();
         Self {

@@ -8,7 +8,8 @@ mod table;
 pub use cone::Cone;
 pub use cut::AboveSurface;
 pub use shapes::CosineSpace;
-pub use table::{TableUse, by_blend, by_table, by_table_as};
+pub(crate) use table::covered;
+pub use table::{TableUse, by_blend, by_table, by_table_as, edge_by_table};
 
 use super::rules::ModelOfLight;
 use ltcforge_fit::LobeModel;

@@ -92,8 +92,24 @@ pub fn by_blend<'a>(
     Ok((f0 * (amplitude - fresnel) + f90 * fresnel) * covered(&matrix, light.into(), cut)?)
 }
 
+/// The same light weighed by F82's edge, in proportion to the table's edge term: see [`ReflectedLight::metal`].
+///
+/// # Errors
+/// As [`by_table`], and [`LightError::NoEdge`] for a table without that term, which those of Gaussians are.
+pub fn edge_by_table<'a>(
+    table: &Table,
+    at: &Configuration,
+    light: impl Into<AreaLight<'a>>,
+    used: TableUse,
+) -> Result<f64, LightError> {
+    let found = table.lookup(at);
+    let (Some(amplitude), Some(edge)) = (found.amplitude, found.edge) else { return Err(LightError::NoEdge) };
+    let reflected = by_table_as(table, at, light, used)?;
+    Ok(if amplitude > 0.0 { edge * (reflected.energy / amplitude) } else { 0.0 })
+}
+
 /// The part that a light covers of an LTC, or of one that ends at the surface.
-fn covered(matrix: &DMat3, light: AreaLight<'_>, cut: bool) -> Result<f64, LightError> {
+pub(crate) fn covered(matrix: &DMat3, light: AreaLight<'_>, cut: bool) -> Result<f64, LightError> {
     let ltc = Ltc::new(*matrix).ok_or(LightError::Singular)?;
     let space = CosineSpace::from(&ltc);
     if cut {

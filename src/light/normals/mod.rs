@@ -45,6 +45,7 @@ use self::{
     outline::Outline,
     view::View,
 };
+use super::rules::edge_of_parts;
 pub(super) use exact::cos_of_third;
 use ltcforge_fit::{
     Sides,
@@ -125,6 +126,16 @@ impl<T: Scalar> Regions<T> {
         let [energy, fresnel] = [0, 1].map(|i| sum[i].max(least * all[i]));
         let energy = energy.min(self.visible);
         [energy, fresnel.min(energy)]
+    }
+}
+
+impl Regions<f64> {
+    /// The reflected light weighed by F82's edge, likewise: in each region at the incidence whose Schlick's factor is the
+    /// region's mean, which needs no network of its own.
+    #[must_use]
+    pub fn edge(&self, outputs: impl Fn(&Region<f64>) -> [f64; OUTPUTS]) -> f64 {
+        let of_region = |region: &Region<f64>| region.part * edge_of_parts(region.mean(outputs(region)));
+        self.regions.iter().map(of_region).sum::<f64>().clamp(0.0, self.visible)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The closed form as a model of light.
 
-use super::{NormalsRule, reflected};
+use super::{NormalsRule, reflected, regions};
 use crate::{
     AreaLight, LightError, ReflectedLight,
     rules::{Formula, LitPoint, ModelOfLight, lit},
@@ -27,6 +27,12 @@ impl Formula for NormalsModel {
 
     fn reflected(&self, lit: &LitPoint<'_, f64>, rule: NormalsRule) -> [f64; 2] {
         reflected(lit.alpha, lit.wo, lit.vertices, lit.sides, rule)
+    }
+
+    fn edge(&self, lit: &LitPoint<'_, f64>, rule: NormalsRule) -> f64 {
+        let network = rule.network();
+        regions(lit.alpha, lit.wo, lit.vertices, lit.sides, rule)
+            .map_or(0.0, |regions| regions.edge(|region| network.at(&region.inputs[..rule.inputs()])))
     }
 
     fn reflected_f32(&self, lit: &LitPoint<'_, f32>, rule: NormalsRule) -> [f32; 2] {

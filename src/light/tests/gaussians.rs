@@ -11,7 +11,7 @@ use crate::{
 };
 use ltcforge_fit::{
     BrdfKind, Configuration, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Recipe,
-    Sides, Solver, Table, fit_plan,
+    Sides, Solver, StoredTerms, Table, fit_plan,
     math::{cos, direction, pow},
     report,
 };
@@ -66,7 +66,7 @@ fn fitted(lobe: LobeModel) -> Table {
             seed: 0,
             simplex: None,
         },
-        terms: true,
+        terms: StoredTerms::Schlick,
         precision: Precision::F32,
     };
     fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")

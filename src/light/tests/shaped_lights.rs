@@ -197,7 +197,7 @@ fn table(matrix: [f64; 9], lobe: LobeModel) -> Table {
         layout: Layout::Kt2022,
         axes: PerAxis { alpha: vec![1.0], ratio: vec![1.0], theta: vec![0.0], phi: vec![0.0] },
         matrix: vec![matrix.map(|x| x as f32)],
-        terms: Some(Terms { amplitude: vec![0.75], fresnel: vec![0.25] }),
+        terms: Some(Terms { amplitude: vec![0.75], fresnel: vec![0.25], edge: None }),
         second: None,
         node_error: vec![0.0],
     }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::space::{SHORT, Space, with_fresnel};
+use super::space::{SHORT, Space, Weight};
 use ltcforge_fit::{
     brdf::{Bends, Brdf, cos_theta_d},
     math::{cos, sin_cos},
@@ -26,10 +26,11 @@ pub(super) struct Directions<'a> {
     cones: Vec<f64>,
     planes: Vec<DVec3>,
     short: f64,
+    weight: Weight,
 }
 
 impl<'a> Directions<'a> {
-    pub(super) fn new(brdf: &'a dyn Brdf, wo: DVec3) -> Self {
+    pub(super) fn new(brdf: &'a dyn Brdf, wo: DVec3, weight: Weight) -> Self {
         let Bends { theta_i, phi } = brdf.bends(wo);
         // Nodes crowd towards the horizon, where rays cross them anyhow: their mean distance counts.
         let apart = |angles: &[f64]| match angles {
@@ -49,6 +50,7 @@ impl<'a> Directions<'a> {
             cones: theta_i.iter().map(|angle| cos(*angle) * cos(*angle)).collect(),
             planes: phi.iter().flat_map(plane).collect(),
             short: cos(part).max(SHORT),
+            weight,
         }
     }
 }
@@ -63,7 +65,11 @@ impl Space for Directions<'_> {
     }
 
     fn density(&self, c: DVec3) -> [f64; 2] {
-        with_fresnel(self.brdf.eval_cos(self.wo, c), cos_theta_d(self.wo, c))
+        self.weight.beside(self.brdf.eval_cos(self.wo, c), cos_theta_d(self.wo, c))
+    }
+
+    fn weight(&self) -> Weight {
+        self.weight
     }
 
     fn seen(&self) -> (&dyn Brdf, DVec3) {

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::space::{Space, with_fresnel};
+use super::space::{Space, Weight};
 use ltcforge_fit::brdf::{Brdf, Ggx};
 
 /// Cosine of 60 degrees: rays from a tip so near the pole turn by 150 degrees at most.
@@ -40,13 +40,14 @@ pub(super) struct GgxNormals {
     /// `A wo`, and its length.
     seen_along: DVec3,
     length: f64,
+    weight: Weight,
 }
 
 impl GgxNormals {
-    pub(super) fn new([alpha_x, alpha_y]: [f64; 2], wo: DVec3) -> Self {
+    pub(super) fn new([alpha_x, alpha_y]: [f64; 2], wo: DVec3, weight: Weight) -> Self {
         let map = Stretch::new([alpha_x, alpha_y], wo);
         let seen_along = map.stretch * wo;
-        Self { map, ggx: Ggx { alpha_x, alpha_y }, seen_along, length: seen_along.length() }
+        Self { map, ggx: Ggx { alpha_x, alpha_y }, seen_along, length: seen_along.length(), weight }
     }
 }
 
@@ -70,7 +71,11 @@ impl Space for GgxNormals {
             return [0.0; 2];
         }
         let shadowing = self.length * wi.z + wo.z * (stretch * wi).length();
-        with_fresnel(2.0 * self.seen_along.dot(c) * wi.z / (PI * shadowing), cosine)
+        self.weight.beside(2.0 * self.seen_along.dot(c) * wi.z / (PI * shadowing), cosine)
+    }
+
+    fn weight(&self) -> Weight {
+        self.weight
     }
 
     fn seen(&self) -> (&dyn Brdf, DVec3) {
@@ -82,11 +87,12 @@ impl Space for GgxNormals {
 pub(super) struct Normals<'a> {
     map: Stretch,
     brdf: &'a dyn Brdf,
+    weight: Weight,
 }
 
 impl<'a> Normals<'a> {
-    pub(super) fn new(brdf: &'a dyn Brdf, alpha: [f64; 2], wo: DVec3) -> Self {
-        Self { map: Stretch::new(alpha, wo), brdf }
+    pub(super) fn new(brdf: &'a dyn Brdf, alpha: [f64; 2], wo: DVec3, weight: Weight) -> Self {
+        Self { map: Stretch::new(alpha, wo), brdf, weight }
     }
 }
 
@@ -113,7 +119,11 @@ impl Space for Normals<'_> {
         let length = h.length();
         let wm = h / length;
         let steradians = stretch.x * stretch.y / (length * length * length);
-        with_fresnel(self.brdf.eval_normal(wo, wm) * steradians, wo.dot(wm))
+        self.weight.beside(self.brdf.eval_normal(wo, wm) * steradians, wo.dot(wm))
+    }
+
+    fn weight(&self) -> Weight {
+        self.weight
     }
 
     fn seen(&self) -> (&dyn Brdf, DVec3) {

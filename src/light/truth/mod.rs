@@ -27,7 +27,7 @@ mod tests;
 use self::{
     directions::Directions,
     microfacets::{GgxNormals, Normals},
-    space::Space,
+    space::{Space, Weight},
 };
 use super::{AreaLight, LightError, ReflectedLight, rules::surface_and_view, shaped::Form};
 use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, Sides};
@@ -75,28 +75,50 @@ pub fn truth_of<'a>(
     at: &Configuration,
     light: impl Into<AreaLight<'a>>,
 ) -> Result<ReflectedLight, LightError> {
+    let [energy, fresnel] = weighed(brdf, tolerance, at, light.into(), Weight::Schlick)?;
+    Ok(ReflectedLight { energy, fresnel })
+}
+
+/// The same light weighed by [`edge_weight`](ltcforge_fit::brdf::edge_weight) of the angle between view and half vector, by
+/// which F82 differs from Schlick's factor: see [`ReflectedLight::metal`].
+///
+/// # Errors
+/// As [`truth_of`].
+pub fn edge_truth_of<'a>(
+    brdf: &BrdfModel,
+    tolerance: f64,
+    at: &Configuration,
+    light: impl Into<AreaLight<'a>>,
+) -> Result<f64, LightError> {
+    weighed(brdf, tolerance, at, light.into(), Weight::Edge).map(|[_, edge]| edge)
+}
+
+/// The reflected light, and the same weighed.
+fn weighed(
+    brdf: &BrdfModel,
+    tolerance: f64,
+    at: &Configuration,
+    light: AreaLight<'_>,
+    weight: Weight,
+) -> Result<[f64; 2], LightError> {
     if !brdf.is_complete() {
         return Err(LightError::NoBrdfFile);
     }
     let (alpha, wo) = surface_and_view(at)?;
-    let light = light.into();
     if brdf.kind() == BrdfKind::Ggx {
-        return Ok(reflected(&GgxNormals::new(alpha, wo), light, 1.0, tolerance));
+        return Ok(reflected(&GgxNormals::new(alpha, wo, weight), light, 1.0, tolerance));
     }
     let surface = brdf.surface(alpha);
     Ok(if brdf.follows_reflection() {
-        reflected(&Normals::new(&*surface, alpha, wo), light, 1.0, tolerance)
+        reflected(&Normals::new(&*surface, alpha, wo, weight), light, 1.0, tolerance)
     } else {
-        reflected(&Directions::new(&*surface, wo), light, f64::INFINITY, tolerance)
+        reflected(&Directions::new(&*surface, wo, weight), light, f64::INFINITY, tolerance)
     })
 }
 
-/// The reflected light, in [0, `most`].
-fn reflected(space: &impl Space, light: AreaLight<'_>, most: f64, tolerance: f64) -> ReflectedLight {
-    let bounded = |parts: [f64; 2]| {
-        let [energy, fresnel] = parts.map(|part| part.clamp(0.0, most));
-        ReflectedLight { energy, fresnel }
-    };
+/// The reflected light and its weighed part, in [0, `most`].
+fn reflected(space: &impl Space, light: AreaLight<'_>, most: f64, tolerance: f64) -> [f64; 2] {
+    let bounded = |parts: [f64; 2]| parts.map(|part| part.clamp(0.0, most));
     let (border, sides) = match light {
         AreaLight::Polygon(light) => (border::of_polygon(light.vertices()), light.sides()),
         AreaLight::Shaped(light) => match *light.form() {

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::{
     border::Piece,
     quadrature::{integral, plus},
-    space::{Space, with_fresnel},
+    space::Space,
 };
 
 /// Parts into which an edge is halved at most: the last is shorter than the spacing of f64 directions.
@@ -120,7 +120,7 @@ pub(super) fn along_line(space: &impl Space, ends: [DVec3; 2], width: f64, toler
         let at = |t: f64| {
             let (w, turning) = turn(&edge.piece, t);
             let cosine = wo.dot((wo + w).normalize());
-            with_fresnel(width * brdf.eval_cos(wo, w) * turning.length() * w.dot(towards) / own, cosine)
+            space.weight().beside(width * brdf.eval_cos(wo, w) * turning.length() * w.dot(towards) / own, cosine)
         };
         integral(&at, [0.0, 1.0], tolerance, OUTLINE_HALVINGS)
     };

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use ltcforge_fit::brdf::Brdf;
+use ltcforge_fit::brdf::{Brdf, edge_weight};
 
 /// Cosine of 18 degrees: an image no longer than this is smooth to a rule of 15 points.
 pub(super) const SHORT: f64 = 0.95;
@@ -18,9 +18,12 @@ pub(super) trait Space {
     /// The image of a direction that turns, and its derivative, up to a part along the image.
     fn turning_image(&self, w: DVec3, turning: DVec3) -> (DVec3, DVec3);
 
-    /// Energy reflected around the image `c` of a direction, per steradian there, and the same times Schlick's fifth
-    /// power.
+    /// Energy reflected around the image `c` of a direction, per steradian there, and the same times
+    /// [`Space::weight`].
     fn density(&self, c: DVec3) -> [f64; 2];
+
+    /// The weight of the second integral, for a cosine between view and half vector.
+    fn weight(&self) -> Weight;
 
     /// The surface, and the direction from which it is seen.
     fn seen(&self) -> (&dyn Brdf, DVec3);
@@ -42,7 +45,22 @@ pub(super) trait Space {
     }
 }
 
-/// Schlick's fifth power beside the whole, for the cosine between view and half vector.
-pub(super) fn with_fresnel(energy: f64, cosine: f64) -> [f64; 2] {
-    [energy, energy * (1.0 - cosine.min(1.0)).powi(5)]
+/// What weighs the second of two integrals, by the cosine between view and half vector.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Weight {
+    /// Schlick's fifth power.
+    Schlick,
+    /// That of F82's edge, [`edge_weight`].
+    Edge,
+}
+
+impl Weight {
+    /// The whole, and the same weighed.
+    pub(super) fn beside(self, energy: f64, cosine: f64) -> [f64; 2] {
+        let weight = match self {
+            Self::Schlick => (1.0 - cosine.min(1.0)).powi(5),
+            Self::Edge => edge_weight(cosine),
+        };
+        [energy, energy * weight]
+    }
 }

@@ -1,13 +1,15 @@
 //! Unity's High Definition Render Pipeline, as of its sources of 2023 and later (read in copies of them).
 //!
-//! `LTCAreaLight.cs` fills layer 0 of a 64 x 64 array of `R16G16B16A16_SFloat` with `s_LtcMatrixData_BRDF_GGX`, an
-//! array of the bits of halves in `Generated/LtcData.BRDF_GGX.cs`. The shader samples at perceptual roughness and
+//! `LTCAreaLight.cs` fills the layers of a 64 x 64 array of `R16G16B16A16_SFloat`, one a scattering model, with arrays of the
+//! bits of halves: layer 0 with `s_LtcMatrixData_BRDF_GGX` in `Generated/LtcData.BRDF_GGX.cs`, and others likewise. Of those
+//! that we fit, GGX, Disney (Burley's diffuse reflection) and Charlie have the shader's formulas; its Oren-Nayar is that of
+//! 1994 and not ours (docs/engines.md). The shader samples at perceptual roughness and
 //! `sqrt(1 - cos theta)`, and takes a texel as elements 00, 02, 11 and 20 of the transposed inverse over element 22.
 //! Amplitude and Fresnel term come from a table of another kind, which stays.
 
 use super::rules::{EngineRules, FIRST, SIZE, Source, file};
 use crate::{bundle::Bundle, file::TextureFileError};
-use ltcforge_fit::Precision;
+use ltcforge_fit::{BrdfKind, Precision};
 
 /// Unity's High Definition Render Pipeline.
 pub(super) struct Hdrp;
@@ -17,22 +19,29 @@ impl EngineRules for Hdrp {
         Some("hdrp")
     }
 
+    fn brdfs(&self) -> &'static [BrdfKind] {
+        &[BrdfKind::Ggx, BrdfKind::BurleyDiffuse, BrdfKind::Charlie, BrdfKind::CharlieNeubelt]
+    }
+
     fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError> {
+        let name = match source.brdf {
+            BrdfKind::BurleyDiffuse => "Disney",
+            BrdfKind::Charlie | BrdfKind::CharlieNeubelt => "Charlie",
+            _ => "GGX",
+        };
         let stored = source.square(FIRST, SIZE, Precision::F16)?;
         let bits: Vec<u16> = stored.rounded.half_bits().collect();
         let rows: String =
             bits.chunks(4).map(|texel| format!("            {texel:?},\n").replace(['[', ']'], "")).collect();
         let text = format!(
             "{}\nnamespace UnityEngine.Rendering.HighDefinition\n{{\n    internal partial class LTCAreaLight\n    {{\n        \
-             internal static ushort[] s_LtcMatrixData_BRDF_GGX = new ushort[{SIZE} * {SIZE} * 4]\n        {{\n{rows}        \
+             internal static ushort[] s_LtcMatrixData_BRDF_{name} = new ushort[{SIZE} * {SIZE} * 4]\n        {{\n{rows}        \
              }};\n    }}\n}}\n",
             source.about.comment()
         );
-        let steps = [
-            "Embed the package com.unity.render-pipelines.high-definition in the project, so that its files can be changed.",
-            "Replace LtcData.BRDF_GGX.cs in its Runtime/Material/LTCAreaLight/Generated.",
-        ];
-        let files = vec![file("LtcData.BRDF_GGX.cs", text.into_bytes(), &[&stored])];
-        Ok(Bundle { files, steps: steps.map(str::to_owned).into() })
+        let path = format!("LtcData.BRDF_{name}.cs");
+        let embed = "Embed the package com.unity.render-pipelines.high-definition in the project, so that its files can be changed.";
+        let steps = vec![embed.to_owned(), format!("Replace {path} in its Runtime/Material/LTCAreaLight/Generated.")];
+        Ok(Bundle { files: vec![file(&path, text.into_bytes(), &[&stored])], steps })
     }
 }

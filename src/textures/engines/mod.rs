@@ -15,7 +15,7 @@ mod wgpu;
 
 pub(crate) use self::rules::{EngineRules, Source};
 use super::{about::About, bundle::Bundle, file::TextureFileError, texture::Texture};
-use ltcforge_fit::{ShaderAxes, named_list};
+use ltcforge_fit::{BrdfKind, ShaderAxes, named_list};
 
 named_list! {
     /// A renderer that has area lights by LTC tables, or that takes ours.
@@ -46,12 +46,24 @@ impl Engine {
         self.rules().layout()
     }
 
-    /// The files that this engine loads, made of textures of its layout, and their manifest.
+    /// The scattering models whose textures it lights with.
+    #[must_use]
+    pub fn brdfs(self) -> &'static [BrdfKind] {
+        self.rules().brdfs()
+    }
+
+    /// The files that this engine loads, made of textures of its layout of a table of `brdf`, and their manifest.
     ///
     /// # Errors
     /// When a texture is missing, or its size or channels are not those of the engine.
-    pub fn bundle(self, textures: &[Texture], axes: &ShaderAxes, about: &About) -> Result<Bundle, TextureFileError> {
-        let bundle = self.rules().bundle(&Source { engine: self.name(), textures, axes, about })?;
+    pub fn bundle(
+        self,
+        brdf: BrdfKind,
+        textures: &[Texture],
+        axes: &ShaderAxes,
+        about: &About,
+    ) -> Result<Bundle, TextureFileError> {
+        let bundle = self.rules().bundle(&Source { engine: self.name(), textures, axes, about, brdf })?;
         Ok(bundle.with_manifest("for", self.name(), about))
     }
 }

@@ -8,7 +8,7 @@ use crate::{
     rounding::RoundingError,
     texture::Texture,
 };
-use ltcforge_fit::{Precision, ShaderAxes};
+use ltcforge_fit::{BrdfKind, Precision, ShaderAxes};
 
 /// The two textures that most engines have.
 pub(super) const FIRST: &str = "LTC_1";
@@ -23,12 +23,20 @@ pub(crate) struct Source<'a> {
     /// The table's axes as shaders read them.
     pub(super) axes: &'a ShaderAxes,
     pub(super) about: &'a About,
+    /// The scattering model of the table, one of [`EngineRules::brdfs`] but for an engine that takes all.
+    pub(super) brdf: BrdfKind,
 }
 
 /// An engine as an item of [`super::Engine`].
 pub(crate) trait EngineRules: Sync {
     /// The layout of its textures; `None` for the table's own.
     fn layout(&self) -> Option<&'static str>;
+
+    /// The scattering models whose textures it lights with: what it calls by other names counts as ours where the formulas
+    /// agree.
+    fn brdfs(&self) -> &'static [BrdfKind] {
+        &[BrdfKind::Ggx]
+    }
 
     /// Its files, and what to do with them.
     fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError>;

@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::*;
 use crate::round;
 use ltcforge_files::digest::Digest;
-use ltcforge_fit::{Layout, PerAxis, Precision};
+use ltcforge_fit::{BrdfKind, Layout, PerAxis, Precision};
 
 /// The file that tells what the others are.
 const MANIFEST: &str = "ltcforge.json";
@@ -35,7 +35,7 @@ fn own() -> Vec<Texture> {
 fn bundle(engine: Engine, size: u32) -> Bundle {
     let about = About::new(["table 1234"]);
     let given = if engine == Engine::Wgpu { own() } else { textures(size) };
-    engine.bundle(&given, &axes(), &about).unwrap_or_else(|error| panic!("{engine}: {error}"))
+    engine.bundle(BrdfKind::Ggx, &given, &axes(), &about).unwrap_or_else(|error| panic!("{engine}: {error}"))
 }
 
 fn bytes<'a>(bundle: &'a Bundle, path: &str) -> &'a [u8] {
@@ -71,13 +71,27 @@ fn each_bundle_has_steps_and_tells_its_files() {
     }
 }
 
+/// HDRP has a file for each scattering model.
+#[test]
+fn hdrp_names_its_file_by_the_model() {
+    for (brdf, name) in
+        [(BrdfKind::Ggx, "GGX"), (BrdfKind::BurleyDiffuse, "Disney"), (BrdfKind::CharlieNeubelt, "Charlie")]
+    {
+        let bundle = Engine::Hdrp.bundle(brdf, &textures(64), &axes(), &About::default()).expect("a bundle");
+        let code = text(&bundle, &format!("LtcData.BRDF_{name}.cs"));
+        assert!(code.contains(&format!("ushort[] s_LtcMatrixData_BRDF_{name} = new")), "{code:.300}");
+        assert!(Engine::Hdrp.brdfs().contains(&brdf) && bundle.steps[1].contains(name), "{:?}", bundle.steps);
+    }
+    assert!(!Engine::Hdrp.brdfs().contains(&BrdfKind::OrenNayar) && Engine::Three.brdfs() == [BrdfKind::Ggx]);
+}
+
 #[test]
 fn another_size_or_a_lack_of_textures_is_told() {
     for engine in Engine::ALL {
         let about = About::default();
-        assert!(engine.bundle(&[], &axes(), &about).is_err(), "{engine}");
+        assert!(engine.bundle(BrdfKind::Ggx, &[], &axes(), &about).is_err(), "{engine}");
         if !matches!(engine, Engine::O3de | Engine::Wgpu) {
-            let error = engine.bundle(&textures(32), &axes(), &about).expect_err("a size").to_string();
+            let error = engine.bundle(BrdfKind::Ggx, &textures(32), &axes(), &about).expect_err("a size").to_string();
             assert!(error.contains("64 x 64 texels and 4 channels") && error.contains("32 x 32 x 1"), "{error}");
         }
     }
@@ -177,7 +191,7 @@ fn three_unpacks_every_number_and_its_half() {
             *x = hard[i % hard.len()] * if (i + which) % 2 == 0 { 1.0 } else { -1.0 };
         }
     }
-    let bundle = Engine::Three.bundle(&given, &axes(), &About::new(["table 1234"])).expect("a bundle");
+    let bundle = Engine::Three.bundle(BrdfKind::Ggx, &given, &axes(), &About::new(["table 1234"])).expect("a bundle");
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("ltc.mjs"), text(&bundle, "ltc.js")).expect("a file");
     std::fs::write(folder.path().join("print.mjs"), PRINT_THREE).expect("a file");

@@ -6,7 +6,7 @@ use ltcforge_files::{
     digest::Digest,
     recipe_document,
 };
-use ltcforge_fit::{Layout, LobeModel, Plan, Recipe, Terms, fit_plan};
+use ltcforge_fit::{BrdfKind, Layout, LobeModel, Plan, Recipe, Terms, fit_plan};
 
 fn table(document: &str) -> Table {
     let recipe = recipe_document::parse(document.as_bytes(), 10_000).expect("a recipe");
@@ -216,7 +216,11 @@ fn uniform(recipe: &Recipe) -> Table {
         layout: recipe.layout,
         axes: recipe.nodes(),
         matrix: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]; entries],
-        terms: recipe.terms.then(|| Terms { amplitude: vec![1.0; entries], fresnel: vec![0.5; entries] }),
+        terms: recipe.terms.any().then(|| Terms {
+            amplitude: vec![1.0; entries],
+            fresnel: vec![0.5; entries],
+            edge: None,
+        }),
         second: None,
         node_error: vec![0.0; entries],
     }

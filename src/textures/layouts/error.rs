@@ -36,14 +36,16 @@ pub enum NoTextures {
         /// A recipe whose table has them.
         recipe: String,
     },
-    /// An engine lights GGX with its files, and the table is of another scattering model.
+    /// An engine lights some scattering models with its files, most GGX alone, and the table is of another.
     #[error(
-        "{engine} takes its textures for those of GGX, and the table is of brdf {brdf}; its numbers in files of one's own \
+        "{engine} takes its textures for those of brdf {known}, and the table is of brdf {brdf}; its numbers in files of one's own \
          are export {layout}.ktx2.f32: --layout {layout} --container ktx2"
     )]
     OtherBrdf {
         /// The engine.
         engine: &'static str,
+        /// The models that it lights.
+        known: String,
         /// The scattering model of the table.
         brdf: BrdfKind,
         /// A layout of textures that the table has.

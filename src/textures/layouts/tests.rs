@@ -14,7 +14,7 @@ fn planted(document: &str) -> Table {
         layout: recipe.layout,
         axes: recipe.nodes(),
         matrix,
-        terms: Some(Terms { amplitude: term(9), fresnel: term(10) }),
+        terms: Some(Terms { amplitude: term(9), fresnel: term(10), edge: None }),
         second: None,
         node_error: vec![0.0; entries],
     }

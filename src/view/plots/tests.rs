@@ -14,7 +14,7 @@ fn table(bad: usize) -> Table {
         layout: Layout::Kt2022,
         axes: PerAxis { alpha: vec![0.25, 1.0], ratio: vec![0.5, 1.0], theta: vec![0.0, 0.5, 1.0], phi: vec![0.0] },
         matrix,
-        terms: Some(Terms { amplitude: vec![1.0; 12], fresnel: vec![0.0; 12] }),
+        terms: Some(Terms { amplitude: vec![1.0; 12], fresnel: vec![0.0; 12], edge: None }),
         second: None,
         node_error: vec![0.01; 12],
     }

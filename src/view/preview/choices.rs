@@ -95,6 +95,16 @@ mod tests {
     }
 
     #[test]
+    fn a_described_material_takes_their_place_and_roughness_beside_it_its() {
+        let material = ("material", "openpbr:specular_roughness=1,specular_roughness_anisotropy=0.5");
+        let scene = Choices::read([("scene", "figure14"), material, ("rotation", "1")]).expect("known parameters");
+        let alpha_y = 0.5 * 1.6_f64.sqrt();
+        assert_eq!(scene.materials, [Material { alpha_x: 1.0, alpha_y, rotation: 1.0 }]);
+        let told = Choices::read([("material", "openpbr:a=1,b=1")]).expect_err("two faults").remove(0).detail;
+        assert_eq!(told.matches("openpbr has no").count(), 2, "{told}");
+    }
+
+    #[test]
     fn every_fault_is_told() {
         let pairs = [
             ("colour", "red"),

@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 
 use super::{Material, NamedScene, Scene};
+use ltcforge_light::AnisotropicRoughness;
 
 /// A parameter. Its default is that of [`Scene::default`].
 #[derive(Debug, Clone, Copy)]
@@ -43,6 +44,8 @@ pub enum ParameterForm {
     OfMaterials([f64; 2], fn(&mut Material) -> &mut f64),
     /// The same, but setting it leaves the scene its first material only.
     OfOneMaterial([f64; 2], fn(&mut Material) -> &mut f64),
+    /// The roughness of a material by the parameters of a description, in place of the scene's materials.
+    OneMaterial,
     /// True or false.
     Flag(fn(&mut Scene) -> &mut bool),
 }
@@ -56,6 +59,8 @@ pub enum Value {
     Whole(u32),
     /// One number or several.
     Numbers(Vec<f64>),
+    /// A material; `None` leaves the scene its own.
+    Material(Option<Material>),
     /// True or false.
     Flag(bool),
 }
@@ -76,6 +81,11 @@ impl Parameter {
             ParameterForm::Whole([low, high], _) => {
                 let whole = text.parse().map(Value::Whole);
                 whole.map_err(|_| expected(&format!("a whole number from {low} to {high}")))
+            }
+            ParameterForm::OneMaterial if text.is_empty() => Ok(Value::Material(None)),
+            ParameterForm::OneMaterial => {
+                let roughness = AnisotropicRoughness::parse(text).map_err(|faults| faults.to_string())?;
+                Ok(Value::Material(Some(roughness.within_bounds().into())))
             }
             ParameterForm::Flag(_) => text.parse().map(Value::Flag).map_err(|_| expected("true or false")),
             ParameterForm::Numbers(..)
@@ -109,6 +119,9 @@ impl Parameter {
                 *field(&mut material) = numbers[0];
                 scene.materials = vec![material];
             }
+            (ParameterForm::OneMaterial, Value::Material(material)) => {
+                scene.materials = material.map_or_else(|| scene.materials.clone(), |material| vec![material]);
+            }
             (_, value) => unreachable!("{} does not read {value:?}", self.name),
         }
     }
@@ -116,7 +129,7 @@ impl Parameter {
     /// The bounds, and the numbers of a scene that have to be within them: of a point its distance from the origin.
     pub(super) fn bounded(&self, scene: &mut Scene) -> ([f64; 2], Vec<f64>) {
         match self.form {
-            ParameterForm::Name { .. } | ParameterForm::Flag(_) => ([0.0; 2], Vec::new()),
+            ParameterForm::Name { .. } | ParameterForm::Flag(_) | ParameterForm::OneMaterial => ([0.0; 2], Vec::new()),
             ParameterForm::Whole(bounds, field) => (bounds.map(f64::from), vec![f64::from(*field(scene))]),
             ParameterForm::Numbers(bounds, field) => (bounds, field(scene).to_vec()),
             ParameterForm::Point(farthest, field) => ([0.0, farthest], vec![DVec3::from(*field(scene)).length()]),
@@ -136,6 +149,7 @@ impl Parameter {
                 get(&scene).map_or_else(String::new, |index| names()[index].to_owned())
             }
             ParameterForm::Whole(_, field) => field(&mut scene).to_string(),
+            ParameterForm::OneMaterial => String::new(),
             ParameterForm::Flag(field) => field(&mut scene).to_string(),
             ParameterForm::Numbers(_, field) => listed(field(&mut scene)),
             ParameterForm::Point(_, field) => listed(field(&mut scene)),
@@ -159,7 +173,7 @@ impl Parameter {
     #[must_use]
     pub fn bounds(&self) -> Option<[String; 2]> {
         match self.form {
-            ParameterForm::Name { .. } | ParameterForm::Flag(_) => None,
+            ParameterForm::Name { .. } | ParameterForm::Flag(_) | ParameterForm::OneMaterial => None,
             ParameterForm::Whole(bounds, _) => Some(bounds.map(|bound| bound.to_string())),
             ParameterForm::Numbers(bounds, _)
             | ParameterForm::OfMaterials(bounds, _)
@@ -179,7 +193,11 @@ impl Parameter {
             (_, Some([low, high])) => format!(", {low} to {high}{unit}"),
         };
         let of = if self.differs_between_scenes() { " of scene sphere" } else { "" };
-        format!("{}{bounds} [default{of}: {}]", self.help, self.text(&Scene::default()))
+        let default = match self.form {
+            ParameterForm::OneMaterial => "the scene's".to_owned(),
+            _ => self.text(&Scene::default()),
+        };
+        format!("{}{bounds} [default{of}: {default}]", self.help)
     }
 
     /// Whether some named scene has another value than the default.

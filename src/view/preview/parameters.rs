@@ -20,7 +20,7 @@ const TURN: [f64; 2] = [-TAU, TAU];
 const QUARTER: f64 = TAU / 4.0;
 
 /// Every parameter. They are set in this order: the named scene first, then the parameters that differ from it.
-pub static PARAMETERS: [Parameter; 26] = [
+pub static PARAMETERS: [Parameter; 27] = [
     name(
         "scene",
         "Named set-up",
@@ -60,6 +60,13 @@ pub static PARAMETERS: [Parameter; 26] = [
     },
     whole("size", "Pixels a side of each panel", [64, 2048], |s| &mut s.size),
     whole("spp", "Samples a pixel of the reference", [1, 4096], |s| &mut s.spp),
+    Parameter {
+        name: "material",
+        help: "One material in place of the scene's, by the parameters of a material description",
+        value_name: "MODEL:NAME=X,...",
+        unit: None,
+        form: ParameterForm::OneMaterial,
+    },
     alpha("alpha_x", "GGX roughness along the tangent, of one material in place of the scene's", |m| &mut m.alpha_x),
     alpha("alpha_y", "GGX roughness across the tangent, of one material in place of the scene's", |m| &mut m.alpha_y),
     Parameter {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use ltcforge_fit::named_list;
-use ltcforge_light::{LightModel, LightShape, normals::NormalsRule};
+use ltcforge_light::{AnisotropicRoughness, LightModel, LightShape, normals::NormalsRule};
 
 /// Materials that a picture can hold.
 pub(super) const MAX_MATERIALS: usize = 4;
@@ -229,6 +229,12 @@ impl Default for Scene {
             exposure: 1.0,
             difference_scale: 0.2,
         }
+    }
+}
+
+impl From<AnisotropicRoughness> for Material {
+    fn from(AnisotropicRoughness { alpha_x, alpha_y, rotation }: AnisotropicRoughness) -> Self {
+        Self { alpha_x, alpha_y, rotation }
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod closed_form;
 mod cut;
+mod layers;
 mod lookups;
 mod normals;
 mod pictures;

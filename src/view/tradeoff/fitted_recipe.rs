@@ -109,7 +109,7 @@ fn row(base: &Recipe, recipe: &Recipe, measured: &Measurement, threads: usize) -
     let effort = |of: &ltcforge_fit::FitSettings| (of.samples, of.directions, of.steps);
     let has_effort = |preset: &Preset| effort(&preset.fit()) == effort(&recipe.fit);
     let second = if recipe.model().fresnel().second().is_some() { 9 } else { 0 };
-    let numbers = second + if recipe.terms { 9 + 2 } else { 9 };
+    let numbers = 9 + second + recipe.terms.count() as u64;
     let number_bytes = match recipe.precision {
         Precision::F32 => 4,
         Precision::F16 => 2,

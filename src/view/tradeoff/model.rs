@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use ltcforge_files::{digest::Digest, recipe_document::Preset};
-use ltcforge_fit::{FitSettings, Layout, LobeModel, Recipe, Spread};
+use ltcforge_fit::{FitSettings, Layout, LobeModel, Recipe, Spread, StoredTerms};
 use ltcforge_light::{LightModel, engines::EngineWay, normals::NormalsRule};
 use ltcforge_shaders::GpuCost;
 
@@ -153,7 +153,7 @@ pub fn fitted_gaussians(base: &Recipe) -> Vec<Recipe> {
     let fit = |lobe: &LobeModel| Recipe {
         lobe: *lobe,
         fit: FitSettings { seed: base.fit.seed, ..Preset::Paper.fit() },
-        terms: true,
+        terms: StoredTerms::Schlick,
         ..base.clone()
     };
     lobes.map(fit).collect()

@@ -62,7 +62,11 @@ fn empty(layout: Layout) -> Result<Table, FigureError> {
         layout,
         axes: plan.nodes().clone(),
         matrix: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]; count],
-        terms: recipe.terms().then(|| Terms { amplitude: vec![1.0; count], fresnel: vec![0.0; count] }),
+        terms: recipe.terms().any().then(|| Terms {
+            amplitude: vec![1.0; count],
+            fresnel: vec![0.0; count],
+            edge: None,
+        }),
         second: None,
         node_error: vec![0.0; count],
     })

@@ -20,7 +20,7 @@ fn example(terms: bool) -> (Recipe, Table) {
         layout: Layout::Reflected,
         axes: recipe.nodes(),
         matrix: column(0.01).into_iter().map(|x| [0.5, x, 0.0, 0.0, 0.3, 0.0, x, 0.0, 1.0]).collect(),
-        terms: terms.then(|| Terms { amplitude: column(0.04), fresnel: column(0.02) }),
+        terms: terms.then(|| Terms { amplitude: column(0.04), fresnel: column(0.02), edge: None }),
         second: None,
         node_error: column(0.001),
     };
@@ -69,6 +69,23 @@ fn a_second_lobe_reads_back_and_takes_three_quarters_more_at_most() {
     assert!(refused.contains("matrix_2") && refused.contains("entry 7"), "{refused}");
     let lost = encode(&recipe, &Table { second: None, ..table }).expect("lengths agree");
     assert!(decode(&lost).expect_err("no second lobe").to_string().contains("«matrix_2»: missing"));
+}
+
+/// The third term is a tensor of its own, which the recipe demands, and is not negative.
+#[test]
+fn a_file_with_the_edge_term_reads_back_too() {
+    let (mut recipe, mut table) = example(true);
+    recipe.terms = StoredTerms::F82;
+    let set = |table: &mut Table, edge| table.terms.as_mut().expect("terms").edge = edge;
+    set(&mut table, Some(vec![0.03; 24]));
+    let bytes = encode(&recipe, &table).expect("a consistent table");
+    assert_eq!(stated_length(&bytes), Ok(bytes.len() as u64));
+    assert_eq!(decode(&bytes), Ok(TableFile { recipe: recipe.clone(), table: table.clone() }));
+    for wrong in [None, Some(vec![-0.03; 24])] {
+        set(&mut table, wrong);
+        let refused = decode(&encode(&recipe, &table).expect("lengths agree"));
+        assert!(matches!(&refused, Err(TableFileError::Tensor { name, .. }) if name == "edge"), "{refused:?}");
+    }
 }
 
 /// Half floats are written as such, and numbers that they hold read back exactly.
@@ -139,7 +156,7 @@ fn numbers_that_make_no_table_are_named() {
 
 #[test]
 fn tensors_that_the_recipe_does_not_ask_for_are_not_canonical() {
-    assert_eq!(broken(|recipe, _| recipe.terms = false), TableFileError::NotCanonical);
+    assert_eq!(broken(|recipe, _| recipe.terms = StoredTerms::None), TableFileError::NotCanonical);
     let mut padded = file(true);
     // Eight more blanks in the header, which safetensors allows, move the data.
     let length = u64::from_le_bytes(padded[..8].try_into().expect("eight bytes")) + 8;

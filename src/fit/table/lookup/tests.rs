@@ -26,7 +26,7 @@ fn linear() -> Table {
         layout: Layout::Kt2022,
         axes: axes.clone(),
         matrix: vec![],
-        terms: Some(Terms { amplitude: vec![], fresnel: vec![] }),
+        terms: Some(Terms { amplitude: vec![], fresnel: vec![], edge: None }),
         second: None,
         node_error: vec![],
     };
@@ -145,7 +145,7 @@ fn reflections(axes: PerAxis<Vec<f64>>, matrix: [f32; 9]) -> Table {
         layout: Layout::Reflected,
         axes,
         matrix: vec![matrix; entries],
-        terms: Some(Terms { amplitude: vec![1.0; entries], fresnel: vec![0.0; entries] }),
+        terms: Some(Terms { amplitude: vec![1.0; entries], fresnel: vec![0.0; entries], edge: None }),
         second: None,
         node_error: vec![0.0; entries],
     }

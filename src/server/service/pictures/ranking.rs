@@ -38,7 +38,7 @@ impl Rank {
         let lengths = [(range.alpha, 1.0), (range.ratio, 1.0), (range.theta, FRAC_PI_2), (range.phi, FRAC_PI_2)];
         let coverage = lengths.into_iter().map(|([low, high], whole)| (high - low) / whole).product();
         let is_default_brdf = recipe.brdf == BrdfKind::ALL[0] && recipe.brdf.fresnel().is_one();
-        Self { is_default_brdf, coverage, has_terms: recipe.terms, error: Reverse(error) }
+        Self { is_default_brdf, coverage, has_terms: recipe.terms.any(), error: Reverse(error) }
     }
 }
 

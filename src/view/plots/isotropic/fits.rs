@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use ltcforge_fit::{
     BrdfKind, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Recipe, Shear,
-    Simplex, Solver, Start, StopCheck,
+    Simplex, Solver, Start, StopCheck, StoredTerms,
     brdf::Ggx,
     fit_rows,
     math::{direction, from_row_major},
@@ -104,7 +104,7 @@ fn plan(start: Start) -> Plan {
         resolution: PerAxis { alpha: SIDE, ratio: 1, theta: SIDE, phi: 1 },
         range: layout.only_ranges().unwrap_or(whole),
         fit: settings(Shear::X, start),
-        terms: true,
+        terms: StoredTerms::Schlick,
         precision: Precision::F32,
     })
 }

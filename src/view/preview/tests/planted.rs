@@ -82,6 +82,7 @@ fn table(axes: PerAxis<Vec<f64>>, entry: impl Fn(usize) -> (DMat3, f64, f64)) ->
         terms: Some(Terms {
             amplitude: entries.iter().map(|(_, amplitude, _)| *amplitude as f32).collect(),
             fresnel: entries.iter().map(|(.., fresnel)| *fresnel as f32).collect(),
+            edge: None,
         }),
         second: None,
         node_error: vec![0.0; entries.len()],

@@ -1,0 +1,49 @@
+//! How a coat and fuzz combine with what lies below them under an area light: the layers of OpenPBR.
+//!
+//! `layer(base, coat)` is `f_coat + T (1 - E_coat(wo)) f_base`, `E` the albedo towards the viewer [OpenPBR 1.1, layering]. No
+//! factor depends on the direction of light, so that what layers reflect of an area light is the same sum of what each
+//! reflects of it by itself. `shaders/layers.wgsl` has the same functions.
+
+use super::{AreaLight, LightError, ltc::covered, rules::surface_and_view};
+use ltcforge_fit::{
+    Configuration,
+    brdf::{Brdf, Fuzz},
+};
+
+/// The light of a base under a coat that covers the part `weight` of it:
+/// `weight coat + lerp(1, transmittance (1 - albedo), weight) base`.
+///
+/// `base` and `coat` are what each reflects by itself, `albedo` what the coat reflects of all light towards the viewer:
+/// `f0 (amplitude - fresnel) + fresnel` of a table's lobe. Domain: all but the lights in [0, 1].
+#[must_use]
+pub fn coated(base: f64, coat: f64, albedo: f64, weight: f64, transmittance: f64) -> f64 {
+    weight * coat + (1.0 - weight + weight * transmittance * (1.0 - albedo)) * base
+}
+
+/// The light of all below under fuzz that covers the part `weight` of it: `weight fuzz + (1 - weight albedo) below`. The
+/// colour of fuzz is in `fuzz` and not in `albedo`: what passes is not tinted.
+#[must_use]
+pub fn fuzzed(below: f64, fuzz: f64, albedo: f64, weight: f64) -> f64 {
+    weight * fuzz + (1.0 - weight * albedo) * below
+}
+
+/// The light that fuzz of a roughness in [0, 1] reflects, for white fibres, and its albedo: by its own LTC, without a table.
+/// The roughnesses of `at` do not matter.
+///
+/// # Errors
+/// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon.
+pub fn by_fuzz<'a>(
+    roughness: f64,
+    at: &Configuration,
+    light: impl Into<AreaLight<'a>>,
+) -> Result<[f64; 2], LightError> {
+    if !(0.0..=1.0).contains(&roughness) {
+        let allowed = "roughness is a number from 0 to 1";
+        return Err(LightError::Domain { what: "fuzz roughness", value: roughness, allowed });
+    }
+    let (_, wo) = surface_and_view(&Configuration { alpha_x: 1.0, alpha_y: 1.0, ..*at })?;
+    let fuzz = Fuzz::new(roughness);
+    let matrix = fuzz.ltc(wo).ok_or(LightError::Singular)?;
+    let albedo = fuzz.albedo(wo.z);
+    Ok([albedo * covered(&matrix, light.into(), false)?, albedo])
+}

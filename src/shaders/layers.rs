@@ -1,0 +1,74 @@
+//! The text that combines layers, which is of no model of light.
+
+use super::{
+    header::commented,
+    sources::joined,
+    stamp::{LICENCE, head},
+};
+use ltcforge_fit::{
+    brdf::{Brdf, Fuzz},
+    math::direction,
+};
+
+/// Raised when the values of the check change.
+const REVISION: u32 = 1;
+
+/// The opening comment: what the text is, and how to call it.
+const ABOUT: &str = "\
+Layers under area lights, as OpenPBR has them: a coat and fuzz over a base. By any model of light; nothing is bound.
+
+FUNCTIONS
+  layers_fuzz(roughness, wo)  fuzz as one view sees it, in the tangent frame, normal +z: the inverse that ltc_rectangle
+      and its like take, and the part of all light that it reflects.
+  layers_albedo(amplitude, fresnel, f0)  what a dielectric reflects of all light, by the terms of a table's lobe.
+  layers_coated(base, coat, albedo, weight, transmittance)  the light of a base under a coat.
+  layers_fuzzed(below, fuzz, albedo, weight)  the light of all below under fuzz.
+
+USE
+  Sum up what base, coat and fuzz each reflect of the lights, then combine the sums once:
+    let fuzz = layers_fuzz(fuzz_roughness, wo);
+    let fuzz_light = radiance * fuzz_color * fuzz.albedo * ltc_rectangle(fuzz.inverse, corners, two_sided);
+    let albedo = layers_albedo(coat_lobe.amplitude, coat_lobe.fresnel, 0.04);
+    let coated = layers_coated(base_light, coat_light, albedo, coat_weight, coat_color);
+    let colour = layers_fuzzed(coated, fuzz_light, fuzz.albedo, fuzz_weight);
+
+";
+
+/// Roughnesses and views, polar angle and azimuth, of the values to check a port with.
+pub const FUZZ_CASES: [[f64; 3]; 4] = [[0.2, 1.3, 0.4], [0.5, 0.6, -2.0], [0.8, 0.0, 0.0], [1.0, 1.5, 3.0]];
+
+/// What `layers_fuzz` gives for a case: the columns of the inverse, and the albedo.
+#[must_use]
+pub fn fuzz_values([roughness, theta, phi]: [f64; 3]) -> [f64; 10] {
+    let (fuzz, wo) = (Fuzz::new(roughness), direction(theta, phi));
+    // The inverse of the matrix, whose last row is that of the unit matrix.
+    let inverse = fuzz.ltc(wo).unwrap_or_default().inverse().to_cols_array();
+    std::array::from_fn(|i| inverse.get(i).copied().unwrap_or_else(|| fuzz.albedo(wo.z)))
+}
+
+/// The comment at the top of the text.
+#[must_use]
+pub fn layers_comment() -> String {
+    let case = |case: [f64; 3]| {
+        let [roughness, theta, phi] = case;
+        let wo = direction(theta, phi).to_array().map(|x| format!("{x:.6}")).join(", ");
+        let numbers = fuzz_values(case).map(|x| format!("{x:.5}")).join(" ");
+        format!("  layers_fuzz({roughness}, ({wo}))\n      {numbers}\n")
+    };
+    let check = FUZZ_CASES.map(case).concat();
+    commented(&format!("{}{ABOUT}CHECK\n  Columns of the inverse, and the albedo:\n{check}", head(LICENCE, REVISION)))
+}
+
+/// The functions, and a fragment shader named `ltc_included` that calls them all.
+#[must_use]
+pub fn layers_source() -> String {
+    let caller = "
+@fragment
+fn ltc_included() -> @location(0) vec4<f32> {
+    let fuzz = layers_fuzz(0.5, vec3(0.0, 0.0, 1.0));
+    let coated = layers_coated(fuzz.inverse[0], 0.1, layers_albedo(0.9, 0.1, 0.04), 0.5, vec3(1.0));
+    return vec4(layers_fuzzed(coated, coated, fuzz.albedo, 0.5), 1.0);
+}
+";
+    format!("{}{caller}", joined(&["layers"]))
+}

@@ -1,0 +1,37 @@
+//! The layers of a material as text to include.
+
+use super::{
+    PortError,
+    translation::{Included, translate_functions},
+};
+use ltcforge_shaders::{Language, layers_comment, layers_source, stamped};
+
+/// The functions that combine a coat and fuzz with what lies below them, in `language`, under a comment that explains
+/// them. Their names begin with `layers`; nothing is bound.
+///
+/// # Errors
+/// SPIR-V, which has no text, or a defect of the shader or of naga.
+pub fn include_layers(language: Language) -> Result<String, PortError> {
+    let included = Included { source: &layers_source(), entry: "ltc_included", reading: None };
+    let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
+    Ok(stamped(&layers_comment(), &text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// naga validates each translation before it is written.
+    #[test]
+    fn every_language_has_the_functions() {
+        for language in Language::ALL.iter().copied().filter(|language| language.has_includes()) {
+            let text = include_layers(language).expect("a translation");
+            let code: String = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+            for function in ["layers_fuzz(", "layers_albedo(", "layers_coated(", "layers_fuzzed("] {
+                assert!(code.contains(function), "{}: {function}", language.name());
+            }
+            assert!(text.starts_with("// SPDX") && !code.contains("ltc_included"), "{}", language.name());
+        }
+        assert!(include_layers(Language::Spirv).is_err());
+    }
+}
