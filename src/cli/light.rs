@@ -17,7 +17,11 @@ use super::{
     tabulated,
 };
 use ltcforge_fit::BrdfKind;
-use ltcforge_light::{LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE, truth_of};
+use ltcforge_light::{
+    LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE,
+    albedo::{compensation, sampled},
+    truth_of,
+};
 
 /// Prints the reflected light of each line as soon as it is read.
 pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
@@ -38,15 +42,26 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
         let Some(case) = light_case::parse(args.light, line).map_err(LineFailure::Line)? else { return Ok(()) };
         let (at, light) = (case.at, &case.light);
         let refuse = |error: LightError| LineFailure::Line(error.to_string());
-        let reflected = lighting.reflected(&at, light).map_err(refuse)?;
-        let true_light =
-            if args.truth { Some(truth_of(&brdf, TRUTH_TOLERANCE, &at, light).map_err(refuse)?) } else { None };
+        let factor = |albedo: Result<f64, LightError>| Ok(compensation(albedo?, args.f0.unwrap_or(0.0)));
+        let found = Found {
+            light: lighting.reflected(&at, light).map_err(refuse)?,
+            factor: if args.compensate { factor(lighting.albedo(&at)).map_err(refuse)? } else { 1.0 },
+        };
+        let true_light = if args.truth {
+            let light = truth_of(&brdf, TRUTH_TOLERANCE, &at, light).map_err(refuse)?;
+            Some(Found {
+                light,
+                factor: if args.compensate { factor(sampled(&brdf, &at)).map_err(refuse)? } else { 1.0 },
+            })
+        } else {
+            None
+        };
         let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
         out_of_range.count(clamped.as_deref().unwrap_or_default());
         let written = if json {
-            write_json(&mut out, args, &reflected, true_light.as_ref(), clamped.as_deref())
+            write_json(&mut out, args, &found, true_light.as_ref(), clamped.as_deref())
         } else {
-            write_row(&mut out, args, &reflected, true_light.as_ref())
+            write_row(&mut out, args, &found, true_light.as_ref())
         };
         written.map_err(|error| LineFailure::stdout(&error))
     })?;
@@ -67,9 +82,15 @@ fn header(args: &LightArgs) -> String {
     if args.truth { format!("{},{}", of(""), of("true_")) } else { of("") }
 }
 
+/// Reflected light, and the factor of `--compensate` on what a material reflects of it.
+struct Found {
+    light: ReflectedLight,
+    factor: f64,
+}
+
 /// The light that the material of `--f0` reflects; `None` without the option.
-fn of_material(args: &LightArgs, light: &ReflectedLight) -> Option<f64> {
-    args.f0.map(|f0| light.schlick(f0, args.f90))
+fn of_material(args: &LightArgs, found: &Found) -> Option<f64> {
+    args.f0.map(|f0| found.factor * found.light.schlick(f0, args.f90))
 }
 
 fn needs_table(model: LightModel) -> CommandFailure {
@@ -117,16 +138,11 @@ fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
 }
 
 /// One line of CSV. Numbers are the shortest that read back as the same f64.
-fn write_row(
-    out: &mut dyn Write,
-    args: &LightArgs,
-    found: &ReflectedLight,
-    true_light: Option<&ReflectedLight>,
-) -> io::Result<()> {
+fn write_row(out: &mut dyn Write, args: &LightArgs, found: &Found, true_light: Option<&Found>) -> io::Result<()> {
     let mut numbers = Vec::with_capacity(6);
-    for light in [Some(found), true_light].into_iter().flatten() {
-        numbers.extend([light.energy, light.fresnel]);
-        numbers.extend(of_material(args, light));
+    for found in [Some(found), true_light].into_iter().flatten() {
+        numbers.extend([found.light.energy, found.light.fresnel]);
+        numbers.extend(of_material(args, found));
     }
     let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
     writeln!(out, "{}", numbers.join(","))
@@ -137,17 +153,17 @@ fn write_row(
 fn write_json(
     out: &mut dyn Write,
     args: &LightArgs,
-    found: &ReflectedLight,
-    true_light: Option<&ReflectedLight>,
+    found: &Found,
+    true_light: Option<&Found>,
     clamped: Option<&[Clamped]>,
 ) -> io::Result<()> {
-    let mut line = json!({ "energy": found.energy, "fresnel": found.fresnel });
+    let mut line = json!({ "energy": found.light.energy, "fresnel": found.light.fresnel });
     if let Some(reflected) = of_material(args, found) {
         line["reflected"] = json!(reflected);
     }
     if let Some(true_light) = true_light {
-        line["true_energy"] = json!(true_light.energy);
-        line["true_fresnel"] = json!(true_light.fresnel);
+        line["true_energy"] = json!(true_light.light.energy);
+        line["true_fresnel"] = json!(true_light.light.fresnel);
         if let Some(reflected) = of_material(args, true_light) {
             line["true_reflected"] = json!(reflected);
         }

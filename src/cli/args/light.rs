@@ -47,6 +47,9 @@ pub struct LightArgs {
     /// The reflectance at grazing incidence, with `--f0`: 0 to 1
     #[arg(long, default_value_t = 1.0, value_parser = reflectance, requires = "f0")]
     pub f90: f64,
+    /// Give back what facets lose that shadow each other, with `--f0`: times `1 + f0 (1 / albedo - 1)`, for metals
+    #[arg(long, requires = "f0")]
+    pub compensate: bool,
 }
 
 /// A number from 0 to 1.
