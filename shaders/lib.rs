@@ -1,5 +1,7 @@
 //! The WGSL of ltcforge: each file of this folder as a text. `ltcforge-shaders` joins them for a model and a layout.
 
+/// `gaussians_compensation.wgsl`.
+pub const GAUSSIANS_COMPENSATION: &str = include_str!("gaussians_compensation.wgsl");
 /// `gaussians_example.wgsl`.
 pub const GAUSSIANS_EXAMPLE: &str = include_str!("gaussians_example.wgsl");
 /// `gaussians_light.wgsl`.
@@ -18,6 +20,10 @@ pub const LAYOUT_ISOTROPIC: &str = include_str!("layout_isotropic.wgsl");
 pub const LAYOUT_KT2022: &str = include_str!("layout_kt2022.wgsl");
 /// `layout_reflected.wgsl`.
 pub const LAYOUT_REFLECTED: &str = include_str!("layout_reflected.wgsl");
+/// `ltc_albedo.wgsl`.
+pub const LTC_ALBEDO: &str = include_str!("ltc_albedo.wgsl");
+/// `ltc_compensation.wgsl`.
+pub const LTC_COMPENSATION: &str = include_str!("ltc_compensation.wgsl");
 /// `ltc_cut.wgsl`.
 pub const LTC_CUT: &str = include_str!("ltc_cut.wgsl");
 /// `ltc_cut_shapes.wgsl`.
@@ -54,6 +60,8 @@ pub const NORMALS_ARCS: &str = include_str!("normals_arcs.wgsl");
 pub const NORMALS_ARCS_ROUGH: &str = include_str!("normals_arcs_rough.wgsl");
 /// `normals_balanced.wgsl`.
 pub const NORMALS_BALANCED: &str = include_str!("normals_balanced.wgsl");
+/// `normals_compensation.wgsl`.
+pub const NORMALS_COMPENSATION: &str = include_str!("normals_compensation.wgsl");
 /// `normals_disk.wgsl`.
 pub const NORMALS_DISK: &str = include_str!("normals_disk.wgsl");
 /// `normals_edge.wgsl`.
@@ -68,6 +76,8 @@ pub const NORMALS_FINE: &str = include_str!("normals_fine.wgsl");
 pub const NORMALS_VIEW: &str = include_str!("normals_view.wgsl");
 /// `place_reflected.wgsl`.
 pub const PLACE_REFLECTED: &str = include_str!("place_reflected.wgsl");
+/// `preview_cut.wgsl`.
+pub const PREVIEW_CUT: &str = include_str!("preview_cut.wgsl");
 /// `reference_solids.wgsl`.
 pub const REFERENCE_SOLIDS: &str = include_str!("reference_solids.wgsl");
 /// `sphere.wgsl`.

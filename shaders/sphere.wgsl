@@ -40,6 +40,8 @@ override second_lobe: u32 = SECOND_NONE;
 override light_is_polygon: bool = true;
 /// Whether light from below the surface is cut off, where a table of LTCs lets it through.
 override light_is_cut: bool = false;
+/// Whether what facets lose to each other is given back.
+override is_compensated: bool = false;
 
 const RULE_BALANCED: u32 = 0u;
 const RULE_FAST: u32 = 1u;
@@ -129,15 +131,15 @@ fn shade_by_table(at: Shaded) -> vec3<f32> {
         if (!lookup_is_constant) {
             lobe = ltc_lookup(at.alpha.x, at.alpha.y, at.wo);
         }
-        return reflected(vec2(lobe.amplitude, lobe.fresnel) * covered_by(lobe.m, at));
+        return reflected(vec2(lobe.amplitude, lobe.fresnel) * covered_by(lobe.m, at), lobe.amplitude);
     }
     let lobes = ltc_lookup_both(at.alpha.x, at.alpha.y, at.wo);
     let parts = vec2(lobes.first.amplitude, lobes.first.fresnel);
     if (second_lobe == SECOND_BLENDED) {
         let f0 = dot(scene.f0.xyz, vec3(1.0 / 3.0));
-        return reflected(parts * covered_by(ltc_blend(lobes, f0, 1.0), at));
+        return reflected(parts * covered_by(ltc_blend(lobes, f0, 1.0), at), parts.x);
     }
-    return reflected(parts * vec2(covered_by(lobes.first.m, at), covered_by(lobes.second, at)));
+    return reflected(parts * vec2(covered_by(lobes.first.m, at), covered_by(lobes.second, at)), parts.x);
 }
 
 /// The part of the lobe of a matrix that the light covers.
@@ -182,31 +184,6 @@ fn shape_covered(inverse: LtcInverse, position: vec3<f32>) -> f32 {
     return ltc_tube(inverse, start, end, light.centre.w);
 }
 
-/// The part of the lobe above the surface that the light covers.
-fn covered_above(inverse: LtcInverse, at: Shaded) -> f32 {
-    let two_sided = light.options.y == 1u;
-    let to_local = transpose(mat3x3(at.x, at.y, at.z));
-    if (light_shape == LIGHT_POLYGON) {
-        var previous = to_local * (light.vertices[light.options.x - 1u].xyz - at.position);
-        var cut = LtcCut(ltc_clip_begin(inverse.m * previous), vec3(0.0), vec3(0.0));
-        for (var i = 0u; i < light.options.x; i++) {
-            let vertex = to_local * (light.vertices[i].xyz - at.position);
-            cut = ltc_cut_edge(inverse, cut, previous, vertex);
-            previous = vertex;
-        }
-        return ltc_cut_finish(inverse, cut, two_sided);
-    }
-    let start = to_local * (light.centre.xyz - at.position);
-    if (light_shape == LIGHT_ELLIPSE) {
-        return ltc_cut_disk(inverse, start, to_local * light.half_axes[0].xyz, to_local * light.half_axes[1].xyz, two_sided);
-    }
-    let end = to_local * (light.half_axes[0].xyz - at.position);
-    if (light_shape == LIGHT_LINE) {
-        return ltc_cut_line(inverse, start, end, light.centre.w);
-    }
-    return ltc_cut_tube(inverse, start, end, light.centre.w);
-}
-
 /// The vertices that models of polygons light, around a point of the surface in its tangent frame.
 fn outline_of(at: Shaded) -> array<vec3<f32>, 8> {
     let to_local = transpose(mat3x3(at.x, at.y, at.z));
@@ -241,22 +218,22 @@ fn shade_by_normals(at: Shaded) -> vec3<f32> {
     if (normals_rule == RULE_FAST) {
         let view = fast_view(at.alpha.x, at.alpha.y, at.wo);
         if (light_is_polygon) {
-            return reflected(fast_polygon(view, &vertices, count, two_sided));
+            return reflected(fast_polygon(view, &vertices, count, two_sided), albedo_of(at));
         }
-        return reflected(fast_rectangle(view, corners, two_sided));
+        return reflected(fast_rectangle(view, corners, two_sided), albedo_of(at));
     }
     if (normals_rule == RULE_FINE) {
         let view = fine_view(at.alpha.x, at.alpha.y, at.wo);
         if (light_is_polygon) {
-            return reflected(fine_polygon(view, &vertices, count, two_sided));
+            return reflected(fine_polygon(view, &vertices, count, two_sided), albedo_of(at));
         }
-        return reflected(fine_rectangle(view, corners, two_sided));
+        return reflected(fine_rectangle(view, corners, two_sided), albedo_of(at));
     }
     let view = balanced_view(at.alpha.x, at.alpha.y, at.wo);
     if (light_is_polygon) {
-        return reflected(balanced_polygon(view, &vertices, count, two_sided));
+        return reflected(balanced_polygon(view, &vertices, count, two_sided), albedo_of(at));
     }
-    return reflected(balanced_rectangle(view, corners, two_sided));
+    return reflected(balanced_rectangle(view, corners, two_sided), albedo_of(at));
 }
 
 /// Radiance towards the eye, by a Gaussian.
@@ -273,12 +250,24 @@ fn shade_by_gaussian(at: Shaded) -> vec3<f32> {
     for (var i = 0u; i < count; i++) {
         outline = gaussians_outline_edge(view, outline, vertices[i]);
     }
-    return reflected(gaussians_outline_finish(view, outline, light.options.y == 1u));
+    return reflected(gaussians_outline_finish(view, outline, light.options.y == 1u), albedo_of(at));
 }
 
-/// Radiance from the two parts of what is reflected of white light, f90 = 1.
-fn reflected(parts: vec2<f32>) -> vec3<f32> {
-    return (scene.f0.xyz * (parts.x - parts.y) + vec3(parts.y)) * light.radiance.x;
+/// The albedo of GGX for a Fresnel factor of one; only where anything depends on it.
+fn albedo_of(at: Shaded) -> f32 {
+    if (is_compensated) {
+        return ltc_albedo(at.alpha.x, at.alpha.y, at.wo);
+    }
+    return 1.0;
+}
+
+/// Radiance from the two parts of what is reflected of white light, f90 = 1, and the albedo of a surface.
+fn reflected(parts: vec2<f32>, albedo: f32) -> vec3<f32> {
+    let once = (scene.f0.xyz * (parts.x - parts.y) + vec3(parts.y)) * light.radiance.x;
+    if (is_compensated) {
+        return once * (vec3(1.0) + scene.f0.xyz * (1.0 / max(albedo, 0.01) - 1.0));
+    }
+    return once;
 }
 
 /// Exposure, 1 - exp(-x), the sRGB curve, eight bits.
@@ -355,7 +344,7 @@ fn surface_by_reference(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_
     if (seen.coverage > 0.0) {
         let key = pixel.y * scene.options.x + pixel.x;
         let parts = ggx_reference(seen.at, scene.output.y, scene.output.z, key) / all;
-        radiance = mix(radiance, reflected(parts), seen.coverage);
+        radiance = mix(radiance, reflected(parts, albedo_of(seen.at)), seen.coverage);
     }
     write(pixel, radiance);
 }

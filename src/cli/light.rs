@@ -18,8 +18,9 @@ use super::{
 };
 use ltcforge_fit::{BrdfKind, Table, brdf::edge_factor};
 use ltcforge_light::{
-    AnisotropicRoughness, LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE, TableUse, edge_truth_of,
-    truth_of,
+    AnisotropicRoughness, LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE, TableUse,
+    albedo::{compensation, sampled},
+    edge_truth_of, truth_of,
 };
 
 /// Prints the reflected light of each line as soon as it is read.
@@ -49,16 +50,25 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
         let (at, light) = (case.at, &case.light);
         let refuse = |error: LightError| LineFailure::Line(error.to_string());
         let edge_factor = |f0: f64| args.f82.map_or(0.0, |tint| edge_factor(f0, args.f90, tint));
+        let gain = |albedo: &dyn Fn() -> Result<f64, LightError>, f0: f64| {
+            if args.compensate { Ok(compensation(albedo()?, f0)) } else { Ok(1.0) }
+        };
         let found = || -> Result<Printed, LightError> {
             let edge = if args.f82.is_some() { lighting.edge(&at, light)? } else { 0.0 };
-            let of_model = |f0: f64| Ok(lighting.of_material(&at, light, [f0, args.f90])? - edge_factor(f0) * edge);
+            let of_model = |f0: f64| {
+                let reflected = lighting.of_material(&at, light, [f0, args.f90])? - edge_factor(f0) * edge;
+                Ok(gain(&|| lighting.albedo(&at), f0)? * reflected)
+            };
             Ok(Printed { light: lighting.reflected(&at, light)?, of_material: args.f0.map(of_model).transpose()? })
         };
         let truth = || -> Result<Printed, LightError> {
             let light_truth = truth_of(&brdf, TRUTH_TOLERANCE, &at, light)?;
             let edge = if args.f82.is_some() { edge_truth_of(&brdf, TRUTH_TOLERANCE, &at, light)? } else { 0.0 };
-            let of_truth = |f0: f64| light_truth.schlick(f0, args.f90) - edge_factor(f0) * edge;
-            Ok(Printed { light: light_truth, of_material: args.f0.map(of_truth) })
+            let of_truth = |f0: f64| {
+                let reflected = light_truth.schlick(f0, args.f90) - edge_factor(f0) * edge;
+                Ok(gain(&|| sampled(&brdf, &at), f0)? * reflected)
+            };
+            Ok(Printed { light: light_truth, of_material: args.f0.map(of_truth).transpose()? })
         };
         let found = found().map_err(refuse)?;
         let truth = args.truth.then(truth).transpose().map_err(refuse)?;
@@ -91,7 +101,7 @@ fn header(args: &LightArgs) -> String {
 /// What is printed of a light.
 struct Printed {
     light: ReflectedLight,
-    /// What the material of `--f0` reflects, a metal with `--f82`; `None` without the option.
+    /// What the material of `--f0` reflects, a metal with `--f82`, with `--compensate` more; `None` without the option.
     of_material: Option<f64>,
 }
 

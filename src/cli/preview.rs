@@ -84,6 +84,7 @@ fn failure(error: &PreviewError) -> CommandFailure {
     let exit = match error {
         PreviewError::Scene(_)
         | PreviewError::OtherBrdf(_)
+        | PreviewError::NoFacets(_)
         | PreviewError::GaussianLobe(_)
         | PreviewError::CpuOnly(_) => Exit::Usage,
         PreviewError::NoBrdfFile(_) | PreviewError::NoAdapter(_) | PreviewError::Gpu(_) | PreviewError::Stopped => {

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit,
-    args::{ShaderArgs, ShaderForm},
+    args::{AdditionArgs, ShaderArgs, ShaderForm},
     input::{AnyTable, Origin},
     output::OutputFile,
     print, shown,
@@ -73,7 +73,8 @@ fn namespace(args: &ShaderArgs) -> Namespace {
 
 /// What the text has beside the functions of its model.
 fn additions(args: &ShaderArgs) -> Additions {
-    Additions { cut: args.additions.cut }
+    let AdditionArgs { cut, compensate } = args.additions;
+    Additions { cut, compensate }
 }
 
 /// The light of a table by polynomials, as a text to include. A comment in it states their error and the table's.
@@ -241,6 +242,7 @@ fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailur
             refused(format!("--two-lobes is for tables of LTCs: model {} has no second lobe to read", args.model))
         }
         ShaderForm::Example if args.additions.cut => refused("--cut is for a text to include".to_owned()),
+        ShaderForm::Example if args.additions.compensate => refused("--compensate is for a text to include".to_owned()),
         ShaderForm::Example if args.lights.is_some() => refused("--lights is for a text to include".to_owned()),
         _ if args.lights.is_some() && args.model != LightModel::Ltc => refused(format!(
             "--lights is of model ltc: model {} has no spheres, tubes and lines to leave out",

@@ -80,6 +80,11 @@ pub enum LightError {
         /// The scattering model of the table.
         table: BrdfKind,
     },
+    /// A scattering model has no light that its shadowing loses.
+    #[error(
+        "brdf {0} loses nothing by shadowing between facets that could be given back: compensation is of ggx and beckmann"
+    )]
+    NoFacets(BrdfKind),
     /// A tabulated model has no numbers at hand.
     #[error("the BRDF is tabulated, and its file was not read: attach it first")]
     NoBrdfFile,

@@ -3,6 +3,7 @@
 //!
 //! Invariant: `light` fits nothing and reads no file.
 
+pub mod albedo;
 pub mod gaussians;
 pub mod ltc;
 pub mod normals;

@@ -1,7 +1,7 @@
 //! The models of light: one folder each, and a line in [`LightModel`].
 
 use super::{
-    AreaLight, LightError, gaussians, ltc,
+    AreaLight, LightError, albedo, gaussians, ltc,
     ltc::{TableUse, by_blend, by_table_as, edge_by_table},
     normals,
     normals::NormalsRule,
@@ -205,6 +205,22 @@ impl Lighting<'_> {
             Self::Table(table, used) if used.blend => by_blend(table, at, light, [f0, f90], used),
             _ => Ok(self.reflected(at, light)?.schlick(f0, f90)),
         }
+    }
+
+    /// What is reflected of light from everywhere, for a Fresnel factor of one: a table's amplitude, and
+    /// [`albedo`](super::albedo::albedo) of formulas and of tables of Gaussians, whose amplitude is of their whole plane.
+    ///
+    /// # Errors
+    /// [`LightError::NoFacets`] for a table of a scattering model other than of facets, [`LightError::NoTerms`],
+    /// [`LightError::Domain`] as [`Self::reflected`].
+    pub fn albedo(self, at: &Configuration) -> Result<f64, LightError> {
+        let ggx = albedo::of_ggx(at)?;
+        let Some(table) = self.table() else { return Ok(ggx) };
+        albedo::check(&table.brdf)?;
+        if table.lobe.gaussian().is_some() {
+            return Ok(ggx);
+        }
+        table.lookup(at).amplitude.ok_or(LightError::NoTerms)
     }
 
     /// The table; `None` of a formula.

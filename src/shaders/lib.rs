@@ -7,6 +7,7 @@
 //! Invariants: `shaders` knows neither a GPU nor a picture, and translates nothing; equal arguments give equal bytes on
 //! every machine.
 
+mod added;
 mod additions;
 mod es_module;
 mod gaussians_header;

@@ -104,7 +104,8 @@ impl LitBy {
         let kind = self.layout.map(Layout::name).or(self.rule.map(NormalsRule::name));
         let kind = kind.map_or(String::new(), |kind| format!(" {kind}"));
         let cut = if self.additions.cut { ", cut" } else { "" };
-        format!("{}{kind}{cut}", self.model)
+        let compensated = if self.additions.compensate { ", compensated" } else { "" };
+        format!("{}{kind}{cut}{compensated}", self.model)
     }
 
     /// The rule, of a model that has any.

@@ -1,6 +1,5 @@
 //! The sources in WGSL, and how they are joined.
 
-use super::Additions;
 use super::Bound;
 use super::Lights;
 use super::header::light_files;
@@ -20,7 +19,7 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 34] = [
+pub const SHADERS: [Shader; 39] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
     Shader { name: "texels_volumes", source: ltcforge_wgsl::TEXELS_VOLUMES },
@@ -37,6 +36,8 @@ pub const SHADERS: [Shader; 34] = [
     Shader { name: "ltc_shapes", source: ltcforge_wgsl::LTC_SHAPES },
     Shader { name: "ltc_cut", source: ltcforge_wgsl::LTC_CUT },
     Shader { name: "ltc_cut_shapes", source: ltcforge_wgsl::LTC_CUT_SHAPES },
+    Shader { name: "ltc_albedo", source: ltcforge_wgsl::LTC_ALBEDO },
+    Shader { name: "ltc_compensation", source: ltcforge_wgsl::LTC_COMPENSATION },
     Shader { name: "normals_view", source: ltcforge_wgsl::NORMALS_VIEW },
     Shader { name: "normals_arcs", source: ltcforge_wgsl::NORMALS_ARCS },
     Shader { name: "normals_arcs_rough", source: ltcforge_wgsl::NORMALS_ARCS_ROUGH },
@@ -48,12 +49,15 @@ pub const SHADERS: [Shader; 34] = [
     Shader { name: "gaussians_light", source: ltcforge_wgsl::GAUSSIANS_LIGHT },
     Shader { name: "gaussians_table", source: ltcforge_wgsl::GAUSSIANS_TABLE },
     Shader { name: "layers", source: ltcforge_wgsl::LAYERS },
+    Shader { name: "normals_compensation", source: ltcforge_wgsl::NORMALS_COMPENSATION },
+    Shader { name: "gaussians_compensation", source: ltcforge_wgsl::GAUSSIANS_COMPENSATION },
     Shader { name: "ltc_example", source: ltcforge_wgsl::LTC_EXAMPLE },
     Shader { name: "normals_example", source: ltcforge_wgsl::NORMALS_EXAMPLE },
     Shader { name: "gaussians_example", source: ltcforge_wgsl::GAUSSIANS_EXAMPLE },
     Shader { name: "gaussians_table_example", source: ltcforge_wgsl::GAUSSIANS_TABLE_EXAMPLE },
     Shader { name: "ggx_reference", source: ltcforge_wgsl::GGX_REFERENCE },
     Shader { name: "reference_solids", source: ltcforge_wgsl::REFERENCE_SOLIDS },
+    Shader { name: "preview_cut", source: ltcforge_wgsl::PREVIEW_CUT },
     Shader { name: "sphere", source: ltcforge_wgsl::SPHERE },
 ];
 
@@ -156,9 +160,9 @@ fn previewed() -> Vec<&'static str> {
     let lights = others.flat_map(|lit_by| (lit_by.shader().functions)(Lights::All));
     TABLE
         .iter()
-        .chain(&["ltc_math", "ltc_two_lobes", "ltc_cut", "ltc_cut_shapes"])
+        .chain(&["ltc_math", "ltc_two_lobes", "ltc_cut", "ltc_cut_shapes", "ltc_albedo"])
         .chain(lights)
-        .chain(&["ggx_reference", "reference_solids", "sphere"])
+        .chain(&["ggx_reference", "reference_solids", "preview_cut", "sphere"])
         .copied()
         .collect()
 }
@@ -189,7 +193,7 @@ pub fn ported(lit_by: LitBy) -> String {
 
 /// The shaders of a model's light, what reads its tables if it has any, and others.
 fn assembled(lit_by: LitBy, reader: [&str; 4], lights: Lights, others: &[&str]) -> String {
-    let functions = [(lit_by.shader().functions)(lights), lit_by.additions().files(lights)].concat();
+    let functions = [(lit_by.shader().functions)(lights), &lit_by.added_files(lights)].concat();
     match lit_by.layout() {
         Some(layout) => module(&[&reader[..], &functions, others].concat(), &[layout]),
         None => joined(&[&functions, others].concat()),
@@ -214,10 +218,13 @@ pub fn functions(lit_by: LitBy, reading: Reading, lights: Lights) -> String {
 
 /// The functions of a table's light that read no table: `smooth_at` has the coefficients.
 #[must_use]
-pub fn without_textures(smooth_at: &str, lights: Lights, additions: Additions) -> String {
+pub fn without_textures(smooth_at: &str, lights: Lights, lit_by: LitBy) -> String {
     let source = ltcforge_wgsl::LAYOUT_REFLECTED;
     let parts = ["ltc_smooth", "ltc_function"];
-    format!("{}\n{source}\n{smooth_at}", joined(&[&parts[..], light_files(lights), additions.files(lights)].concat()))
+    format!(
+        "{}\n{source}\n{smooth_at}",
+        joined(&[&parts[..], light_files(lights), &lit_by.added_files(lights)].concat())
+    )
 }
 
 #[cfg(test)]
@@ -286,7 +293,7 @@ mod tests {
     }
 
     /// Those that only the preview runs: their loops go over what a scene has.
-    const OF_THE_PREVIEW: [&str; 3] = ["ggx_reference", "reference_solids", "sphere"];
+    const OF_THE_PREVIEW: [&str; 4] = ["ggx_reference", "reference_solids", "preview_cut", "sphere"];
 
     /// Whether a line begins a loop from one constant to another: `for (var i = 0u; i < 8u; i++) {`.
     fn is_bounded(line: &str) -> bool {

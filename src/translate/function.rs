@@ -8,7 +8,7 @@ use super::{
 };
 use ltcforge_fit::{IsotropicFunction, Layout};
 use ltcforge_shaders::{
-    Additions, Language, Lights, Namespace, commented, functions_of, head, stamped, table_caller, without_textures,
+    Additions, Language, Lights, LitBy, Namespace, Reading, commented, functions_of, head, stamped, without_textures,
 };
 
 /// The licences of the text and of a table's numbers.
@@ -45,16 +45,16 @@ pub fn include_function(
     additions: Additions,
     namespace: &Namespace,
 ) -> Result<String, PortError> {
-    let source = format!(
-        "{}{}",
-        without_textures(&smooth_at(function), lights, additions),
-        additions.called(&table_caller(false, lights), lights)
-    );
+    // The matrix, amplitude and Fresnel term that the text looks up are those of a table of this layout.
+    let lit_by = LitBy::from(Layout::Reflected).with(additions);
+    let lit_by = lit_by.map_err(|error| PortError { language, reason: error.to_string() })?;
+    let caller = lit_by.caller(Reading::default(), lights);
+    let source = format!("{}{caller}", without_textures(&smooth_at(function), lights, lit_by));
     let included = Included { source: &source, entry: "ltc_included", reading: None };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
     let lines = about.join("\n  ");
     let about = head(LICENCE, REVISION) + &ABOUT.replace("{lights}", functions_of(lights));
-    let header = additions.explained(&commented(&format!("{about}  {lines}")), lights);
+    let header = lit_by.explained(&commented(&format!("{about}  {lines}")), lights);
     let [header, text] = [&header, &text].map(|part| namespace.named(part, Layout::Reflected.into()));
     Ok(stamped(&header, &text))
 }

@@ -26,12 +26,12 @@ pub fn include(
     let lit_by = lit_by.into();
     let reading = lit_by.layout().map(|_| reading);
     let read = reading.unwrap_or_default();
-    let caller = lit_by.additions().called(&(lit_by.shader().caller)(read, lights), lights);
+    let caller = lit_by.caller(read, lights);
     let source = format!("{}{caller}", functions(lit_by, read, lights));
     let included = Included { source: &source, entry: "ltc_included", reading };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
     let header = lit_by.include_comment(language, read, lights, namespace);
-    let header = lit_by.additions().explained(&header, lights);
+    let header = lit_by.explained(&header, lights);
     let [header, text] = [header, namespace.bound(&text, language)].map(|part| namespace.named(&part, lit_by));
     Ok(stamped(&header, &text))
 }

@@ -3,6 +3,7 @@
 //! Each study has its generator, its objective and what it holds out; all are seeded. studies/README.md has the
 //! commands.
 
+pub mod albedo;
 pub mod arcs;
 pub mod below;
 pub mod best;

@@ -14,7 +14,7 @@ use ltcforge::{
 };
 use ltcforge_driver::FAMILY_VARIABLE;
 use ltcforge_studies::{
-    arcs, below, best, costs, expected,
+    albedo, arcs, below, best, costs, expected,
     figures::Figure,
     glass, gpu_costs, l3, minimax, models,
     networks::{self, Asked, Numbers},
@@ -83,6 +83,8 @@ enum Study {
         #[arg(long, num_args = 2)]
         shipped: Option<Vec<PathBuf>>,
     },
+    /// What GGX loses by shadowing: `LOSS` of `src/light/albedo.rs` and the numbers of `shaders/ltc_albedo.wgsl`
+    Albedo,
     /// The tables of docs/extremes.md and docs/lights.md: light from below the surface, and a cut there
     Below,
     /// The polynomials of the shaders: `ltc_light.wgsl`, `ltc_quadrant.wgsl` and `normals_arcs*.wgsl`
@@ -141,6 +143,7 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::Expected => expected::tell(|line| println!("{line}"))?,
         Study::Costs => print!("{}", costs::text(&costs::Efforts::WHOLE)?),
         Study::Models => print!("{}", models::tables(1.0)?),
+        Study::Albedo => print!("{}", albedo::told(albedo::PLACES)),
         Study::Below => print!("{}", below::tables(1.0)?),
         Study::Best { isotropic: true, shipped, .. } => print!("{}", best::isotropic(pair(shipped.as_deref()))?),
         Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),

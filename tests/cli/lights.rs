@@ -426,3 +426,41 @@ fn what_is_cut_at_the_surface_lets_nothing_through() {
     let example = shader.iter().chain(&["--as", "example"]);
     assert!(run(folder.path(), example).exited(2).stderr.contains("--cut is for a text to include"));
 }
+
+/// What a metal reflects is brighter by the albedo of its surface, and nothing else changes.
+#[test]
+fn what_facets_lose_is_given_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rough = "1,1,0.3,0,2,-1,-1,2,-1,1,2,1,1,2,1,-1,2\n";
+    let with = |options: &[&str]| run_with_stdin(folder.path(), ["light", "-"].iter().chain(options), rough);
+    let numbers = |options: &[&str]| rows(&with(options).exited(0).stdout).remove(0);
+    let once = numbers(&["--f0", "0.9", "--truth"]);
+    let all = numbers(&["--f0", "0.9", "--truth", "--compensate"]);
+    for i in [0, 1, 3, 4] {
+        assert_eq!(all[i], once[i]);
+    }
+    // The albedo is 0.32 there: the factor is 1 + 0.9 (1 / 0.32 - 1).
+    for i in [2, 5] {
+        let factor = all[i] / once[i];
+        assert!((factor - 2.9).abs() < 0.2, "{factor}");
+    }
+    assert_eq!(numbers(&["--f0", "0", "--compensate"]), numbers(&["--f0", "0"]));
+    assert!(with(&["--compensate"]).exited(2).stderr.contains("--f0"));
+    // A table has its amplitude, and one of a model without facets is refused.
+    let fit = |recipe: &str| run_with_stdin(folder.path(), ["fit", "-"], recipe).exited(0).last_line().to_owned();
+    let table = fit(SMALL);
+    let by_table = |table: &str, more: &[&str]| {
+        let options = ["--model", "ltc", "--f0", "1", "--table", table];
+        with(&options.iter().chain(more).copied().collect::<Vec<_>>())
+    };
+    let [once, all] = [&[][..], &["--compensate"]].map(|more| rows(&by_table(&table, more).exited(0).stdout).remove(0));
+    assert!(all[2] > 1.5 * once[2] && all[2] <= 1.0, "{once:?} {all:?}");
+    let sheen = SMALL.replacen('{', r#"{"brdf":"charlie","layout":"kt2022","#, 1);
+    let sheen = fit(&sheen.replace(r#""ratio":2"#, r#""ratio":1"#).replace(r#""phi":2"#, r#""phi":1"#));
+    let refused = by_table(&sheen, &["--compensate"]);
+    assert!(refused.exited(2).stderr.contains("compensation is of ggx and beckmann"));
+    let shader = ["shader", "--language", "glsl", "--model", "normals", "--compensate"];
+    assert!(run(folder.path(), shader).exited(0).stdout.contains("vec3 normals_compensation("));
+    let example = shader.iter().chain(&["--as", "example"]);
+    assert!(run(folder.path(), example).exited(2).stderr.contains("--compensate is for a text to include"));
+}

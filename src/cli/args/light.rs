@@ -60,6 +60,9 @@ pub struct LightArgs {
     /// `fresnel` of `blended_lobes` has, in place of one integral a lobe
     #[arg(long, requires = "f0", requires = "table")]
     pub blend: bool,
+    /// Give back what facets lose that shadow each other, with `--f0`: times `1 + f0 (1 / albedo - 1)`, for metals
+    #[arg(long, requires = "f0")]
+    pub compensate: bool,
 }
 
 /// A number from 0 to 1.

@@ -25,7 +25,7 @@ pub(super) use fitting::{FitArgs, TradeoffArgs};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
 pub(super) use named::named;
-pub(super) use pictures::{PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
+pub(super) use pictures::{AdditionArgs, PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
 pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
 pub(super) use tables::{DiffArgs, LookupArgs, ReportArgs, TableChoice, TableFolder, TableLimit, VerifyArgs};
 pub(super) use tabulate::TabulateArgs;

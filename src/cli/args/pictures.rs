@@ -212,6 +212,9 @@ pub struct AdditionArgs {
     /// Add functions, in a text of model ltc to include, by which nothing shines through from below the surface
     #[arg(long)]
     pub cut: bool,
+    /// Add the factor, in a text to include, by which facets of metals lose no light to each other
+    #[arg(long)]
+    pub compensate: bool,
 }
 
 /// The form of a shader.

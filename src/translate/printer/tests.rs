@@ -90,15 +90,19 @@ fn sources() -> Vec<(LitBy, String)> {
     let rules = NormalsRule::SHADED.map(|rule| lit_by(LightModel::Normals, None).by_rule(Some(rule)).expect("a rule"));
     let models =
         rules.into_iter().chain([lit_by(LightModel::Asg, None), lit_by(LightModel::Asg, Some(Layout::Kt2022))]);
-    let cut = LitBy::from(Layout::Reflected).with(Additions { cut: true }).expect("a table of LTCs");
-    let layouts = Layout::ALL.iter().map(|layout| (*layout).into()).chain([cut]);
+    let cut = Additions { cut: true, compensate: true };
+    let cut = LitBy::from(Layout::Reflected).with(cut).expect("a table of LTCs");
+    let compensated = [(LightModel::Normals, None), (LightModel::Sg, None), (LightModel::Sg, Some(Layout::Kt2022))];
+    let compensated = compensated.map(|(model, layout)| {
+        lit_by(model, layout).with(Additions { cut: false, compensate: true }).expect("a model")
+    });
+    let layouts = Layout::ALL.iter().map(|layout| (*layout).into()).chain([cut]).chain(compensated);
     let mut sources = Vec::new();
     for lit_by in models.chain(layouts) {
         for (reading, lights) in
             Reading::ALL.into_iter().flat_map(|reading| Lights::ALL.iter().map(move |l| (reading, *l)))
         {
-            let source = functions(lit_by, reading, lights)
-                + &lit_by.additions().called(&(lit_by.shader().caller)(reading, lights), lights);
+            let source = functions(lit_by, reading, lights) + &lit_by.caller(reading, lights);
             let filtered = folded(&source, "ltc_hardware_filter", reading.filter == Filter::Hardware);
             sources.push((lit_by, filtered.unwrap_or_else(|fault| panic!("{}", fault.told(&source)))));
         }

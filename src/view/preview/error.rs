@@ -12,6 +12,11 @@ pub enum PreviewError {
     /// The picture compares a table with models that are GGX's alone.
     #[error("the closed forms light GGX, and the table is of brdf {0}: choose model ltc, or a table of brdf ggx")]
     OtherBrdf(BrdfKind),
+    /// The picture gives back what facets lose, and the table is of a model without any.
+    #[error(
+        "compensate gives back what facets lose to each other, and the table is of brdf {0}: leave it out, or take a table of ggx or beckmann"
+    )]
+    NoFacets(BrdfKind),
     /// The picture draws a lobe, and the table has Gaussians.
     #[error("mode lobe draws the lobes of LTCs, and the table has lobe {0}: choose mode strip, or a table of lobe ltc")]
     GaussianLobe(LobeModel),

@@ -41,6 +41,8 @@ pub(super) struct Frame {
     pub(super) light: FrameLight,
     /// Whether light from below the surface is cut off: a constant of the pipeline.
     pub(super) is_cut: bool,
+    /// Whether what facets lose is given back, likewise.
+    pub(super) is_compensated: bool,
 }
 
 /// Uniforms of `ggx_reference.wgsl`.
@@ -140,6 +142,7 @@ impl Frame {
                 two_sided: scene.light.two_sided,
             },
             is_cut: scene.cut,
+            is_compensated: scene.compensate,
         }
     }
 

@@ -20,7 +20,7 @@ const TURN: [f64; 2] = [-TAU, TAU];
 const QUARTER: f64 = TAU / 4.0;
 
 /// Every parameter. They are set in this order: the named scene first, then the parameters that differ from it.
-pub static PARAMETERS: [Parameter; 27] = [
+pub static PARAMETERS: [Parameter; 28] = [
     name(
         "scene",
         "Named set-up",
@@ -57,6 +57,13 @@ pub static PARAMETERS: [Parameter; 27] = [
         value_name: "BOOL",
         unit: None,
         form: ParameterForm::Flag(|s| &mut s.cut),
+    },
+    Parameter {
+        name: "compensate",
+        help: "Whether what the facets of a metal lose to each other is given back, in reference and models",
+        value_name: "BOOL",
+        unit: None,
+        form: ParameterForm::Flag(|s| &mut s.compensate),
     },
     whole("size", "Pixels a side of each panel", [64, 2048], |s| &mut s.size),
     whole("spp", "Samples a pixel of the reference", [1, 4096], |s| &mut s.spp),

@@ -120,6 +120,9 @@ impl Preview {
         if table.brdf != BrdfKind::Ggx && is_of_ggx {
             return Err(PreviewError::OtherBrdf(table.brdf.kind()));
         }
+        if scene.compensate && scene.mode != Mode::Lobe && !table.brdf.follows_reflection() {
+            return Err(PreviewError::NoFacets(table.brdf.kind()));
+        }
         if scene.mode == Mode::Lobe && table.lobe.gaussian().is_some() {
             return Err(PreviewError::GaussianLobe(table.lobe));
         }

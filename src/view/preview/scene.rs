@@ -39,6 +39,8 @@ pub struct Scene {
     pub rule: NormalsRule,
     /// Whether light and lobe of model `ltc` end at the surface: nothing shines through from below.
     pub cut: bool,
+    /// Whether what facets lose to each other is given back: times `1 + f0 (1 / albedo - 1)`.
+    pub compensate: bool,
     /// Radiance is multiplied by this before it is displayed.
     pub exposure: f64,
     /// The difference, in radiance, at the end of the colour bar.
@@ -226,6 +228,7 @@ impl Default for Scene {
             model: LightModel::Ltc,
             rule: NormalsRule::Balanced,
             cut: false,
+            compensate: false,
             exposure: 1.0,
             difference_scale: 0.2,
         }

@@ -72,7 +72,7 @@ fn programs() -> Vec<Program> {
     let two =
         [Layout::Reflected, Layout::Ltc2017].into_iter().flat_map(|layout| TWO_LOBES.map(|way| of_two(layout, way)));
     let ways = EngineWay::ALL.iter().map(|way| of_way(*way));
-    texts.chain(two).chain(by_choice()).chain(ways).collect()
+    texts.chain(two).chain(by_choice()).chain(compensated()).chain(ways).collect()
 }
 
 /// Tables' texts by what may be chosen of them: cut at the surface, the horizon by the cheap fit, both.
@@ -81,10 +81,19 @@ fn by_choice() -> impl Iterator<Item = Program> {
     let choices = [(true, false), (false, true), (true, true)];
     layouts.into_iter().flat_map(move |layout| choices.map(|choice| (layout, choice))).filter_map(
         |(layout, (cut, is_cheap))| {
-            let text = of_text(LitBy::from(layout).with(Additions { cut }).ok()?);
+            let text = of_text(LitBy::from(layout).with(Additions { cut, compensate: false }).ok()?);
             Some(if is_cheap { with_cheap_horizon(text) } else { text })
         },
     )
+}
+
+/// Texts with the factor for metals.
+fn compensated() -> impl Iterator<Item = Program> {
+    let models = [(LightModel::Ltc, Some(Layout::Reflected)), (LightModel::Normals, None), (LightModel::Asg, None)];
+    let additions = Additions { cut: false, compensate: true };
+    models
+        .into_iter()
+        .filter_map(move |(model, layout)| Some(of_text(LitBy::new(model, layout).ok()?.with(additions).ok()?)))
 }
 
 fn with_cheap_horizon(Program { name, wgsl }: Program) -> Program {
@@ -112,6 +121,16 @@ fn of_text(lit_by: LitBy) -> Program {
     return vec4(gaussians_rectangle(view, seen.corners, false), 0.0, 0.0);"
             )
         }
+    };
+    let factor = match lit_by.model() {
+        LightModel::Ltc => "ltc_compensation(lobe, vec3(0.9, 0.8, 0.7))",
+        LightModel::Normals => "normals_compensation(view, vec3(0.9, 0.8, 0.7))",
+        LightModel::Sg | LightModel::Asg => "gaussians_compensation(alpha.x, alpha.y, seen.wo, vec3(0.9, 0.8, 0.7))",
+    };
+    let calls = if lit_by.additions().compensate {
+        calls.replace("return vec4(", &format!("return vec4({factor}, 1.0) * vec4("))
+    } else {
+        calls
     };
     let text = functions(lit_by, Reading::default(), Lights::Polygons);
     let lit = format!("fn lit(alpha: vec2<f32>, seen: Seen) -> vec4<f32> {{\n    {calls}\n}}\n");

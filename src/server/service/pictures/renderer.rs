@@ -116,6 +116,7 @@ fn failure(error: PreviewError, queue: &PictureQueue) -> PictureError {
     match error {
         PreviewError::Stopped => queue.stopped(),
         other @ (PreviewError::OtherBrdf(_)
+        | PreviewError::NoFacets(_)
         | PreviewError::GaussianLobe(_)
         | PreviewError::CpuOnly(_)
         | PreviewError::NoBrdfFile(_)) => PictureError::OtherBrdf(other.to_string()),

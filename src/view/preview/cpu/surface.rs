@@ -17,7 +17,7 @@ use crate::preview::{
 };
 use ltcforge_fit::{BrdfKind, SecondLobe, Sides};
 use ltcforge_light::{
-    ClosedForm, Gaussian, LitPoint,
+    ClosedForm, Gaussian, LitPoint, albedo,
     gaussians::{self, SphericalGaussian},
 };
 
@@ -35,11 +35,12 @@ pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at
         Estimator::TwoLobes(second) => surface(frame, place, cell, |at| by_two_lobes(frame, table, second, at)),
         Estimator::Reference => surface(frame, place, cell, |shaded| {
             let key = at[1] * frame.size + at[0];
-            let parts = match table.brdf.kind() {
-                BrdfKind::Ggx => ggx::reference(shaded, &frame.light, frame.spp, key),
-                _ => any_brdf::reference(&table.brdf, shaded, &frame.light, frame.spp, key),
-            };
-            reflected(frame, parts)
+            if table.brdf == BrdfKind::Ggx {
+                let parts = ggx::reference(shaded, &frame.light, frame.spp, key);
+                return reflected(frame, parts, || albedo_of(shaded));
+            }
+            let parts = any_brdf::reference(&table.brdf, shaded, &frame.light, frame.spp, key);
+            reflected(frame, parts, || lookup(table, shaded.alpha.x, shaded.alpha.y, shaded.wo).amplitude)
         }),
         Estimator::TableLobe | Estimator::ReferenceLobe => {
             let density = direction_of(frame, place).map_or(BESIDE, |wi| lobe(frame, table, estimator, wi));
@@ -108,7 +109,7 @@ fn see(frame: &Frame, place: Vec2, cell: u32) -> Option<(Shaded, f32)> {
 
 fn by_table(frame: &Frame, table: &ShaderTable, at: &Shaded) -> Vec3 {
     let lobe = lookup(table, at.alpha.x, at.alpha.y, at.wo);
-    reflected(frame, Vec2::new(lobe.amplitude, lobe.fresnel) * covered_by(frame, lobe.matrix, at))
+    reflected(frame, Vec2::new(lobe.amplitude, lobe.fresnel) * covered_by(frame, lobe.matrix, at), || lobe.amplitude)
 }
 
 fn by_two_lobes(frame: &Frame, table: &ShaderTable, second: SecondLobe, at: &Shaded) -> Vec3 {
@@ -117,11 +118,11 @@ fn by_two_lobes(frame: &Frame, table: &ShaderTable, second: SecondLobe, at: &Sha
     match second {
         SecondLobe::Blended => {
             let f0 = frame.f0.dot(Vec3::splat(1.0 / 3.0));
-            reflected(frame, parts * covered_by(frame, blend(&first, matrix, f0, 1.0), at))
+            reflected(frame, parts * covered_by(frame, blend(&first, matrix, f0, 1.0), at), || first.amplitude)
         }
         SecondLobe::Integrated => {
             let covered = [first.matrix, matrix].map(|m| covered_by(frame, m, at));
-            reflected(frame, parts * Vec2::from(covered))
+            reflected(frame, parts * Vec2::from(covered), || first.amplitude)
         }
     }
 }
@@ -154,13 +155,13 @@ fn around(frame: &Frame, at: &Shaded) -> (Vec<[f32; 3]>, Sides) {
 fn by_closed_form(frame: &Frame, form: ClosedForm, at: &Shaded) -> Vec3 {
     let (vertices, sides) = around(frame, at);
     let lit = LitPoint { alpha: at.alpha.to_array(), wo: at.wo.to_array(), vertices: &vertices, sides };
-    reflected(frame, Vec2::from(form.reflected_f32(&lit)))
+    reflected(frame, Vec2::from(form.reflected_f32(&lit)), || albedo_of(at))
 }
 
 fn by_gaussian_table(frame: &Frame, table: &ShaderTable, gaussian: Gaussian, at: &Shaded) -> Vec3 {
     let (vertices, sides) = around(frame, at);
     let parts = lit_by_gaussian(table, gaussian, at.alpha.to_array(), at.wo, &vertices, sides);
-    reflected(frame, Vec2::from(parts))
+    reflected(frame, Vec2::from(parts), || albedo_of(at))
 }
 
 /// Twin of `gaussians_table.wgsl`.
@@ -178,8 +179,17 @@ pub(super) fn lit_by_gaussian(
     gaussians::reflected_by(&shape, [lobe.amplitude, lobe.fresnel], vertices, sides)
 }
 
-fn reflected(frame: &Frame, parts: Vec2) -> Vec3 {
-    (frame.f0 * (parts.x - parts.y) + Vec3::splat(parts.y)) * frame.light.radiance
+/// Twin of `ltc_albedo.wgsl`.
+fn albedo_of(at: &Shaded) -> f32 {
+    albedo::albedo(at.alpha.to_array(), at.wo.to_array())
+}
+
+fn reflected(frame: &Frame, parts: Vec2, albedo: impl FnOnce() -> f32) -> Vec3 {
+    let once = (frame.f0 * (parts.x - parts.y) + Vec3::splat(parts.y)) * frame.light.radiance;
+    if !frame.is_compensated {
+        return once;
+    }
+    once * (Vec3::ONE + frame.f0 * (1.0 / albedo().max(0.01) - 1.0))
 }
 
 /// The inverse of [`direction_of`], in pixels.

@@ -41,6 +41,8 @@ struct PipelineKey {
     is_polygon: bool,
     /// Light from below the surface is cut off, where a table lets it through.
     is_cut: bool,
+    /// What facets lose is given back.
+    is_compensated: bool,
 }
 
 impl PipelineKey {
@@ -55,6 +57,7 @@ impl PipelineKey {
             shape: if estimator.is_lobe() || (is_flat && is_of_polygons) { 0 } else { frame.light.shape.number() },
             is_polygon: is_of_polygons && frame.light.outline_vertices() != 4,
             is_cut: frame.is_cut && matches!(estimator, Estimator::Table(LobeModel::Ltc) | Estimator::TwoLobes(_)),
+            is_compensated: frame.is_compensated && !estimator.is_lobe(),
         }
     }
 }
@@ -152,6 +155,7 @@ impl Device {
             ("light_shape", f64::from(key.shape)),
             ("light_is_polygon", flag(key.is_polygon)),
             ("light_is_cut", flag(key.is_cut)),
+            ("is_compensated", flag(key.is_compensated)),
             ("normals_rule", f64::from(rule as u32)),
             ("gaussian", f64::from(gaussian as u32)),
             ("second_lobe", second_lobe(estimator)),

@@ -270,6 +270,9 @@ fn pictures_that_would_compare_different_models_are_refused() {
     ] {
         assert_eq!(cpu.render(&table, &scene, &|| false), Err(PreviewError::OtherBrdf(BrdfKind::Charlie)));
     }
+    // Its lobes are of no facets that lose light to each other.
+    let compensated = Scene { compensate: true, ..scene(Mode::Ltc, LightModel::Ltc) };
+    assert_eq!(cpu.render(&table, &compensated, &|| false), Err(PreviewError::NoFacets(BrdfKind::Charlie)));
     let strip = scene(Mode::Strip, LightModel::Ltc);
     let mut gpu = Preview::new(Adapter::Gpu);
     assert_eq!(gpu.render(&table, &strip, &|| false), Err(PreviewError::CpuOnly(BrdfKind::Charlie)));

@@ -146,6 +146,25 @@ fn gpu_and_cpu_agree_on_every_shape() {
     }
 }
 
+/// By every model, in the reference too, and brighter than without.
+#[test]
+fn gpu_and_cpu_agree_on_what_facets_lose() {
+    let mut renderers = renderers();
+    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let table = shader_table(TexelFormat::F32);
+    let materials = vec![Material { alpha_x: 0.9, alpha_y: 0.4, rotation: 0.5 }];
+    let models = LightModel::ALL.iter().map(|model| (Mode::Ltc, *model));
+    for (mode, model) in models.chain([(Mode::Reference, LightModel::Ltc)]) {
+        let scene = Scene { size: 96, mode, model, compensate: true, materials: materials.clone(), ..Scene::default() };
+        let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
+        assert_twins(&a.picture, &b.picture, &format!("{} {model}", mode.name()));
+        let once = render(cpu, &table, &Scene { compensate: false, ..scene });
+        let sum = |picture: &Picture| picture.rgb.iter().map(|pixel| u64::from(pixel[1])).sum::<u64>();
+        let (all, once) = (sum(&b.picture), sum(&once.picture));
+        assert!(all > once + once / 20, "{} {model}: {all} {once}", mode.name());
+    }
+}
+
 /// Lights of every shape whose part below the surface is cut off.
 #[test]
 fn gpu_and_cpu_agree_on_lights_that_the_surface_cuts() {

@@ -1,0 +1,87 @@
+//! The functions that are added to a text to include: their files, their calls and what they are.
+
+use super::{Additions, Lights, LitBy, Reading};
+use ltcforge_light::LightModel;
+
+const CUT: &str = "\
+LIGHT FROM BELOW
+  ltc_cut_rectangle, ltc_cut_polygon{shapes} take the same arguments
+      and let the lobe end at the surface: nothing shines through from below. Without them an LTC lets through up to a
+      fifth of a light that lies below.
+";
+const CUT_SHAPES: &str = ", ltc_cut_disk, ltc_cut_sphere, ltc_cut_tube, ltc_cut_line";
+
+const COMPENSATION: &str = "\
+ENERGY
+  {call}
+      once for a point and view: the factor on what a metal of reflectance f0 reflects, by which facets lose no light to
+      each other: white metal reflects all of a white sky.
+";
+
+const POLYGONS_CUT: &str =
+    "    let cut = ltc_cut_rectangle(inverse, corners, true) + ltc_cut_polygon(inverse, vertices, 4u, true);
+";
+const SHAPES_CUT: &str = "    let cut_disk = ltc_cut_disk(inverse, vertices[0], vertices[1], vertices[2], true);
+    let cut_sphere = ltc_cut_sphere(inverse, vertices[0], 1.0);
+    let cut_tube = ltc_cut_tube(inverse, vertices[0], vertices[1], 1.0);
+    let cut_line = ltc_cut_line(inverse, vertices[0], vertices[1], 1.0);
+";
+
+/// How a model's factor is called, and the files that have it.
+fn compensation(model: LightModel) -> (&'static str, &'static [&'static str]) {
+    match model {
+        LightModel::Ltc => ("ltc_compensation(lobe, f0)", &["ltc_compensation"]),
+        LightModel::Normals => ("normals_compensation(view, f0)", &["ltc_albedo", "normals_compensation"]),
+        LightModel::Sg | LightModel::Asg => {
+            ("gaussians_compensation(alpha_x, alpha_y, wo, f0)", &["ltc_albedo", "gaussians_compensation"])
+        }
+    }
+}
+
+impl LitBy {
+    /// The files of what is added.
+    pub(super) fn added_files(self, lights: Lights) -> Vec<&'static str> {
+        let Additions { cut, compensate } = self.additions();
+        let cut: &[&str] = match (cut, lights) {
+            (false, _) => &[],
+            (true, Lights::Polygons) => &["ltc_cut"],
+            (true, Lights::All) => &["ltc_cut", "ltc_cut_shapes"],
+        };
+        [cut, if compensate { compensation(self.model()).1 } else { &[] }].concat()
+    }
+
+    /// A fragment shader that calls every function of the text to include, named `ltc_included`.
+    #[must_use]
+    pub fn caller(self, reading: Reading, lights: Lights) -> String {
+        let Additions { cut, compensate } = self.additions();
+        let mut calls = match (cut, lights) {
+            (false, _) => String::new(),
+            (true, Lights::Polygons) => POLYGONS_CUT.to_owned(),
+            (true, Lights::All) => [POLYGONS_CUT, SHAPES_CUT].concat(),
+        };
+        if compensate {
+            let call = compensation(self.model()).0.replace("alpha_x, alpha_y, wo", "0.5, 0.5, vec3(0.0, 0.0, 1.0)");
+            calls += &["    let factor = ", &call.replace("f0", "vec3(1.0)"), ";\n"].concat();
+        }
+        (self.shader().caller)(reading, lights).replacen("    return ", &format!("{calls}    return "), 1)
+    }
+
+    /// The comment of a text to include with what its additions are, before its last part.
+    #[must_use]
+    pub fn explained(self, comment: &str, lights: Lights) -> String {
+        let Additions { cut, compensate } = self.additions();
+        let mut about = String::new();
+        if cut {
+            let shapes = if lights == Lights::All { CUT_SHAPES } else { "" };
+            about += &CUT.replace("{shapes}", shapes);
+            about += "\n";
+        }
+        if compensate {
+            about += &COMPENSATION.replace("{call}", compensation(self.model()).0);
+            about += "\n";
+        }
+        let end = ["\n// CHECK", "\n// TABLE"].iter().filter_map(|head| comment.rfind(head)).max();
+        let (before, behind) = comment.split_at(end.map_or(comment.len(), |end| end + 1));
+        format!("{before}{}{behind}", super::commented(&about))
+    }
+}
