@@ -57,4 +57,4 @@ pub use shard::{Plan, ShardBytesError, fit_rows, fit_shard, shard_from_bytes, sh
 pub use solver::{Shear, Simplex, Solver, Start};
 pub use stop_check::StopCheck;
 pub use table::{Configuration, FUNCTION_SIDE, FunctionError, IsotropicFunction, LookedUp, Table, Terms};
-pub use terms::{edge_terms, ggx_terms, terms_of};
+pub use terms::{edge_spreads, ggx_terms, terms_of};

@@ -3,7 +3,7 @@
 use super::{Configuration, Table, Terms, fold::Folded};
 use crate::{
     axes::PerAxis,
-    brdf::LobeTerms,
+    brdf::{LobeTerms, edge_of_parts},
     layout::{LobeNumbers, Spacing},
     math::{from_row_major, row_major, turned_about_z},
 };
@@ -77,7 +77,9 @@ impl Table {
         let matrix = turn.map_or(lobe.matrix, |angle| turned_about_z(lobe.matrix, angle));
         let [amplitude, fresnel] =
             [lobe.terms.amplitude, lobe.terms.fresnel].map(|term| self.terms.as_ref().map(|_| term));
-        LookedUp { matrix: row_major(&folded.unfold(matrix)), amplitude, fresnel, edge: self.edge_at(&nearest) }
+        let told = edge_of_parts([lobe.terms.amplitude, lobe.terms.fresnel]);
+        let edge = self.edge_spread_at(&nearest).map(|spread| spread * told);
+        LookedUp { matrix: row_major(&folded.unfold(matrix)), amplitude, fresnel, edge }
     }
 
     /// Whether this is a table of isotropic surfaces with one phi, which serves every phi: the lobe turns with the
@@ -87,8 +89,8 @@ impl Table {
         self.axes.ratio == [1.0] && self.axes.phi.len() == 1
     }
 
-    /// The edge term at a place within the nodes, which every layout stores as it is.
-    fn edge_at(&self, place: &PerAxis<f64>) -> Option<f64> {
+    /// The edge's spread at a place within the nodes, which every layout stores as it is.
+    fn edge_spread_at(&self, place: &PerAxis<f64>) -> Option<f64> {
         let edge = self.terms.as_ref()?.edge.as_ref()?;
         Some(self.corners(&self.brackets(place)).map(|(index, weight)| weight * f64::from(edge[index])).sum())
     }
