@@ -60,4 +60,4 @@ pub use stop_check::StopCheck;
 pub use table::{
     Configuration, FUNCTION_SIDE, FunctionError, IsotropicFunction, LookedUp, Table, Terms, blend_weight, blended,
 };
-pub use terms::{edge_terms, ggx_terms, terms_of};
+pub use terms::{edge_spreads, ggx_terms, terms_of};

@@ -15,9 +15,11 @@ const REVISION: u32 = 1;
 
 /// The opening comment: what the text is, and how to call it.
 const ABOUT: &str = "\
-Layers under area lights, as OpenPBR has them: a coat and fuzz over a base. By any model of light; nothing is bound.
+Metals and layers under area lights, as OpenPBR has them: a coat and fuzz over a base. By any model; nothing is bound.
 
 FUNCTIONS
+  layers_metal(parts, f0, tint)  what a metal reflects by F82: parts as normals_rectangle returns them, or
+      vec2(lobe.amplitude, lobe.fresnel) times the part that ltc_rectangle tells.
   layers_fuzz(roughness, wo)  fuzz as one view sees it, in the tangent frame, normal +z: the inverse that ltc_rectangle
       and its like take, and the part of all light that it reflects.
   layers_albedo(amplitude, fresnel, f0)  what a dielectric reflects of all light, by the terms of a table's lobe.
@@ -67,7 +69,8 @@ pub fn layers_source() -> String {
 fn ltc_included() -> @location(0) vec4<f32> {
     let fuzz = layers_fuzz(0.5, vec3(0.0, 0.0, 1.0));
     let coated = layers_coated(fuzz.inverse[0], 0.1, layers_albedo(0.9, 0.1, 0.04), 0.5, vec3(1.0));
-    return vec4(layers_fuzzed(coated, coated, fuzz.albedo, 0.5), 1.0);
+    let metal = layers_metal(vec2(0.5, 0.1), coated, coated);
+    return vec4(layers_fuzzed(metal, coated, fuzz.albedo, 0.5), 1.0);
 }
 ";
     format!("{}{caller}", joined(&["layers"]))
