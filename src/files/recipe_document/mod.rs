@@ -6,6 +6,7 @@ mod fault;
 mod preset;
 mod reader;
 mod strict;
+mod terms;
 
 use std::ops::RangeInclusive;
 
