@@ -1,5 +1,5 @@
-// Metals, and how a coat and fuzz combine with what lies below, as OpenPBR layers them: each layer passes on what it does not reflect of
-// all light, so that no light is gained. For light by any model; fuzz is an LTC and needs no table.
+// Metals, and how a coat and fuzz combine with what lies below, as OpenPBR layers them: each layer passes on what it does
+// not reflect of all light, so that no light is gained. For light by any model; fuzz is an LTC and needs no table.
 
 /// What a metal reflects by F82, its Fresnel factor in OpenPBR: tint is the part of Schlick's factor that is left at 82
 /// degrees. parts is the light by a model: for a Fresnel factor of one, and its part weighed by Schlick's fifth power; of a

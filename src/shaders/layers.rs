@@ -1,14 +1,13 @@
 //! The text that combines layers, which is of no model of light.
 
-use super::{
-    header::commented,
-    sources::joined,
-    stamp::{LICENCE, head},
-};
+use super::{header::commented, sources::joined, stamp::head};
 use ltcforge_fit::{
     brdf::{Brdf, Fuzz},
     math::direction,
 };
+
+/// The functions of fuzz are those of MaterialX, under Apache-2.0 alone.
+const LICENCE: &str = "(MIT OR Apache-2.0) AND Apache-2.0";
 
 /// Raised when the values of the check change.
 const REVISION: u32 = 1;
@@ -54,7 +53,7 @@ pub fn layers_comment() -> String {
     let case = |case: [f64; 3]| {
         let [roughness, theta, phi] = case;
         let wo = direction(theta, phi).to_array().map(|x| format!("{x:.6}")).join(", ");
-        let numbers = fuzz_values(case).map(|x| format!("{x:.5}")).join(" ");
+        let numbers = fuzz_values(case).map(|x| format!("{:.5}", (x * 1e5).round() / 1e5 + 0.0)).join(" ");
         format!("  layers_fuzz({roughness}, ({wo}))\n      {numbers}\n")
     };
     let check = FUZZ_CASES.map(case).concat();

@@ -8,7 +8,8 @@ use super::{
     fault::Fault,
     fresnel::{check_second, read_fresnel},
     preset::Preset,
-    reader::{Faults, Object, echo},
+    reader::{Faults, Object, echo, listed},
+    terms::read_terms,
 };
 use crate::tabulated::FindBrdf;
 use ltcforge_fit::{
@@ -151,12 +152,6 @@ fn check_ratio(range: &PerAxis<[f64; 2]>, fit: &FitSettings, faults: &mut Faults
     }
 }
 
-/// The names of some items, as an error lists them.
-pub(super) fn listed<T: Copy + std::fmt::Display>(items: &[T], keep: impl Fn(T) -> bool) -> String {
-    let names = items.iter().filter(|item| keep(**item)).map(|item| format!("\"{item}\""));
-    names.collect::<Vec<_>>().join(", ")
-}
-
 /// The scattering model. A tabulated one names its file, and no other does.
 fn read_brdf(root: &Object, find: &FindBrdf<'_>, faults: &mut Faults) -> BrdfModel {
     let kind = root.choice("brdf", &named(BrdfKind::ALL, BrdfKind::name), BrdfKind::ALL[0], faults);
@@ -175,31 +170,6 @@ fn read_brdf(root: &Object, find: &FindBrdf<'_>, faults: &mut Faults) -> BrdfMod
         (true, Some(other)) => note(format!("{} is neither a path nor a digest sha256:<64 hex digits>", echo(other))),
     }
     kind.into()
-}
-
-/// The terms that are stored: `true`, `false`, or "f82", which metals of microfacets have.
-fn read_terms(root: &Object, brdf: BrdfKind, lobe: LobeModel, faults: &mut Faults) -> StoredTerms {
-    match root.get("terms") {
-        None | Some(Value::Bool(true)) => return StoredTerms::Schlick,
-        Some(Value::Bool(false)) => return StoredTerms::None,
-        Some(Value::String(name)) if name == StoredTerms::F82_NAME => {}
-        Some(other) => {
-            let detail = format!("{} is neither true, false nor \"{}\"", echo(other), StoredTerms::F82_NAME);
-            faults.note(root.pointer("terms"), detail);
-            return StoredTerms::Schlick;
-        }
-    }
-    if !brdf.has_fresnel() {
-        let others = listed(BrdfKind::ALL, BrdfKind::has_fresnel);
-        let detail = format!("brdf \"{brdf}\" has no Fresnel factor to be F82: say true, or choose brdf {others}");
-        faults.note(root.pointer("terms"), detail);
-    }
-    if lobe.gaussian().is_some() {
-        let ltc = LobeModel::ALL[0];
-        let detail = format!("\"f82\" is of tables of lobe \"{ltc}\", not \"{lobe}\": say true, or choose that lobe");
-        faults.note(root.pointer("terms"), detail);
-    }
-    StoredTerms::F82
 }
 
 /// The default is the first layout that takes the lobes of the scattering model.

@@ -7,6 +7,7 @@ mod fresnel;
 mod preset;
 mod reader;
 mod strict;
+mod terms;
 
 use std::ops::RangeInclusive;
 
