@@ -1,0 +1,171 @@
+//! Tables that could serve a scene, with their predicted errors and their costs, and the choice among them.
+
+use serde::Serialize;
+
+use crate::prediction::Prediction;
+use ltcforge_files::recipe_document::Preset;
+use ltcforge_fit::{FitSettings, PerAxis, Precision, Recipe, fit_seconds};
+
+/// Nodes that an axis of several values may have.
+const NODES: PerAxis<[u32; 2]> = PerAxis { alpha: [2, 24], ratio: [2, 12], theta: [2, 24], phi: [2, 12] };
+/// Errors that differ by less are equal: a smaller or faster table is taken then.
+const EQUAL: f64 = 1.005;
+/// Where the front bends: the smallest table whose error is within 5 % of the least.
+const KNEE: f64 = 1.05;
+
+/// What may be spent. Seconds are of one thread, on the machine of `ltcforge_fit::fit_seconds`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Budget {
+    /// The smallest table whose error is at most this.
+    Error(f64),
+    /// The best table of at most as many bytes.
+    Bytes(u64),
+    /// The best table whose fit takes at most as long.
+    Seconds(f64),
+    /// The smallest table that is nearly as good as any.
+    Knee,
+}
+
+/// A table that could serve a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// Its recipe.
+    pub recipe: Recipe,
+    /// The preset of its effort.
+    pub preset: Preset,
+    /// Predicted mean error on the scene, as a part of the lobe's width.
+    pub error: f64,
+    /// Bytes of matrices and terms.
+    pub bytes: u64,
+    /// Predicted seconds of one thread.
+    pub seconds: f64,
+}
+
+/// Bytes of a recipe's matrices and terms.
+#[must_use]
+pub(crate) fn bytes_of(recipe: &Recipe) -> u64 {
+    let numbers = if recipe.terms { 11 } else { 9 };
+    let width = match recipe.precision {
+        Precision::F32 => 4,
+        Precision::F16 => 2,
+    };
+    recipe.entries() * numbers * width
+}
+
+/// The resolutions for which none of fewer entries has less error, each with all efforts and number formats.
+#[must_use]
+pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
+    let base = prediction.base();
+    let mut priced: Vec<(u64, f64, PerAxis<u32>)> = resolutions(&base.range)
+        .into_iter()
+        .map(|resolution| {
+            let recipe = Recipe { resolution, ..base.clone() };
+            (recipe.entries(), prediction.of_resolution(resolution), resolution)
+        })
+        .collect();
+    priced.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut least = f64::INFINITY;
+    priced.retain(|(_, error, _)| {
+        let is_better = *error < least;
+        least = least.min(*error);
+        is_better
+    });
+    let efforts = || [Precision::F16, Precision::F32].into_iter().flat_map(|p| Preset::ALL.map(|preset| (p, preset)));
+    let of = |(_, _, resolution): &(u64, f64, PerAxis<u32>)| {
+        let resolution = *resolution;
+        efforts().map(move |(precision, preset)| {
+            let fit = FitSettings { seed: base.fit.seed, ..preset.fit() };
+            let recipe = Recipe { resolution, precision, fit, ..base.clone() };
+            let (error, bytes, seconds) = (prediction.error(&recipe), bytes_of(&recipe), fit_seconds(&recipe));
+            Candidate { recipe, preset, error, bytes, seconds }
+        })
+    };
+    priced.iter().flat_map(of).collect()
+}
+
+/// All resolutions over some ranges: one node for a single value.
+fn resolutions(range: &PerAxis<[f64; 2]>) -> Vec<PerAxis<u32>> {
+    let counts = |[low, high]: [f64; 2], [from, to]: [u32; 2]| if low < high { from..=to } else { 1..=1 };
+    let mut all = Vec::new();
+    for alpha in counts(range.alpha, NODES.alpha) {
+        for ratio in counts(range.ratio, NODES.ratio) {
+            for theta in counts(range.theta, NODES.theta) {
+                let of_phi = counts(range.phi, NODES.phi);
+                all.extend(of_phi.map(|phi| PerAxis { alpha, ratio, theta, phi }));
+            }
+        }
+    }
+    all
+}
+
+/// What a candidate costs, or its error.
+type Price = fn(&Candidate) -> f64;
+
+const ERROR: Price = |candidate| candidate.error;
+const BYTES: Price = |candidate| candidate.bytes as f64;
+const SECONDS: Price = |candidate| candidate.seconds;
+
+/// The candidate that a budget chooses; the error is the nearest one, where no candidate is within the budget. Domain:
+/// at least one candidate.
+///
+/// # Errors
+/// The candidate that comes nearest to the budget.
+pub(crate) fn choose(candidates: &[Candidate], budget: Budget) -> Result<&Candidate, &Candidate> {
+    let all = || candidates.iter().collect();
+    let (price, most, then) = match budget {
+        Budget::Error(most) => (ERROR, most, [(BYTES, 1.0), (SECONDS, 1.0), (ERROR, 1.0)]),
+        Budget::Bytes(most) => (BYTES, most as f64, [(ERROR, EQUAL), (SECONDS, 1.0), (BYTES, 1.0)]),
+        Budget::Seconds(most) => (SECONDS, most, [(ERROR, EQUAL), (BYTES, 1.0), (SECONDS, 1.0)]),
+        Budget::Knee => {
+            let least = candidates.iter().map(ERROR).fold(f64::INFINITY, f64::min);
+            (ERROR, KNEE * least, [(BYTES, 1.0), (SECONDS, 1.0), (ERROR, 1.0)])
+        }
+    };
+    let within: Vec<&Candidate> = candidates.iter().filter(|candidate| price(candidate) <= most).collect();
+    if within.is_empty() {
+        return Err(least(all(), [(price, 1.0), (ERROR, EQUAL), (BYTES, 1.0)]));
+    }
+    Ok(least(within, then))
+}
+
+/// The candidate of the least first price, among those that are nearly that by each price's slack the one of the least
+/// next price. Domain: at least one candidate.
+fn least<'a>(mut left: Vec<&'a Candidate>, prices: [(Price, f64); 3]) -> &'a Candidate {
+    for (price, slack) in prices {
+        let most = left.iter().map(|candidate| price(candidate)).fold(f64::INFINITY, f64::min) * slack;
+        left.retain(|candidate| price(candidate) <= most);
+    }
+    left[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse};
+
+    fn candidate(error: f64, bytes: u64, seconds: f64) -> Candidate {
+        let recipe = parse(b"{}", DEFAULT_ENTRY_LIMIT).expect("a recipe");
+        Candidate { recipe, preset: Preset::Draft, error, bytes, seconds }
+    }
+
+    #[test]
+    fn a_budget_takes_the_cheapest_of_what_it_allows_or_names_the_nearest() {
+        let all = [
+            candidate(0.20, 100, 0.1),
+            candidate(0.10, 200, 0.2),
+            candidate(0.0502, 400, 0.3),
+            candidate(0.0501, 400, 0.9),
+            candidate(0.05, 900, 1.0),
+        ];
+        let chosen = |budget| choose(&all, budget).map(|c| c.bytes).map_err(|c| c.bytes);
+        assert_eq!(chosen(Budget::Bytes(250)), Ok(200));
+        assert_eq!(choose(&all, Budget::Bytes(500)).expect("one").seconds, 0.3);
+        assert_eq!(chosen(Budget::Bytes(99)), Err(100));
+        assert_eq!(chosen(Budget::Error(0.1)), Ok(200));
+        assert_eq!(chosen(Budget::Error(0.01)), Err(400));
+        assert_eq!(chosen(Budget::Seconds(0.25)), Ok(200));
+        assert_eq!(chosen(Budget::Seconds(0.01)), Err(100));
+        assert_eq!(chosen(Budget::Knee), Ok(400));
+    }
+}

@@ -1,0 +1,20 @@
+//! From a scene to the table that it needs.
+//!
+//! Invariant: no clock and no thread count decides anything here: equal scenes and budgets give equal plans.
+
+mod candidates;
+mod histogram;
+mod needs;
+mod plan;
+mod prediction;
+mod resampled;
+mod scene;
+#[cfg(test)]
+mod tests;
+
+pub use candidates::{Budget, Candidate};
+pub use histogram::{Spot, Views};
+pub use needs::Needs;
+pub use plan::{Measured, TablePlan, Whole};
+pub use prediction::Stopped;
+pub use scene::{LobeKind, Scene, SceneError, SceneFault, SceneLobe, SceneMaterial};

@@ -1,0 +1,144 @@
+//! A plan: what a scene needs, the candidates, the choice and what it was measured to be.
+
+use serde::Serialize;
+
+use crate::{
+    candidates::{Budget, Candidate, bytes_of, candidates, choose},
+    needs::Needs,
+    prediction::{POINTS, Prediction, Stopped, error},
+};
+use ltcforge_files::recipe_document::Preset;
+use ltcforge_fit::{FITTER_VERSION, PerAxis, Precision, Recipe, Table};
+
+/// A prediction that is off by more is corrected, and the choice made again.
+const MOST_OFF: f64 = 0.2;
+
+/// A plan for one table.
+#[derive(Debug, Clone)]
+pub struct TablePlan<'a> {
+    /// What it serves.
+    pub needs: Needs<'a>,
+    /// The budget.
+    pub budget: Budget,
+    /// Whether the choice is within it; else it is the nearest that can be had.
+    pub is_met: bool,
+    /// The choice.
+    pub chosen: Candidate,
+    /// The candidates, of ascending bytes.
+    pub candidates: Vec<Candidate>,
+    /// The error that even the finest table has: that of the lobe model.
+    pub limit: f64,
+    /// The choice's table as it was measured.
+    pub measured: Option<Measured>,
+    /// The table of the whole domain, in its default form at preset `paper`.
+    pub whole: Whole,
+    prediction: Prediction,
+    first_off: Option<f64>,
+    is_corrected: bool,
+}
+
+/// A fitted table on the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Measured {
+    /// Mean error on the scene's configurations, as a part of the lobe's width.
+    pub error: f64,
+    /// The error over the predicted one.
+    pub off_by: f64,
+    /// The same of the first table that was measured; another number where the choice was made again.
+    pub first_off_by: f64,
+}
+
+/// The table of the whole domain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Whole {
+    /// Its recipe.
+    pub recipe: Recipe,
+    /// Bytes of matrices and terms.
+    pub bytes: u64,
+    /// Mean error on the same configurations, where it was measured.
+    pub error: Option<f64>,
+}
+
+impl<'a> TablePlan<'a> {
+    /// Plans a table for what a scene needs. Runs on the current rayon pool, whose size changes nothing; `go_on` may
+    /// stop it.
+    ///
+    /// # Errors
+    /// [`Stopped`] where `go_on` says no.
+    pub fn new(needs: Needs<'a>, budget: Budget, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Self, Stopped> {
+        let prediction = Prediction::new(&needs, Preset::Standard.fit(), go_on)?;
+        let whole = whole(prediction.base());
+        Ok(Self::chosen_by(needs, budget, prediction, whole))
+    }
+
+    fn chosen_by(needs: Needs<'a>, budget: Budget, prediction: Prediction, whole: Whole) -> Self {
+        let candidates = candidates(&prediction);
+        let choice = choose(&candidates, budget);
+        let is_met = choice.is_ok();
+        let chosen = choice.unwrap_or_else(|nearest| nearest).clone();
+        let limit = prediction.limit();
+        Self {
+            needs,
+            budget,
+            is_met,
+            chosen,
+            candidates,
+            limit,
+            measured: None,
+            whole,
+            prediction,
+            first_off: None,
+            is_corrected: false,
+        }
+    }
+
+    /// Measures the fitted table of the choice, and that of the whole domain if it is given. Where the prediction was off
+    /// by more than a fifth, the choice is made again by corrected ones, once. If it differs, the plan is no longer
+    /// [measured](TablePlan::is_measured): its new choice is to be fitted too.
+    pub fn measure(&mut self, table: &Table, whole: Option<&Table>) {
+        let places = self.needs.draw(POINTS);
+        let measured = error(table, &places);
+        if let Some(whole) = whole {
+            // Both tables are held to the lobes of the scene's materials.
+            let held = Table { brdf: self.needs.brdf().clone(), ..whole.clone() };
+            self.whole.error = Some(error(&held, &places));
+        }
+        let factor = measured / self.chosen.error;
+        let (first_off, is_corrected) = (*self.first_off.get_or_insert(factor), self.is_corrected);
+        self.measured = Some(Measured { error: measured, off_by: factor, first_off_by: first_off });
+        if is_corrected || (factor - 1.0).abs() <= MOST_OFF {
+            return;
+        }
+        let corrected = self.prediction.corrected(factor);
+        let before = self.chosen.recipe.clone();
+        let again = Self::chosen_by(self.needs.clone(), self.budget, corrected, self.whole.clone());
+        let of_same = self.measured.filter(|_| again.chosen.recipe == before);
+        *self = Self { measured: of_same, first_off: Some(first_off), is_corrected: true, ..again };
+    }
+
+    /// Whether the choice is fitted and measured.
+    #[must_use]
+    pub fn is_measured(&self) -> bool {
+        self.measured.is_some()
+    }
+}
+
+/// The default table of the scattering model, over all of its domain.
+fn whole(base: &Recipe) -> Whole {
+    let quarter = [0.0, std::f64::consts::FRAC_PI_2];
+    let anisotropic = PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: quarter, phi: quarter };
+    let isotropic = PerAxis { ratio: [1.0; 2], phi: [0.0; 2], ..anisotropic };
+    let range = if base.brdf().is_isotropic() { isotropic } else { anisotropic };
+    let of = base.layout.default_resolution();
+    let resolution = if base.brdf().is_isotropic() { PerAxis { ratio: 1, phi: 1, ..of } } else { of };
+    let recipe = Recipe {
+        fitter: FITTER_VERSION,
+        brdf: base.brdf().into(),
+        resolution,
+        range,
+        fit: Preset::Paper.fit(),
+        precision: Precision::F32,
+        ..base.clone()
+    };
+    Whole { bytes: bytes_of(&recipe), recipe, error: None }
+}

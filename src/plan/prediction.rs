@@ -1,0 +1,155 @@
+//! The error of tables of any resolution, told from one coarse table.
+//!
+//! A table over the scene's own ranges is fitted once and measured at configurations of the scene. For each axis it is then
+//! read with fewer nodes along that axis alone. Errors of different axes and of the fit's effort add up, and that of an axis
+//! grows with the square of the step between its nodes, as `ltcforge_fit::expectation` takes them to over the whole domain:
+//! the error that an axis adds is taken to be linear in that square between the counts that were read, and beyond them.
+
+use std::ops::ControlFlow;
+
+use crate::{needs::Needs, resampled::resampled};
+use ltcforge_fit::{
+    Configuration, FITTER_VERSION, FitSettings, Layout, LobeModel, PerAxis, Plan, Precision, Recipe, Table,
+    expectation, figures_of, fit_plan,
+};
+
+/// Configurations at which a plan is measured, predicted and fitted alike.
+pub(crate) const POINTS: usize = 256;
+/// Those at which an axis's constant is found.
+const POINTS_OF_AXIS: usize = 96;
+
+/// Nodes of an axis with which the coarse table is read again.
+const FEWER: [u32; 3] = [5, 3, 2];
+
+/// Predicts the errors of tables over a scene's ranges, of one layout.
+#[derive(Debug, Clone)]
+pub(crate) struct Prediction {
+    base: Recipe,
+    /// The error of the coarse table.
+    of_base: f64,
+    /// For each axis squared steps, see `ltcforge_fit::Layout::steps`, and the error that each adds to the coarse table's.
+    added: [Vec<[f64; 2]>; 4],
+}
+
+/// Why there is no prediction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("stopped")]
+pub struct Stopped;
+
+impl Prediction {
+    /// Fits the coarse table and measures it. Runs on the current rayon pool, whose size changes nothing; `go_on` may
+    /// stop it.
+    ///
+    /// # Errors
+    /// [`Stopped`] where `go_on` says no.
+    pub(crate) fn new(needs: &Needs<'_>, fit: FitSettings, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Self, Stopped> {
+        let layout = Layout::ALL.iter().copied().find(|layout| layout.takes(needs.brdf().kind()));
+        let layout = layout.unwrap_or(Layout::ALL[0]);
+        let range = needs.range();
+        let nodes = |n: u32, [low, high]: [f64; 2]| if low < high { n } else { 1 };
+        let resolution = PerAxis {
+            alpha: nodes(9, range.alpha),
+            ratio: nodes(5, range.ratio),
+            theta: nodes(9, range.theta),
+            phi: nodes(7, range.phi),
+        };
+        let base = Recipe {
+            fitter: FITTER_VERSION,
+            brdf: needs.brdf().clone(),
+            lobe: LobeModel::Ltc,
+            layout,
+            resolution,
+            range,
+            fit,
+            terms: true,
+            precision: Precision::F32,
+        };
+        let progress = |_| if go_on() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+        let table = fit_plan(&Plan::new(&base), &progress).ok_or(Stopped)?;
+        let places = needs.draw(POINTS);
+        let of_base = error(&table, &places);
+        let of_some = error(&table, &places[..POINTS_OF_AXIS]);
+        let mut added = [const { Vec::new() }; 4];
+        for (axis, added) in added.iter_mut().enumerate() {
+            let (squared, nodes) = (squared_steps(&base), *resolution.named()[axis].1);
+            added.push([squared[axis], 0.0]);
+            for fewer in FEWER.into_iter().filter(|fewer| *fewer < nodes) {
+                if !go_on() {
+                    return Err(Stopped);
+                }
+                let mut coarse = resolution;
+                *[&mut coarse.alpha, &mut coarse.ratio, &mut coarse.theta, &mut coarse.phi][axis] = fewer;
+                let read = resampled(&table, layout.nodes(&range, &coarse));
+                let more = error(&read, &places[..POINTS_OF_AXIS]) - of_some;
+                // Noise of the measure must not make fewer nodes better.
+                let last = added.last().map_or(0.0, |[_, last]| *last);
+                let squared = squared_steps(&Recipe { resolution: coarse, ..base.clone() });
+                added.push([squared[axis], more.max(last)]);
+            }
+        }
+        Ok(Self { base, of_base, added })
+    }
+
+    /// The recipe of the coarse table, from which others differ by their resolution, effort and precision.
+    #[must_use]
+    pub(crate) fn base(&self) -> &Recipe {
+        &self.base
+    }
+
+    /// The error of a recipe's table on the scene. Domain: one that differs from [`Prediction::base`] as said there.
+    #[must_use]
+    pub(crate) fn error(&self, recipe: &Recipe) -> f64 {
+        self.of_base + self.interpolation(squared_steps(recipe)) + effort(recipe) - effort(&self.base)
+    }
+
+    /// The error that even the finest table has.
+    #[must_use]
+    pub(crate) fn limit(&self) -> f64 {
+        self.of_base + self.interpolation([0.0; 4]) - effort(&self.base)
+    }
+
+    /// The same with all errors multiplied, after a table was measured.
+    #[must_use]
+    pub(crate) fn corrected(&self, factor: f64) -> Self {
+        let added =
+            self.added.clone().map(|axis| axis.into_iter().map(|[step, error]| [step, factor * error]).collect());
+        Self { base: self.base.clone(), of_base: factor * self.of_base, added }
+    }
+
+    /// The error that a resolution adds to that of the coarse table.
+    #[must_use]
+    pub(crate) fn of_resolution(&self, resolution: PerAxis<u32>) -> f64 {
+        self.interpolation(squared_steps(&Recipe { resolution, ..self.base.clone() }))
+    }
+
+    fn interpolation(&self, squared: [f64; 4]) -> f64 {
+        self.added.iter().zip(squared).map(|(added, squared)| along(added, squared)).sum()
+    }
+}
+
+/// The line through the points around `x`, or through the first or last two. Domain: ascending first numbers, one point at
+/// least.
+fn along(points: &[[f64; 2]], x: f64) -> f64 {
+    let [.., last] = points else { return 0.0 };
+    let pair = points.windows(2).find(|pair| x <= pair[1][0]).or_else(|| points.windows(2).last());
+    pair.map_or(last[1], |pair| pair[0][1] + (pair[1][1] - pair[0][1]) * (x - pair[0][0]) / (pair[1][0] - pair[0][0]))
+}
+
+/// The squared step of each axis.
+fn squared_steps(recipe: &Recipe) -> [f64; 4] {
+    recipe.layout.steps(&recipe.range, &recipe.resolution).named().map(|(_, step)| step * step)
+}
+
+/// The error that a bound of effort adds, by the expectation: over that of a fit without one.
+fn effort(recipe: &Recipe) -> f64 {
+    let endless = FitSettings { samples: u32::MAX, directions: u32::MAX, ..recipe.fit };
+    expectation(recipe).error - expectation(&Recipe { fit: endless, ..recipe.clone() }).error
+}
+
+/// Mean error of a table at some configurations, as a part of the lobe's width.
+#[must_use]
+pub(crate) fn error(table: &Table, places: &[Configuration]) -> f64 {
+    let found: Vec<_> = places.iter().map(|place| (*place, table.lookup(place))).collect();
+    let figures = figures_of(table.model(), table.lobe(), &found);
+    figures.iter().map(|figures| figures.width).sum::<f64>() / figures.len() as f64
+}
