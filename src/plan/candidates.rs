@@ -57,7 +57,8 @@ pub(crate) fn bytes_of(recipe: &Recipe) -> u64 {
 #[must_use]
 pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
     let base = prediction.base();
-    let mut priced: Vec<(u64, f64, PerAxis<u32>)> = resolutions(&base.range)
+    let all = if base.layout.only_ranges().is_some() { vec![base.resolution] } else { resolutions(&base.range) };
+    let mut priced: Vec<(u64, f64, PerAxis<u32>)> = all
         .into_iter()
         .map(|resolution| {
             let recipe = Recipe { resolution, ..base.clone() };
@@ -131,7 +132,7 @@ pub(crate) fn choose(candidates: &[Candidate], budget: Budget) -> Result<&Candid
 
 /// The candidate of the least first price, among those that are nearly that by each price's slack the one of the least
 /// next price. Domain: at least one candidate.
-fn least<'a>(mut left: Vec<&'a Candidate>, prices: [(Price, f64); 3]) -> &'a Candidate {
+fn least(mut left: Vec<&Candidate>, prices: [(Price, f64); 3]) -> &Candidate {
     for (price, slack) in prices {
         let most = left.iter().map(|candidate| price(candidate)).fold(f64::INFINITY, f64::min) * slack;
         left.retain(|candidate| price(candidate) <= most);

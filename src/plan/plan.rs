@@ -8,7 +8,7 @@ use crate::{
     prediction::{POINTS, Prediction, Stopped, error},
 };
 use ltcforge_files::recipe_document::Preset;
-use ltcforge_fit::{FITTER_VERSION, PerAxis, Precision, Recipe, Table};
+use ltcforge_fit::{FITTER_VERSION, Layout, PerAxis, Precision, Recipe, Table};
 
 /// A prediction that is off by more is corrected, and the choice made again.
 const MOST_OFF: f64 = 0.2;
@@ -60,13 +60,20 @@ pub struct Whole {
 }
 
 impl<'a> TablePlan<'a> {
-    /// Plans a table for what a scene needs. Runs on the current rayon pool, whose size changes nothing; `go_on` may
+    /// Plans a table for what a scene needs, of a layout or the scattering model's default one. Runs on the current rayon pool, whose size changes nothing; `go_on` may
     /// stop it.
     ///
     /// # Errors
     /// [`Stopped`] where `go_on` says no.
-    pub fn new(needs: Needs<'a>, budget: Budget, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Self, Stopped> {
-        let prediction = Prediction::new(&needs, Preset::Standard.fit(), go_on)?;
+    pub fn new(
+        needs: Needs<'a>,
+        budget: Budget,
+        layout: Option<Layout>,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, Stopped> {
+        let default = Layout::ALL.iter().copied().find(|layout| layout.takes(needs.brdf().kind()));
+        let layout = layout.or(default).unwrap_or(Layout::ALL[0]);
+        let prediction = Prediction::new(&needs, layout, Preset::Standard.fit(), go_on)?;
         let whole = whole(prediction.base());
         Ok(Self::chosen_by(needs, budget, prediction, whole))
     }
@@ -116,6 +123,12 @@ impl<'a> TablePlan<'a> {
         *self = Self { measured: of_same, first_off: Some(first_off), is_corrected: true, ..again };
     }
 
+    /// The candidates of the choice's effort and number format: the front of error against bytes.
+    pub fn front(&self) -> impl Iterator<Item = &Candidate> {
+        let of = |candidate: &Candidate| (candidate.preset, candidate.recipe.precision);
+        self.candidates.iter().filter(move |candidate| of(candidate) == of(&self.chosen))
+    }
+
     /// Whether the choice is fitted and measured.
     #[must_use]
     pub fn is_measured(&self) -> bool {
@@ -128,9 +141,10 @@ fn whole(base: &Recipe) -> Whole {
     let quarter = [0.0, std::f64::consts::FRAC_PI_2];
     let anisotropic = PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: quarter, phi: quarter };
     let isotropic = PerAxis { ratio: [1.0; 2], phi: [0.0; 2], ..anisotropic };
-    let range = if base.brdf().is_isotropic() { isotropic } else { anisotropic };
+    let of_model = if base.brdf().is_isotropic() { isotropic } else { anisotropic };
+    let range = base.layout.only_ranges().unwrap_or(of_model);
     let of = base.layout.default_resolution();
-    let resolution = if base.brdf().is_isotropic() { PerAxis { ratio: 1, phi: 1, ..of } } else { of };
+    let resolution = if range.ratio == [1.0; 2] { PerAxis { ratio: 1, phi: 1, ..of } } else { of };
     let recipe = Recipe {
         fitter: FITTER_VERSION,
         brdf: base.brdf().into(),

@@ -42,16 +42,24 @@ impl Prediction {
     ///
     /// # Errors
     /// [`Stopped`] where `go_on` says no.
-    pub(crate) fn new(needs: &Needs<'_>, fit: FitSettings, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Self, Stopped> {
-        let layout = Layout::ALL.iter().copied().find(|layout| layout.takes(needs.brdf().kind()));
-        let layout = layout.unwrap_or(Layout::ALL[0]);
-        let range = needs.range();
+    pub(crate) fn new(
+        needs: &Needs<'_>,
+        layout: Layout,
+        fit: FitSettings,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, Stopped> {
         let nodes = |n: u32, [low, high]: [f64; 2]| if low < high { n } else { 1 };
-        let resolution = PerAxis {
-            alpha: nodes(9, range.alpha),
-            ratio: nodes(5, range.ratio),
-            theta: nodes(9, range.theta),
-            phi: nodes(7, range.phi),
+        let needed = needs.range();
+        let coarse = PerAxis {
+            alpha: nodes(9, needed.alpha),
+            ratio: nodes(5, needed.ratio),
+            theta: nodes(9, needed.theta),
+            phi: nodes(7, needed.phi),
+        };
+        // Readers of some layouts take one domain, and tables of one size.
+        let (range, resolution) = match layout.only_ranges() {
+            Some(range) => (range, layout.default_resolution()),
+            None => (needed, coarse),
         };
         let base = Recipe {
             fitter: FITTER_VERSION,
@@ -73,7 +81,8 @@ impl Prediction {
         for (axis, added) in added.iter_mut().enumerate() {
             let (squared, nodes) = (squared_steps(&base), *resolution.named()[axis].1);
             added.push([squared[axis], 0.0]);
-            for fewer in FEWER.into_iter().filter(|fewer| *fewer < nodes) {
+            let is_free = layout.only_ranges().is_none();
+            for fewer in FEWER.into_iter().filter(|fewer| is_free && *fewer < nodes) {
                 if !go_on() {
                     return Err(Stopped);
                 }

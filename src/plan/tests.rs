@@ -34,7 +34,7 @@ fn plans_are_as_good_as_predicted() {
         for budget in [Budget::Bytes(20_790), Budget::Knee, Budget::Bytes(6_000), Budget::Seconds(0.5)] {
             let needs = Needs::of(&scene, false).expect("lobes");
             let started = std::time::Instant::now();
-            let mut plan = TablePlan::new(needs, budget, &|| true).expect("nothing stops it");
+            let mut plan = TablePlan::new(needs, budget, None, &|| true).expect("nothing stops it");
             let planned = started.elapsed();
             let table = fitted(&plan.chosen.recipe);
             let whole = fitted(&plan.whole.recipe);
