@@ -17,7 +17,7 @@ use ltcforge_files::{
     replace::{replace_file, replace_pair},
 };
 use ltcforge_fit::{Layout, Plan, Recipe, Table};
-use ltcforge_plan::{Budget, Needs, Scene, TablePlan, document, outside, picture, words};
+use ltcforge_plan::{Budget, Needs, Scene, SceneError, TablePlan, document, outside, picture, words};
 use ltcforge_textures::{Engine, Export, TextureLayout};
 
 /// The longest list of materials.
@@ -85,7 +85,8 @@ fn read(path: &Path) -> Result<Scene, CommandFailure> {
     };
     scene.map_err(|error| {
         let lines: Vec<String> = error.to_string().lines().map(|line| format!("{}: {line}", path.display())).collect();
-        CommandFailure::new(Exit::Usage, lines.join("\n"))
+        let exit = if matches!(error, SceneError::Open { .. }) { Exit::Failed } else { Exit::Usage };
+        CommandFailure::new(exit, lines.join("\n"))
     })
 }
 

@@ -164,7 +164,7 @@ mod tests {
         assert_eq!(choose(&all, Budget::Bytes(500)).expect("one").seconds, 0.3);
         assert_eq!(chosen(Budget::Bytes(99)), Err(100));
         assert_eq!(chosen(Budget::Error(0.1)), Ok(200));
-        assert_eq!(chosen(Budget::Error(0.01)), Err(400));
+        assert_eq!(chosen(Budget::Error(0.01)), Err(900));
         assert_eq!(chosen(Budget::Seconds(0.25)), Ok(200));
         assert_eq!(chosen(Budget::Seconds(0.01)), Err(100));
         assert_eq!(chosen(Budget::Knee), Ok(400));

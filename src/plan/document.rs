@@ -100,6 +100,9 @@ fn table(plan: &TablePlan<'_>) -> Value {
         "predicted": { "error": chosen.error, "bytes": chosen.bytes, "seconds": chosen.seconds },
         "limit": limit,
         "measured": measured,
+        "gpu_cost": plan.beside.gpu_cost,
+        "light_error": plan.beside.light_error,
+        "without_table": plan.beside.without_table,
         "whole": {
             "recipe_digest": digest(&whole.recipe), "bytes": whole.bytes, "error": whole.error,
         },
@@ -150,6 +153,7 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     let mut lines = vec![line];
     let of_whole = whole.error.map_or_else(String::new, |error| format!(", with an error of {error:.4} on this scene"));
     lines.push(format!("{of}the table of the whole domain has {}{of_whole}", bytes_in_words(whole.bytes)));
+    lines.extend(plan.beside.words());
     if !is_met {
         lines.push(format!("{of}{}", unmet(plan)));
     }

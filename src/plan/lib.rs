@@ -14,6 +14,7 @@ mod resampled;
 mod scene;
 #[cfg(test)]
 mod tests;
+mod without;
 
 pub use candidates::{Budget, Candidate};
 pub use document::{document, recipe_value, words};
@@ -24,3 +25,4 @@ pub use picture::picture;
 pub use plan::{Measured, TablePlan, Whole};
 pub use prediction::Stopped;
 pub use scene::{LobeKind, Scene, SceneError, SceneFault, SceneLobe, SceneMaterial};
+pub use without::{Beside, WithoutTable};

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::without::Beside;
 use crate::{
     candidates::{Budget, Candidate, bytes_of, candidates, choose},
     needs::Needs,
@@ -32,6 +33,8 @@ pub struct TablePlan<'a> {
     pub measured: Option<Measured>,
     /// The table of the whole domain, in its default form at preset `paper`.
     pub whole: Whole,
+    /// What costs no bytes at all.
+    pub beside: Beside,
     prediction: Prediction,
     first_off: Option<f64>,
     is_corrected: bool,
@@ -84,6 +87,7 @@ impl<'a> TablePlan<'a> {
         let is_met = choice.is_ok();
         let chosen = choice.unwrap_or_else(|nearest| nearest).clone();
         let limit = prediction.limit();
+        let beside = Beside::new(&needs, chosen.recipe.layout.name());
         Self {
             needs,
             budget,
@@ -92,6 +96,7 @@ impl<'a> TablePlan<'a> {
             candidates,
             limit,
             measured: None,
+            beside,
             whole,
             prediction,
             first_off: None,
@@ -114,6 +119,8 @@ impl<'a> TablePlan<'a> {
         let (first_off, is_corrected) = (*self.first_off.get_or_insert(factor), self.is_corrected);
         self.measured = Some(Measured { error: measured, off_by: factor, first_off_by: first_off });
         if is_corrected || (factor - 1.0).abs() <= MOST_OFF {
+            // A table whose light cannot be told has no figure of it.
+            let _ = self.beside.measure(&self.needs, table);
             return;
         }
         let corrected = self.prediction.corrected(factor);
@@ -121,6 +128,9 @@ impl<'a> TablePlan<'a> {
         let again = Self::chosen_by(self.needs.clone(), self.budget, corrected, self.whole.clone());
         let of_same = self.measured.filter(|_| again.chosen.recipe == before);
         *self = Self { measured: of_same, first_off: Some(first_off), is_corrected: true, ..again };
+        if self.is_measured() {
+            let _ = self.beside.measure(&self.needs, table);
+        }
     }
 
     /// The candidates of the choice's effort and number format: the front of error against bytes.

@@ -1,9 +1,9 @@
 //! The error of tables of any resolution, told from one coarse table.
 //!
 //! A table over the scene's own ranges is fitted once and measured at configurations of the scene. For each axis it is then
-//! read with fewer nodes along that axis alone. Errors of different axes and of the fit's effort add up, and that of an axis
-//! grows with the square of the step between its nodes, as `ltcforge_fit::expectation` takes them to over the whole domain:
-//! the error that an axis adds is taken to be linear in that square between the counts that were read, and beyond them.
+//! read with fewer nodes along that axis alone, which tells, too, whether they fall on the scene's roughnesses. Errors of
+//! different axes and of the fit's effort add up, as `ltcforge_fit::expectation` takes them to over the whole domain. Between the
+//! counts that were read, and beyond them, the error that an axis adds is linear in the square of the step between its nodes.
 
 use std::ops::ControlFlow;
 
@@ -16,10 +16,13 @@ use ltcforge_fit::{
 /// Configurations at which a plan is measured, predicted and fitted alike.
 pub(crate) const POINTS: usize = 256;
 /// Those at which an axis's constant is found.
-const POINTS_OF_AXIS: usize = 96;
+const POINTS_OF_AXIS: usize = 64;
 
+/// Nodes of the coarse table where all lobes are round, and where some are not.
+const ROUND: [u32; 4] = [33, 1, 33, 1];
+const STRETCHED: [u32; 4] = [11, 5, 11, 7];
 /// Nodes of an axis with which the coarse table is read again.
-const FEWER: [u32; 3] = [5, 3, 2];
+const FEWER: [u32; 11] = [20, 16, 12, 9, 8, 7, 6, 5, 4, 3, 2];
 
 /// Predicts the errors of tables over a scene's ranges, of one layout.
 #[derive(Debug, Clone)]
@@ -50,11 +53,12 @@ impl Prediction {
     ) -> Result<Self, Stopped> {
         let nodes = |n: u32, [low, high]: [f64; 2]| if low < high { n } else { 1 };
         let needed = needs.range();
+        let [alpha, ratio, theta, phi] = if needs.is_isotropic() { ROUND } else { STRETCHED };
         let coarse = PerAxis {
-            alpha: nodes(9, needed.alpha),
-            ratio: nodes(5, needed.ratio),
-            theta: nodes(9, needed.theta),
-            phi: nodes(7, needed.phi),
+            alpha: nodes(alpha, needed.alpha),
+            ratio: nodes(ratio, needed.ratio),
+            theta: nodes(theta, needed.theta),
+            phi: nodes(phi, needed.phi),
         };
         // Readers of some layouts take one domain, and tables of one size.
         let (range, resolution) = match layout.only_ranges() {
@@ -90,10 +94,8 @@ impl Prediction {
                 *[&mut coarse.alpha, &mut coarse.ratio, &mut coarse.theta, &mut coarse.phi][axis] = fewer;
                 let read = resampled(&table, layout.nodes(&range, &coarse));
                 let more = error(&read, &places[..POINTS_OF_AXIS]) - of_some;
-                // Noise of the measure must not make fewer nodes better.
-                let last = added.last().map_or(0.0, |[_, last]| *last);
                 let squared = squared_steps(&Recipe { resolution: coarse, ..base.clone() });
-                added.push([squared[axis], more.max(last)]);
+                added.push([squared[axis], more.max(0.0)]);
             }
         }
         Ok(Self { base, of_base, added })

@@ -3,52 +3,97 @@
 use std::ops::ControlFlow;
 
 use super::*;
-use ltcforge_fit::{Plan, Recipe, Table, fit_plan};
+use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, canonical_json, parse};
+use ltcforge_fit::{PerAxis, Plan, Recipe, Table, fit_plan};
 
 fn fitted(recipe: &Recipe) -> Table {
     fit_plan(&Plan::new(recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
 }
 
-/// Lists of materials of some kinds.
-fn scenes() -> Vec<(&'static str, Scene)> {
-    let lists = [
-        (
-            "isotropic",
-            r#"{"materials": [{"alpha_x": 0.04, "alpha_y": 0.04}, {"alpha_x": 0.25, "alpha_y": 0.25, "weight": 3}, {"alpha_x": 0.6, "alpha_y": 0.6}]}"#,
-        ),
-        (
-            "anisotropic",
-            r#"{"materials": [{"alpha_x": 0.09, "alpha_y": 0.3}, {"alpha_x": 0.25, "alpha_y": 0.25, "weight": 3, "f0": 0.04}, {"alpha_x": 0.36, "alpha_y": 0.1}]}"#,
-        ),
-        (
-            "many",
-            r#"{"materials": [{"alpha_x": 0.01, "alpha_y": 0.3}, {"alpha_x": 0.25, "alpha_y": 0.25}, {"alpha_x": 0.36, "alpha_y": 0.1}, {"alpha_x": 0.9, "alpha_y": 0.8}, {"alpha_x": 0.5, "alpha_y": 0.02}, {"alpha_x": 0.05, "alpha_y": 0.05}, {"alpha_x": 0.7, "alpha_y": 0.3}]}"#,
-        ),
-    ];
-    lists.map(|(name, list)| (name, Scene::from_list(list.as_bytes()).expect("a scene"))).into()
+fn planned(scene: &Scene, budget: Budget) -> TablePlan<'_> {
+    TablePlan::new(Needs::of(scene, false).expect("lobes"), budget, None, &|| true).expect("nothing stops it")
+}
+
+fn listed(list: &str) -> Scene {
+    Scene::from_list(list.as_bytes()).expect("a scene")
+}
+
+const ISOTROPIC: &str = r#"{"materials": [
+    {"alpha_x": 0.04, "alpha_y": 0.04}, {"alpha_x": 0.25, "alpha_y": 0.25, "weight": 3}, {"alpha_x": 0.6, "alpha_y": 0.6}
+]}"#;
+const ANISOTROPIC: &str = r#"{"materials": [
+    {"alpha_x": 0.09, "alpha_y": 0.3}, {"alpha_x": 0.25, "alpha_y": 0.25, "weight": 3, "f0": 0.04}, {"alpha_x": 0.36, "alpha_y": 0.1}
+]}"#;
+const SHEEN: &str = r#"{"materials": [{"gltf": {"extensions": {
+    "KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1], "sheenRoughnessFactor": 0.7}
+}}}]}"#;
+
+/// With an eighth of the bytes a plan is not worse than the table of the whole domain, and as good as it was predicted.
+#[test]
+fn an_eighth_of_the_bytes_serves_a_few_materials_as_well_as_the_whole_domain() {
+    for list in [ISOTROPIC, ANISOTROPIC] {
+        let scene = listed(list);
+        let mut plan = planned(&scene, Budget::Knee);
+        let eighth = plan.whole.bytes / 8;
+        plan = planned(&scene, Budget::Bytes(eighth));
+        let (table, whole) = (fitted(&plan.chosen.recipe), fitted(&plan.whole.recipe));
+        plan.measure(&table, Some(&whole));
+        let measured = plan.measured.expect("the prediction was near");
+        let whole = plan.whole.error.expect("it was measured");
+        println!("{:?} {measured:?}, whole {whole:.4}", plan.chosen.recipe.resolution());
+        assert!((0.85..1.15).contains(&measured.off_by), "{measured:?}");
+        assert!(plan.chosen.bytes <= eighth && measured.error <= whole, "{measured:?} {whole}");
+        let numbers = table.matrices().len() * 9 + table.terms().map_or(0, |terms| 2 * terms.amplitude().len());
+        assert_eq!(plan.chosen.bytes, 2 * numbers as u64);
+    }
 }
 
 #[test]
-fn plans_are_as_good_as_predicted() {
-    for (name, scene) in scenes() {
-        for budget in [Budget::Bytes(20_790), Budget::Knee, Budget::Bytes(6_000), Budget::Seconds(0.5)] {
-            let needs = Needs::of(&scene, false).expect("lobes");
-            let started = std::time::Instant::now();
-            let mut plan = TablePlan::new(needs, budget, None, &|| true).expect("nothing stops it");
-            let planned = started.elapsed();
-            let table = fitted(&plan.chosen.recipe);
-            let whole = fitted(&plan.whole.recipe);
-            let chosen = plan.chosen.clone();
-            plan.measure(&table, Some(&whole));
-            let measured = plan.measured.map(|m| m.error).unwrap_or_default();
-            println!(
-                "{name} {budget:?} {:?} {} bytes {:.4} predicted {measured:.4} measured; whole {:.4}; limit {:.4} {planned:?}",
-                chosen.recipe.resolution,
-                chosen.bytes,
-                chosen.error,
-                plan.whole.error.unwrap_or_default(),
-                plan.limit
-            );
-        }
+fn equal_scenes_give_equal_recipes_on_any_number_of_threads() {
+    let scene = listed(ISOTROPIC);
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| document(&scene, &[planned(&scene, Budget::Bytes(1000))]))
+    };
+    assert_eq!(on(1), on(3));
+}
+
+#[test]
+fn recipes_of_plans_are_recipes_and_hold_every_material() {
+    for (list, sheen) in [(ISOTROPIC, false), (ANISOTROPIC, false), (SHEEN, true)] {
+        let scene = listed(list);
+        let needs = Needs::of(&scene, sheen).expect("lobes");
+        let plan = TablePlan::new(needs, Budget::Knee, None, &|| true).expect("nothing stops it");
+        let recipe = &plan.chosen.recipe;
+        assert_eq!(parse(canonical_json(recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).as_ref(), Ok(recipe));
+        let draft = Recipe { fit: ltcforge_files::recipe_document::Preset::Draft.fit(), ..recipe.clone() };
+        let table = fitted(&draft);
+        assert_eq!(outside(&scene, &table), []);
+        let rougher = list.replace("0.04,", "0.03,").replace("0.09,", "0.02,").replace("0.7}", "0.9}");
+        let other = listed(&rougher);
+        let beyond = outside(&other, &table);
+        assert_eq!(beyond.len(), 1, "{beyond:?}");
     }
+}
+
+#[test]
+fn stopping_ends_a_plan() {
+    let scene = listed(ISOTROPIC);
+    let needs = Needs::of(&scene, false).expect("lobes");
+    assert!(TablePlan::new(needs, Budget::Knee, None, &|| false).is_err());
+}
+
+/// A factor of two is corrected once, and the new choice is the last.
+#[test]
+fn a_prediction_that_was_far_off_is_corrected_once() {
+    let scene = listed(ISOTROPIC);
+    let mut plan = planned(&scene, Budget::Knee);
+    let coarse = Recipe { resolution: PerAxis { alpha: 2, ratio: 1, theta: 2, phi: 1 }, ..plan.chosen.recipe.clone() };
+    let poor = fitted(&coarse);
+    plan.measure(&poor, None);
+    let is_new = !plan.is_measured();
+    plan.measure(&poor, None);
+    let measured = plan.measured.expect("it is not corrected twice");
+    assert!(measured.first_off_by > 1.2, "{measured:?}");
+    assert!(is_new || measured.off_by == measured.first_off_by, "{measured:?}");
 }

@@ -183,6 +183,8 @@ mod tests {
             "ltcforge pull --locked --from a",
             "ltcforge lock --to a",
             "ltcforge lock a b --recipe c",
+            "ltcforge lock a b --plan c",
+            "ltcforge lock a --plan c --recipe d",
             "ltcforge lock a --for wgpu",
             "ltcforge lock --for wgpu --out b",
             "ltcforge lock a --for wgpu --layout reflected --container ktx2 --out b",

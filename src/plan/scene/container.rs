@@ -41,10 +41,10 @@ pub(super) enum Named {
 impl Container {
     /// The scene of a file.
     pub(super) fn open(path: &Path) -> Result<Self, SceneError> {
-        let refused = |error: &dyn std::fmt::Display| SceneError::Open { path: path.into(), detail: error.to_string() };
+        let refused = |error: &dyn std::fmt::Display| SceneError::Open { detail: error.to_string() };
         let bytes = read(path, MOST_BYTES).map_err(|error| match error {
             ReadError::Io(error) => refused(&error),
-            ReadError::Long(is) => SceneError::TooMuch { what: path.display().to_string(), is, most: MOST_BYTES },
+            ReadError::Long(is) => SceneError::TooMuch { what: "bytes of the file".to_owned(), is, most: MOST_BYTES },
         })?;
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = folder.canonicalize().map_err(|error| refused(&error))?;

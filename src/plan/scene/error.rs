@@ -1,7 +1,5 @@
 //! Why a scene cannot be planned for.
 
-use std::path::PathBuf;
-
 /// Most faults that are told of one scene.
 const MOST_FAULTS: usize = 50;
 
@@ -18,10 +16,8 @@ pub struct SceneFault {
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// The scene's own file cannot be read.
-    #[error("{path}: {detail}", path = path.display())]
+    #[error("{detail}")]
     Open {
-        /// The file.
-        path: PathBuf,
         /// The system's word.
         detail: String,
     },
