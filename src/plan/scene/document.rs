@@ -2,11 +2,13 @@
 
 #![expect(clippy::struct_field_names, reason = "the names are those of the format")]
 
-use serde::Deserialize;
-use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 
-/// Extensions by name.
-pub(super) type Extensions = Map<String, Value>;
+use serde::{Deserialize, de::IgnoredAny};
+use serde_json::value::RawValue;
+
+/// Extensions by name, as text: they take no more memory than the document, whatever stands in them.
+pub(super) type Extensions = BTreeMap<String, Box<RawValue>>;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
@@ -15,8 +17,8 @@ pub(super) struct Document {
     pub(super) scenes: Vec<SceneItem>,
     pub(super) nodes: Vec<Node>,
     pub(super) meshes: Vec<Mesh>,
-    pub(super) skins: Vec<Value>,
-    pub(super) animations: Vec<Value>,
+    pub(super) skins: Vec<IgnoredAny>,
+    pub(super) animations: Vec<IgnoredAny>,
     pub(super) accessors: Vec<Accessor>,
     pub(super) buffer_views: Vec<BufferView>,
     pub(super) buffers: Vec<Buffer>,
@@ -56,7 +58,7 @@ pub(super) struct Mesh {
 #[derive(Debug, Deserialize)]
 pub(super) struct Primitive {
     #[serde(default)]
-    pub(super) attributes: std::collections::BTreeMap<String, usize>,
+    pub(super) attributes: BTreeMap<String, usize>,
     pub(super) indices: Option<usize>,
     pub(super) material: Option<usize>,
     #[serde(default = "triangles")]
@@ -83,7 +85,7 @@ pub(super) struct Accessor {
     pub(super) shape: String,
     pub(super) min: Option<Vec<f64>>,
     pub(super) max: Option<Vec<f64>>,
-    pub(super) sparse: Option<Value>,
+    pub(super) sparse: Option<IgnoredAny>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -187,6 +189,12 @@ pub(super) struct Orthographic {
     pub(super) ymag: f64,
     pub(super) znear: f64,
     pub(super) zfar: f64,
+}
+
+/// `EXT_texture_webp`.
+#[derive(Debug, Deserialize)]
+pub(super) struct WebpTexture {
+    pub(super) source: usize,
 }
 
 /// `KHR_materials_anisotropy`.

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use super::{
     LobeKind, Scene, SceneLobe, SceneMaterial,
     document::Material,
-    error::{Faults, SceneError},
+    error::{Faults, SceneError, SceneFault},
     material::{LobeAt, Shaded},
 };
 use crate::histogram::{Histogram, Views};
@@ -84,7 +84,9 @@ pub(super) fn read(json: &[u8]) -> Result<Scene, SceneError> {
                     (shaded.name, lobes, shaded.uncovered)
                 }
                 Err(SceneError::Faults(found)) => {
-                    found.into_iter().for_each(|fault| faults.note(fault.pointer, fault.detail));
+                    for SceneFault { pointer, detail } in found {
+                        faults.note(pointer, detail);
+                    }
                     continue;
                 }
                 Err(error) => return Err(error),

@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use super::{
     accessor::Buffers,
     container::{Container, Named},
-    document::{Document, Extensions, TextureInfo, TextureTransform},
+    document::{Document, Extensions, TextureInfo, TextureTransform, WebpTexture},
     error::SceneError,
     image::{MOST_PIXELS_OF_ALL, Pixels, decode},
 };
@@ -73,11 +73,8 @@ impl<'a> Textures<'a> {
             let detail = format!("{} is no index of textures, which has {}", info.index, self.document.textures.len());
             return Err(SceneError::fault("/materials", detail));
         };
-        let of_extension = |name: &str| {
-            let source = texture.extensions.get(name).and_then(|webp| webp.get("source"));
-            source.and_then(serde_json::Value::as_u64).map(|source| source as usize)
-        };
-        let Some(image) = of_extension("EXT_texture_webp").or(texture.source) else {
+        let webp: Option<WebpTexture> = extension(&texture.extensions, "EXT_texture_webp")?;
+        let Some(image) = webp.map(|webp| webp.source).or(texture.source) else {
             let kind = texture.extensions.keys().next().map_or("without an image", |name| name.as_str());
             return Ok(Err(format!("texture {} is {kind}", info.index)));
         };
@@ -136,5 +133,7 @@ impl<'a> Textures<'a> {
 /// An extension of a material or texture, where it is there.
 pub(super) fn extension<T: DeserializeOwned>(extensions: &Extensions, name: &str) -> Result<Option<T>, SceneError> {
     let Some(value) = extensions.get(name) else { return Ok(None) };
-    T::deserialize(value).map(Some).map_err(|error| SceneError::fault(format!("extensions/{name}"), error.to_string()))
+    serde_json::from_str(value.get())
+        .map(Some)
+        .map_err(|error| SceneError::fault(format!("extensions/{name}"), error.to_string()))
 }
