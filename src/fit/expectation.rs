@@ -42,8 +42,8 @@ pub fn expectation(recipe: &Recipe) -> Expectation {
 mod tests {
     use super::*;
     use crate::{
-        BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Solver, assemble,
-        fit_shard, report,
+        BrdfKind, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Solver,
+        assemble, fit_shard, report,
     };
     use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
@@ -71,6 +71,7 @@ mod tests {
             },
             terms: false,
             precision: Precision::F32,
+            given: GivenNodes::default(),
         }
     }
 

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::{
     axes::PerAxis,
     brdf::{BrdfKind, BrdfModel},
+    given::GivenNodes,
     layout::{Layout, Precision},
     lobe::LobeModel,
     metric::Metric,
@@ -68,6 +69,11 @@ pub struct Recipe {
     /// Lowest and highest value on each axis.
     #[doc(hidden)]
     pub range: PerAxis<[f64; 2]>,
+    /// Nodes that are given one by one: range and resolution of their axes are their ends and their number. The canonical
+    /// form names them only where there are some, so that recipes keep their digests.
+    #[serde(rename = "nodes", skip_serializing_if = "GivenNodes::is_none")]
+    #[doc(hidden)]
+    pub given: GivenNodes,
     /// Fit settings.
     #[doc(hidden)]
     pub fit: FitSettings,
@@ -161,6 +167,12 @@ impl Recipe {
         self.range
     }
 
+    /// Nodes that are given one by one.
+    #[must_use]
+    pub fn given(&self) -> &GivenNodes {
+        &self.given
+    }
+
     /// How hard each entry is fitted.
     #[must_use]
     pub fn fit(&self) -> FitSettings {
@@ -188,7 +200,7 @@ impl Recipe {
     /// Ascending nodes of each axis of the table.
     #[must_use]
     pub fn nodes(&self) -> PerAxis<Vec<f64>> {
-        self.layout.nodes(&self.range, &self.resolution)
+        self.given.in_place_of(self.layout.nodes(&self.range, &self.resolution))
     }
 
     /// Entries of the table: the product of the resolutions.

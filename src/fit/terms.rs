@@ -46,7 +46,8 @@ mod tests {
 
     use super::*;
     use crate::{
-        BrdfKind, FITTER_VERSION, FitSettings, LobeModel, Metric, Plan, Precision, Recipe, Solver, assemble, fit_shard,
+        BrdfKind, FITTER_VERSION, FitSettings, GivenNodes, LobeModel, Metric, Plan, Precision, Recipe, Solver,
+        assemble, fit_shard,
     };
 
     #[test]
@@ -71,6 +72,7 @@ mod tests {
                 },
                 terms: true,
                 precision: Precision::F32,
+                given: GivenNodes::default(),
             });
             let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
             let table = assemble(&plan, &(0..plan.shards()).flat_map(fit).collect::<Vec<_>>());

@@ -42,6 +42,17 @@ pub struct Candidate {
     pub seconds: f64,
 }
 
+impl Candidate {
+    /// The table of a resolution, a number format and an effort, as it is predicted.
+    pub(crate) fn of(prediction: &Prediction, resolution: PerAxis<u32>, precision: Precision, preset: Preset) -> Self {
+        let base = prediction.base();
+        let fit = FitSettings { seed: base.fit.seed, ..preset.fit() };
+        let recipe = Recipe { resolution, precision, fit, ..base.clone() };
+        let (error, bytes, seconds) = (prediction.error(&recipe), bytes_of(&recipe), fit_seconds(&recipe));
+        Self { recipe, preset, error, bytes, seconds }
+    }
+}
+
 /// Bytes of a recipe's matrices and terms.
 #[must_use]
 pub(crate) fn bytes_of(recipe: &Recipe) -> u64 {
@@ -75,12 +86,7 @@ pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
     let efforts = || [Precision::F16, Precision::F32].into_iter().flat_map(|p| Preset::ALL.map(|preset| (p, preset)));
     let of = |(_, _, resolution): &(u64, f64, PerAxis<u32>)| {
         let resolution = *resolution;
-        efforts().map(move |(precision, preset)| {
-            let fit = FitSettings { seed: base.fit.seed, ..preset.fit() };
-            let recipe = Recipe { resolution, precision, fit, ..base.clone() };
-            let (error, bytes, seconds) = (prediction.error(&recipe), bytes_of(&recipe), fit_seconds(&recipe));
-            Candidate { recipe, preset, error, bytes, seconds }
-        })
+        efforts().map(move |(precision, preset)| Candidate::of(prediction, resolution, precision, preset))
     };
     priced.iter().flat_map(of).collect()
 }

@@ -104,9 +104,10 @@ impl<'a> TablePlan<'a> {
         }
     }
 
-    /// Measures the fitted table of the choice, and that of the whole domain if it is given. Where the prediction was off
-    /// by more than a fifth, the choice is made again by corrected ones, once. If it differs, the plan is no longer
-    /// [measured](TablePlan::is_measured): its new choice is to be fitted too.
+    /// Measures the fitted table of the choice, and that of the whole domain if it is given. The choice is made again, once,
+    /// where the prediction was off by more than a fifth, by corrected predictions; or where the table of the whole
+    /// domain is better and half of its bytes are within the budget, with its nodes over the scene's ranges. If the choice
+    /// differs then, the plan is no longer [measured](TablePlan::is_measured): its new choice is to be fitted too.
     pub fn measure(&mut self, table: &Table, whole: Option<&Table>) {
         let places = self.needs.draw(POINTS);
         let measured = error(table, &places);
@@ -116,21 +117,41 @@ impl<'a> TablePlan<'a> {
             self.whole.error = Some(error(&held, &places));
         }
         let factor = measured / self.chosen.error;
-        let (first_off, is_corrected) = (*self.first_off.get_or_insert(factor), self.is_corrected);
+        let first_off = *self.first_off.get_or_insert(factor);
         self.measured = Some(Measured { error: measured, off_by: factor, first_off_by: first_off });
-        if is_corrected || (factor - 1.0).abs() <= MOST_OFF {
+        if !std::mem::replace(&mut self.is_corrected, true) {
+            let before = self.chosen.recipe.clone();
+            if (factor - 1.0).abs() > MOST_OFF {
+                let corrected = self.prediction.corrected(factor);
+                let again = Self::chosen_by(self.needs.clone(), self.budget, corrected, self.whole.clone());
+                *self = Self { measured: self.measured, first_off: Some(first_off), is_corrected: true, ..again };
+            } else if self.whole.error.is_some_and(|whole| whole < measured) {
+                let nodes = self.of_default_nodes();
+                if matches!(self.budget, Budget::Bytes(most) if nodes.bytes <= most) {
+                    self.chosen = nodes;
+                }
+            }
+            self.measured = self.measured.filter(|_| self.chosen.recipe == before);
+        }
+        if self.is_measured() {
             // A table whose light cannot be told has no figure of it.
             let _ = self.beside.measure(&self.needs, table);
-            return;
         }
-        let corrected = self.prediction.corrected(factor);
-        let before = self.chosen.recipe.clone();
-        let again = Self::chosen_by(self.needs.clone(), self.budget, corrected, self.whole.clone());
-        let of_same = self.measured.filter(|_| again.chosen.recipe == before);
-        *self = Self { measured: of_same, first_off: Some(first_off), is_corrected: true, ..again };
-        if self.is_measured() {
-            let _ = self.beside.measure(&self.needs, table);
-        }
+    }
+
+    /// The nodes of the default table over the scene's ranges, as halves.
+    fn of_default_nodes(&self) -> Candidate {
+        let base = self.prediction.base();
+        let of = base.layout.default_resolution();
+        let nodes = |n: u32, [low, high]: [f64; 2]| if low < high { n } else { 1 };
+        let range = &base.range;
+        let resolution = PerAxis {
+            alpha: nodes(of.alpha, range.alpha),
+            ratio: nodes(of.ratio, range.ratio),
+            theta: nodes(of.theta, range.theta),
+            phi: nodes(of.phi, range.phi),
+        };
+        Candidate::of(&self.prediction, resolution, Precision::F16, Preset::Paper)
     }
 
     /// The candidates of the choice's effort and number format: the front of error against bytes.

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 
 use crate::{needs::Needs, resampled::resampled};
 use ltcforge_fit::{
-    Configuration, FITTER_VERSION, FitSettings, Layout, LobeModel, PerAxis, Plan, Precision, Recipe, Table,
+    Configuration, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeModel, PerAxis, Plan, Precision, Recipe, Table,
     expectation, figures_of, fit_plan,
 };
 
@@ -75,6 +75,7 @@ impl Prediction {
             fit,
             terms: true,
             precision: Precision::F32,
+            given: GivenNodes::default(),
         };
         let progress = |_| if go_on() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
         let table = fit_plan(&Plan::new(&base), &progress).ok_or(Stopped)?;

@@ -220,7 +220,11 @@ fn engine_textures(engine: Engine, table: &Table) -> Result<TextureLayout, NoTex
     if engine.layout().is_some() && table.brdf != BrdfKind::Ggx {
         return Err(NoTextures::OtherBrdf { engine: engine.name(), brdf: table.brdf(), layout: there_is });
     }
-    checked.map(|()| layout)
+    checked?;
+    if !table.layout.is_even(&table.axes) {
+        return Err(NoTextures::GivenNodes { engine: engine.name(), layout: layout.name() });
+    }
+    Ok(layout)
 }
 
 impl fmt::Display for Export {

@@ -2,8 +2,8 @@ use std::ops::ControlFlow;
 
 use super::*;
 use crate::{
-    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, PerAxis, Precision,
-    Recipe, Solver, Table, Terms, assemble,
+    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, GivenNodes, Layout, LobeModel, Metric, PerAxis,
+    Precision, Recipe, Solver, Table, Terms, assemble,
     brdf::{Ggx, Mirrors},
     fit_shard,
     math::{direction, from_row_major, row_major},
@@ -34,6 +34,7 @@ fn fitted(layout: Layout, nodes: u32, precision: Precision) -> (Plan, Vec<Fitted
         fit: SETTINGS,
         terms: true,
         precision,
+        given: GivenNodes::default(),
     });
     let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
     let entries = (0..plan.shards()).flat_map(fit).collect();

@@ -136,8 +136,8 @@ mod tests {
 
     use super::*;
     use crate::{
-        BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, Plan, Precision, Recipe, Solver, Terms,
-        fit_plan,
+        BrdfKind, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeModel, Metric, Plan, Precision, Recipe, Solver,
+        Terms, fit_plan,
     };
 
     fn fitted() -> Table {
@@ -160,6 +160,7 @@ mod tests {
             },
             terms: true,
             precision: Precision::F32,
+            given: GivenNodes::default(),
         };
         fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("a table")
     }

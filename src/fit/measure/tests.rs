@@ -6,8 +6,8 @@ use std::{
 
 use super::*;
 use crate::{
-    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, Plan, Precision, Recipe,
-    Solver, assemble, brdf::Ggx, fit_shard,
+    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, GivenNodes, Layout, LobeModel, Metric, Plan,
+    Precision, Recipe, Solver, assemble, brdf::Ggx, fit_shard,
 };
 
 fn recipe([alpha, ratio, theta, phi]: [u32; 4], samples: u32, directions: u32, solver: Solver) -> Recipe {
@@ -22,6 +22,7 @@ fn recipe([alpha, ratio, theta, phi]: [u32; 4], samples: u32, directions: u32, s
         fit: FitSettings { metric: Metric::Sw1, solver, samples, directions, steps: 60, seed: 0, simplex: None },
         terms: true,
         precision: Precision::F32,
+        given: GivenNodes::default(),
     }
 }
 

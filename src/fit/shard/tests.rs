@@ -2,7 +2,8 @@ use std::ops::ControlFlow;
 
 use super::*;
 use crate::{
-    BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, Precision, Simplex, Solver, Table, assemble,
+    BrdfKind, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeModel, Metric, Precision, Simplex, Solver, Table,
+    assemble,
 };
 
 /// The plan of the whole domain at a resolution, fitted coarsely.
@@ -33,6 +34,7 @@ fn plan_of(layout: Layout, [alpha, ratio, theta, phi]: [u32; 4]) -> Plan {
         },
         terms: true,
         precision: Precision::F32,
+        given: GivenNodes::default(),
     })
 }
 

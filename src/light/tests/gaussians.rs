@@ -10,8 +10,8 @@ use crate::{
     light_error, rectangle, truth,
 };
 use ltcforge_fit::{
-    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Recipe,
-    Sides, Solver, Table, fit_plan,
+    BrdfKind, Configuration, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeModel, Metric, PerAxis, Plan,
+    Precision, Recipe, Sides, Solver, Table, fit_plan,
     math::{cos, direction, pow},
     report,
 };
@@ -68,6 +68,7 @@ fn fitted(lobe: LobeModel) -> Table {
         },
         terms: true,
         precision: Precision::F32,
+        given: GivenNodes::default(),
     };
     fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
 }

@@ -6,8 +6,8 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use ltcforge_fit::{
-    BrdfKind, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Recipe, Shear,
-    Simplex, Solver, Start, StopCheck,
+    BrdfKind, FITTER_VERSION, FitSettings, Fitter, GivenNodes, Layout, LobeModel, Metric, PerAxis, Plan, Precision,
+    Recipe, Shear, Simplex, Solver, Start, StopCheck,
     brdf::Ggx,
     fit_rows,
     math::{direction, from_row_major},
@@ -106,6 +106,7 @@ fn plan(start: Start) -> Plan {
         fit: settings(Shear::X, start),
         terms: true,
         precision: Precision::F32,
+        given: GivenNodes::default(),
     })
 }
 
