@@ -14,6 +14,10 @@ use ltcforge_fit::{
 const SHIFT: [f64; 4] = [0.5, 0.236_067_977_499_79, 0.732_050_807_568_877, 0.645_751_311_064_59];
 /// Least reflectance that a lobe can be fitted for.
 const LEAST_F0: f64 = 1e-3;
+/// What reflects less, seen from above, is no metal: the reflectance of diamond.
+const LEAST_METAL: f64 = 0.17;
+/// Parts of a roughness to which ranges are written, so that squares have no digits of rounding.
+const DECIMALS: f64 = 1e12;
 /// Digits to which ranges of angles and reflectances are written.
 const ROUNDED_TO: f64 = 1000.0;
 
@@ -105,15 +109,15 @@ fn fresnel(lobes: &[(usize, &SceneLobe)]) -> LobeFresnel {
     let all = lobes.iter().flat_map(|(_, lobe)| &lobe.f0);
     let (mut metal, mut rest) = ([0.0; 2], [0.0; 2]);
     for [f0, weight] in all {
-        let sum = if *f0 < 0.17 { &mut rest } else { &mut metal };
+        let sum = if *f0 < LEAST_METAL { &mut rest } else { &mut metal };
         *sum = [sum[0] + weight * f0, sum[1] + weight];
     }
-    let total = metal[1] + rest[1];
+    let most = f64::max(metal[1], rest[1]);
     let part = |[sum, weight]: [f64; 2]| {
         let f0 = (sum / weight * ROUNDED_TO).round() / ROUNDED_TO;
         (weight > 0.0).then(|| WeightedF0 {
             f0: f0.clamp(LEAST_F0, 1.0),
-            weight: (weight / total * ROUNDED_TO).round() / ROUNDED_TO,
+            weight: (weight / most * ROUNDED_TO).round() / ROUNDED_TO,
         })
     };
     LobeFresnel::mix([rest, metal].into_iter().filter_map(part).collect()).unwrap_or_default()
@@ -128,8 +132,9 @@ fn range(lobes: &[(usize, &SceneLobe)]) -> PerAxis<[f64; 2]> {
     let outwards = |[low, high]: [f64; 2]| {
         [(low * ROUNDED_TO).floor() / ROUNDED_TO, ((high * ROUNDED_TO).ceil() / ROUNDED_TO).min(FRAC_PI_2)]
     };
-    let alpha = around(&mut spots().map(|spot| spot.alpha.max(ALPHA_FLOOR)));
-    let ratio = around(&mut spots().map(|spot| spot.ratio.max(RATIO_FLOOR)));
+    let decimal = |ends: [f64; 2]| ends.map(|end| (end * DECIMALS).round() / DECIMALS);
+    let alpha = decimal(around(&mut spots().map(|spot| spot.alpha.max(ALPHA_FLOOR))));
+    let ratio = decimal(around(&mut spots().map(|spot| spot.ratio.max(RATIO_FLOOR))));
     let theta = outwards(around(&mut lobes.iter().flat_map(|(_, lobe)| lobe.views.theta())));
     let phi = if ratio == [1.0, 1.0] {
         [0.0, 0.0]

@@ -125,11 +125,6 @@ impl Geometry {
         self.triangles.len()
     }
 
-    /// Corners and indices that were read.
-    pub(super) fn corners_read(&self) -> u64 {
-        (self.positions.len() + self.triangles.len()) as u64
-    }
-
     fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|corner| DVec3::from(self.positions[corner as usize].map(f64::from)))
     }

@@ -121,6 +121,9 @@ impl Scene {
         if !document.skins.is_empty() || !document.animations.is_empty() {
             notes.push("nothing is animated: meshes, cameras and materials are as they stand in the file".to_owned());
         }
+        if let Some(material) = materials.iter().find(|material| !material.area.is_finite()) {
+            return Err(SceneError::fault("", format!("the surface of {} is not finite", material.name)));
+        }
         if materials.iter().all(|material| material.lobes.is_empty()) {
             return Err(SceneError::Empty);
         }

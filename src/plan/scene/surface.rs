@@ -19,8 +19,10 @@ use ltcforge_fit::math::recurrence4;
 /// Points at which materials are looked up: their histograms are then within a part in a thousand.
 const POINTS: f64 = (1 << 20) as f64;
 /// Points over the textures of a primitive whose triangles cannot be read.
-const POINTS_OF_BOX: usize = 4096;
-/// Corners of all primitives, which are read once each time that a mesh is used, and triangles of all instances.
+const POINTS_OF_BOX: usize = 256;
+/// Notes about meshes: more would only repeat them.
+const MOST_NOTES: usize = 100;
+/// Elements of the accessors of all primitives, and triangles of all instances.
 const MOST_CORNERS: u64 = 1 << 27;
 const MOST_TRIANGLES: u64 = 1 << 26;
 
@@ -97,23 +99,32 @@ impl<'a> Surface<'a> {
 
     /// The surface whose points have to be looked at, and the number of all triangles.
     fn sampled_area(&mut self, of_mesh: &[Vec<DMat4>], has_cameras: bool) -> Result<f64, SceneError> {
-        let (mut total, mut corners) = (0.0, 0);
+        let (mut total, mut corners, mut looks) = (0.0, 0, 0_u64);
         for (mesh, worlds) in of_mesh.iter().enumerate().filter(|(_, worlds)| !worlds.is_empty()) {
             for primitive in 0..self.document.meshes[mesh].primitives.len() {
                 let Some(material) = &self.materials[self.slot(mesh, primitive)] else { continue };
                 let place = format!("/meshes/{mesh}/primitives/{primitive}");
                 let of = &self.document.meshes[mesh].primitives[primitive];
-                let Shape::Triangles(geometry) =
-                    Shape::read(self.document, self.buffers, of, &place, &Wanted::default())?
-                else {
-                    continue;
+                // What is read is counted before it is.
+                let count = |accessor: usize| self.document.accessors[accessor].count;
+                let read = of.attributes.values().copied().chain(of.indices).map(count);
+                corners = read.fold(corners, u64::saturating_add);
+                SceneError::above("corners and indices of all primitives", corners, MOST_CORNERS)?;
+                let shape = Shape::read(self.document, self.buffers, of, &place, &Wanted::default())?;
+                let (triangles, work) = match &shape {
+                    Shape::Triangles(geometry) => (geometry.len() as u64, geometry.len() as u64),
+                    Shape::Box { .. } => (0, POINTS_OF_BOX as u64),
+                    Shape::None => (0, 0),
                 };
-                corners += geometry.corners_read();
-                SceneError::above("corners of all primitives", corners, MOST_CORNERS)?;
-                self.triangles = self.triangles.saturating_add(geometry.len() as u64 * worlds.len() as u64);
-                SceneError::above("triangles of all instances", self.triangles, MOST_TRIANGLES)?;
-                if has_cameras || material.is_textured() {
-                    total += worlds.iter().map(|world| area(&geometry, world)).sum::<f64>();
+                let instances = worlds.len() as u64;
+                self.triangles += triangles * instances;
+                // An instance takes time even if it has no triangle.
+                looks += work.max(1).saturating_mul(instances);
+                SceneError::above("triangles of all instances", looks, MOST_TRIANGLES)?;
+                if let Shape::Triangles(geometry) = &shape
+                    && (has_cameras || material.is_textured())
+                {
+                    total += worlds.iter().map(|world| area(geometry, world)).sum::<f64>();
                 }
             }
         }
@@ -121,6 +132,9 @@ impl<'a> Surface<'a> {
     }
 
     fn note_box(&mut self, mesh: usize, why: &str) {
+        if self.notes.len() >= MOST_NOTES {
+            return;
+        }
         let name = self.document.meshes[mesh].name.as_deref().unwrap_or("");
         let name: String = name.chars().filter(|c| !c.is_control()).take(80).collect();
         self.notes.push(format!(
