@@ -154,6 +154,12 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     let of_whole = whole.error.map_or_else(String::new, |error| format!(", with an error of {error:.4} on this scene"));
     lines.push(format!("{of}the table of the whole domain has {}{of_whole}", bytes_in_words(whole.bytes)));
     lines.extend(plan.beside.words());
+    let layout = chosen.recipe.layout();
+    if layout.only_ranges().is_some() && !plan.needs.is_isotropic() {
+        lines.push(format!(
+            "tables of layout {layout} have no direction along the surface: materials that have one are lit as round"
+        ));
+    }
     if !is_met {
         lines.push(format!("{of}{}", unmet(plan)));
     }

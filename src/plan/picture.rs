@@ -12,7 +12,7 @@ const TOP: f64 = 56.0;
 const PANEL: [f64; 2] = [480.0, 400.0];
 const LEFT: [f64; 2] = [64.0, 612.0];
 /// The radius of the mark of a roughness that all of a surface has.
-const LARGEST: f64 = 26.0;
+const LARGEST: f64 = 22.0;
 const LEAST: f64 = 1.5;
 
 /// Light and dark colours in one file; the viewer's preference picks.
@@ -98,8 +98,8 @@ fn write_front(out: &mut String, plan: &TablePlan<'_>) -> std::fmt::Result {
         let text = text.get(decade.unsigned_abs() as usize).unwrap_or(&"");
         writeln!(out, r#"<text class="middle" x="{at:.0}" y="{:.0}">{text}</text>"#, TOP + PANEL[1] + 20.0)?;
     }
-    for tick in 0..=4 {
-        let error = reach * f64::from(tick) / 4.0;
+    let step = tick_step(reach);
+    for error in (0..).map(|tick| step * f64::from(tick)).take_while(|error| *error <= reach) {
         writeln!(out, r#"<text class="end" x="{:.0}" y="{:.0}">{error:.3}</text>"#, left - 8.0, y(error) + 4.0)?;
     }
     writeln!(out, r#"<path class="limit" d="M{left} {:.1}h{}"/>"#, y(plan.limit), PANEL[0])?;
@@ -115,6 +115,9 @@ fn write_front(out: &mut String, plan: &TablePlan<'_>) -> std::fmt::Result {
         let (at, up) = (x(bytes), y(error));
         let (anchor, beside) = if at > left + 0.6 * PANEL[0] { ("end", -12.0) } else { ("", 12.0) };
         writeln!(out, r#"<circle class="{class}" cx="{at:.1}" cy="{up:.1}" r="6"/>"#)?;
+        if name.is_empty() {
+            return Ok(());
+        }
         writeln!(out, r#"<text class="{anchor}" x="{:.1}" y="{:.1}">{name}</text>"#, at + beside, up - 10.0)
     };
     mark("chosen", plan.chosen.bytes, plan.chosen.error, "expected")?;
@@ -130,6 +133,12 @@ fn write_front(out: &mut String, plan: &TablePlan<'_>) -> std::fmt::Result {
         left + PANEL[0] - 8.0,
         y(plan.limit) + 16.0
     )
+}
+
+/// A step of one, two or five parts of a power of ten, by which a range has three to eight ticks.
+fn tick_step(range: f64) -> f64 {
+    let power = ltcforge_fit::math::pow(10.0, log10(range / 3.0).floor());
+    [5.0, 2.0, 1.0].map(|part| part * power).into_iter().find(|step| *step <= range / 3.0).unwrap_or(power)
 }
 
 fn log10(x: f64) -> f64 {

@@ -34,8 +34,8 @@ pub(super) fn read_nodes(root: &Object, layout: Layout, faults: &mut Faults) -> 
         };
         if let Some(node) = nodes.iter().find(|node| !(low..=high).contains(*node)) {
             note(format!("{node} is not within [{low}, {high}]"));
-        } else if let Some(pair) = nodes.windows(2).find(|pair| pair[0] >= pair[1]) {
-            note(format!("{} follows {}: nodes ascend, and none comes twice", pair[1], pair[0]));
+        } else if let Some((node, next)) = nodes.iter().zip(&nodes[1..]).find(|(node, next)| node >= next) {
+            note(format!("{next} follows {node}: nodes ascend, and none comes twice"));
         } else {
             // -0 and 0 are one number and must be one recipe.
             return nodes.into_iter().map(|node| node + 0.0).collect();
