@@ -3,10 +3,10 @@
 use serde::Deserialize;
 
 use super::{
-    LobeKind, Scene, SceneLobe, SceneMaterial,
     document::Material,
     error::{Faults, SceneError, SceneFault},
-    material::{LobeAt, Shaded},
+    material::{LobeAt, LobeKind, Shaded},
+    model::{Scene, SceneLobe, SceneMaterial},
 };
 use crate::histogram::{Histogram, Views};
 use ltcforge_fit::ALPHA_FLOOR;

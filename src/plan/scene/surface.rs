@@ -4,7 +4,6 @@
 use glam::{DMat4, DVec3};
 
 use super::{
-    SceneLobe, SceneMaterial,
     accessor::Buffers,
     camera::Placed,
     document::Document,
@@ -12,6 +11,7 @@ use super::{
     geometry::{Geometry, Shape, Wanted, box_area},
     graph::{Graph, Instance},
     material::{LobeAt, LobeKind, Shaded, folded},
+    model::{SceneLobe, SceneMaterial},
 };
 use crate::histogram::{Histogram, Views};
 use ltcforge_fit::math::recurrence4;
