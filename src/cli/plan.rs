@@ -17,7 +17,7 @@ use ltcforge_files::{
     replace::{replace_file, replace_pair},
 };
 use ltcforge_fit::{Layout, Plan, Recipe, Table};
-use ltcforge_plan::{Budget, Needs, Scene, SceneError, TablePlan, document, outside, picture, words};
+use ltcforge_plan::{Budget, Form, Needs, Scene, SceneError, TablePlan, document, outside, picture, words};
 use ltcforge_textures::{Engine, Export, TextureLayout};
 
 /// The longest list of materials.
@@ -31,6 +31,7 @@ pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Res
     }
     check_output_folder(&args.out)?;
     let layout = args.engine.and_then(engine_layout);
+    let form = Form { layout, any_nodes: args.any_nodes };
     let pool = args.threads.pool()?;
     let interrupt = context.interrupt.clone();
     let go_on = || !interrupt.is_set();
@@ -38,7 +39,7 @@ pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Res
     for (sheen, name) in [(false, "recipe"), (true, "recipe-sheen")] {
         // An engine reads tables of one scattering model.
         let Some(needs) = Needs::of(&scene, sheen).filter(|_| !sheen || layout.is_none()) else { continue };
-        let plan = pool.install(|| TablePlan::new(needs, budget(args), layout, &go_on));
+        let plan = pool.install(|| TablePlan::new(needs, budget(args), form, &go_on));
         plans.push((name, plan.map_err(|_| CommandFailure::interrupted())?));
     }
     let mut tables = Vec::new();

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::prediction::Prediction;
+use crate::prediction::{Nodes, Prediction};
 use ltcforge_files::recipe_document::Preset;
 use ltcforge_fit::{FitSettings, PerAxis, Precision, Recipe, fit_seconds};
 
@@ -43,11 +43,12 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// The table of a resolution, a number format and an effort, as it is predicted.
-    pub(crate) fn of(prediction: &Prediction, resolution: PerAxis<u32>, precision: Precision, preset: Preset) -> Self {
+    /// The table of some nodes, a number format and an effort, as it is predicted.
+    pub(crate) fn of(prediction: &Prediction, nodes: Nodes, precision: Precision, preset: Preset) -> Self {
         let base = prediction.base();
         let fit = FitSettings { seed: base.fit.seed, ..preset.fit() };
-        let recipe = Recipe { resolution, precision, fit, ..base.clone() };
+        let (resolution, given) = (nodes.resolution, prediction.given(nodes.given));
+        let recipe = Recipe { resolution, given, precision, fit, ..base.clone() };
         let (error, bytes, seconds) = (prediction.error(&recipe), bytes_of(&recipe), fit_seconds(&recipe));
         Self { recipe, preset, error, bytes, seconds }
     }
@@ -64,18 +65,14 @@ pub(crate) fn bytes_of(recipe: &Recipe) -> u64 {
     recipe.entries() * numbers * width
 }
 
-/// The resolutions for which none of fewer entries has less error, each with all efforts and number formats.
+/// The nodes for which none of fewer entries have less error, each with all efforts and number formats.
 #[must_use]
 pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
     let base = prediction.base();
-    let all = if base.layout.only_ranges().is_some() { vec![base.resolution] } else { resolutions(&base.range) };
-    let mut priced: Vec<(u64, f64, PerAxis<u32>)> = all
-        .into_iter()
-        .map(|resolution| {
-            let recipe = Recipe { resolution, ..base.clone() };
-            (recipe.entries(), prediction.of_resolution(resolution), resolution)
-        })
-        .collect();
+    let is_free = base.layout.only_ranges().is_none();
+    let all = if is_free { choices(prediction) } else { vec![Nodes::even(base.resolution)] };
+    let priced = |nodes: Nodes| (nodes.entries(), prediction.of_nodes(nodes), nodes);
+    let mut priced: Vec<(u64, f64, Nodes)> = all.into_iter().map(priced).collect();
     priced.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let mut least = f64::INFINITY;
     priced.retain(|(_, error, _)| {
@@ -84,22 +81,30 @@ pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
         is_better
     });
     let efforts = || [Precision::F16, Precision::F32].into_iter().flat_map(|p| Preset::ALL.map(|preset| (p, preset)));
-    let of = |(_, _, resolution): &(u64, f64, PerAxis<u32>)| {
-        let resolution = *resolution;
-        efforts().map(move |(precision, preset)| Candidate::of(prediction, resolution, precision, preset))
+    let of = |(_, _, nodes): &(u64, f64, Nodes)| {
+        let nodes = *nodes;
+        efforts().map(move |(precision, preset)| Candidate::of(prediction, nodes, precision, preset))
     };
     priced.iter().flat_map(of).collect()
 }
 
-/// All resolutions over some ranges: one node for a single value.
-fn resolutions(range: &PerAxis<[f64; 2]>) -> Vec<PerAxis<u32>> {
+/// All nodes that a table may have: one for a single value, else so many evenly spaced ones, or those that are given.
+fn choices(prediction: &Prediction) -> Vec<Nodes> {
+    let range = &prediction.base().range;
     let counts = |[low, high]: [f64; 2], [from, to]: [u32; 2]| if low < high { from..=to } else { 1..=1 };
+    let surface = |axis: usize, range, limits| -> Vec<(u32, bool)> {
+        let given = prediction.given_on(axis).len() as u32;
+        counts(range, limits).map(|n| (n, false)).chain((given > 0).then_some((given, true))).collect()
+    };
+    let ratios = surface(1, range.ratio, NODES.ratio);
     let mut all = Vec::new();
-    for alpha in counts(range.alpha, NODES.alpha) {
-        for ratio in counts(range.ratio, NODES.ratio) {
+    for (alpha, is_alpha_given) in surface(0, range.alpha, NODES.alpha) {
+        for (ratio, is_ratio_given) in &ratios {
             for theta in counts(range.theta, NODES.theta) {
-                let of_phi = counts(range.phi, NODES.phi);
-                all.extend(of_phi.map(|phi| PerAxis { alpha, ratio, theta, phi }));
+                all.extend(counts(range.phi, NODES.phi).map(|phi| Nodes {
+                    resolution: PerAxis { alpha, ratio: *ratio, theta, phi },
+                    given: [is_alpha_given, *is_ratio_given],
+                }));
             }
         }
     }

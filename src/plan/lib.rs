@@ -22,7 +22,7 @@ pub use histogram::{Spot, Views};
 pub use needs::Needs;
 pub use outside::{Outside, OutsideAxis, outside};
 pub use picture::picture;
-pub use plan::{Measured, TablePlan, Whole};
+pub use plan::{Form, Measured, TablePlan, Whole};
 pub use prediction::Stopped;
 pub use scene::{LobeKind, Scene, SceneError, SceneFault, SceneLobe, SceneMaterial};
 pub use without::{Beside, WithoutTable};

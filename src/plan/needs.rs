@@ -75,17 +75,20 @@ impl<'a> Needs<'a> {
         self.range.ratio == [1.0, 1.0]
     }
 
-    /// Different roughnesses, by larger one and ratio.
-    #[must_use]
-    pub fn distinct(&self) -> usize {
-        let mut all: Vec<[u64; 2]> = self.spots().map(|(spot, _)| [spot.alpha, spot.ratio].map(f64::to_bits)).collect();
-        all.sort_unstable();
-        all.dedup();
-        all.len()
-    }
-
     fn spots(&self) -> impl Iterator<Item = (&'a crate::Spot, &'a SceneLobe)> {
         self.lobes.iter().flat_map(|(_, lobe)| lobe.spots.iter().map(move |spot| (spot, *lobe)))
+    }
+
+    /// The different values of alpha and of ratio, ascending.
+    #[must_use]
+    pub fn values(&self) -> [Vec<f64>; 2] {
+        let of = |value: fn(&crate::Spot) -> f64, floor: f64| {
+            let mut values: Vec<f64> = self.spots().map(|(spot, _)| decimal(value(spot).max(floor))).collect();
+            values.sort_by(f64::total_cmp);
+            values.dedup();
+            values
+        };
+        [of(|spot| spot.alpha, ALPHA_FLOOR), of(|spot| spot.ratio, RATIO_FLOOR)]
     }
 
     /// Configurations as often as the scene has them: by surface, and by the views of it.
@@ -123,6 +126,11 @@ fn fresnel(lobes: &[(usize, &SceneLobe)]) -> LobeFresnel {
     LobeFresnel::mix([rest, metal].into_iter().filter_map(part).collect()).unwrap_or_default()
 }
 
+/// A number without digits of rounding.
+fn decimal(x: f64) -> f64 {
+    (x * DECIMALS).round() / DECIMALS
+}
+
 /// The ranges of some lobes, angles rounded outwards.
 fn range(lobes: &[(usize, &SceneLobe)]) -> PerAxis<[f64; 2]> {
     let around = |values: &mut dyn Iterator<Item = f64>| {
@@ -132,9 +140,8 @@ fn range(lobes: &[(usize, &SceneLobe)]) -> PerAxis<[f64; 2]> {
     let outwards = |[low, high]: [f64; 2]| {
         [(low * ROUNDED_TO).floor() / ROUNDED_TO, ((high * ROUNDED_TO).ceil() / ROUNDED_TO).min(FRAC_PI_2)]
     };
-    let decimal = |ends: [f64; 2]| ends.map(|end| (end * DECIMALS).round() / DECIMALS);
-    let alpha = decimal(around(&mut spots().map(|spot| spot.alpha.max(ALPHA_FLOOR))));
-    let ratio = decimal(around(&mut spots().map(|spot| spot.ratio.max(RATIO_FLOOR))));
+    let alpha = around(&mut spots().map(|spot| spot.alpha.max(ALPHA_FLOOR))).map(decimal);
+    let ratio = around(&mut spots().map(|spot| spot.ratio.max(RATIO_FLOOR))).map(decimal);
     let theta = outwards(around(&mut lobes.iter().flat_map(|(_, lobe)| lobe.views.theta())));
     let phi = if ratio == [1.0, 1.0] {
         [0.0, 0.0]

@@ -6,7 +6,7 @@ use crate::without::Beside;
 use crate::{
     candidates::{Budget, Candidate, bytes_of, candidates, choose},
     needs::Needs,
-    prediction::{POINTS, Prediction, Stopped, error},
+    prediction::{Nodes, POINTS, Prediction, Stopped, error},
 };
 use ltcforge_files::recipe_document::Preset;
 use ltcforge_fit::{FITTER_VERSION, Layout, PerAxis, Precision, Recipe, Table};
@@ -40,6 +40,15 @@ pub struct TablePlan<'a> {
     is_corrected: bool,
 }
 
+/// What a table may be.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Form {
+    /// Its layout; the scattering model's default one where there is none.
+    pub layout: Option<Layout>,
+    /// Whether nodes may stand on the scene's own values of alpha and ratio, for readers that search for nodes.
+    pub any_nodes: bool,
+}
+
 /// A fitted table on the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Measured {
@@ -63,7 +72,7 @@ pub struct Whole {
 }
 
 impl<'a> TablePlan<'a> {
-    /// Plans a table for what a scene needs, of a layout or the scattering model's default one. Runs on the current rayon pool, whose size changes nothing; `go_on` may
+    /// Plans a table for what a scene needs. Runs on the current rayon pool, whose size changes nothing; `go_on` may
     /// stop it.
     ///
     /// # Errors
@@ -71,12 +80,12 @@ impl<'a> TablePlan<'a> {
     pub fn new(
         needs: Needs<'a>,
         budget: Budget,
-        layout: Option<Layout>,
+        form: Form,
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, Stopped> {
         let default = Layout::ALL.iter().copied().find(|layout| layout.takes(needs.brdf().kind()));
-        let layout = layout.or(default).unwrap_or(Layout::ALL[0]);
-        let prediction = Prediction::new(&needs, layout, Preset::Standard.fit(), go_on)?;
+        let layout = form.layout.or(default).unwrap_or(Layout::ALL[0]);
+        let prediction = Prediction::new(&needs, layout, form.any_nodes, Preset::Standard.fit(), go_on)?;
         let whole = whole(prediction.base());
         Ok(Self::chosen_by(needs, budget, prediction, whole))
     }
@@ -151,7 +160,7 @@ impl<'a> TablePlan<'a> {
             theta: nodes(of.theta, range.theta),
             phi: nodes(of.phi, range.phi),
         };
-        Candidate::of(&self.prediction, resolution, Precision::F16, Preset::Paper)
+        Candidate::of(&self.prediction, Nodes::even(resolution), Precision::F16, Preset::Paper)
     }
 
     /// The candidates of the choice's effort and number format: the front of error against bytes.

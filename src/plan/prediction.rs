@@ -24,6 +24,9 @@ const STRETCHED: [u32; 4] = [11, 5, 11, 7];
 /// Nodes of an axis with which the coarse table is read again.
 const FEWER: [u32; 11] = [20, 16, 12, 9, 8, 7, 6, 5, 4, 3, 2];
 
+/// How many values of a scene may be nodes of an axis.
+const GIVEN: std::ops::RangeInclusive<usize> = 3..=16;
+
 /// Predicts the errors of tables over a scene's ranges, of one layout.
 #[derive(Debug, Clone)]
 pub(crate) struct Prediction {
@@ -32,6 +35,29 @@ pub(crate) struct Prediction {
     of_base: f64,
     /// For each axis squared steps, see `ltcforge_fit::Layout::steps`, and the error that each adds to the coarse table's.
     added: [Vec<[f64; 2]>; 4],
+    /// The scene's values of alpha and of ratio, where they are few and may be nodes.
+    given: [Vec<f64>; 2],
+}
+
+/// The nodes of a table over the ranges of the coarse one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Nodes {
+    /// How many each axis has.
+    pub(crate) resolution: PerAxis<u32>,
+    /// Whether those of alpha, and of ratio, are the scene's values, given one by one.
+    pub(crate) given: [bool; 2],
+}
+
+impl Nodes {
+    /// Evenly spaced ones.
+    pub(crate) fn even(resolution: PerAxis<u32>) -> Self {
+        Self { resolution, given: [false; 2] }
+    }
+
+    /// Entries of the table.
+    pub(crate) fn entries(&self) -> u64 {
+        self.resolution.named().iter().map(|(_, n)| u64::from(**n)).product()
+    }
 }
 
 /// Why there is no prediction.
@@ -48,6 +74,7 @@ impl Prediction {
     pub(crate) fn new(
         needs: &Needs<'_>,
         layout: Layout,
+        any_nodes: bool,
         fit: FitSettings,
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, Stopped> {
@@ -99,7 +126,9 @@ impl Prediction {
                 added.push([squared[axis], more.max(0.0)]);
             }
         }
-        Ok(Self { base, of_base, added })
+        let is_free = any_nodes && layout.only_ranges().is_none();
+        let given = if is_free { needs.values().map(|values| few(&values)) } else { [const { Vec::new() }; 2] };
+        Ok(Self { base, of_base, added, given })
     }
 
     /// The recipe of the coarse table, from which others differ by their resolution, effort and precision.
@@ -125,13 +154,27 @@ impl Prediction {
     pub(crate) fn corrected(&self, factor: f64) -> Self {
         let added =
             self.added.clone().map(|axis| axis.into_iter().map(|[step, error]| [step, factor * error]).collect());
-        Self { base: self.base.clone(), of_base: factor * self.of_base, added }
+        Self { base: self.base.clone(), of_base: factor * self.of_base, added, given: self.given.clone() }
     }
 
-    /// The error that a resolution adds to that of the coarse table.
+    /// The error that nodes add to that of the coarse table.
     #[must_use]
-    pub(crate) fn of_resolution(&self, resolution: PerAxis<u32>) -> f64 {
-        self.interpolation(squared_steps(&Recipe { resolution, ..self.base.clone() }))
+    pub(crate) fn of_nodes(&self, nodes: Nodes) -> f64 {
+        let Nodes { resolution, given } = nodes;
+        self.interpolation(between_given(self.base.layout.steps(&self.base.range, &resolution), given))
+    }
+
+    /// The scene's values of alpha, 0, or of ratio, 1; none where they are too many to be nodes.
+    #[must_use]
+    pub(crate) fn given_on(&self, axis: usize) -> &[f64] {
+        &self.given[axis]
+    }
+
+    /// The nodes of alpha and of ratio that a recipe gives one by one.
+    #[must_use]
+    pub(crate) fn given(&self, is_given: [bool; 2]) -> GivenNodes {
+        let of = |axis: usize| if is_given[axis] { self.given[axis].clone() } else { Vec::new() };
+        GivenNodes::new(PerAxis { alpha: of(0), ratio: of(1), theta: Vec::new(), phi: Vec::new() })
     }
 
     fn interpolation(&self, squared: [f64; 4]) -> f64 {
@@ -147,9 +190,22 @@ fn along(points: &[[f64; 2]], x: f64) -> f64 {
     pair.map_or(last[1], |pair| pair[0][1] + (pair[1][1] - pair[0][1]) * (x - pair[0][0]) / (pair[1][0] - pair[0][0]))
 }
 
-/// The squared step of each axis.
+/// The squared step of each axis. Where all values of a scene are nodes, there is none.
 fn squared_steps(recipe: &Recipe) -> [f64; 4] {
-    recipe.layout.steps(&recipe.range, &recipe.resolution).named().map(|(_, step)| step * step)
+    let given = recipe.given().axes();
+    let is_given = [&given.alpha, &given.ratio].map(|nodes| !nodes.is_empty());
+    between_given(recipe.layout.steps(&recipe.range, &recipe.resolution), is_given)
+}
+
+fn between_given(steps: PerAxis<f64>, [alpha, ratio]: [bool; 2]) -> [f64; 4] {
+    let is_given = [alpha, ratio, false, false];
+    let squared = steps.named().map(|(_, step)| step * step);
+    std::array::from_fn(|axis| if is_given[axis] { 0.0 } else { squared[axis] })
+}
+
+/// Values that can be nodes: more than evenly spaced nodes are sure to fall on, and not many.
+fn few(values: &[f64]) -> Vec<f64> {
+    if GIVEN.contains(&values.len()) { values.to_vec() } else { Vec::new() }
 }
 
 /// The error that a bound of effort adds, by the expectation: over that of a fit without one.

@@ -11,7 +11,8 @@ fn fitted(recipe: &Recipe) -> Table {
 }
 
 fn planned(scene: &Scene, budget: Budget) -> TablePlan<'_> {
-    TablePlan::new(Needs::of(scene, false).expect("lobes"), budget, None, &|| true).expect("nothing stops it")
+    TablePlan::new(Needs::of(scene, false).expect("lobes"), budget, Form::default(), &|| true)
+        .expect("nothing stops it")
 }
 
 fn listed(list: &str) -> Scene {
@@ -63,7 +64,7 @@ fn recipes_of_plans_are_recipes_and_hold_every_material() {
     for (list, sheen) in [(ISOTROPIC, false), (ANISOTROPIC, false), (SHEEN, true)] {
         let scene = listed(list);
         let needs = Needs::of(&scene, sheen).expect("lobes");
-        let plan = TablePlan::new(needs, Budget::Knee, None, &|| true).expect("nothing stops it");
+        let plan = TablePlan::new(needs, Budget::Knee, Form::default(), &|| true).expect("nothing stops it");
         let recipe = &plan.chosen.recipe;
         assert_eq!(parse(canonical_json(recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).as_ref(), Ok(recipe));
         let draft = Recipe { fit: ltcforge_files::recipe_document::Preset::Draft.fit(), ..recipe.clone() };
@@ -76,11 +77,28 @@ fn recipes_of_plans_are_recipes_and_hold_every_material() {
     }
 }
 
+/// Nodes on the scene's own roughnesses serve it with fewer of them.
+#[test]
+fn nodes_may_stand_on_the_roughnesses_of_a_scene() {
+    let scene = listed(ISOTROPIC);
+    let form = Form { any_nodes: true, ..Form::default() };
+    let needs = || Needs::of(&scene, false).expect("lobes");
+    let mut plan = TablePlan::new(needs(), Budget::Bytes(700), form, &|| true).expect("nothing stops it");
+    let recipe = plan.chosen.recipe.clone();
+    assert_eq!(recipe.nodes().alpha, [0.04, 0.25, 0.6]);
+    assert_eq!(parse(canonical_json(&recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).as_ref(), Ok(&recipe));
+    let even = planned(&scene, Budget::Bytes(700));
+    assert!(even.chosen.error > plan.chosen.error, "{:?}", even.chosen);
+    plan.measure(&fitted(&recipe), None);
+    let measured = plan.measured.expect("the prediction was near");
+    assert!((0.85..1.15).contains(&measured.off_by), "{measured:?}");
+}
+
 #[test]
 fn stopping_ends_a_plan() {
     let scene = listed(ISOTROPIC);
     let needs = Needs::of(&scene, false).expect("lobes");
-    assert!(TablePlan::new(needs, Budget::Knee, None, &|| false).is_err());
+    assert!(TablePlan::new(needs, Budget::Knee, Form::default(), &|| false).is_err());
 }
 
 /// A factor of two is corrected once, and the new choice is the last.

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use self::glb::{Glb, checker, quad_scene};
 use super::*;
+use crate::histogram::Spot;
 
 fn scene(glb: &Glb) -> Scene {
     Scene::from_bytes(glb.bytes()).expect("a scene")

@@ -11,7 +11,7 @@ use super::{
     problem::Problem,
 };
 use crate::service::Planned;
-use ltcforge_plan::Budget;
+use ltcforge_plan::{Budget, Form};
 
 /// The query of `POST /v1/plans`.
 #[derive(Debug, Deserialize)]
@@ -20,6 +20,8 @@ pub(super) struct PlanParameters {
     error: Option<f64>,
     bytes: Option<u64>,
     seconds: Option<f64>,
+    #[serde(default)]
+    any_nodes: bool,
 }
 
 impl PlanParameters {
@@ -50,11 +52,12 @@ pub(super) struct PlanView {
 pub(super) async fn plan(
     State(api): State<Api>,
     QueryOf(parameters): QueryOf<PlanParameters>,
-    SceneBody(bytes, form, room): SceneBody,
+    SceneBody(bytes, sent, room): SceneBody,
 ) -> Result<Json<PlanView>, Problem> {
     let budget = parameters.budget()?;
+    let form = Form { any_nodes: parameters.any_nodes, ..Form::default() };
     let made = move |service: &crate::service::Service| {
-        let made = service.plan(bytes.into(), form, budget);
+        let made = service.plan(bytes.into(), sent, budget, form);
         drop(room);
         made
     };

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::{Service, ServiceError};
-use ltcforge_plan::{Budget, Needs, Scene, SceneError, SceneFault, TablePlan, document, recipe_value, words};
+use ltcforge_plan::{Budget, Form, Needs, Scene, SceneError, SceneFault, TablePlan, document, recipe_value, words};
 
 /// The longest scene that is planned for.
 pub const SCENE_LIMIT_BYTES: u64 = 64 << 20;
@@ -59,15 +59,15 @@ impl Service {
     ///
     /// # Errors
     /// See [`PlanError`].
-    pub fn plan(&self, bytes: Vec<u8>, form: SceneForm, budget: Budget) -> Result<Planned, PlanError> {
-        let scene = match form {
+    pub fn plan(&self, bytes: Vec<u8>, sent: SceneForm, budget: Budget, form: Form) -> Result<Planned, PlanError> {
+        let scene = match sent {
             SceneForm::Glb => Scene::from_bytes(bytes)?,
             SceneForm::List => Scene::from_list(&bytes)?,
         };
         let go_on = || !self.is_stopping();
         let mut plans = Vec::new();
         for needs in [false, true].into_iter().filter_map(|sheen| Needs::of(&scene, sheen)) {
-            let plan = self.state.measuring_pool.install(|| TablePlan::new(needs, budget, None, &go_on));
+            let plan = self.state.measuring_pool.install(|| TablePlan::new(needs, budget, form, &go_on));
             plans.push(plan.map_err(|_| ServiceError::Stopping)?);
         }
         let summary = words(&scene, &plans);
