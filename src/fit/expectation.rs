@@ -55,6 +55,7 @@ mod tests {
         let nodes = |n: u32, [low, high]: [f64; 2]| if low < high { n } else { 1 };
         Recipe {
             fitter: FITTER_VERSION,
+            given: GivenNodes::default(),
             brdf: BrdfKind::Ggx.into(),
             lobe: LobeModel::Ltc,
             layout,
@@ -71,7 +72,6 @@ mod tests {
             },
             terms: false,
             precision: Precision::F32,
-            given: GivenNodes::default(),
         }
     }
 

@@ -56,6 +56,7 @@ mod tests {
         for &layout in &[Layout::Reflected, Layout::Kt2022] {
             let plan = Plan::new(&Recipe {
                 fitter: FITTER_VERSION,
+                given: GivenNodes::default(),
                 brdf: BrdfKind::Ggx.into(),
                 lobe: LobeModel::Ltc,
                 layout,
@@ -72,7 +73,6 @@ mod tests {
                 },
                 terms: true,
                 precision: Precision::F32,
-                given: GivenNodes::default(),
             });
             let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
             let table = assemble(&plan, &(0..plan.shards()).flat_map(fit).collect::<Vec<_>>());

@@ -26,6 +26,7 @@ const SETTINGS: FitSettings = FitSettings {
 fn fitted(layout: Layout, nodes: u32, precision: Precision) -> (Plan, Vec<FittedEntry>) {
     let plan = Plan::new(&Recipe {
         fitter: FITTER_VERSION,
+        given: GivenNodes::default(),
         brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout,
@@ -34,7 +35,6 @@ fn fitted(layout: Layout, nodes: u32, precision: Precision) -> (Plan, Vec<Fitted
         fit: SETTINGS,
         terms: true,
         precision,
-        given: GivenNodes::default(),
     });
     let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
     let entries = (0..plan.shards()).flat_map(fit).collect();

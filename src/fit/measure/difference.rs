@@ -144,6 +144,7 @@ mod tests {
         let quarter = [0.0, FRAC_PI_2];
         let recipe = Recipe {
             fitter: FITTER_VERSION,
+            given: GivenNodes::default(),
             brdf: BrdfKind::Ggx.into(),
             lobe: LobeModel::Ltc,
             layout: Layout::Kt2022,
@@ -160,7 +161,6 @@ mod tests {
             },
             terms: true,
             precision: Precision::F32,
-            given: GivenNodes::default(),
         };
         fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("a table")
     }

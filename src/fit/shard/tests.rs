@@ -18,6 +18,7 @@ fn plan_of(layout: Layout, [alpha, ratio, theta, phi]: [u32; 4]) -> Plan {
     let nodes = |n: u32, [low, high]: [f64; 2]| if low < high { n } else { 1 };
     Plan::new(&Recipe {
         fitter: FITTER_VERSION,
+        given: GivenNodes::default(),
         brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout,
@@ -34,7 +35,6 @@ fn plan_of(layout: Layout, [alpha, ratio, theta, phi]: [u32; 4]) -> Plan {
         },
         terms: true,
         precision: Precision::F32,
-        given: GivenNodes::default(),
     })
 }
 

@@ -52,6 +52,7 @@ fn fitted(lobe: LobeModel) -> Table {
     let quarter = [0.0, FRAC_PI_2];
     let recipe = Recipe {
         fitter: FITTER_VERSION,
+        given: GivenNodes::default(),
         brdf: BrdfKind::Ggx.into(),
         lobe,
         layout: Layout::Reflected,
@@ -68,7 +69,6 @@ fn fitted(lobe: LobeModel) -> Table {
         },
         terms: true,
         precision: Precision::F32,
-        given: GivenNodes::default(),
     };
     fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
 }

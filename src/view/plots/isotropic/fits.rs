@@ -98,6 +98,7 @@ fn plan(start: Start) -> Plan {
         PerAxis { alpha: [0.0, 1.0], ratio: [1.0; 2], theta: [0.0, std::f64::consts::FRAC_PI_2], phi: [0.0; 2] };
     Plan::new(&Recipe {
         fitter: FITTER_VERSION,
+        given: GivenNodes::default(),
         brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout,
@@ -106,7 +107,6 @@ fn plan(start: Start) -> Plan {
         fit: settings(Shear::X, start),
         terms: true,
         precision: Precision::F32,
-        given: GivenNodes::default(),
     })
 }
 
