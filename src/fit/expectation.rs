@@ -42,8 +42,8 @@ pub fn expectation(recipe: &Recipe) -> Expectation {
 mod tests {
     use super::*;
     use crate::{
-        BrdfKind, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Solver,
-        assemble, fit_shard, report,
+        BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Solver, assemble,
+        fit_shard, report,
     };
     use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
@@ -55,7 +55,7 @@ mod tests {
         let nodes = |n: u32, [low, high]: [f64; 2]| if low < high { n } else { 1 };
         Recipe {
             fitter: FITTER_VERSION,
-            given: GivenNodes::default(),
+            given: crate::GivenNodes::default(),
             brdf: BrdfKind::Ggx.into(),
             lobe: LobeModel::Ltc,
             layout,

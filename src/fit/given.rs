@@ -7,33 +7,31 @@ use super::{
     layout::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING},
 };
 
-/// Ascending nodes of some axes; none of an axis whose nodes the layout places.
-#[derive(Debug, Clone, PartialEq)]
-pub struct GivenNodes(PerAxis<Vec<f64>>);
+/// Ascending nodes of some axes; none of an axis whose nodes the layout places. Few recipes have any, so that they are kept
+/// elsewhere.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct GivenNodes(Option<Box<PerAxis<Vec<f64>>>>);
 
-impl Default for GivenNodes {
-    fn default() -> Self {
-        Self(PerAxis { alpha: Vec::new(), ratio: Vec::new(), theta: Vec::new(), phi: Vec::new() })
-    }
-}
+static NONE: PerAxis<Vec<f64>> = PerAxis { alpha: Vec::new(), ratio: Vec::new(), theta: Vec::new(), phi: Vec::new() };
 
 impl GivenNodes {
     /// Nodes of the axes where there are some. Domain: ascending numbers within the domain of each axis.
     #[must_use]
     pub fn new(nodes: PerAxis<Vec<f64>>) -> Self {
-        Self(nodes)
+        let is_none = nodes.named().iter().all(|(_, nodes)| nodes.is_empty());
+        Self((!is_none).then(|| Box::new(nodes)))
     }
 
     /// Whether no axis has any.
     #[must_use]
     pub fn is_none(&self) -> bool {
-        self.0.named().iter().all(|(_, nodes)| nodes.is_empty())
+        self.0.is_none()
     }
 
     /// The nodes of each axis, empty where the layout places them.
     #[must_use]
     pub fn axes(&self) -> &PerAxis<Vec<f64>> {
-        &self.0
+        self.0.as_deref().unwrap_or(&NONE)
     }
 
     /// The nodes of a table: those given, moved into the limits of the fit, and `placed` on the other axes.
@@ -41,11 +39,12 @@ impl GivenNodes {
         let or = |given: &Vec<f64>, placed: Vec<f64>, within: &dyn Fn(f64) -> f64| {
             if given.is_empty() { placed } else { given.iter().map(|node| within(*node)).collect() }
         };
+        let given = self.axes();
         PerAxis {
-            alpha: or(&self.0.alpha, placed.alpha, &|alpha| alpha.max(ALPHA_FLOOR)),
-            ratio: or(&self.0.ratio, placed.ratio, &|ratio| ratio.max(RATIO_FLOOR)),
-            theta: or(&self.0.theta, placed.theta, &|theta| theta.min(THETA_CEILING)),
-            phi: or(&self.0.phi, placed.phi, &|phi| phi),
+            alpha: or(&given.alpha, placed.alpha, &|alpha| alpha.max(ALPHA_FLOOR)),
+            ratio: or(&given.ratio, placed.ratio, &|ratio| ratio.max(RATIO_FLOOR)),
+            theta: or(&given.theta, placed.theta, &|theta| theta.min(THETA_CEILING)),
+            phi: or(&given.phi, placed.phi, &|phi| phi),
         }
     }
 }
@@ -53,7 +52,7 @@ impl GivenNodes {
 /// The axes that have nodes, by their names.
 impl Serialize for GivenNodes {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let given = self.0.named().into_iter().filter(|(_, nodes)| !nodes.is_empty());
+        let given = self.axes().named().into_iter().filter(|(_, nodes)| !nodes.is_empty());
         let mut map = to.serialize_map(None)?;
         for (name, nodes) in given {
             map.serialize_entry(name, nodes)?;

@@ -46,8 +46,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        BrdfKind, FITTER_VERSION, FitSettings, GivenNodes, LobeModel, Metric, Plan, Precision, Recipe, Solver,
-        assemble, fit_shard,
+        BrdfKind, FITTER_VERSION, FitSettings, LobeModel, Metric, Plan, Precision, Recipe, Solver, assemble, fit_shard,
     };
 
     #[test]
@@ -56,7 +55,7 @@ mod tests {
         for &layout in &[Layout::Reflected, Layout::Kt2022] {
             let plan = Plan::new(&Recipe {
                 fitter: FITTER_VERSION,
-                given: GivenNodes::default(),
+                given: crate::GivenNodes::default(),
                 brdf: BrdfKind::Ggx.into(),
                 lobe: LobeModel::Ltc,
                 layout,

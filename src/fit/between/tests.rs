@@ -2,8 +2,8 @@ use std::ops::ControlFlow;
 
 use super::*;
 use crate::{
-    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, GivenNodes, Layout, LobeModel, Metric, PerAxis,
-    Precision, Recipe, Solver, Table, Terms, assemble,
+    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, PerAxis, Precision,
+    Recipe, Solver, Table, Terms, assemble,
     brdf::{Ggx, Mirrors},
     fit_shard,
     math::{direction, from_row_major, row_major},
@@ -26,7 +26,7 @@ const SETTINGS: FitSettings = FitSettings {
 fn fitted(layout: Layout, nodes: u32, precision: Precision) -> (Plan, Vec<FittedEntry>) {
     let plan = Plan::new(&Recipe {
         fitter: FITTER_VERSION,
-        given: GivenNodes::default(),
+        given: crate::GivenNodes::default(),
         brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout,

@@ -136,15 +136,15 @@ mod tests {
 
     use super::*;
     use crate::{
-        BrdfKind, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeModel, Metric, Plan, Precision, Recipe, Solver,
-        Terms, fit_plan,
+        BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, Plan, Precision, Recipe, Solver, Terms,
+        fit_plan,
     };
 
     fn fitted() -> Table {
         let quarter = [0.0, FRAC_PI_2];
         let recipe = Recipe {
             fitter: FITTER_VERSION,
-            given: GivenNodes::default(),
+            given: crate::GivenNodes::default(),
             brdf: BrdfKind::Ggx.into(),
             lobe: LobeModel::Ltc,
             layout: Layout::Kt2022,

@@ -6,15 +6,15 @@ use std::{
 
 use super::*;
 use crate::{
-    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, GivenNodes, Layout, LobeModel, Metric, Plan,
-    Precision, Recipe, Solver, assemble, brdf::Ggx, fit_shard,
+    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, Plan, Precision, Recipe,
+    Solver, assemble, brdf::Ggx, fit_shard,
 };
 
 fn recipe([alpha, ratio, theta, phi]: [u32; 4], samples: u32, directions: u32, solver: Solver) -> Recipe {
     let quarter = [0.0, FRAC_PI_2];
     Recipe {
         fitter: FITTER_VERSION,
-        given: GivenNodes::default(),
+        given: crate::GivenNodes::default(),
         brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout: Layout::Kt2022,

@@ -2,8 +2,7 @@ use std::ops::ControlFlow;
 
 use super::*;
 use crate::{
-    BrdfKind, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeModel, Metric, Precision, Simplex, Solver, Table,
-    assemble,
+    BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, Precision, Simplex, Solver, Table, assemble,
 };
 
 /// The plan of the whole domain at a resolution, fitted coarsely.
@@ -18,7 +17,7 @@ fn plan_of(layout: Layout, [alpha, ratio, theta, phi]: [u32; 4]) -> Plan {
     let nodes = |n: u32, [low, high]: [f64; 2]| if low < high { n } else { 1 };
     Plan::new(&Recipe {
         fitter: FITTER_VERSION,
-        given: GivenNodes::default(),
+        given: crate::GivenNodes::default(),
         brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout,

@@ -10,8 +10,8 @@ use crate::{
     light_error, rectangle, truth,
 };
 use ltcforge_fit::{
-    BrdfKind, Configuration, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeModel, Metric, PerAxis, Plan,
-    Precision, Recipe, Sides, Solver, Table, fit_plan,
+    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Recipe,
+    Sides, Solver, Table, fit_plan,
     math::{cos, direction, pow},
     report,
 };
@@ -52,7 +52,7 @@ fn fitted(lobe: LobeModel) -> Table {
     let quarter = [0.0, FRAC_PI_2];
     let recipe = Recipe {
         fitter: FITTER_VERSION,
-        given: GivenNodes::default(),
+        given: ltcforge_fit::GivenNodes::default(),
         brdf: BrdfKind::Ggx.into(),
         lobe,
         layout: Layout::Reflected,
