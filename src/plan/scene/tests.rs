@@ -79,6 +79,27 @@ fn texels_weigh_by_the_surface_that_they_cover() {
     }
 }
 
+/// JPEG rounds, WebP without loss does not; a channel of a grey image stands for all.
+#[test]
+fn images_of_every_format_are_read() {
+    let texels: Vec<u8> = [[9, 102, 0]; 16 * 16].concat();
+    let (mut jpeg, mut grey, mut webp) = (Vec::new(), Vec::new(), Vec::new());
+    let encoder = jpeg_encoder::Encoder::new(&mut jpeg, 100);
+    encoder.encode(&texels, 16, 16, jpeg_encoder::ColorType::Rgb).expect("a JPEG");
+    let encoder = jpeg_encoder::Encoder::new(&mut grey, 100);
+    encoder.encode(&[102; 16 * 16], 16, 16, jpeg_encoder::ColorType::Luma).expect("a JPEG");
+    let encoder = image_webp::WebPEncoder::new(&mut webp);
+    encoder.encode(&texels, 16, 16, image_webp::ColorType::Rgb8).expect("a WebP");
+    for (image, tolerance) in [(&jpeg, 0.01), (&grey, 0.01), (&webp, 1e-9)] {
+        let scene = scene(&quad_scene(image, [1.0; 2], [10497; 2], &json!({})));
+        let spots = &scene.materials[0].lobes[0].spots;
+        assert!(spots.iter().all(|spot| (spot.alpha.sqrt() - 0.4).abs() < tolerance), "{spots:?}");
+    }
+    let broken = quad_scene(&jpeg[..jpeg.len() / 2], [1.0; 2], [10497; 2], &json!({}));
+    let told = Scene::from_bytes(broken.bytes()).map_err(|error| error.to_string());
+    assert!(told.is_err_and(|error| error.contains("/images/0")));
+}
+
 #[test]
 fn a_transform_of_a_texture_moves_what_is_covered() {
     let image = checker(64, |x, _| if x < 16 { 51 } else { 204 });
