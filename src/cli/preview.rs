@@ -33,6 +33,13 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
         }
         table
     });
+    if let Some(table) = table.as_ref().filter(|table| !table.layout().is_even(table.axes())) {
+        let message = format!(
+            "the preview's shader searches for no nodes, and those of the table's recipe are not evenly spaced as layout {} has them",
+            table.layout()
+        );
+        return Err(CommandFailure::new(Exit::Usage, message));
+    }
     let shader_table = match (&table, &digest) {
         (Some(table), Some(digest)) => ShaderTable::new(table, args.precision).labelled(&digest.hex()),
         _ => ShaderTable::none(),

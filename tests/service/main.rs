@@ -15,4 +15,5 @@ mod fsck;
 mod jobs;
 mod limits;
 mod openapi;
+mod plans;
 mod stopping;

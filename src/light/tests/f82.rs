@@ -8,8 +8,8 @@ use crate::cases::{Draw, Lit, Roughness, over_area_of};
 use crate::{LightError, LightModel, Lighting, NormalsRule, ReflectedLight, edge_truth_of, truth_of};
 use glam::DVec3;
 use ltcforge_fit::{
-    BrdfKind, BrdfModel, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Recipe,
-    Sides, Solver, StoredTerms, Table,
+    BrdfKind, BrdfModel, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeModel, Metric, PerAxis, Plan, Precision,
+    Recipe, Sides, Solver, StoredTerms, Table,
     brdf::{Brdf, BrdfSample, edge_of_parts, edge_weight},
     fit_plan,
 };
@@ -72,6 +72,7 @@ fn table(layout: Layout, resolution: [u32; 4]) -> Table {
         },
         terms: StoredTerms::F82,
         precision: Precision::F32,
+        given: GivenNodes::default(),
     });
     fit_plan(&plan, &|_| ControlFlow::Continue(())).expect("not stopped")
 }

@@ -18,6 +18,7 @@ mod limits;
 mod operations;
 mod origin_policy;
 mod pictures;
+mod plans;
 mod problem;
 mod routes;
 mod serve;

@@ -10,8 +10,9 @@ use axum::{
 };
 
 use super::{
-    api::Api, brdfs, events, exports, jobs, kind::ProblemKind, operations, pictures, problem::Problem, tables,
+    api::Api, brdfs, events, exports, jobs, kind::ProblemKind, operations, pictures, plans, problem::Problem, tables,
 };
+use crate::service::SCENE_LIMIT_BYTES;
 use ltcforge_files::tabulated::TABULATED_LIMIT_BYTES;
 
 /// One call of the interface. A `GET` route also answers `HEAD`; `HEAD` is listed where clients depend on it.
@@ -53,6 +54,9 @@ pub static ROUTES: &[Route] = &[
     route(Method::GET, "/v1/brdfs/{digest}", |on| on.get(brdfs::download)),
     route(Method::HEAD, "/v1/brdfs/{digest}", |on| on.head(brdfs::download)),
     route(Method::DELETE, "/v1/brdfs/{digest}", |on| on.delete(brdfs::delete)),
+    route(Method::POST, "/v1/plans", |on| {
+        on.post(plans::plan.layer(DefaultBodyLimit::max(SCENE_LIMIT_BYTES as usize)))
+    }),
     route(Method::GET, "/v1/recipes/{digest}", |on| on.get(tables::recipe)),
     route(Method::GET, "/healthz", |on| on.get(operations::healthz)),
     route(Method::GET, "/readyz", |on| on.get(operations::readyz)),
