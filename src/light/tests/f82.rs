@@ -101,7 +101,7 @@ fn only(energy: f64) -> ReflectedLight {
     ReflectedLight { energy, fresnel: 0.0 }
 }
 
-/// A metal's light is off by no more than three times what a perfect mirror's is.
+/// A metal's light is off by no more than three and a half times what a perfect mirror's is.
 #[test]
 fn metals_are_lit_as_well_as_mirrors() {
     let lit = Draw::many(212, COUNT, Roughness::All);
