@@ -1,38 +1,31 @@
 //! `preview`: surfaces lit by a table, as a picture.
 
+mod materials;
+
 use std::sync::Arc;
 
 use serde_json::json;
 
 use super::{CommandFailure, Context, Exit, args::PreviewArgs, input::AnyTable, output::OutputFile, print, shown};
-use ltcforge_fit::{BrdfKind, ggx_terms};
+use ltcforge_fit::{BrdfKind, Table, ggx_terms};
 use ltcforge_light::{LightError, LightModel};
 use ltcforge_view::preview::{Material, Preview, PreviewError, Rendered, ShaderTable};
 
 /// Renders a picture and writes it. Prints the adapter, materials outside the table, and the errors of modes that
 /// compare to standard error, or as JSON to standard output.
 pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    if args.scene.is_materials {
+        return materials::run(args, json, context);
+    }
     let out = OutputFile::check(&args.out)?;
-    let scene = args.scene.0.clone().into_scene();
+    let scene = args.scene.choices.clone().into_scene();
     let read = args.table.as_deref().map(|name| AnyTable::named(name, &args.folder)).transpose()?;
     if read.is_none() && scene.needs_table() {
         let needs = LightError::NeedsTable(LightModel::Ltc).to_string();
         return Err(CommandFailure::new(Exit::Usage, needs));
     }
-    if let Some(any) = &read
-        && args.ggx_terms
-        && any.table.brdf != BrdfKind::Ggx
-    {
-        let message = format!("--ggx-terms are of brdf ggx, and the table is of brdf {}", any.table.brdf);
-        return Err(CommandFailure::new(Exit::Usage, message));
-    }
     let digest = read.as_ref().map(|any| any.digest);
-    let table = read.map(|AnyTable { mut table, .. }| {
-        if args.ggx_terms {
-            table.terms = Some(ggx_terms(table.layout, &table.axes));
-        }
-        table
-    });
+    let table = read.map(|any| if args.ggx_terms { with_ggx_terms(any.table) } else { Ok(any.table) }).transpose()?;
     let shader_table = match (&table, &digest) {
         (Some(table), Some(digest)) => ShaderTable::new(table, args.precision).labelled(&digest.hex()),
         _ => ShaderTable::none(),
@@ -78,6 +71,16 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
         eprintln!("{model}, alpha {alpha_x} {alpha_y}: mean absolute error {apart:.5} of mean radiance {radiance:.5}");
     }
     Ok(Exit::Ok)
+}
+
+/// The table with amplitude and Fresnel term of GGX in place of its own.
+fn with_ggx_terms(mut table: Table) -> Result<Table, CommandFailure> {
+    if table.brdf != BrdfKind::Ggx {
+        let message = format!("--ggx-terms are of brdf ggx, and the table is of brdf {}", table.brdf);
+        return Err(CommandFailure::new(Exit::Usage, message));
+    }
+    table.terms = Some(ggx_terms(table.layout, &table.axes));
+    Ok(table)
 }
 
 fn failure(error: &PreviewError) -> CommandFailure {
