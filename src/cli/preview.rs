@@ -7,7 +7,6 @@ use std::sync::Arc;
 use serde_json::json;
 
 use super::{CommandFailure, Context, Exit, args::PreviewArgs, input::AnyTable, output::OutputFile, print, shown};
-use ltcforge_fit::{BrdfKind, Table, ggx_terms};
 use ltcforge_light::{LightError, LightModel};
 use ltcforge_view::preview::{Material, Preview, PreviewError, Rendered, ShaderTable};
 
@@ -25,7 +24,8 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
         return Err(CommandFailure::new(Exit::Usage, needs));
     }
     let digest = read.as_ref().map(|any| any.digest);
-    let table = read.map(|any| if args.ggx_terms { with_ggx_terms(any.table) } else { Ok(any.table) }).transpose()?;
+    let table = read.map(|any| if args.ggx_terms { any.with_ggx_terms() } else { Ok(any) }).transpose()?;
+    let table = table.map(|any| any.table);
     let shader_table = match (&table, &digest) {
         (Some(table), Some(digest)) => ShaderTable::new(table, args.precision).labelled(&digest.hex()),
         _ => ShaderTable::none(),
@@ -71,16 +71,6 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
         eprintln!("{model}, alpha {alpha_x} {alpha_y}: mean absolute error {apart:.5} of mean radiance {radiance:.5}");
     }
     Ok(Exit::Ok)
-}
-
-/// The table with amplitude and Fresnel term of GGX in place of its own.
-fn with_ggx_terms(mut table: Table) -> Result<Table, CommandFailure> {
-    if table.brdf != BrdfKind::Ggx {
-        let message = format!("--ggx-terms are of brdf ggx, and the table is of brdf {}", table.brdf);
-        return Err(CommandFailure::new(Exit::Usage, message));
-    }
-    table.terms = Some(ggx_terms(table.layout, &table.axes));
-    Ok(table)
 }
 
 fn failure(error: &PreviewError) -> CommandFailure {

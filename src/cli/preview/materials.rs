@@ -4,7 +4,6 @@ use std::path::Path;
 
 use serde_json::json;
 
-use super::with_ggx_terms;
 use crate::{
     CommandFailure, Context, Exit, args::PreviewArgs, fit::fit, input::AnyTable, output::OutputFile, print, progress,
     shown, tabulated::recipe,
@@ -32,9 +31,9 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
     let Shown { table, digest, range } = match &args.table {
         Some(name) => {
             let any = AnyTable::named(name, &args.folder)?;
+            let any = if args.ggx_terms { any.with_ggx_terms()? } else { any };
             let range = *any.origin.range();
-            let table = if args.ggx_terms { with_ggx_terms(any.table)? } else { any.table };
-            Shown { table, digest: any.digest, range }
+            Shown { table: any.table, digest: any.digest, range }
         }
         None => fitted(context)?,
     };
@@ -111,10 +110,10 @@ fn choices(args: &PreviewArgs) -> Result<MaterialChoices, CommandFailure> {
         rule,
         cut,
     };
-    let of_these = Scene { size: choices.size, difference_scale: choices.difference_scale, ..Scene::default() };
-    faults.extend(of_these.faults().iter().map(ToString::to_string));
-    if (MOST_SIZE + 1..=2048).contains(&choices.size) {
-        faults.push(format!("size is {}, not within 64 to {MOST_SIZE} for scene materials", choices.size));
+    let bounded = Scene { size: size.min(MOST_SIZE), difference_scale, ..Scene::default() };
+    faults.extend(bounded.faults().iter().map(ToString::to_string));
+    if choices.size > MOST_SIZE {
+        faults.push(format!("size is {size}, not within 64 to {MOST_SIZE} for scene materials"));
     }
     if faults.is_empty() { Ok(choices) } else { Err(CommandFailure::new(Exit::Usage, faults.join("\n"))) }
 }

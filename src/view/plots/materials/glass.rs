@@ -5,7 +5,7 @@ use glam::DVec3;
 use ltcforge_fit::brdf::Ggx;
 
 /// Cells along each side of the rectangle, and Gauss's rule of three points in each: its nodes and weights on [0, 1].
-const CELLS: u32 = 8;
+const CELLS: u32 = 16;
 const GAUSS: [(f64, f64); 3] =
     [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
@@ -13,7 +13,7 @@ const GAUSS: [(f64, f64); 3] =
 ///
 /// Per steradian of `wi` it is `(1 - F) D G2 (wo . h) / cos_o` times the Jacobian `eta^2 |wi . h| / |wo + eta wi|^2`, with the
 /// normal `h = -(wo + eta wi)` up to length [Walter et al. 2007, equations 16, 17 and 21]. Domain: as `transmission::transmitted`,
-/// `eta` above one, and a lamp an eighth of which, as seen from the surface, is narrower than the lobe.
+/// `eta` above one, and a lamp a sixteenth of which, as seen from the surface, is narrower than the lobe.
 pub(super) fn through_glass([alpha_x, alpha_y]: [f64; 2], wo: DVec3, eta: f64, lamp: &[DVec3; 4]) -> f64 {
     let ggx = Ggx { alpha_x, alpha_y };
     let (right, up) = (lamp[3] - lamp[0], lamp[1] - lamp[0]);
