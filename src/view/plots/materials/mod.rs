@@ -24,7 +24,7 @@ use ltcforge_light::{LightError, LightModel, Lighting, NormalsRule, TableUse};
 /// What may be chosen of the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MaterialChoices {
-    /// Pixels a side of each panel.
+    /// Pixels a side of each panel, one at least.
     pub size: u32,
     /// The rule of model `normals`.
     pub rule: NormalsRule,

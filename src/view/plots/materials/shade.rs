@@ -19,7 +19,7 @@ use ltcforge_light::{
     transmission::transmitted, truth_of, truth_within,
 };
 
-/// How exact the truth is for each part of an edge: a hundredth of what a picture shows.
+/// How exact the truth is for each part of an edge: a tenth of the last digit in a picture.
 pub(super) const TRUTH_TOLERANCE: f64 = 1e-6;
 /// Points of the samples that tell a coat's albedo in truth.
 const ALBEDO_POINTS: usize = 4096;
