@@ -1,6 +1,6 @@
 //! `preview --scene materials`: nine materials in truth, by a table and by model `normals`, drawn by the CPU.
 
-use std::path::Path;
+use std::{ops::RangeInclusive, path::Path};
 
 use serde_json::json;
 
@@ -21,8 +21,8 @@ const RECIPE: &str = r#"{"fresnel": "two_lobes", "terms": "f82"}"#;
 /// The parameters of a preview that the picture takes.
 const TAKEN: [&str; 4] = ["rule", "cut", "size", "difference_scale"];
 
-/// Larger panels take minutes and show nothing more.
-const MOST_SIZE: u32 = 512;
+/// Pixels a side of a panel: fewer show nothing, more take minutes and show no more.
+const SIZES: RangeInclusive<u32> = 64..=512;
 
 /// Draws and writes the picture. Prints the errors to standard error, or as JSON to standard output.
 pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
@@ -110,11 +110,11 @@ fn choices(args: &PreviewArgs) -> Result<MaterialChoices, CommandFailure> {
         rule,
         cut,
     };
-    let bounded = Scene { size: size.min(MOST_SIZE), difference_scale, ..Scene::default() };
-    faults.extend(bounded.faults().iter().map(ToString::to_string));
-    if choices.size > MOST_SIZE {
-        faults.push(format!("size is {size}, not within 64 to {MOST_SIZE} for scene materials"));
+    if !SIZES.contains(&choices.size) {
+        faults.push(format!("size is {size}, not within {} to {} for scene materials", SIZES.start(), SIZES.end()));
     }
+    let bounded = Scene { difference_scale: choices.difference_scale, ..Scene::default() };
+    faults.extend(bounded.faults().iter().map(ToString::to_string));
     if faults.is_empty() { Ok(choices) } else { Err(CommandFailure::new(Exit::Usage, faults.join("\n"))) }
 }
 
