@@ -170,12 +170,10 @@ fn tubes_and_lines_are_exact_whatever_the_horizon_costs() {
     for ((case, light), found) in tried.into_iter().zip(found) {
         let ltc = Ltc::new(from_row_major(&case.golden(Layout::Reflected).matrix)).expect("a regular matrix");
         let covered = light.covered(&ltc, Sides::One);
-        assert!(
-            covered > 0.01 && (f64::from(found[14]) - covered).abs() < TOLERANCE,
-            "{case:?}: {} {covered}",
-            found[14]
-        );
+        assert!((f64::from(found[14]) - covered).abs() < TOLERANCE, "{case:?}: {} {covered}", found[14]);
+        lit += covered;
     }
+    assert!(lit > 0.1, "{lit}");
 }
 
 /// The files without a table, on the GPU: each rule, each kind of light, from one side and from both.
