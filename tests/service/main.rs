@@ -15,4 +15,6 @@ mod fsck;
 mod jobs;
 mod limits;
 mod openapi;
+mod page;
+mod recipes;
 mod stopping;
