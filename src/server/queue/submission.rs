@@ -15,6 +15,14 @@ pub struct NewJob {
     pub shard_entries: Vec<u32>,
 }
 
+impl NewJob {
+    /// Entries of all shards.
+    #[must_use]
+    pub fn entries(&self) -> u64 {
+        self.shard_entries.iter().copied().map(u64::from).sum()
+    }
+}
+
 /// The queue's answer to a submission.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Submitted {

@@ -30,8 +30,8 @@ mod work;
 
 pub use crate::store::{Checked, SHORT_BYTES, TableRow};
 pub use api::{
-    Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits, ServiceError, SubmitError,
-    SubmitReply,
+    Config, Expected, Foreseen, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits, ServiceError,
+    SubmitError, SubmitReply,
 };
 pub use brdfs::{BrdfRow, DeleteBrdfError, StoreBrdfError, StoredBrdf};
 pub use check::{CheckReport, check};
