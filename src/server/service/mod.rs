@@ -18,6 +18,7 @@ mod open;
 mod pictures;
 mod reconcile;
 mod scheduler;
+mod scrub;
 mod speed;
 mod state;
 mod submit;
