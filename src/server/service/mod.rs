@@ -19,6 +19,7 @@ mod pictures;
 mod plans;
 mod reconcile;
 mod scheduler;
+mod scrub;
 mod speed;
 mod state;
 mod submit;
