@@ -66,6 +66,7 @@ fn the_viewer_draws_what_previews_show_and_its_link_holds_all() {
     let reference = seen["reference"].as_f64().expect("a number");
     assert!(reference.abs() < REFERENCE_OFF, "{seen:#}");
     assert_eq!(seen["kept"], true, "{seen:#}");
+    assert!(seen["refused"].as_str().is_some_and(|reason| reason.contains("charlie")), "{seen:#}");
 }
 
 #[test]

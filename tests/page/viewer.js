@@ -92,6 +92,10 @@ await withWorld( async ( { service, open } ) => {
 	await page.reload();
 	await page.locator( '#view-light_x' ).waitFor();
 	const kept = await page.locator( '#view-light_x' ).inputValue() === value && await page.evaluate( () => location.hash ) === hash;
-	return { off, bright, reference: ours / theirs - 1, kept };
+	// A table that the reference is not of.
+	const sheen = await service.fit( { preset: 'draft', brdf: 'charlie' } );
+	await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?table=${ sheen }` );
+	const refused = await page.locator( '.page-viewer .notice' ).textContent();
+	return { off, bright, reference: ours / theirs - 1, kept, refused };
 
 }, [ '--adapter', 'cpu' ] );

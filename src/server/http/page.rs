@@ -68,6 +68,7 @@ page_files![
     "main.js",
     "new.js",
     "pictures.js",
+    "progress.js",
     "report.js",
     "scene.js",
     "shading.js",

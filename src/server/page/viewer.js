@@ -64,8 +64,10 @@ export async function show( root, rest, parameters, signal ) {
 				el( 'div', { class: 'field' }, el( 'label', { for: 'model' }, 'Lit by' ), model ),
 				choice( 'surface', 'Surface' ), choice( 'metal', 'Material' ), choice( 'show', 'Shown' ), split.row, [ ...sliders.values() ].map( ( { row } ) => row ) ) ) );
 
-	const layout = scene.table ? ( await manifest( scene.table ) ).recipe.layout : null;
-	const drawn = await device( canvas, scene.table, layout ).catch( ( error ) => fill( figures, notice( error.message ) ) && null );
+	const recipe = scene.table ? ( await manifest( scene.table ) ).recipe : null;
+	const refused = recipe && unfit( recipe );
+	if ( refused ) return fill( figures, notice( refused ) ) && null;
+	const drawn = await device( canvas, scene.table, recipe?.layout ).catch( ( error ) => fill( figures, notice( error.message ) ) && null );
 	if ( ! drawn ) return null;
 	signal.addEventListener( 'abort', () => drawn.release() );
 
@@ -145,6 +147,15 @@ export async function show( root, rest, parameters, signal ) {
 	} );
 	later();
 	return () => {};
+
+}
+
+/** Why a table is not shown: the reference beside it is of GGX, and the text reads one LTC an entry. */
+function unfit( { brdf, lobe, fresnel } ) {
+
+	if ( brdf !== 'ggx' ) return `The reference here is of GGX, and this table is of ${ brdf }; its page has a picture beside its own.`;
+	if ( lobe ) return `This table is of lobe ${ lobe }, and the shader here reads LTCs.`;
+	return typeof fresnel === 'string' ? 'This table has two lobes an entry, and the shader here reads one.' : '';
 
 }
 
