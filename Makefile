@@ -21,10 +21,11 @@ export NODEVICE_SELECT := 1
 export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
-.PHONY: help demo figures test test-units test-suites test-native lint lint-core lint-deploy lines fmt bench packages browser cluster clean
+.PHONY: help demo load figures test test-units test-suites test-native lint lint-core lint-deploy lines fmt bench packages browser cluster clean
 
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
+	@echo 'make load    requests a second of the service and of nginx, side by side'
 	@echo 'make figures draw the figures of docs/figures.md anew'
 	@echo 'make test    run all tests'
 	@echo 'make lint    rustfmt, clippy and docs, warnings denied'
@@ -41,6 +42,14 @@ packages:
 demo: packages
 	$(CARGO) build --release --locked
 	@LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" ./demo.sh
+
+# A file server to compare with, and what sends requests.
+LOAD_PACKAGES := nginx-light wrk apache2-utils
+load: packages
+	@$(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(LOAD_PACKAGES)' \
+		|| echo '*** no nginx, wrk or ab' >&2
+	$(CARGO) build --release --locked
+	@LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" ./load.sh
 
 figures: packages
 	$(CARGO) run --release --locked -p ltcforge-studies -- figures -o docs/figures

@@ -142,6 +142,9 @@ fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
     if args.truth {
         tabulated::check_complete(table, path)?;
     }
+    if args.compensate && !table.brdf().follows_reflection() {
+        return usage(format!("{}: {}", path.display(), LightError::NoFacets(table.brdf())));
+    }
     if args.blend && table.second_matrices().is_none() {
         return usage(format!("{}: {}", path.display(), LightError::OneLobe));
     }

@@ -10,7 +10,7 @@ use super::{
     second,
     shard::Plan,
     table::{Table, Terms},
-    terms::edge_terms,
+    terms::edge_spreads,
 };
 
 /// Aligns, normalises and rounds all entries of a plan, given in storage order, into its table.
@@ -36,7 +36,7 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
             amplitude: column(|entry| entry.terms.amplitude),
             fresnel: column(|entry| entry.terms.fresnel),
             edge: (recipe.terms == StoredTerms::F82)
-                .then(|| edge_terms(&recipe.brdf, plan.nodes()).into_iter().map(round).collect()),
+                .then(|| edge_spreads(&recipe.brdf, plan.nodes()).into_iter().map(round).collect()),
         }),
         node_error: entries.iter().map(|entry| round(entry.error)).collect(),
     }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{
     axes::PerAxis,
-    brdf::{BrdfKind, BrdfModel, edge_term},
+    brdf::{BrdfKind, BrdfModel, edge_spread},
     layout::{Layout, within_limits},
     math::{Lattice, SquarePoint},
     table::Terms,
@@ -40,19 +40,19 @@ pub fn terms_of(brdf: &BrdfModel, layout: Layout, axes: &PerAxis<Vec<f64>>) -> T
     Terms { amplitude, fresnel, edge: None }
 }
 
-/// A scattering model's [`edge_term`] at every node, in storage order: what every layout stores. Runs on the current
-/// rayon pool; its size changes nothing.
+/// A scattering model's [`edge_spread`] at every node, in storage order: what every layout stores for the edge term. Runs
+/// on the current rayon pool; its size changes nothing.
 ///
 /// Domain: as [`terms_of`].
 #[must_use]
-pub fn edge_terms(brdf: &BrdfModel, axes: &PerAxis<Vec<f64>>) -> Vec<f64> {
+pub fn edge_spreads(brdf: &BrdfModel, axes: &PerAxis<Vec<f64>>) -> Vec<f64> {
     let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
     let points: Vec<SquarePoint> = Lattice::new(SAMPLES, [0.0; 2]).points().map(SquarePoint::new).collect();
     (0..alpha * ratio * theta * phi)
         .into_par_iter()
         .map(|index| {
             let place = within_limits(axes.node(index));
-            edge_term(&*brdf.surface_at(&place), place.view(), &points)
+            edge_spread(&*brdf.surface_at(&place), place.view(), &points)
         })
         .collect()
 }
@@ -73,6 +73,7 @@ mod tests {
         for &layout in &[Layout::Reflected, Layout::Kt2022] {
             let plan = Plan::new(&Recipe {
                 fitter: FITTER_VERSION,
+                given: crate::GivenNodes::default(),
                 brdf: BrdfKind::Ggx.into(),
                 lobe: LobeModel::Ltc,
                 layout,

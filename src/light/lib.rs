@@ -35,7 +35,7 @@ pub use model::{ClosedForm, LightModel, Lighting};
 pub use normals::{NormalsRule, by_normals};
 pub use polygon::PolygonLight;
 pub use refracted::by_refraction;
-pub use rules::{LitPoint, ReflectedLight, edge_of_parts};
+pub use rules::{LitPoint, ReflectedLight};
 pub use shaped::{AnyLight, AreaLight, LightShape, ShapeParameter, ShapedLight};
 pub use shapes::{ELLIPSE_VERTICES, TubeEnds, disk, ellipse, line, rectangle, tube};
 pub use truth::{TRUTH_TOLERANCE, edge_truth_of, truth, truth_of, truth_within};

@@ -7,8 +7,8 @@ use glam::DVec3;
 use super::{AreaLight, LightError, normals::NormalsRule};
 use ltcforge_fit::{
     Configuration, LEAST_ALPHA, LobeModel, Sides,
-    brdf::{edge_factor, edge_weight},
-    math::{Triple, direction, pow},
+    brdf::{edge_factor, edge_of_parts},
+    math::{Triple, direction},
 };
 
 /// A model of light: a formula, a table of lobes, or either.
@@ -92,13 +92,6 @@ impl ReflectedLight {
     pub fn metal(&self, edge: f64, [f0, f90]: [f64; 2], tint: f64) -> f64 {
         self.schlick(f0, f90) - edge_factor(f0, f90, tint) * edge
     }
-}
-
-/// The light weighed by [`edge_weight`] where all of it has one incidence, that whose Schlick's factor is the part of it
-/// that `fresnel` is: `energy x (1 - x)^6` with `1 - x = (fresnel / energy)^(1/5)`.
-#[must_use]
-pub fn edge_of_parts([energy, fresnel]: [f64; 2]) -> f64 {
-    if energy > 0.0 { energy * edge_weight(1.0 - pow(fresnel / energy, 0.2)) } else { 0.0 }
 }
 
 /// A surface's roughnesses along x and y, raised to [`LEAST_ALPHA`], and the direction from which it is seen.

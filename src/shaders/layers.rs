@@ -1,23 +1,24 @@
 //! The text that combines layers, which is of no model of light.
 
-use super::{
-    header::commented,
-    sources::joined,
-    stamp::{LICENCE, head},
-};
+use super::{header::commented, sources::joined, stamp::head};
 use ltcforge_fit::{
     brdf::{Brdf, Fuzz},
     math::direction,
 };
+
+/// The functions of fuzz are those of MaterialX, under Apache-2.0 alone.
+const LICENCE: &str = "(MIT OR Apache-2.0) AND Apache-2.0";
 
 /// Raised when the values of the check change.
 const REVISION: u32 = 1;
 
 /// The opening comment: what the text is, and how to call it.
 const ABOUT: &str = "\
-Layers under area lights, as OpenPBR has them: a coat and fuzz over a base. By any model of light; nothing is bound.
+Metals and layers under area lights, as OpenPBR has them: a coat and fuzz over a base. By any model; nothing is bound.
 
 FUNCTIONS
+  layers_metal(parts, f0, tint)  what a metal reflects by F82: parts as normals_rectangle returns them, or
+      vec2(lobe.amplitude, lobe.fresnel) times the part that ltc_rectangle tells.
   layers_fuzz(roughness, wo)  fuzz as one view sees it, in the tangent frame, normal +z: the inverse that ltc_rectangle
       and its like take, and the part of all light that it reflects.
   layers_albedo(amplitude, fresnel, f0)  what a dielectric reflects of all light, by the terms of a table's lobe.
@@ -52,7 +53,7 @@ pub fn layers_comment() -> String {
     let case = |case: [f64; 3]| {
         let [roughness, theta, phi] = case;
         let wo = direction(theta, phi).to_array().map(|x| format!("{x:.6}")).join(", ");
-        let numbers = fuzz_values(case).map(|x| format!("{x:.5}")).join(" ");
+        let numbers = fuzz_values(case).map(|x| format!("{:.5}", (x * 1e5).round() / 1e5 + 0.0)).join(" ");
         format!("  layers_fuzz({roughness}, ({wo}))\n      {numbers}\n")
     };
     let check = FUZZ_CASES.map(case).concat();
@@ -66,8 +67,9 @@ pub fn layers_source() -> String {
 @fragment
 fn ltc_included() -> @location(0) vec4<f32> {
     let fuzz = layers_fuzz(0.5, vec3(0.0, 0.0, 1.0));
-    let coated = layers_coated(fuzz.inverse[0], 0.1, layers_albedo(0.9, 0.1, 0.04), 0.5, vec3(1.0));
-    return vec4(layers_fuzzed(coated, coated, fuzz.albedo, 0.5), 1.0);
+    let coated = layers_coated(fuzz.inverse[0], vec3(0.1), layers_albedo(0.9, 0.1, 0.04), 0.5, vec3(1.0));
+    let metal = layers_metal(vec2(0.5, 0.1), coated, coated);
+    return vec4(layers_fuzzed(metal, coated, fuzz.albedo, 0.5), 1.0);
 }
 ";
     format!("{}{caller}", joined(&["layers"]))

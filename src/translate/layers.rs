@@ -27,7 +27,7 @@ mod tests {
         for language in Language::ALL.iter().copied().filter(|language| language.has_includes()) {
             let text = include_layers(language).expect("a translation");
             let code: String = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
-            for function in ["layers_fuzz(", "layers_albedo(", "layers_coated(", "layers_fuzzed("] {
+            for function in ["layers_metal(", "layers_fuzz(", "layers_albedo(", "layers_coated(", "layers_fuzzed("] {
                 assert!(code.contains(function), "{}: {function}", language.name());
             }
             assert!(text.starts_with("// SPDX") && !code.contains("ltc_included"), "{}", language.name());

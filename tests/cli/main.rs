@@ -13,6 +13,7 @@ mod lights;
 mod lock_file;
 mod outputs;
 mod pictures;
+mod plan;
 mod project;
 mod pull;
 mod same_bytes;

@@ -16,5 +16,6 @@ mod jobs;
 mod limits;
 mod openapi;
 mod page;
+mod plans;
 mod recipes;
 mod stopping;

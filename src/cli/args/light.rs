@@ -9,6 +9,7 @@ use ltcforge_light::{AnisotropicRoughness, LightModel, LightShape, NormalsRule};
 
 /// `light`.
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "a flag each")]
 pub struct LightArgs {
     /// CSV with `alpha_x,alpha_y,theta,phi` and a light on each line, `-` for stdin: a surface, a view direction, and
     /// the light in the tangent frame around the shaded point.

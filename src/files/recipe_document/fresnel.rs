@@ -2,10 +2,7 @@
 
 use serde_json::Value;
 
-use super::{
-    document::listed,
-    reader::{Faults, Object, echo},
-};
+use super::reader::{Faults, Object, echo, listed};
 use ltcforge_fit::{BrdfKind, LobeFresnel, LobeModel, SecondLobe, WeightedF0};
 
 /// Below it samples of a smooth surface seen from above weigh next to nothing, and few of them tell the lobe.

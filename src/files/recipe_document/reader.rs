@@ -145,3 +145,9 @@ fn shortened(text: &str) -> String {
 fn escape(field: &str) -> String {
     field.replace('~', "~0").replace('/', "~1")
 }
+
+/// The names of some items, as an error lists them.
+pub(super) fn listed<T: Copy + std::fmt::Display>(items: &[T], keep: impl Fn(T) -> bool) -> String {
+    let names = items.iter().filter(|item| keep(**item)).map(|item| format!("\"{item}\""));
+    names.collect::<Vec<_>>().join(", ")
+}

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::Brdf;
-use crate::math::SquarePoint;
+use crate::math::{SquarePoint, pow};
 
 /// The cosine at which the second reflectance is told: 1/7, of 82 degrees.
 pub const EDGE_COSINE: f64 = 1.0 / 7.0;
@@ -32,14 +32,31 @@ pub fn edge_factor(f0: f64, f90: f64, tint: f64) -> f64 {
     (1.0 - tint) * schlick / edge_weight(EDGE_COSINE)
 }
 
-/// The edge term of the lobe for `wo`: its albedo weighted by [`edge_weight`], the mean over the reflections drawn from
-/// `points`, one at least. For GGX `E[G2/G1 x (1 - x)^6]` over visible normals. A metal reflects
-/// `F0 (amplitude - fresnel) + F90 fresnel - b edge`.
+/// The light weighed by [`edge_weight`] where all of it has one incidence, that whose Schlick's factor is the part of it
+/// that `fresnel` is: `energy x (1 - x)^6` with `1 - x = (fresnel / energy)^(1/5)`.
 #[must_use]
-pub fn edge_term(brdf: &dyn Brdf, wo: DVec3, points: &[SquarePoint]) -> f64 {
+pub fn edge_of_parts([energy, fresnel]: [f64; 2]) -> f64 {
+    if energy > 0.0 { energy * edge_weight(1.0 - pow(fresnel / energy, 0.2)) } else { 0.0 }
+}
+
+/// The most that [`edge_spread`] tells. Seen from above, where the whole term is nearly zero, sharp lobes have more.
+const MOST_SPREAD: f64 = 2.0;
+
+/// The edge term of the lobe for `wo`, its albedo weighted by [`edge_weight`], as a part of what [`edge_of_parts`] tells of its
+/// other two terms: one for a lobe of one incidence, and smooth over all lobes, which the term itself is not. In [0, 2].
+/// Means over the reflections drawn from `points`, one at least.
+#[must_use]
+pub fn edge_spread(brdf: &dyn Brdf, wo: DVec3, points: &[SquarePoint]) -> f64 {
     let mut drawn = Vec::with_capacity(points.len());
     brdf.sample_all(wo, points, &mut drawn);
-    drawn.iter().map(|sample| sample.weight * edge_weight(sample.cos_theta_d)).sum::<f64>() / points.len() as f64
+    let sum = |of: fn(f64) -> f64| drawn.iter().map(|ray| ray.weight * of(ray.cos_theta_d)).sum::<f64>();
+    let schlick = |x: f64| {
+        let away = (1.0 - x).max(0.0);
+        away * away * (away * away) * away
+    };
+    let whole = [sum(|_| 1.0), sum(schlick)];
+    let told = edge_of_parts(whole);
+    if told > 0.0 { (sum(edge_weight) / told).min(MOST_SPREAD) } else { 1.0 }
 }
 
 #[cfg(test)]

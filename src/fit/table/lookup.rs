@@ -5,7 +5,7 @@ use glam::DMat3;
 use super::{Configuration, Table, Terms, fold::Folded};
 use crate::{
     axes::PerAxis,
-    brdf::LobeTerms,
+    brdf::{LobeTerms, edge_of_parts},
     layout::{LobeNumbers, Spacing},
     math::{from_row_major, row_major, turned_about_z},
 };
@@ -85,7 +85,9 @@ impl Table {
         let second = self.second.as_deref().map(|matrices| unfolded(restored(matrices).matrix));
         let [amplitude, fresnel] =
             [lobe.terms.amplitude, lobe.terms.fresnel].map(|term| self.terms.as_ref().map(|_| term));
-        LookedUp { matrix: unfolded(lobe.matrix), second, amplitude, fresnel, edge: self.edge_at(&nearest) }
+        let told = edge_of_parts([lobe.terms.amplitude, lobe.terms.fresnel]);
+        let edge = self.edge_spread_at(&nearest).map(|spread| spread * told);
+        LookedUp { matrix: unfolded(lobe.matrix), second, amplitude, fresnel, edge }
     }
 
     /// Whether this is a table of isotropic surfaces with one phi, which serves every phi: the lobe turns with the
@@ -95,8 +97,8 @@ impl Table {
         self.axes.ratio == [1.0] && self.axes.phi.len() == 1
     }
 
-    /// The edge term at a place within the nodes, which every layout stores as it is.
-    fn edge_at(&self, place: &PerAxis<f64>) -> Option<f64> {
+    /// The edge's spread at a place within the nodes, which every layout stores as it is.
+    fn edge_spread_at(&self, place: &PerAxis<f64>) -> Option<f64> {
         let edge = self.terms.as_ref()?.edge.as_ref()?;
         Some(self.corners(&self.brackets(place)).map(|(index, weight)| weight * f64::from(edge[index])).sum())
     }

@@ -30,8 +30,8 @@ pub struct Terms {
     pub amplitude: Vec<f32>,
     /// The same albedo, weighted by Schlick's fifth power.
     pub fresnel: Vec<f32>,
-    /// The same albedo, weighted by [`edge_weight`](crate::brdf::edge_weight), where the recipe asks for it: metals by F82
-    /// reflect `b` times this less.
+    /// The [`edge_spread`](crate::brdf::edge_spread), where the recipe asks for it: the same albedo, weighted by F82's edge, as
+    /// a part of what the other two tell.
     pub edge: Option<Vec<f32>>,
 }
 
@@ -101,7 +101,7 @@ impl Table {
         &self.matrix
     }
 
-    /// The matrices of the second lobe, where entries have two: see [`LobeFresnel`](crate::LobeFresnel).
+    /// The matrices of the second lobe, where entries have two: see [`LobeFresnel`].
     #[must_use]
     pub fn second_matrices(&self) -> Option<&[[f32; 9]]> {
         self.second.as_deref()
@@ -174,7 +174,7 @@ impl Terms {
         &self.fresnel
     }
 
-    /// The same albedo, weighted by F82's edge, if the table has that term.
+    /// The same albedo, weighted by F82's edge, as a part of what the other two tell, if the table has that term.
     #[must_use]
     pub fn edge(&self) -> Option<&[f32]> {
         self.edge.as_deref()

@@ -45,10 +45,10 @@ use self::{
     outline::Outline,
     view::View,
 };
-use super::rules::edge_of_parts;
 pub(super) use exact::cos_of_third;
 use ltcforge_fit::{
     Sides,
+    brdf::edge_of_parts,
     math::{Scalar, Triple, dot, plus, scaled},
     named_list,
 };

@@ -67,8 +67,8 @@ async fn step(api: &Api, digest: Digest, left: Range<u64>) -> io::Result<Option<
     Ok(Some((read.into(), next..left.end)))
 }
 
-/// A stored file, all of it or less. All of it is checked against its digest before it is sent; for anything less it is
-/// not read whole.
+/// A stored file, all of it or less. It is checked against its digest before any of it is sent, unless that was done since
+/// it last changed; only in a store elsewhere it is not read whole for less than all of it.
 pub(super) async fn download(
     api: Api,
     kind: FileKind,
@@ -82,22 +82,30 @@ pub(super) async fn download(
         FileKind::Brdf => (ProblemKind::UnknownBrdf, "BRDF", kept_name(digest.as_bytes())),
     };
     let unknown = || Problem::new(problem, format!("no {noun} with the digest {digest} is stored"));
-    let check = move |service: &Service| service.checked(kind, digest);
     let is_plain = [header::IF_NONE_MATCH, header::IF_MATCH, header::RANGE].iter().all(|f| !headers.contains_key(f));
     let asks_for_all = method == Method::GET && is_plain;
-    let contents = if asks_for_all {
-        match api.read(check).await?.ok_or_else(unknown)? {
-            Checked::Bytes(bytes) => Contents::Memory(Arc::new(bytes)),
-            Checked::Long(length) => Contents::Stored { api: api.clone(), length },
-        }
-    } else {
-        let length = api.call(move |service| service.length(kind, digest)).await?.ok_or_else(unknown)?;
-        Contents::Stored { api: api.clone(), length }
+    let read = async |all: bool| {
+        let read =
+            move |service: &Service| if all { service.checked(kind, digest) } else { service.glance(kind, digest) };
+        api.read(read).await?.ok_or_else(unknown)
+    };
+    // Most requests are for a file that was checked before, and need no other thread.
+    let checked = match api.service.known(kind, digest) {
+        Some(known) => known,
+        None => read(asks_for_all).await?,
+    };
+    let contents = match checked {
+        Checked::Bytes(bytes) => Contents::Memory(bytes),
+        Checked::Long(length) => Contents::Stored { api: api.clone(), length },
     };
     let file = File { digest, contents, media_type: "application/octet-stream", caching: FOREVER, name: Some(name) };
     let response = file.respond(method, headers)?;
-    if !asks_for_all && method == Method::GET && response.status() == StatusCode::OK {
-        api.read(check).await?.ok_or_else(unknown)?;
+    if !asks_for_all
+        && method == Method::GET
+        && response.status() == StatusCode::OK
+        && api.service.known(kind, digest).is_none()
+    {
+        read(true).await?;
     }
     Ok(response)
 }
@@ -144,7 +152,7 @@ impl File {
         let representation = [
             (header::CONTENT_TYPE, self.media_type.to_owned()),
             (header::ACCEPT_RANGES, "bytes".to_owned()),
-            (HeaderName::from_static("repr-digest"), format!("sha-256=:{}:", STANDARD.encode(self.digest.as_bytes()))),
+            (HeaderName::from_static("repr-digest"), sha_256(self.digest)),
         ];
         let attachment = self.name.as_ref().map(|name| format!("attachment; filename=\"{name}\""));
         let disposition = attachment.map(|value| [(header::CONTENT_DISPOSITION, value)]);
@@ -170,9 +178,34 @@ impl File {
             }
         };
         let content_length = [(header::CONTENT_LENGTH, (part.end - part.start).to_string())];
+        let content_digest = self.content_digest(method, &part);
+        let content_digest =
+            content_digest.map(|digest| [(HeaderName::from_static("content-digest"), sha_256(digest))]);
         let body = self.contents.body(self.digest, part);
-        Ok((status, validators, representation, disposition, content_range, content_length, body).into_response())
+        let response =
+            (status, validators, representation, disposition, content_range, content_digest, content_length, body);
+        Ok(response.into_response())
     }
+
+    /// The digest of the bytes that an answer carries [RFC 9530, section 2]. An answer to `HEAD` carries none, and a part of
+    /// a long file is not in memory to be hashed.
+    fn content_digest(&self, method: &Method, part: &Range<u64>) -> Option<Digest> {
+        if method == Method::HEAD {
+            return None;
+        }
+        match &self.contents {
+            _ if *part == (0..self.contents.length()) => Some(self.digest),
+            Contents::Memory(bytes) if part.end - part.start <= SHORT_BYTES => {
+                Some(Digest::of(&bytes[part.start as usize..part.end as usize]))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// A digest as the fields `Repr-Digest` and `Content-Digest` have it.
+fn sha_256(digest: Digest) -> String {
+    format!("sha-256=:{}:", STANDARD.encode(digest.as_bytes()))
 }
 
 /// The range that a `Range` field asks for in a file of `length` bytes. `None` if it is not a single valid byte range:
@@ -221,7 +254,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn the_whole_file_carries_its_hash_three_times() {
+    async fn the_whole_file_carries_its_hash_in_each_form() {
         let response = get(&[]);
         assert_eq!(response.status(), 200);
         let digest = Digest::of(FILE);
@@ -229,6 +262,7 @@ mod tests {
         assert_eq!(headers[header::ETAG], format!("\"{digest}\""));
         // `printf 0123456789 | openssl dgst -sha256 -binary | base64`
         assert_eq!(headers["repr-digest"], "sha-256=:hNiYd/DUBB77a/kaFvAkjy/Vc+avBcGflr7bn4gveII=:");
+        assert_eq!(headers["content-digest"], headers["repr-digest"]);
         assert_eq!(headers[header::CONTENT_DISPOSITION], "attachment; filename=\"ltc.ktx2\"");
         assert_eq!(
             (&headers[header::CONTENT_TYPE], &headers[header::CACHE_CONTROL]),
@@ -265,7 +299,11 @@ mod tests {
         let response = get(&[(header::RANGE, "bytes=2-4")]);
         assert_eq!(response.status(), 206);
         assert_eq!(response.headers()[header::CONTENT_RANGE], "bytes 2-4/10");
+        // `printf 234 | openssl dgst -sha256 -binary | base64`
+        assert_eq!(response.headers()["content-digest"], "sha-256=:EUvRUfj7DFhkLSFw2krn18V5dyYKwsyJBTBsq2sqyrw=:");
+        assert_eq!(response.headers()["repr-digest"], get(&[]).headers()["repr-digest"]);
         assert_eq!(body(response).await, "234");
+        assert!(!request(&Method::HEAD, &[]).headers().contains_key("content-digest"), "it carries no content");
 
         let response = get(&[(header::RANGE, "bytes=10-")]);
         assert_eq!(response.status(), 416);

@@ -19,6 +19,7 @@ mod operations;
 mod origin_policy;
 mod page;
 mod pictures;
+mod plans;
 mod problem;
 mod recipes;
 mod routes;

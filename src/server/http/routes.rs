@@ -10,9 +10,10 @@ use axum::{
 };
 
 use super::{
-    api::Api, brdfs, events, exports, jobs, kind::ProblemKind, operations, page, pictures, problem::Problem, recipes,
-    tables,
+    api::Api, brdfs, events, exports, jobs, kind::ProblemKind, operations, page, pictures, plans, problem::Problem,
+    recipes, tables,
 };
+use crate::service::SCENE_LIMIT_BYTES;
 use ltcforge_files::tabulated::TABULATED_LIMIT_BYTES;
 
 /// One call of the interface. A `GET` route also answers `HEAD`; `HEAD` is listed where clients depend on it.
@@ -54,6 +55,9 @@ pub static ROUTES: &[Route] = &[
     route(Method::GET, "/v1/brdfs/{digest}", |on| on.get(brdfs::download)),
     route(Method::HEAD, "/v1/brdfs/{digest}", |on| on.head(brdfs::download)),
     route(Method::DELETE, "/v1/brdfs/{digest}", |on| on.delete(brdfs::delete)),
+    route(Method::POST, "/v1/plans", |on| {
+        on.post(plans::plan.layer(DefaultBodyLimit::max(SCENE_LIMIT_BYTES as usize)))
+    }),
     route(Method::POST, "/v1/recipes", |on| on.post(recipes::foresee)),
     route(Method::GET, "/v1/recipes/{digest}", |on| on.get(recipes::show)),
     route(Method::GET, "/healthz", |on| on.get(operations::healthz)),

@@ -27,7 +27,7 @@ impl Service {
         self.state.tables.read(digest)
     }
 
-    /// A file checked against its digest, of which a long one is read and not kept.
+    /// A file checked against its digest, now or before it last changed, of which a long one is read and not kept.
     ///
     /// # Errors
     /// As [`Self::table`].
@@ -35,12 +35,20 @@ impl Service {
         self.state.tables.checked(kind, digest)
     }
 
-    /// The length of a file, which is not read.
+    /// As [`Self::checked`], but only what is known without reading a byte of the file; `None` otherwise. Alone of all
+    /// methods it does not block: it takes one look at the file's metadata, some microseconds.
+    #[must_use]
+    pub fn known(&self, kind: FileKind, digest: Digest) -> Option<Checked> {
+        self.state.tables.known(kind, digest)
+    }
+
+    /// A file of which less than all is asked for: checked as by [`Self::checked`] in a data folder, and by its length alone
+    /// in a store elsewhere.
     ///
     /// # Errors
-    /// When the store fails.
-    pub fn length(&self, kind: FileKind, digest: Digest) -> Result<Option<u64>, ServiceError> {
-        Ok(self.state.tables.length(kind, digest)?)
+    /// As [`Self::table`].
+    pub fn glance(&self, kind: FileKind, digest: Digest) -> Result<Option<Checked>, ServiceError> {
+        self.state.tables.glance(kind, digest)
     }
 
     /// At most `length` bytes of a stored file, from the byte `from` on, not checked against its digest.
@@ -58,7 +66,7 @@ impl Service {
     /// As [`Self::table`]: the manifest of a damaged table is not served.
     pub fn manifest(&self, digest: Digest) -> Result<Option<String>, ServiceError> {
         let state = &self.state;
-        // The blob is hashed as for the table itself: a damaged table has no manifest.
+        // The blob is checked as for the table itself: a damaged table has no manifest.
         if let Some(text) = state.tables.stored_manifest(digest)? {
             return Ok(self.checked(FileKind::Table, digest)?.map(|_| text));
         }

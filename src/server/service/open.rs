@@ -85,6 +85,10 @@ impl Service {
             config,
         });
         let service = Self { state, threads: Mutex::default() };
+        if service.state.tables.store.blobs.remembers() {
+            let scrub = service.spawn("scrub".to_owned(), ServiceState::scrub);
+            scrub.map_err(|error| refusal(&service.state.config, StoreOpenError::Unusable(error)))?;
+        }
         if works {
             service.start_workers().map_err(|error| refusal(&service.state.config, StoreOpenError::Unusable(error)))?;
         }

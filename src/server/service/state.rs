@@ -73,6 +73,8 @@ impl Service {
         // Once they have ended, the folder may be opened again at once.
         let mut threads = self.threads.lock().unwrap_or_else(PoisonError::into_inner);
         for thread in threads.drain(..) {
+            // The scrub waits parked.
+            thread.thread().unpark();
             if thread.join().is_err() {
                 tracing::error!("a thread of the service panicked");
             }

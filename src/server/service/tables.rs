@@ -1,4 +1,4 @@
-//! The stored tables: their files, which are hashed on every read, and the catalogue.
+//! The stored tables: their files, which are hashed when they are first read and once they changed, and the catalogue.
 
 use std::{
     collections::BTreeSet,
@@ -7,6 +7,8 @@ use std::{
         atomic::{AtomicU64, Ordering},
     },
 };
+
+use quick_cache::sync::Cache;
 
 use super::{ServiceError, reconcile::unless_full};
 use crate::store::{Catalogue, Checked, Store, StoreError};
@@ -26,20 +28,30 @@ pub enum FileKind {
 }
 
 impl FileKind {
+    /// The kind of a file that begins so.
+    fn of(start: &[u8]) -> Self {
+        if is_tabulated(start) { Self::Brdf } else { Self::Table }
+    }
+
     /// Whether a file that begins so is of this kind.
     fn begins(self, start: &[u8]) -> bool {
-        is_tabulated(start) == (self == Self::Brdf)
+        Self::of(start) == self
     }
 }
 
 /// The bytes at the start of a file that tell a tabulated BRDF from a table.
 const START: usize = 8 + TABULATED_HEADER_LIMIT_BYTES as usize;
 
+/// Files whose kinds are remembered.
+const KINDS: usize = 1 << 16;
+
 /// The store and its catalogue.
 #[derive(Debug)]
 pub(super) struct Tables {
     pub(super) store: Store,
     pub(super) catalogue: Catalogue,
+    /// The kinds of files that were read. A kind follows from the bytes, and so from the digest.
+    kinds: Cache<Digest, FileKind>,
     /// Blobs found damaged or missing so far.
     damaged: AtomicU64,
     /// Tables whose file was missing when it was last asked for.
@@ -49,7 +61,7 @@ pub(super) struct Tables {
 impl Tables {
     pub(super) fn new(store: Store) -> Self {
         let catalogue = Catalogue::new(Arc::clone(&store.rows));
-        Self { store, catalogue, damaged: AtomicU64::new(0), missing: Mutex::default() }
+        Self { store, catalogue, kinds: Cache::new(KINDS), damaged: AtomicU64::new(0), missing: Mutex::default() }
     }
 
     /// Whether there is a file with this digest. Its bytes are not read.
@@ -67,19 +79,45 @@ impl Tables {
         Ok(bytes.filter(|bytes| FileKind::Table.begins(bytes)).map(Arc::new))
     }
 
-    /// As [`Self::read`], of any kind of file, but a long one is not kept in memory.
+    /// As [`Self::read`], of any kind of file, but a long one is not kept in memory, and one that was checked before and has
+    /// not changed since is not hashed again.
     pub(super) fn checked(&self, kind: FileKind, digest: Digest) -> Result<Option<Checked>, ServiceError> {
         let checked = self.told(digest, self.store.blobs.checked(digest))?;
-        let is_one = match &checked {
-            Some(Checked::Bytes(bytes)) => kind.begins(bytes),
-            Some(Checked::Long(_)) => self.length(kind, digest)?.is_some(),
-            None => false,
+        let actual = match &checked {
+            Some(Checked::Bytes(bytes)) => Some(FileKind::of(bytes)),
+            Some(Checked::Long(_)) => match self.kinds.get(&digest) {
+                Some(kind) => Some(kind),
+                None => self.store.blobs.part(digest, 0, START)?.map(|start| FileKind::of(&start)),
+            },
+            None => None,
         };
-        Ok(checked.filter(|_| is_one))
+        if let Some(actual) = actual {
+            self.kinds.insert(digest, actual);
+        }
+        Ok(checked.filter(|_| actual == Some(kind)))
+    }
+
+    /// As [`Self::checked`], but only what is known without reading a byte of the file; `None` otherwise.
+    pub(super) fn known(&self, kind: FileKind, digest: Digest) -> Option<Checked> {
+        self.kinds.get(&digest).filter(|known| *known == kind)?;
+        self.store.blobs.known(digest)
+    }
+
+    /// What a request for less than the whole file needs of it. A storage that hashes a file once does so now; of another
+    /// one only the length is asked.
+    pub(super) fn glance(&self, kind: FileKind, digest: Digest) -> Result<Option<Checked>, ServiceError> {
+        if self.store.blobs.remembers() {
+            return self.checked(kind, digest);
+        }
+        Ok(self.length(kind, digest)?.map(Checked::Long))
     }
 
     /// What was read of a blob; notes that it is there, missing or damaged.
-    fn told<T>(&self, digest: Digest, read: Result<Option<T>, StoreError>) -> Result<Option<T>, ServiceError> {
+    pub(super) fn told<T>(
+        &self,
+        digest: Digest,
+        read: Result<Option<T>, StoreError>,
+    ) -> Result<Option<T>, ServiceError> {
         match read {
             Ok(Some(read)) => {
                 self.missing().remove(&digest);

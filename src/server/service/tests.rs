@@ -3,6 +3,7 @@
 mod exports;
 mod fake_backend;
 mod reconciled;
+mod scrub;
 mod storage;
 
 use std::{num::NonZeroUsize, path::Path, sync::Arc, time::Duration};

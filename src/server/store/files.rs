@@ -10,6 +10,7 @@ use std::{
 use rustix::fs::OFlags;
 
 use super::StoreError;
+use ltcforge_files::digest::{Digest, Hasher};
 pub(super) use ltcforge_files::replace::sync_folder;
 use ltcforge_files::replace::{TEMPORARY_PREFIX, replace_file};
 
@@ -95,11 +96,38 @@ pub(super) fn read_part(path: &Path, from: u64, length: usize) -> io::Result<Vec
 
 /// The length of a regular file.
 pub(super) fn regular_length(path: &Path) -> io::Result<u64> {
+    regular_metadata(path).map(|metadata| metadata.len())
+}
+
+/// What the system tells of a regular file.
+pub(super) fn regular_metadata(path: &Path) -> io::Result<fs::Metadata> {
     let metadata = path.symlink_metadata()?;
     if !metadata.is_file() {
         return Err(io::Error::new(io::ErrorKind::InvalidData, "it is not a regular file"));
     }
-    Ok(metadata.len())
+    Ok(metadata)
+}
+
+/// The digest of a file as the disk has it, and not the system's copy in memory, where it can be told so; `None` if
+/// `go_on`, which gets the bytes of each part, says no.
+pub(super) fn digest_from_disk(mut file: fs::File, go_on: &mut dyn FnMut(usize) -> bool) -> io::Result<Option<Digest>> {
+    // Advice, which a file system may ignore.
+    #[cfg(target_os = "linux")]
+    let _ = rustix::fs::fadvise(&file, 0, None, rustix::fs::Advice::DontNeed);
+    let (mut hasher, mut part) = (Hasher::default(), vec![0; 1 << 18]);
+    loop {
+        match file.read(&mut part) {
+            Ok(0) => return Ok(Some(hasher.digest())),
+            Ok(read) => {
+                hasher.update(&part[..read]);
+                if !go_on(read) {
+                    return Ok(None);
+                }
+            }
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
 }
 
 /// A regular file, opened to be read.

@@ -19,6 +19,7 @@ mod certificates;
 mod damage;
 mod dry_run;
 mod error;
+mod file_blobs;
 mod files;
 mod journal;
 mod local_rows;
@@ -32,15 +33,17 @@ mod sled_rows;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod verified;
 
 #[cfg(test)]
 pub(crate) use files::copy_folder;
 
-pub use blob::{BlobInfo, Blobs, Checked, FileBlobs, SHORT_BYTES};
+pub use blob::{BlobInfo, Blobs, Checked, SHORT_BYTES};
 pub use catalogue::{Catalogue, ManifestRow, TableRow, age_key};
 pub use damage::Damage;
 pub use dry_run::DryRun;
 pub use error::StoreError;
+pub use file_blobs::FileBlobs;
 pub use objects::{Access, ObjectBlobs, ObjectsOpenError};
 pub use open::{ReopenCheck, Store, StoreOpenError};
 pub use pair::{PairError, pair};

@@ -4,7 +4,7 @@ use std::{
     collections::HashMap,
     fs,
     path::Path as FilePath,
-    sync::{Mutex, PoisonError},
+    sync::{Arc, Mutex, PoisonError},
     time::{Duration, Instant},
 };
 
@@ -220,7 +220,7 @@ impl Blobs for ObjectBlobs {
         let is_cached = || self.cache.file(digest).is_some();
         Ok(fetched.map(|bytes| match bytes.len() as u64 {
             length if length > SHORT_BYTES && is_cached() => Checked::Long(length),
-            _ => Checked::Bytes(bytes),
+            _ => Checked::Bytes(Arc::new(bytes)),
         }))
     }
 

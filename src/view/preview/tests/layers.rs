@@ -2,8 +2,11 @@
 
 use super::tell_skipped;
 use crate::preview::gpu::{GpuFailure, tests::example};
-use ltcforge_fit::math::direction;
-use ltcforge_light::layers::{coated, fuzzed};
+use ltcforge_fit::{brdf::edge_of_parts, math::direction};
+use ltcforge_light::{
+    ReflectedLight,
+    layers::{coated, fuzzed},
+};
 use ltcforge_shaders::{FUZZ_CASES, fuzz_values, joined};
 
 /// A program that calls them on one case: roughness and view, then five numbers of layers.
@@ -16,16 +19,16 @@ fn layers_example() {
     let fuzz = layers_fuzz(layers_case[0].w, layers_case[0].xyz);
     let part = layers_case[1];
     let weight = layers_case[2].x;
-    let coat = layers_coated(vec3(part.x), part.y, part.z, weight, vec3(part.w));
+    let coat = layers_coated(vec3(part.x), vec3(part.y), part.z, weight, vec3(part.w));
     let all = layers_fuzzed(coat, vec3(part.y), part.z, weight);
     layers_result = mat4x4<f32>(vec4(fuzz.inverse[0], fuzz.albedo), vec4(fuzz.inverse[1], coat.x),
-        vec4(fuzz.inverse[2], all.x), vec4(layers_albedo(part.x, part.y, part.z), 0.0, 0.0, 0.0));
+        vec4(fuzz.inverse[2], all.x), vec4(layers_albedo(part.x, part.y, part.z), layers_metal(part.xy, vec3(part.z), vec3(part.w)).x, 0.0, 0.0));
 }
 ";
 
 #[test]
 fn the_shader_of_layers_is_its_twin() {
-    let layers = [[0.6, 0.2, 0.3, 0.8], [0.1, 0.7, 0.9, 1.0], [1.0, 0.0, 0.0, 0.2], [0.4, 0.3, 0.5, 0.5]];
+    let layers = [[0.6, 0.2, 0.3, 0.8], [0.9, 0.7, 0.9, 0.1], [1.0, 0.0, 0.0, 0.2], [0.4, 0.3, 0.5, 0.5]];
     let cases: Vec<[f32; 16]> = FUZZ_CASES
         .iter()
         .zip(layers)
@@ -49,7 +52,9 @@ fn the_shader_of_layers_is_its_twin() {
         let below = coated(base, coat, part, weight, transmittance);
         let all = fuzzed(below, coat, part, weight);
         let of_terms = part * (base - coat) + coat;
-        let wanted = [a0, a1, a2, albedo, b0, b1, b2, below, c0, c1, c2, all, of_terms];
+        let light = ReflectedLight { energy: base, fresnel: coat };
+        let metal = light.metal(edge_of_parts([base, coat]), [part, 1.0], transmittance);
+        let wanted = [a0, a1, a2, albedo, b0, b1, b2, below, c0, c1, c2, all, of_terms, metal];
         for (i, (found, wanted)) in found.into_iter().zip(wanted).enumerate() {
             assert!((f64::from(found) - wanted).abs() < 1e-5, "{case:?} {i}: {found}, not {wanted}");
         }
