@@ -12,6 +12,9 @@ import { PICTURES, SMALL, withWorld } from './world.js';
 const AXE = await readFile( createRequire( import.meta.url ).resolve( 'axe-core/axe.min.js' ), 'utf8' );
 const WIDTHS = [ 360, 1280, 2560 ];
 
+/** What each page shows once its answers are there. */
+const READY = { tables: '.picture img[src]', table: '.plots img[src]', jobs: '.state', job: '.state', new: 'aside dd', faults: '.bad', compare: '.best', viewer: '.facts', nowhere: '.notice' };
+
 /** A proxy that has the service below a path, as an operator may. It keeps `Host`, by which the service knows its own pages. */
 async function below( prefix, service ) {
 
@@ -41,7 +44,7 @@ await withWorld( async ( { service, open } ) => {
 	for ( const recipe of recipes ) digests.push( await service.fit( recipe ) );
 	const { items } = await service.call( '/v1/jobs' );
 	const bad = JSON.stringify( { preset: 'draft', fit: { samples: 3 } } );
-	const pages = { tables: 'tables', table: `tables/${ digests[ 0 ] }`, jobs: 'jobs', job: `jobs/${ items[ 0 ].id }`, new: 'new', faults: `new?${ new URLSearchParams( { recipe: bad } ) }`, compare: `compare?tables=${ digests.slice( 0, 3 ) }`, nowhere: 'nowhere' };
+	const pages = { tables: 'tables', table: `tables/${ digests[ 0 ] }`, jobs: 'jobs', job: `jobs/${ items[ 0 ].id }`, new: 'new', faults: `new?${ new URLSearchParams( { recipe: bad } ) }`, compare: `compare?tables=${ digests.slice( 0, 3 ) }`, viewer: `viewer?table=${ digests[ 0 ] }${ PICTURES ? '' : '&show=model' }`, nowhere: 'nowhere' };
 	const violations = [];
 	const wide = [];
 	let looked = 0;
@@ -52,7 +55,10 @@ await withWorld( async ( { service, open } ) => {
 
 			await page.evaluate( ( hash ) => location.hash = `#/${ hash }`, hash );
 			await page.locator( `.page-${ hash.split( /[/?]/ )[ 0 ] } h1` ).waitFor();
-			await page.waitForLoadState( 'networkidle' );
+			// All is there: the answers, the pictures, and in the viewer a whole reference where pictures are drawn.
+			await page.locator( READY[ name ] ).first().waitFor();
+			await page.waitForFunction( ( samples ) => [ ...document.images ].every( ( { src, complete } ) => src && complete )
+				&& [ ...document.querySelectorAll( 'canvas' ) ].every( ( { dataset } ) => Number( dataset.samples ) >= samples ), PICTURES ? 1024 : 0 );
 			const at = `${ name }, ${ width }, ${ colorScheme }`;
 			if ( await page.evaluate( () => document.documentElement.scrollWidth > window.innerWidth ) ) wide.push( at );
 			looked ++;

@@ -49,6 +49,26 @@ fn an_open_page_outlives_a_restart_of_the_service() {
     assert_eq!(seen["others"], json!([]), "{seen:#}");
 }
 
+/// The most by which a byte of the viewer's pixels is off those of previews: the drivers' own arithmetic.
+const OFF: f64 = 2.0;
+
+/// The most by which the viewer's reference is off that of previews, as a part of all light.
+const REFERENCE_OFF: f64 = 0.01;
+
+#[test]
+fn the_viewer_draws_what_previews_show_and_its_link_holds_all() {
+    let Some(seen) = script("viewer.js", &[]) else { return };
+    for scene in ["normals", "floor", "reflected", "round"] {
+        let [off, bright] = ["off", "bright"].map(|of| seen[of][scene].as_f64().expect("a number"));
+        assert!(off <= OFF, "{scene}: {seen:#}");
+        assert!(bright > 40.0, "{scene}: nothing is seen: {seen:#}");
+    }
+    let reference = seen["reference"].as_f64().expect("a number");
+    assert!(reference.abs() < REFERENCE_OFF, "{seen:#}");
+    assert_eq!(seen["kept"], true, "{seen:#}");
+    assert!(seen["refused"].as_str().is_some_and(|reason| reason.contains("charlie")), "{seen:#}");
+}
+
 #[test]
 fn looks_right_to_everyone_at_every_width_and_below_a_prefix() {
     let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/page");
@@ -61,6 +81,6 @@ fn looks_right_to_everyone_at_every_width_and_below_a_prefix() {
     };
     let Some(seen) = script("looks.js", args) else { return };
     assert_eq!((&seen["violations"], &seen["wide"]), (&json!([]), &json!([])), "{seen:#}");
-    assert_eq!(seen["looked"], 48, "eight pages, three widths, two themes");
+    assert_eq!(seen["looked"], 54, "nine pages, three widths, two themes");
     assert_eq!(seen["behind"], json!({ "link": "/tools/ltc/v1/tables/s", "status": 200 }));
 }

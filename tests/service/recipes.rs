@@ -17,9 +17,14 @@ fn a_recipe_is_foreseen_as_it_is_submitted() {
     assert_eq!((before["entries"].as_u64(), before["table"].is_null()), (Some(16), true), "{before:#}");
     assert_eq!(server.get("/v1/jobs").json()["items"], serde_json::json!([]), "nothing is begun");
     let job = server.submit(SMALL).with_status(202).json();
-    for same in ["recipe", "recipe_digest", "expected"] {
-        assert_eq!(before[same], job[same], "{same}");
+    for same in ["/recipe", "/recipe_digest", "/expected/error"] {
+        assert!(
+            before.pointer(same).is_some_and(|value| Some(value) == job.pointer(same)),
+            "{same}: {before:#} {job:#}"
+        );
     }
+    // The worker may have measured its speed before the job is shown.
+    assert!(before["expected"]["seconds"].as_f64().is_some_and(|seconds| seconds > 0.0), "{before:#}");
     let done = server.finished(text(&job["id"]));
     assert_eq!(foresee(SMALL)["table"], done["table"]);
 }

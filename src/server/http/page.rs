@@ -1,4 +1,4 @@
-//! The page at `/`: files of `src/server/page`, which are part of the binary.
+//! The page at `/`: files of `src/server/page`, which are part of the binary, and the shaders' texts that its viewer includes.
 //!
 //! Invariant: the page calls nothing but the routes of this service, by relative addresses, so that it works behind a path
 //! prefix; it loads no script, style or font from elsewhere and has none inline.
@@ -19,6 +19,10 @@ use super::{
     problem::Problem,
 };
 use ltcforge_files::digest::Digest;
+use ltcforge_fit::Layout;
+use ltcforge_light::LightModel;
+use ltcforge_shaders::{Language, Lights, LitBy, Namespace, Reading};
+use ltcforge_translate::include;
 
 /// Other versions of the program serve other bytes at the same addresses.
 const REVALIDATE: &str = "no-cache";
@@ -50,6 +54,7 @@ macro_rules! page_files {
 page_files![
     "api.js",
     "compare.js",
+    "device.js",
     "dom.js",
     "downloads.js",
     "fields.js",
@@ -63,11 +68,31 @@ page_files![
     "main.js",
     "new.js",
     "pictures.js",
+    "progress.js",
     "report.js",
+    "scene.js",
+    "shading.js",
     "style.css",
     "table.js",
     "tables.js",
+    "viewer.js",
 ];
+
+/// The name of a text for WebGL 2 after which the viewer asks: `normals.glsl`, or that of a table's layout.
+fn shader(name: &str) -> Option<LitBy> {
+    let name = name.strip_suffix(".glsl")?;
+    if name == "normals" {
+        return LitBy::new(LightModel::Normals, None).ok();
+    }
+    let layout = name.strip_prefix("ltc-")?;
+    Layout::ALL.iter().find(|known| known.name() == layout).map(|known| LitBy::from(*known))
+}
+
+/// The text to include that `ltcforge shader --language glsl-es --lights polygons` writes.
+fn shader_file(name: &'static str, lit_by: LitBy) -> Result<PageFile, Problem> {
+    let text = include(Language::GlslEs, lit_by, Reading::default(), Lights::Polygons, &Namespace::default());
+    text.map(|text| PageFile::new(name, text.as_bytes())).map_err(|error| error::internal(&error))
+}
 
 /// `GET /`.
 pub(super) async fn index(_: QueryOf<NoParameters>, method: Method, headers: HeaderMap) -> Result<Response, Problem> {
@@ -85,13 +110,17 @@ pub(super) async fn file(
 }
 
 fn respond(name: &str, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
-    let found = FILES.iter().find(|file| file.name == name).ok_or_else(|| {
-        Problem::new(ProblemKind::NoSuchPath, format!("the page has no file «{name}»; /openapi.yaml lists all paths"))
-    })?;
+    let made: PageFile;
+    let found = if let Some(found) = FILES.iter().find(|file| file.name == name) {
+        found
+    } else {
+        made = shader_file("shader.glsl", shader(name).ok_or_else(|| no_file(name))?)?;
+        &made
+    };
     let file = File {
         digest: found.digest,
         contents: Contents::Memory(Arc::clone(&found.bytes)),
-        media_type: media_type(name).ok_or_else(|| error::internal(&format!("{name} has no media type")))?,
+        media_type: media_type(found.name).ok_or_else(|| error::internal(&format!("{name} has no media type")))?,
         caching: REVALIDATE,
         name: None,
     };
@@ -106,12 +135,17 @@ fn respond(name: &str, method: &Method, headers: &HeaderMap) -> Result<Response,
     Ok(response)
 }
 
+fn no_file(name: &str) -> Problem {
+    Problem::new(ProblemKind::NoSuchPath, format!("the page has no file «{name}»; /openapi.yaml lists all paths"))
+}
+
 fn media_type(name: &str) -> Option<&'static str> {
     match name.rsplit_once('.')?.1 {
         "html" => Some("text/html; charset=utf-8"),
         "css" => Some("text/css; charset=utf-8"),
         "js" => Some("text/javascript; charset=utf-8"),
         "svg" => Some("image/svg+xml"),
+        "glsl" => Some("text/plain; charset=utf-8"),
         _ => None,
     }
 }
@@ -132,6 +166,16 @@ mod tests {
         for file in FILES.iter() {
             assert!(media_type(file.name).is_some(), "{}", file.name);
         }
+    }
+
+    #[test]
+    fn there_is_a_shader_for_every_layout_and_for_none() {
+        let names = Layout::ALL.iter().map(|layout| format!("ltc-{}.glsl", layout.name()));
+        for name in names.chain(["normals.glsl".to_owned()]) {
+            let answer = respond(&name, &Method::GET, &HeaderMap::new()).expect(&name);
+            assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; charset=utf-8", "{name}");
+        }
+        assert!(shader("ltc-none.glsl").is_none() && shader("normals").is_none());
     }
 
     #[test]

@@ -4,7 +4,7 @@ import { call } from './api.js';
 import { el, facts, fill, notice } from './dom.js';
 import { follow, isActive } from './follow.js';
 import { json, percent, span, title } from './format.js';
-import { badge, bar, cancelButton } from './jobs.js';
+import { badge, bar, cancelButton } from './progress.js';
 
 export async function show( root, id, parameters, signal ) {
 

@@ -3,7 +3,8 @@
 import { call } from './api.js';
 import { el, fill, notice } from './dom.js';
 import { follow, isActive } from './follow.js';
-import { age, percent, span, title } from './format.js';
+import { age, title } from './format.js';
+import { badge, bar, cancelButton } from './progress.js';
 
 /** Jobs that are followed at the same time. Streams take connections, of which a browser has six; others are asked for. */
 const FOLLOWED = 2;
@@ -11,48 +12,6 @@ const FOLLOWED = 2;
 const [ BUSY, IDLE ] = [ 2000, 10_000 ];
 /** Jobs of a page of the list. */
 const PAGE = 50;
-
-/** The state of a job as a word with a mark, which does not rest on colour. */
-export function badge( state ) {
-
-	const marks = { queued: '○', running: '◐', done: '●', failed: '✕', cancelled: '–' };
-	return el( 'span', { class: `state ${ state }` }, el( 'span', { 'aria-hidden': 'true' }, marks[ state ] ), ` ${ state }` );
-
-}
-
-/** How far a job is. */
-export function bar( { progress: { entries_done, entries_total, seconds_left }, state } ) {
-
-	const left = state === 'running' && seconds_left !== null ? `${ span( seconds_left ) } left` : '';
-	return el( 'span', { class: 'progress' },
-		el( 'progress', { max: entries_total, value: entries_done, 'aria-label': 'Entries fitted' } ),
-		el( 'span', { class: 'number' }, percent( entries_done / entries_total, 0 ) ), el( 'span', { class: 'muted' }, left ) );
-
-}
-
-/** A button that cancels a job, and passes on the job as it is then. */
-export function cancelButton( id, onJob, onError ) {
-
-	const button = el( 'button', { type: 'button', class: 'quiet', onclick: cancel }, 'Cancel' );
-	async function cancel() {
-
-		button.disabled = true;
-		try {
-
-			onJob( await call( `/v1/jobs/${ id }`, { method: 'DELETE' } ) );
-
-		} catch ( error ) {
-
-			button.disabled = false;
-			onError( error );
-
-		}
-
-	}
-
-	return button;
-
-}
 
 /** How a job ended or what is expected of it, in a few words. */
 function outcome( job, onJob, onError ) {

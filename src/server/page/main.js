@@ -9,6 +9,7 @@ const PAGES = {
 	jobs: () => import( './jobs.js' ),
 	new: () => import( './new.js' ),
 	compare: () => import( './compare.js' ),
+	viewer: () => import( './viewer.js' ),
 };
 
 const main = document.getElementById( 'main' );
