@@ -98,7 +98,7 @@ fn header(args: &LightArgs) -> String {
     if args.truth { format!("{},{}", of(""), of("true_")) } else { of("") }
 }
 
-/// What is printed of a light.
+/// The numbers that are printed for a light.
 struct Printed {
     light: ReflectedLight,
     /// What the material of `--f0` reflects, a metal with `--f82`, with `--compensate` more; `None` without the option.

@@ -71,7 +71,7 @@ fn namespace(args: &ShaderArgs) -> Namespace {
     }
 }
 
-/// What the text has beside the functions of its model.
+/// The functions that the options add to the text.
 fn additions(args: &ShaderArgs) -> Additions {
     let AdditionArgs { cut, compensate } = args.additions;
     Additions { cut, compensate }

@@ -11,6 +11,7 @@ mod exports;
 mod foreign_texts;
 mod lights;
 mod lock_file;
+mod materials;
 mod outputs;
 mod pictures;
 mod plan;

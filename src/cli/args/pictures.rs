@@ -204,7 +204,7 @@ pub struct ShaderArgs {
     /// shorter [default: all]
     #[arg(long, value_parser = named(Lights::ALL, Lights::name))]
     pub lights: Option<Lights>,
-    /// What a text to include has beside the functions of its model
+    /// Functions to add to a text to include
     #[command(flatten)]
     pub additions: AdditionArgs,
     /// Beginning of all names in a text to include, in place of ltc, normals or gaussians, for two tables in one shader
@@ -238,7 +238,7 @@ pub struct ShaderArgs {
     pub out: Option<PathBuf>,
 }
 
-/// What a text to include has beside the functions of its model.
+/// Options that add functions to a text to include.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct AdditionArgs {
     /// Add functions, in a text of model ltc to include, by which nothing shines through from below the surface

@@ -84,7 +84,7 @@ fn fitted(context: &Context<'_>) -> Result<Shown, CommandFailure> {
     Ok(Shown { table, digest: Digest::of(&file), range: recipe.range })
 }
 
-/// What is chosen of the picture, or everything that is wrong with the choices, a line each.
+/// The choices for the picture, or every fault of them, a line each.
 fn choices(args: &PreviewArgs) -> Result<MaterialChoices, CommandFailure> {
     let chosen = &args.scene.choices;
     let mut faults = Vec::new();
