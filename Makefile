@@ -12,7 +12,7 @@ TEST_PACKAGES := spirv-tools glslang-tools cmake
 CLUSTER_PACKAGES := postgresql util-linux iproute2 nftables faketime
 # Debian has the modules that make a virtual environment apart from Python.
 PYTHON_PACKAGES = $(shell python3 -c 'import ensurepip, venv' 2>/dev/null || echo python3-venv)
-# What runs engines in a browser: WebGL by Mesa, and Node.js from wherever it came.
+# What runs engines and the page in a browser: WebGL by Mesa, and Node.js from wherever it came.
 BROWSER_PACKAGES = chromium-headless-shell libegl1 libgl1-mesa-dri \
 	$(shell command -v node >/dev/null || echo nodejs) $(shell command -v npm >/dev/null || echo npm)
 # A layer of Mesa's looks for a display to choose a device by, and complains where there is none.
@@ -62,6 +62,9 @@ browser:
 	@cd tests/engines && { [ node_modules/.package-lock.json -nt package-lock.json ] \
 		|| npm ci --ignore-scripts --no-audit --no-fund --fetch-retries=1; } \
 		|| echo '*** npm ci failed in tests/engines: the tests in real engines will be skipped' >&2
+	@cd tests/page && { [ node_modules/.package-lock.json -nt package-lock.json ] \
+		|| npm ci --ignore-scripts --no-audit --no-fund --fetch-retries=1; } \
+		|| echo '*** npm ci failed in tests/page: the tests of the page will be skipped' >&2
 
 # The PostgreSQL and the S3 server of the tests. Not every system has these packages, and not every machine reaches PyPI: the
 # tests that need them say then that they are skipped.

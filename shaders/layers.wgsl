@@ -2,7 +2,7 @@
 // not reflect of all light, so that no light is gained. For light by any model; fuzz is an LTC and needs no table.
 
 /// What a metal reflects by F82, its Fresnel factor in OpenPBR: tint is the part of Schlick's factor that is left at 82
-/// degrees. parts is the light by a model: for a Fresnel factor of one, and its part weighed by Schlick's fifth power; of a
+/// degrees, which may come out negative where f0 is dark and the tint low, as the formula has it. parts is the light by a model: for a Fresnel factor of one, and its part weighed by Schlick's fifth power; of a
 /// table amplitude and Fresnel term, each times the part that the light covers.
 fn layers_metal(parts: vec2<f32>, f0: vec3<f32>, tint: vec3<f32>) -> vec3<f32> {
     // The light weighed by x (1 - x)^6, of the incidence at which Schlick's power is the quotient of both.
@@ -48,7 +48,7 @@ fn layers_albedo(amplitude: f32, fresnel: f32, f0: f32) -> f32 {
 
 /// The light of a base under a coat that covers the part weight of it: base and coat are what each reflects by itself, albedo
 /// what the coat reflects of all light, transmittance its colour.
-fn layers_coated(base: vec3<f32>, coat: f32, albedo: f32, weight: f32, transmittance: vec3<f32>) -> vec3<f32> {
+fn layers_coated(base: vec3<f32>, coat: vec3<f32>, albedo: f32, weight: f32, transmittance: vec3<f32>) -> vec3<f32> {
     return weight * coat + mix(vec3(1.0), (1.0 - albedo) * transmittance, vec3(weight)) * base;
 }
 

@@ -78,16 +78,24 @@ fn ltc_clip_begin(vertex: vec3<f32>) -> LtcClip {
 }
 
 fn ltc_clip_edge(clip: LtcClip, b: vec3<f32>) -> LtcClip {
-    var next = clip;
-    let a = clip.previous;
-    next.previous = b;
-    next.previous_unit = ltc_unit(b);
     if (LTC_CHEAP_HORIZON) {
+        var next = clip;
+        next.previous = b;
+        next.previous_unit = ltc_unit(b);
         let c = cross(clip.previous_unit, next.previous_unit);
         next.flux += c + c * ltc_bend(clip.previous_unit, next.previous_unit);
         next.ahead += next.previous_unit;
         return next;
     }
+    return ltc_clip_exact_edge(clip, b);
+}
+
+/// The same whatever LTC_CHEAP_HORIZON says.
+fn ltc_clip_exact_edge(clip: LtcClip, b: vec3<f32>) -> LtcClip {
+    var next = clip;
+    let a = clip.previous;
+    next.previous = b;
+    next.previous_unit = ltc_unit(b);
     var from_point = clip.previous_unit;
     var to_point = next.previous_unit;
     if (a.z > 0.0 && b.z <= 0.0) {
@@ -115,6 +123,11 @@ fn ltc_clip_finish(clip: LtcClip, side: f32, two_sided: bool) -> f32 {
         let seen = clamp((length * length + up) / (length + 1.0), 0.0, 1.0);
         return select(0.0, seen, is_lit || (two_sided && side != 0.0));
     }
+    return ltc_clip_exact_finish(clip, side, two_sided);
+}
+
+/// The same whatever LTC_CHEAP_HORIZON says.
+fn ltc_clip_exact_finish(clip: LtcClip, side: f32, two_sided: bool) -> f32 {
     let is_cut = any(clip.leaves != clip.enters);
     let closing = select(0.0, ltc_chord(clip.leaves, clip.enters, clip.origin) + ltc_arc(clip.leaves, clip.enters), is_cut);
     let sum = (clip.sum + closing) * 0.15915494 * side;

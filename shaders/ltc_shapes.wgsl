@@ -362,9 +362,9 @@ fn ltc_tube(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, radius: f32) 
     let right = (towards - sideways) * radius;
     let last = inverse.m * (start - right);
     var clip = ltc_clip_begin(last);
-    clip = ltc_clip_edge(clip, inverse.m * (end - right));
+    clip = ltc_clip_exact_edge(clip, inverse.m * (end - right));
     clip = ltc_clip_border(clip, ltc_sphere_cone(inverse, end, radius), inverse.m * (end - left));
-    clip = ltc_clip_edge(clip, inverse.m * (start - left));
+    clip = ltc_clip_exact_edge(clip, inverse.m * (start - left));
     clip = ltc_clip_border(clip, ltc_sphere_cone(inverse, start, radius), last);
-    return ltc_clip_finish(clip, 1.0, false);
+    return ltc_clip_exact_finish(clip, 1.0, false);
 }

@@ -19,7 +19,7 @@ use ltcforge_files::{
     digest::Digest,
     text::{other_form, without_mark},
 };
-use ltcforge_fit::{PerAxis, Recipe, Table};
+use ltcforge_fit::{BrdfKind, PerAxis, Recipe, Table, ggx_terms};
 
 /// The longest recipe that is read. The service takes 64 KiB.
 const RECIPE_LIMIT_BYTES: u64 = 1 << 20;
@@ -87,6 +87,19 @@ impl AnyTable {
             CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display()))
         })?;
         Ok(Self { path, digest: Digest::of(&bytes), table, origin: Origin::Range(range) })
+    }
+
+    /// The table with amplitude and Fresnel term of GGX itself in place of its own.
+    ///
+    /// # Errors
+    /// When it is of another scattering model.
+    pub(super) fn with_ggx_terms(mut self) -> Result<Self, CommandFailure> {
+        if self.table.brdf != BrdfKind::Ggx {
+            let message = format!("--ggx-terms are of brdf ggx, and the table is of brdf {}", self.table.brdf);
+            return Err(CommandFailure::new(Exit::Usage, message));
+        }
+        self.table.terms = Some(ggx_terms(self.table.layout, &self.table.axes));
+        Ok(self)
     }
 }
 

@@ -21,6 +21,7 @@ mod lookup;
 mod out_of_range;
 mod output;
 mod pins;
+mod plan;
 mod plot;
 mod points;
 mod preview;

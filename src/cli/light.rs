@@ -98,7 +98,7 @@ fn header(args: &LightArgs) -> String {
     if args.truth { format!("{},{}", of(""), of("true_")) } else { of("") }
 }
 
-/// What is printed of a light.
+/// The numbers that are printed for a light.
 struct Printed {
     light: ReflectedLight,
     /// What the material of `--f0` reflects, a metal with `--f82`, with `--compensate` more; `None` without the option.
@@ -141,6 +141,9 @@ fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
     }
     if args.truth {
         tabulated::check_complete(table, path)?;
+    }
+    if args.compensate && !table.brdf().follows_reflection() {
+        return usage(format!("{}: {}", path.display(), LightError::NoFacets(table.brdf())));
     }
     if args.blend && table.second_matrices().is_none() {
         return usage(format!("{}: {}", path.display(), LightError::OneLobe));

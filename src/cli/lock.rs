@@ -182,7 +182,7 @@ fn unknown(name: &str, path: &Path) -> CommandFailure {
 fn asked_pin(args: &LockArgs, pins: &mut Vec<Pin>, lock: &Path) -> Result<usize, CommandFailure> {
     let name = args.name.clone().unwrap_or_default();
     let index = pins.iter().position(|pin| pin.name == name);
-    if index.is_none() && args.table.is_none() && args.recipe.is_none() {
+    if index.is_none() && args.table.is_none() && args.recipe().is_none() {
         return Err(unknown(&name, lock));
     }
     let index = index.unwrap_or_else(|| {
@@ -251,7 +251,7 @@ impl Locking<'_, '_> {
 
     /// The table to pin.
     fn find(&self, pin: &Pin) -> Result<Found, CommandFailure> {
-        match (&self.args.table, &self.args.recipe) {
+        match (&self.args.table, &self.args.recipe()) {
             (Some(table), _) => self.named(table, pin),
             (None, Some(recipe)) => self.fitted(recipe, pin),
             (None, None) => self.pinned(pin),

@@ -24,8 +24,12 @@ pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> R
     let mut out = BufWriter::new(&mut *context.stdout);
     let mut out_of_range = OutOfRangeCount::default();
     if !json {
-        writeln!(out, "{}", header(table.second_matrices().is_some()))
-            .map_err(|error| CommandFailure::stdout(&error))?;
+        writeln!(
+            out,
+            "{}",
+            header(table.second_matrices().is_some(), table.terms().is_some_and(|terms| terms.edge().is_some()))
+        )
+        .map_err(|error| CommandFailure::stdout(&error))?;
     }
     points.each(points::is_header, |line| {
         let Some(point) = points::parse(line).map_err(LineFailure::Line)? else { return Ok(()) };
@@ -44,14 +48,15 @@ pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> R
     Ok(Exit::Ok)
 }
 
-/// The columns; those of a second lobe come last.
-fn header(has_second: bool) -> String {
+/// The columns; those of a second lobe and the term of F82 come last.
+fn header(has_second: bool, has_edge: bool) -> String {
     let matrix = |name: &'static str| (0..9).map(move |i| format!("{name}{}{}", i / 3, i % 3));
     let terms = ["amplitude", "fresnel"].map(str::to_owned);
     let second = has_second.then(|| matrix("second"));
     let columns =
         COLUMNS.map(str::to_owned).into_iter().chain(matrix("m")).chain(terms).chain(second.into_iter().flatten());
-    columns.collect::<Vec<_>>().join(",")
+    let edge = has_edge.then(|| "edge".to_owned());
+    columns.chain(edge).collect::<Vec<_>>().join(",")
 }
 
 /// One line of CSV. Numbers are the shortest that read back as the same f64; terms that the table lacks are empty.
@@ -69,6 +74,9 @@ fn write_row(out: &mut dyn Write, point: &Point<'_>, found: &LookedUp) -> io::Re
     for element in found.second.iter().flatten() {
         write!(out, ",{element}")?;
     }
+    if let Some(edge) = found.edge {
+        write!(out, ",{edge}")?;
+    }
     writeln!(out)
 }
 
@@ -83,6 +91,9 @@ fn write_json(out: &mut dyn Write, point: &Point<'_>, found: &LookedUp, clamped:
     });
     if let Some(second) = found.second {
         line["second"] = json!(second);
+    }
+    if let Some(edge) = found.edge {
+        line["edge"] = json!(edge);
     }
     writeln!(out, "{line}")
 }
@@ -105,18 +116,21 @@ mod tests {
         assert_eq!(row(&found), "0.10,1,0,7,1,0,0.30000000000000004,0.00000000000000001,-2.5,0,0,0,1,0.1,0.25\n");
         let bare = LookedUp { amplitude: None, fresnel: None, ..found };
         assert!(row(&bare).ends_with(",1,,\n"), "{}", row(&bare));
-        assert_eq!(row(&bare).matches(',').count(), header(false).matches(',').count());
+        assert_eq!(row(&bare).matches(',').count(), header(false, false).matches(',').count());
         let two = row(&LookedUp { second: Some(matrix), ..bare });
-        assert_eq!(two.matches(',').count(), header(true).matches(',').count());
+        assert_eq!(two.matches(',').count(), header(true, false).matches(',').count());
+        let edged = row(&LookedUp { edge: Some(0.5), ..bare });
+        assert_eq!(edged.matches(',').count(), header(false, true).matches(',').count());
+        assert!(edged.ends_with(",,,0.5\n") && header(false, true).ends_with(",edge"), "{edged}");
         assert!(two.ends_with(",,,1,0,0.30000000000000004,0.00000000000000001,-2.5,0,0,0,1\n"), "{two}");
     }
 
     #[test]
     fn the_header_names_the_matrix_row_by_row() {
         let expected = "alpha_x,alpha_y,theta,phi,m00,m01,m02,m10,m11,m12,m20,m21,m22,amplitude,fresnel";
-        assert_eq!(header(false), expected);
+        assert_eq!(header(false, false), expected);
         assert!(
-            header(true)
+            header(true, false)
                 .ends_with("fresnel,second00,second01,second02,second10,second11,second12,second20,second21,second22")
         );
     }

@@ -1,38 +1,38 @@
 //! `preview`: surfaces lit by a table, as a picture.
 
+mod materials;
+
 use std::sync::Arc;
 
 use serde_json::json;
 
 use super::{CommandFailure, Context, Exit, args::PreviewArgs, input::AnyTable, output::OutputFile, print, shown};
-use ltcforge_fit::{BrdfKind, ggx_terms};
 use ltcforge_light::{LightError, LightModel};
 use ltcforge_view::preview::{Material, Preview, PreviewError, Rendered, ShaderTable};
 
 /// Renders a picture and writes it. Prints the adapter, materials outside the table, and the errors of modes that
 /// compare to standard error, or as JSON to standard output.
 pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    if args.scene.is_materials {
+        return materials::run(args, json, context);
+    }
     let out = OutputFile::check(&args.out)?;
-    let scene = args.scene.0.clone().into_scene();
+    let scene = args.scene.choices.clone().into_scene();
     let read = args.table.as_deref().map(|name| AnyTable::named(name, &args.folder)).transpose()?;
     if read.is_none() && scene.needs_table() {
         let needs = LightError::NeedsTable(LightModel::Ltc).to_string();
         return Err(CommandFailure::new(Exit::Usage, needs));
     }
-    if let Some(any) = &read
-        && args.ggx_terms
-        && any.table.brdf != BrdfKind::Ggx
-    {
-        let message = format!("--ggx-terms are of brdf ggx, and the table is of brdf {}", any.table.brdf);
+    let digest = read.as_ref().map(|any| any.digest);
+    let table = read.map(|any| if args.ggx_terms { any.with_ggx_terms() } else { Ok(any) }).transpose()?;
+    let table = table.map(|any| any.table);
+    if let Some(table) = table.as_ref().filter(|table| !table.layout().is_even(table.axes())) {
+        let message = format!(
+            "the preview's shader searches for no nodes, and those of the table's recipe are not evenly spaced as layout {} has them",
+            table.layout()
+        );
         return Err(CommandFailure::new(Exit::Usage, message));
     }
-    let digest = read.as_ref().map(|any| any.digest);
-    let table = read.map(|AnyTable { mut table, .. }| {
-        if args.ggx_terms {
-            table.terms = Some(ggx_terms(table.layout, &table.axes));
-        }
-        table
-    });
     let shader_table = match (&table, &digest) {
         (Some(table), Some(digest)) => ShaderTable::new(table, args.precision).labelled(&digest.hex()),
         _ => ShaderTable::none(),

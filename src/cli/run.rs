@@ -6,7 +6,7 @@ use serde_json::json;
 use super::{
     Cli, Command, CommandFailure, Context, Exit,
     config_file::{ConfigFile, DEFAULT_SERVER},
-    diff, export, fit, jobs, light, lock, lookup, plot, preview, print, pull, report, shader,
+    diff, export, fit, jobs, light, lock, lookup, plan, plot, preview, print, pull, report, shader,
     sources::Sources,
     tabulated, tradeoff, verify,
 };
@@ -37,6 +37,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
         Command::Preview(args) => preview::run(&args, json, context),
         Command::Plot(args) => plot::run(&args, json, context),
         Command::Tradeoff(args) => tradeoff::run(&args, json, context),
+        Command::Plan(args) => plan::run(&args, json, context),
         Command::Shader(args) => shader::run(&args, json, context),
         Command::Tabulate(args) => tabulated::run(&args, json, context),
         Command::Export(args) => export::run(&args, json, context),

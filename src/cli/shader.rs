@@ -71,7 +71,7 @@ fn namespace(args: &ShaderArgs) -> Namespace {
     }
 }
 
-/// What the text has beside the functions of its model.
+/// The functions that the options add to the text.
 fn additions(args: &ShaderArgs) -> Additions {
     let AdditionArgs { cut, compensate } = args.additions;
     Additions { cut, compensate }
@@ -205,6 +205,9 @@ fn layers(
         ("--rule", args.rule.is_some()),
         ("--layout", args.layout.is_some()),
         ("--lights", args.lights.is_some()),
+        ("--cut", args.additions.cut),
+        ("--compensate", args.additions.compensate),
+        ("--two-lobes", args.two_lobes),
         ("--hardware-filter", args.hardware_filter),
         ("--texture-array", args.texture_array),
         ("--prefix", args.prefix.is_some()),

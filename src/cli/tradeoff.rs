@@ -46,6 +46,11 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
         );
         return Err(CommandFailure::new(Exit::Usage, message));
     }
+    if !base.given().is_none() {
+        let message =
+            format!("{}: /nodes: the family varies how many nodes there are: leave the field out", name.display());
+        return Err(CommandFailure::new(Exit::Usage, message));
+    }
     check_output_folder(&args.out)?;
     let (threads, pool) = (args.threads.count().get(), args.threads.pool()?);
 

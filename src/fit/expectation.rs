@@ -55,6 +55,7 @@ mod tests {
         let nodes = |n: u32, [low, high]: [f64; 2]| if low < high { n } else { 1 };
         Recipe {
             fitter: FITTER_VERSION,
+            given: crate::GivenNodes::default(),
             brdf: BrdfKind::Ggx.into(),
             lobe: LobeModel::Ltc,
             layout,

@@ -16,6 +16,7 @@ mod between;
 mod cost;
 mod entry;
 mod expectation;
+mod given;
 mod layout;
 mod measure;
 mod metric;
@@ -40,6 +41,7 @@ pub use brdf::{
 pub use cost::fit_seconds;
 pub use entry::{FittedEntry, Fitter};
 pub use expectation::{Expectation, expectation};
+pub use given::GivenNodes;
 pub use layout::{
     ALPHA_FLOOR, FreeNumbers, Layout, LayoutShader, Precision, RATIO_FLOOR, Reflection, ShaderAxes, ShaderNumbers,
     ShaderPlace, THETA_CEILING,

@@ -7,6 +7,7 @@ use serde::{Serialize, Serializer};
 use super::{
     axes::PerAxis,
     brdf::{BrdfKind, BrdfModel},
+    given::GivenNodes,
     layout::{Layout, Precision},
     lobe::LobeModel,
     metric::Metric,
@@ -109,6 +110,11 @@ pub struct Recipe {
     /// Lowest and highest value on each axis.
     #[doc(hidden)]
     pub range: PerAxis<[f64; 2]>,
+    /// Nodes that are given one by one: range and resolution of their axes are their ends and their number. The canonical
+    /// form names them only where there are some, so that recipes keep their digests.
+    #[serde(rename = "nodes", skip_serializing_if = "GivenNodes::is_none")]
+    #[doc(hidden)]
+    pub given: GivenNodes,
     /// Fit settings.
     #[doc(hidden)]
     pub fit: FitSettings,
@@ -202,6 +208,12 @@ impl Recipe {
         self.range
     }
 
+    /// Nodes that are given one by one.
+    #[must_use]
+    pub fn given(&self) -> &GivenNodes {
+        &self.given
+    }
+
     /// How hard each entry is fitted.
     #[must_use]
     pub fn fit(&self) -> FitSettings {
@@ -235,7 +247,14 @@ impl Recipe {
     /// Ascending nodes of each axis of the table.
     #[must_use]
     pub fn nodes(&self) -> PerAxis<Vec<f64>> {
-        self.layout.nodes(&self.range, &self.resolution)
+        self.given.in_place_of(self.layout.nodes(&self.range, &self.resolution))
+    }
+
+    /// Numbers of an entry: those of one matrix or two, and the terms.
+    #[must_use]
+    pub fn entry_numbers(&self) -> u64 {
+        let matrices = if self.brdf.fresnel().second().is_some() { 2 } else { 1 };
+        9 * matrices + self.terms.count() as u64
     }
 
     /// Entries of the table: the product of the resolutions.

@@ -12,7 +12,7 @@ use super::{
 };
 
 /// Below this weight an entry's blend is not brought to its fitted lobe: it is the first lobe but for so little that the way
-/// there, divided by the weight, would be the noise of two fits.
+/// there, divided by the weight, would be the noise of two fits. From .02 to .2 the default table is as good within a fiftieth.
 const LEAST_WEIGHT: f64 = 0.05;
 /// The determinant that the second matrix has at least, as a part of the first one's. Between them no blend lies flat then.
 const LEAST_DETERMINANT: f64 = 1.0 / 16.0;

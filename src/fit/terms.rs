@@ -73,6 +73,7 @@ mod tests {
         for &layout in &[Layout::Reflected, Layout::Kt2022] {
             let plan = Plan::new(&Recipe {
                 fitter: FITTER_VERSION,
+                given: crate::GivenNodes::default(),
                 brdf: BrdfKind::Ggx.into(),
                 lobe: LobeModel::Ltc,
                 layout,

@@ -141,6 +141,11 @@ impl RecipeBuilder {
         self.set_in("range", axis, json!([low, high]))
     }
 
+    /// Nodes of an axis one by one, ascending, in place of its range and resolution.
+    pub fn nodes(self, axis: &str, nodes: &[f64]) -> Self {
+        self.set_in("nodes", axis, json!(nodes))
+    }
+
     /// Isotropic surfaces alone: ratio 1 and one phi.
     pub fn isotropic(self) -> Self {
         self.range("ratio", 1.0, 1.0).range("phi", 0.0, 0.0)

@@ -68,7 +68,7 @@ pub struct AnisotropicRoughness {
 }
 
 /// glTF's: `alpha_x = mix(r^2, 1, s^2)`, `alpha_y = r^2` for a roughness `r` and a strength `s`, both in [0, 1]; a rotation
-/// in radians [`KHR_materials_anisotropy`].
+/// in radians (`KHR_materials_anisotropy`).
 #[must_use]
 pub fn gltf(roughness_factor: f64, anisotropy_strength: f64, anisotropy_rotation: f64) -> AnisotropicRoughness {
     let (alpha_y, share) = (roughness_factor * roughness_factor, anisotropy_strength * anisotropy_strength);

@@ -179,7 +179,7 @@ impl Lighting<'_> {
     /// The light that a surface reflects.
     ///
     /// # Errors
-    /// Those of [`ClosedForm::reflected`] and [`by_table`].
+    /// Those of [`ClosedForm::reflected`] and [`by_table_as`].
     pub fn reflected<'a>(
         self,
         at: &Configuration,

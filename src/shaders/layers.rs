@@ -67,7 +67,7 @@ pub fn layers_source() -> String {
 @fragment
 fn ltc_included() -> @location(0) vec4<f32> {
     let fuzz = layers_fuzz(0.5, vec3(0.0, 0.0, 1.0));
-    let coated = layers_coated(fuzz.inverse[0], 0.1, layers_albedo(0.9, 0.1, 0.04), 0.5, vec3(1.0));
+    let coated = layers_coated(fuzz.inverse[0], vec3(0.1), layers_albedo(0.9, 0.1, 0.04), 0.5, vec3(1.0));
     let metal = layers_metal(vec2(0.5, 0.1), coated, coated);
     return vec4(layers_fuzzed(metal, coated, fuzz.albedo, 0.5), 1.0);
 }

@@ -224,7 +224,11 @@ fn engine_textures(engine: Engine, table: &Table) -> Result<TextureLayout, NoTex
         let known = engine.brdfs().iter().map(|brdf| brdf.name()).collect::<Vec<_>>().join(", ");
         return Err(NoTextures::OtherBrdf { engine: engine.name(), known, brdf: table.brdf(), layout: there_is });
     }
-    checked.map(|()| layout)
+    checked?;
+    if !table.layout.is_even(&table.axes) {
+        return Err(NoTextures::GivenNodes { engine: engine.name(), layout: layout.name() });
+    }
+    Ok(layout)
 }
 
 impl fmt::Display for Export {

@@ -100,7 +100,7 @@ fn layers_are_a_text_of_their_own() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     let text = run(here, ["shader", "--as", "layers", "--language", "glsl"]).exited(0).stdout;
-    let call = "layers_fuzzed(layers_coated(vec3(0.5), 0.1, layers_albedo(0.9, 0.1, 0.04), 0.5, vec3(1.0)), vec3(0.2), \
+    let call = "layers_fuzzed(layers_coated(vec3(0.5), vec3(0.1), layers_albedo(0.9, 0.1, 0.04), 0.5, vec3(1.0)), vec3(0.2), \
                 layers_fuzz(0.5, vec3(0.0, 0.0, 1.0)).albedo, 0.5)";
     let program = format!(
         "#version 450\n{text}\nlayout(location = 0) out vec4 colour;\nvoid main() {{ colour = vec4({call}, 1.0); }}\n"

@@ -1,6 +1,7 @@
 //! The common part of the end-to-end tests: the real binary, real HTTP, and every answer held to `openapi.yaml`.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+pub(crate) mod browser;
 pub(crate) mod command;
 pub(crate) mod openapi;
 pub(crate) mod server;

@@ -50,9 +50,13 @@ fn tokens_open_what_their_scopes_say_and_jobs_tell_who() {
     server.get("/metrics").with_status(401);
     server.get("/healthz").with_status(200);
     server.get("/readyz").with_status(200);
+    server.get("/").with_status(200);
+    server.get("/page/main.js").with_status(200);
     call(&server, "GET", "/v1/jobs", "ltcforge_wrong", None).with_status(401);
     let refused = call(&server, "POST", "/v1/jobs", &reader, Some(SMALL.as_bytes())).with_status(403).json();
     assert_eq!(refused["type"], "/problems/out-of-scope");
+    let foreseen = call(&server, "POST", "/v1/recipes", &reader, Some(SMALL.as_bytes())).with_status(200).json();
+    assert!(foreseen["problem"].is_null(), "{foreseen:#}");
 
     let job = call(&server, "POST", "/v1/jobs", &farm, Some(SMALL.as_bytes())).with_status(202).json();
     assert_eq!(job["submitted_by"], "farm");

@@ -16,4 +16,7 @@ mod fsck;
 mod jobs;
 mod limits;
 mod openapi;
+mod page;
+mod plans;
+mod recipes;
 mod stopping;

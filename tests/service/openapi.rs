@@ -32,13 +32,13 @@ fn every_documented_call_is_answered_by_its_own_handler() {
         let (method, path) = call.split_once(' ').expect("a method and a path");
         // Well-formed, and of nothing that exists.
         let path = path.replace("{id}", &"0".repeat(32)).replace("{digest}", &"0".repeat(64));
-        let path = path.replace("{export}", "wgpu").replace("{folder}", "a").replace("{file}", "b");
+        let path = path.replace("{export}", "wgpu").replace("{folder}", "a").replace("{file}", "icon.svg");
         let answer = server.request(method, &path, &[], (method == "POST").then_some(b"[]"));
         assert_ne!(answer.status, 405, "{call}");
         let problem: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
         assert_ne!(problem["type"], "/problems/no-such-path", "{call}");
     }
-    for path in ["/", "/v1", "/v1/previews", "/v1/jobs/", "/healthz/x"] {
+    for path in ["/page", "/v1", "/v1/previews", "/v1/jobs/", "/healthz/x"] {
         assert_eq!(server.get(path).with_status(404).json()["type"], "/problems/no-such-path", "{path}");
     }
     let served = server.get("/openapi.yaml").with_status(200).body;

@@ -1,5 +1,5 @@
 export default /* glsl */ `// SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 1, sha256 of the text below: d1748a4d50a65567
+// ltcforge 0.1.0, revision 1, sha256 of the text below: 870d5f7ca4f4b871
 // Linearly Transformed Cosines: area lights on anisotropic GGX, by a table that ltcforge fitted.
 //
 // Reads tables of layout reflected, and takes every table for one.
@@ -24,16 +24,16 @@ export default /* glsl */ `// SPDX-License-Identifier: MIT OR Apache-2.0
 //   uniform   36 words, nine vectors of four, which ltcforge export --for wgpu writes as ltc.json. Two of u32: how
 //             many nodes alpha, ratio, theta and phi have; the layout's number, not read here
 //             (reflected 1, kt2022 0, ltc2017 2, ltc2016 3, godot 4, hdrp 5, inverse 6, matrix33 7),
-//             1 if ratio has the one node 1 and phi has one node, else 0, and 0, 0. Seven of f32: the first node of
-//             each axis in the variable in which the layout's nodes are evenly spaced, the step between nodes in it
-//             (1 for one node), and one over that; 1 / alpha_nodes, 1 / (ratio_nodes theta_nodes), theta_nodes,
-//             1 / phi_nodes; the first and last alpha, the first and last ratio; the cosines of the last and first
-//             theta, 0, 0; cosine and sine of the first phi, and of the last
+//             1 if ratio has the one node 1 and phi has one node, else 0; alpha_nodes if entries have two lobes, else 0;
+//             and 0. Seven of f32: the first node of each axis in the variable in which the layout's nodes are evenly
+//             spaced, the step between nodes in it (1 for one node), and one over that; 1 / alpha_nodes, half of it for
+//             two lobes, 1 / (ratio_nodes theta_nodes), theta_nodes, 1 / phi_nodes; the first and last alpha, the first and
+//             last ratio; the cosines of the last and first theta, 0, 0; cosine and sine of the first phi, and of the last
 //   matrix_a  3D texture, RGBA, 32 or 16 bit float: m00 m01 m02 m10 of each entry; m01 is row 0, column 1
 //   matrix_b  likewise: m11 m12 m20 m21
 //   terms     likewise: m22 amplitude fresnel 0; a table without terms has amplitude 1, fresnel 0
 //   The textures are phi wide, ratio * theta high and alpha deep: texel (p, r * theta_nodes + t, a) is entry [a, r, t, p]
-//   of the file's tensors.
+//   of the file's tensors. Second lobes, of tensor matrix_2, follow all first ones.
 //   Texels stand in the order of the file's entries, but their numbers have to be put together from its tensors
 //   matrix, amplitude and fresnel. Alpha is the larger roughness, ratio the smaller over it, theta and phi the view
 //   direction's angles in radians.
@@ -98,20 +98,21 @@ LtcTexels ltc_fetch(uvec3 texel) {
 //     a      m00 m01 m02 m10
 //     b      m11 m12 m20 m21
 //     terms  m22 amplitude fresnel 0
-// 32 or 16 bits a number. A table without terms has amplitude 1 and fresnel 0 in their place.
+// 32 or 16 bits a number. A table without terms has amplitude 1 and fresnel 0 in their place. Of a table with two lobes an entry
+// all second ones follow all first ones along z.
 
 struct LtcTable {
     // How many nodes alpha, ratio, theta and phi have.
     uvec4 nodes;
     // x: the layout's number, which a shader for one layout does not read. y: 1 for a table of isotropic surfaces with one
-    // phi, whose lobes turn with the view.
+    // phi, whose lobes turn with the view. z: how many layers after the first lobes the second ones are, 0 where there are none.
     uvec4 reading;
     // The first node of each axis in the variable in which the layout's nodes are evenly spaced, the step between nodes, and
     // one over it; an axis of one node has the step 1.
     vec4 start;
     vec4 spacing;
     vec4 per_step;
-    // For the sampler: one over the nodes of alpha, one over those of ratio and theta, those of theta, one over those of phi.
+    // For the sampler: one over the layers of alpha, which are its nodes for each lobe; one over those of ratio and theta, those of theta, one over those of phi.
     vec4 texel;
     // The first and the last node: of alpha, of ratio; the last and the first cosine of theta; cosine and sine of phi.
     vec4 roughness;
@@ -197,8 +198,8 @@ LtcPlace ltc_place(vec4 steps) {
     return LtcPlace(lower, clamp(at - lower, vec4(0.0), vec4(1.0)));
 }
 
-// The 16 entries around a place, interpolated here: exact weights, any texture format.
-LtcTexels ltc_fetch_weighed(vec4 lower, vec4 upper) {
+// The 16 entries around a place, interpolated here: exact weights, any texture format. The lobe's layers begin at \`layer\`.
+LtcTexels ltc_fetch_weighed(vec4 lower, vec4 upper, uint layer) {
     LtcTexels sum = LtcTexels(vec4(0.0), vec4(0.0), vec4(0.0));
     uvec4 first = uvec4(lower);
     uvec4 last = ltc_table.nodes - uvec4(1u);
@@ -208,13 +209,19 @@ LtcTexels ltc_fetch_weighed(vec4 lower, vec4 upper) {
         float weight = weights.x * weights.y * weights.z * weights.w;
         // Beyond the last node there is no entry; its weight is zero.
         uvec4 entry = min(first + step_, last);
-        LtcTexels fetched = ltc_fetch(uvec3(entry.w, entry.y * ltc_table.nodes.z + entry.z, entry.x));
+        LtcTexels fetched = ltc_fetch(uvec3(entry.w, entry.y * ltc_table.nodes.z + entry.z, entry.x + layer));
         sum.a += weight * fetched.a;
         sum.b += weight * fetched.b;
         sum.terms += weight * fetched.terms;
     }
     return sum;
 }
+
+// A surface and a view as the table has them.
+struct LtcSeen {
+    LtcFold fold;
+    LtcPlace place;
+};
 
 // Where layout reflected has its nodes. Needs ltc_quadrant.wgsl and ltc_lookup.wgsl.
 
@@ -238,6 +245,12 @@ LtcPlace ltc_place_reflected(float alpha, float ratio, vec3 wo) {
 // Where a configuration lies among the nodes, within the table's ranges seen from wo in the first quadrant.
 LtcPlace ltc_place_of(float alpha, float ratio, vec3 wo) {
     return ltc_place_reflected(alpha, ratio, wo);
+}
+
+// wo as in ltc_fold.
+LtcSeen ltc_seen(float alpha_x, float alpha_y, vec3 wo) {
+    LtcFold fold = ltc_fold(alpha_x, alpha_y, wo);
+    return LtcSeen(fold, ltc_place_of(fold.alpha, fold.ratio, fold.wo));
 }
 
 // Layout reflected: a table stores what is left of each lobe beside a reflection that is known in closed form. Needs
@@ -280,11 +293,11 @@ LtcLobe ltc_restore(LtcLobe stored, float alpha, float ratio, vec3 wo) {
     return ltc_restore_reflected(stored, alpha, ratio, wo);
 }
 
-// The table at a surface and a view direction, wo as in ltc_fold.
-LtcLobe ltc_lookup(float alpha_x, float alpha_y, vec3 wo) {
-    LtcFold fold = ltc_fold(alpha_x, alpha_y, wo);
-    LtcPlace place = ltc_place_of(fold.alpha, fold.ratio, fold.wo);
-    LtcTexels texels = ltc_fetch_weighed(place.lower, place.weight);
+// The lobe whose layers begin at one.
+LtcLobe ltc_lobe_at(LtcSeen seen, uint layer) {
+    LtcFold fold = seen.fold;
+    LtcPlace place = seen.place;
+    LtcTexels texels = ltc_fetch_weighed(place.lower, place.weight, layer);
     mat3 stored = transpose(mat3(
         texels.a.xyz,
         vec3(texels.a.w, texels.b.xy),
@@ -298,6 +311,11 @@ LtcLobe ltc_lookup(float alpha_x, float alpha_y, vec3 wo) {
     vec3 z = vec3(fold.x * m[2].x + fold.y * m[2].y, m[2].z);
     lobe.m = mat3(x * fold.x.x + y * fold.y.x, x * fold.x.y + y * fold.y.y, z);
     return lobe;
+}
+
+// The table at a surface and a view direction, wo as in ltc_fold.
+LtcLobe ltc_lookup(float alpha_x, float alpha_y, vec3 wo) {
+    return ltc_lobe_at(ltc_seen(alpha_x, alpha_y, wo), 0u);
 }
 
 // Integrates a Linearly Transformed Cosine over a polygon. Needs ltc_math.wgsl.
@@ -379,17 +397,12 @@ LtcClip ltc_clip_begin(vec3 vertex) {
     return LtcClip(0.0, start, vertex, start, vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
 }
 
-LtcClip ltc_clip_edge(LtcClip clip, vec3 b) {
+// The same whatever LTC_CHEAP_HORIZON says.
+LtcClip ltc_clip_exact_edge(LtcClip clip, vec3 b) {
     LtcClip next = clip;
     vec3 a = clip.previous;
     next.previous = b;
     next.previous_unit = ltc_unit(b);
-    if (LTC_CHEAP_HORIZON) {
-        vec3 c = cross(clip.previous_unit, next.previous_unit);
-        next.flux += c + c * ltc_bend(clip.previous_unit, next.previous_unit);
-        next.ahead += next.previous_unit;
-        return next;
-    }
     vec3 from_point = clip.previous_unit;
     vec3 to_point = next.previous_unit;
     if (a.z > 0.0 && b.z <= 0.0) {
@@ -406,6 +419,27 @@ LtcClip ltc_clip_edge(LtcClip clip, vec3 b) {
     return next;
 }
 
+LtcClip ltc_clip_edge(LtcClip clip, vec3 b) {
+    if (LTC_CHEAP_HORIZON) {
+        LtcClip next = clip;
+        next.previous = b;
+        next.previous_unit = ltc_unit(b);
+        vec3 c = cross(clip.previous_unit, next.previous_unit);
+        next.flux += c + c * ltc_bend(clip.previous_unit, next.previous_unit);
+        next.ahead += next.previous_unit;
+        return next;
+    }
+    return ltc_clip_exact_edge(clip, b);
+}
+
+// The same whatever LTC_CHEAP_HORIZON says.
+float ltc_clip_exact_finish(LtcClip clip, float side, bool two_sided) {
+    bool is_cut = any(notEqual(clip.leaves, clip.enters));
+    float closing = is_cut ? ltc_chord(clip.leaves, clip.enters, clip.origin) + ltc_arc(clip.leaves, clip.enters) : 0.0;
+    float sum = (clip.sum + closing) * 0.15915494 * side;
+    return clamp(two_sided ? abs(sum) : sum, 0.0, 1.0);
+}
+
 // The part of the distribution that the polygon covers, in [0, 1]. An arc along the horizon closes a cut outline.
 float ltc_clip_finish(LtcClip clip, float side, bool two_sided) {
     if (LTC_CHEAP_HORIZON) {
@@ -417,10 +451,7 @@ float ltc_clip_finish(LtcClip clip, float side, bool two_sided) {
         float seen = clamp((length_ * length_ + up) / (length_ + 1.0), 0.0, 1.0);
         return is_lit || (two_sided && side != 0.0) ? seen : 0.0;
     }
-    bool is_cut = any(notEqual(clip.leaves, clip.enters));
-    float closing = is_cut ? ltc_chord(clip.leaves, clip.enters, clip.origin) + ltc_arc(clip.leaves, clip.enters) : 0.0;
-    float sum = (clip.sum + closing) * 0.15915494 * side;
-    return clamp(two_sided ? abs(sum) : sum, 0.0, 1.0);
+    return ltc_clip_exact_finish(clip, side, two_sided);
 }
 
 // A rectangle with LTC_CHEAP_HORIZON.

@@ -9,6 +9,7 @@ mod light;
 mod named;
 mod pictures;
 mod pins;
+mod plan;
 mod tables;
 mod tabulate;
 pub(super) mod threads;
@@ -27,6 +28,7 @@ pub(super) use light::LightArgs;
 pub(super) use named::named;
 pub(super) use pictures::{AdditionArgs, PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
 pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
+pub(super) use plan::PlanArgs;
 pub(super) use tables::{DiffArgs, LookupArgs, ReportArgs, TableChoice, TableFolder, TableLimit, VerifyArgs};
 pub(super) use tabulate::TabulateArgs;
 pub(super) use threads::Threads;
@@ -77,6 +79,8 @@ pub enum Command {
     Plot(PlotArgs),
     /// Fit a family of recipes and show what speed and size cost in accuracy
     Tradeoff(TradeoffArgs),
+    /// Find the recipe that a scene needs, within a budget of error, bytes or seconds
+    Plan(Box<PlanArgs>),
     /// Write the lookup and the area light as a shader, with how to bind it and values to check it against
     Shader(ShaderArgs),
     /// Write a scattering model as the file of a tabulated one
@@ -143,7 +147,7 @@ impl Command {
             Self::Service(ServiceCommand::Serve(_) | ServiceCommand::Work(_) | ServiceCommand::Fsck(_)) => {
                 OnInterrupt::Finishes
             }
-            Self::Fit(_) | Self::Tradeoff(_) | Self::Lock(_) | Self::Pull(_) => OnInterrupt::Told,
+            Self::Fit(_) | Self::Plan(_) | Self::Tradeoff(_) | Self::Lock(_) | Self::Pull(_) => OnInterrupt::Told,
             _ => OnInterrupt::Ends,
         }
     }
@@ -183,6 +187,8 @@ mod tests {
             "ltcforge pull --locked --from a",
             "ltcforge lock --to a",
             "ltcforge lock a b --recipe c",
+            "ltcforge lock a b --plan c",
+            "ltcforge lock a --plan c --recipe d",
             "ltcforge lock a --for wgpu",
             "ltcforge lock --for wgpu --out b",
             "ltcforge lock a --for wgpu --layout reflected --container ktx2 --out b",
@@ -211,6 +217,14 @@ mod tests {
             "ltcforge export table --layout kt2022 --container ktx2 --precision double -o out",
             "ltcforge light - --model sum",
             "ltcforge light - --rule most",
+            "ltcforge plan",
+            "ltcforge plan scene.glb --bytes 1 --error 0.1",
+            "ltcforge plan scene.glb --bytes 0",
+            "ltcforge plan scene.glb --error -1",
+            "ltcforge plan scene.glb --seconds NaN",
+            "ltcforge plan scene.glb table",
+            "ltcforge plan scene.glb --check",
+            "ltcforge plan scene.glb table --check --fit",
             "ltcforge tradeoff paper",
             "ltcforge plot table colours -o x.png",
             "ltcforge plot table error -o x.png --ratio 1.5",

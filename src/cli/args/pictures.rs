@@ -43,9 +43,27 @@ pub struct PreviewArgs {
     pub adapter: Adapter,
 }
 
+/// The scene of nine materials: on the command line beside the preview's named scenes, which one renderer shades.
+const MATERIALS: &str = "materials";
+
 /// The choices of a scene on the command line: an argument for each of the preview's parameters.
 #[derive(Debug, Clone)]
-pub struct SceneChoices(pub Choices);
+pub struct SceneChoices {
+    /// The parameters that are given; the scene among them if it is a named one.
+    pub choices: Choices,
+    /// Whether the scene is the one of nine materials.
+    pub is_materials: bool,
+}
+
+/// The value of `--scene`.
+#[derive(Debug, Clone)]
+enum SceneName {
+    Named(Value),
+    Materials,
+}
+
+/// The parameter that names a scene.
+const SCENE: &str = "scene";
 
 /// Their names on the command line, in their order.
 static FLAGS: LazyLock<[String; PARAMETERS.len()]> =
@@ -55,6 +73,14 @@ fn argument(parameter: &'static Parameter, flag: &'static str) -> Arg {
     let arg = Arg::new(parameter.name).long(flag).help(parameter.line()).value_name(parameter.value_name);
     let parse = |text: &str| parameter.parse(text);
     match parameter.form {
+        ParameterForm::Name { names, .. } if parameter.name == SCENE => {
+            let names = names().into_iter().chain([MATERIALS]);
+            let read = move |name: String| match name.as_str() {
+                MATERIALS => Ok(SceneName::Materials),
+                name => parse(name).map(SceneName::Named),
+            };
+            arg.value_parser(PossibleValuesParser::new(names).try_map(read))
+        }
         ParameterForm::Name { names, .. } => {
             arg.value_parser(PossibleValuesParser::new(names()).try_map(move |name| parse(&name)))
         }
@@ -76,7 +102,13 @@ impl Args for SceneChoices {
 
 impl FromArgMatches for SceneChoices {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
-        Ok(Self(Choices::of(|parameter| matches.get_one::<Value>(parameter.name).cloned())))
+        let scene = matches.get_one::<SceneName>(SCENE);
+        let choices = Choices::of(|parameter| match scene {
+            _ if parameter.name != SCENE => matches.get_one::<Value>(parameter.name).cloned(),
+            Some(SceneName::Named(value)) => Some(value.clone()),
+            Some(SceneName::Materials) | None => None,
+        });
+        Ok(Self { choices, is_materials: matches!(scene, Some(SceneName::Materials)) })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
@@ -172,7 +204,7 @@ pub struct ShaderArgs {
     /// shorter [default: all]
     #[arg(long, value_parser = named(Lights::ALL, Lights::name))]
     pub lights: Option<Lights>,
-    /// What a text to include has beside the functions of its model
+    /// Functions to add to a text to include
     #[command(flatten)]
     pub additions: AdditionArgs,
     /// Beginning of all names in a text to include, in place of ltc, normals or gaussians, for two tables in one shader
@@ -206,7 +238,7 @@ pub struct ShaderArgs {
     pub out: Option<PathBuf>,
 }
 
-/// What a text to include has beside the functions of its model.
+/// Options that add functions to a text to include.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct AdditionArgs {
     /// Add functions, in a text of model ltc to include, by which nothing shines through from below the surface

@@ -42,6 +42,9 @@ pub struct LockArgs {
     /// The table of this recipe: its file, `-` for stdin, or the name of a preset. It is fitted, unless it is there
     #[arg(long)]
     pub recipe: Option<PathBuf>,
+    /// The table of a plan: the folder that `plan` wrote its recipe to
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["table", "recipe"])]
+    pub plan: Option<PathBuf>,
     /// Path of the table, relative to the lock file's folder and below it [default: NAME.safetensors]
     #[arg(long, value_name = "PATH", requires = "name")]
     pub to: Option<PathBuf>,
@@ -52,7 +55,7 @@ pub struct LockArgs {
     #[arg(short, long, value_name = "DIR", requires = "name")]
     pub out: Option<PathBuf>,
     /// Remove the pin of this name; its files stay
-    #[arg(long, requires = "name", conflicts_with_all = ["table", "recipe", "to", "out"])]
+    #[arg(long, requires = "name", conflicts_with_all = ["table", "recipe", "plan", "to", "out"])]
     pub remove: bool,
     /// Folder that is searched for a digest first [default: the working folder, then `tables` in it]
     #[arg(long, value_name = "DIR")]
@@ -60,6 +63,13 @@ pub struct LockArgs {
     /// The sources of tables
     #[command(flatten)]
     pub sources: SourceArgs,
+}
+
+impl LockArgs {
+    /// The recipe that the command line names, by itself or as a plan's.
+    pub(crate) fn recipe(&self) -> Option<PathBuf> {
+        self.recipe.clone().or_else(|| self.plan.as_ref().map(|folder| folder.join("recipe.json")))
+    }
 }
 
 /// `pull`.

@@ -155,8 +155,8 @@ pub fn stated_length(beginning: &[u8]) -> Result<u64, TableFileError> {
         Precision::F32 => 4,
         Precision::F16 => 2,
     };
-    // Matrix, error at the node, terms; the matrix of a second lobe.
-    let numbers = 10 + recipe.terms.count() as u64 + if has_second(&recipe) { 9 } else { 0 };
+    // With the error at the node.
+    let numbers = recipe.entry_numbers() + 1;
     let entries = lengths.iter().product::<usize>() as u64;
     Ok(8 + length + entries * numbers * number + 8 * lengths.iter().sum::<usize>() as u64)
 }

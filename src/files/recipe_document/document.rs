@@ -1,10 +1,11 @@
 //! The fields of a recipe document: their defaults, their bounds, and the rules that connect them.
 
-use std::{f64::consts::FRAC_PI_2, ops::RangeInclusive};
+use std::ops::RangeInclusive;
 
 use serde_json::Value;
 
 use super::{
+    axes::{AXES, DOMAIN, ISOTROPIC, ends_of, read_nodes, read_resolution},
     fault::Fault,
     fresnel::{check_second, read_fresnel},
     preset::Preset,
@@ -13,14 +14,14 @@ use super::{
 };
 use crate::tabulated::FindBrdf;
 use ltcforge_fit::{
-    BrdfKind, BrdfModel, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Precision, Recipe, Shear,
-    Simplex, Solver, Start, StoredTerms, TabulatedAxes,
+    BrdfKind, BrdfModel, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeModel, Metric, PerAxis, Precision,
+    Recipe, Shear, Simplex, Solver, Start, StoredTerms, TabulatedAxes,
 };
 
 /// Entries that a table may have unless the caller sets another limit.
 pub const DEFAULT_ENTRY_LIMIT: u64 = 2_000_000;
 
-const FIELDS: [&str; 12] = [
+const FIELDS: [&str; 13] = [
     "preset",
     "fitter",
     "brdf",
@@ -30,15 +31,13 @@ const FIELDS: [&str; 12] = [
     "layout",
     "resolution",
     "range",
+    "nodes",
     "fit",
     "terms",
     "precision",
 ];
-const AXES: [&str; 4] = ["alpha", "ratio", "theta", "phi"];
 const FIT_FIELDS: [&str; 8] = ["metric", "solver", "samples", "directions", "steps", "seed", "shear", "start"];
 
-/// Most nodes on an axis: more than any texture has texels along a side.
-const MOST_NODES: u32 = 16_384;
 /// Bounds of the number of samples: fewer do not determine a lobe's width, and past the upper bound their f32 counts
 /// are no longer exact.
 const SAMPLES: [u32; 2] = [32, 65_536];
@@ -51,12 +50,6 @@ const MOST_SEED: u64 = (1 << 53) - 1;
 
 /// A file's ends in f32 are not those that a document has in decimals.
 const FILE_TOLERANCE: f64 = 1e-6;
-
-/// The bounds of each axis's range, which are its default for anisotropic surfaces in every preset.
-const DOMAIN: PerAxis<[f64; 2]> =
-    PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, FRAC_PI_2] };
-/// The only ratio of isotropic surfaces, and the one azimuth that tells all of them.
-const ISOTROPIC: PerAxis<[f64; 2]> = PerAxis { ratio: [1.0, 1.0], phi: [0.0, 0.0], ..DOMAIN };
 
 /// Reads a document into a complete recipe.
 pub(super) fn read(
@@ -81,10 +74,11 @@ pub(super) fn read(
     let fit = read_fit(&root, preset, &mut faults);
     check_lobe(&root, lobe, &fit, terms, &mut faults);
     check_second(&root, model.fresnel(), lobe, terms.any(), &mut faults);
-    let range = read_range(&root, &model, layout, &mut faults);
+    let given = read_nodes(&root, layout, &mut faults);
+    let range = read_range(&root, &model, layout, &given, &mut faults);
     check_ratio(&range, &fit, &mut faults);
-    let resolution = read_resolution(&root, layout, &range, &mut faults);
-    let recipe = Recipe { fitter, brdf: model, lobe, layout, resolution, range, fit, terms, precision };
+    let resolution = read_resolution(&root, layout, &range, &given, &mut faults);
+    let recipe = Recipe { fitter, brdf: model, lobe, layout, resolution, range, fit, terms, precision, given };
     check_entries(&recipe, entry_limit, &mut faults);
     check_nodes(&recipe, &mut faults);
     if faults.0.is_empty() { Ok(recipe) } else { Err(faults.0) }
@@ -214,7 +208,13 @@ fn check_lobe(root: &Object, lobe: LobeModel, fit: &FitSettings, terms: StoredTe
 
 /// The ranges of a layout that has only one domain are its own, and isotropic surfaces have one ratio: a document may
 /// repeat them, and name no others. Those of a tabulated BRDF lie within its file's.
-fn read_range(root: &Object, model: &BrdfModel, layout: Layout, faults: &mut Faults) -> PerAxis<[f64; 2]> {
+fn read_range(
+    root: &Object,
+    model: &BrdfModel,
+    layout: Layout,
+    given: &GivenNodes,
+    faults: &mut Faults,
+) -> PerAxis<[f64; 2]> {
     let brdf = model.kind();
     let object = root.object("range", &AXES, faults);
     let only = layout.only_ranges();
@@ -232,7 +232,13 @@ fn read_range(root: &Object, model: &BrdfModel, layout: Layout, faults: &mut Fau
         (None, false) => DOMAIN,
     });
     let mut axis = |name, domain, default: [f64; 2]| {
-        let range = object.range(name, domain, default, faults);
+        let ends = ends_of(given, name);
+        let range = object.range(name, domain, ends.unwrap_or(default), faults);
+        if let Some([first, last]) = ends.filter(|ends| *ends != range) {
+            let detail = format!("the nodes that /nodes/{name} gives go from {first} to {last}: leave this field out");
+            faults.note(object.pointer(name), detail);
+            return [first, last];
+        }
         if only.is_some() && range != default {
             let [low, high] = default;
             let detail = format!("layout \"{layout}\" has the range [{low}, {high}] only: its readers take no other");
@@ -266,30 +272,6 @@ fn read_range(root: &Object, model: &BrdfModel, layout: Layout, faults: &mut Fau
         ratio: axis("ratio", DOMAIN.ratio, default.ratio),
         theta: axis("theta", DOMAIN.theta, default.theta),
         phi: axis("phi", DOMAIN.phi, default.phi),
-    }
-}
-
-/// A range that is a single value takes one node, any other at least two.
-fn read_resolution(root: &Object, layout: Layout, range: &PerAxis<[f64; 2]>, faults: &mut Faults) -> PerAxis<u32> {
-    let object = root.object("resolution", &AXES, faults);
-    let default = layout.default_resolution();
-    let mut axis = |name: &str, default: u32, [low, high]: [f64; 2]| {
-        if low < high {
-            return object.integer32(name, 2, MOST_NODES, default, faults);
-        }
-        if let Some(value) = object.get(name)
-            && value.as_u64() != Some(1)
-        {
-            let detail = format!("{} does not fit a range of the single value {low}, which takes 1 node", echo(value));
-            faults.note(object.pointer(name), detail);
-        }
-        1
-    };
-    PerAxis {
-        alpha: axis("alpha", default.alpha, range.alpha),
-        ratio: axis("ratio", default.ratio, range.ratio),
-        theta: axis("theta", default.theta, range.theta),
-        phi: axis("phi", default.phi, range.phi),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Recipe documents: JSON is read into a complete [`Recipe`] or a list of all faults. Also a recipe's canonical form
 //! and digest.
 
+mod axes;
 mod document;
 mod fault;
 mod fresnel;

@@ -127,6 +127,33 @@ fn a_single_value_takes_one_node() {
 }
 
 #[test]
+fn nodes_are_given_in_place_of_a_range_and_a_resolution() {
+    let given = recipe(r#"{"nodes": {"alpha": [0.04, 0.09, 0.25], "ratio": [1]}, "range": {"phi": [0, 0]}}"#)
+        .expect("a recipe");
+    assert_eq!((given.entries(), given.range.alpha, given.resolution.ratio), (3 * 9, [0.04, 0.25], 1));
+    assert_eq!(given.nodes().alpha, [0.04, 0.09, 0.25]);
+    let text = canonical_json(&given);
+    assert!(text.contains(r#""nodes":{"alpha":[0.04,0.09,0.25],"ratio":[1]}"#), "{text}");
+    assert_eq!(recipe(&text), Ok(given));
+    assert!(!canonical_json(&recipe("{}").expect("a recipe")).contains("nodes"));
+    // A floor moves a node up.
+    assert_eq!(recipe(r#"{"nodes": {"alpha": [0, 0.5]}}"#).expect("a recipe").nodes().alpha, [1e-4, 0.5]);
+}
+
+#[test]
+fn faults_of_given_nodes_are_reported_all_at_once() {
+    let found =
+        pointers(r#"{"nodes": {"alpha": [0.5, 0.25], "ratio": [], "theta": [0, 3], "phi": "0.1", "beta": [1]}}"#);
+    assert_eq!(found, ["/nodes/beta", "/nodes/alpha", "/nodes/ratio", "/nodes/theta", "/nodes/phi"]);
+    let others = r#"{"nodes": {"alpha": [0.1, 0.2]}, "range": {"alpha": [0, 1]}, "resolution": {"alpha": 3}}"#;
+    assert_eq!(pointers(others), ["/range/alpha", "/resolution/alpha"]);
+    assert_eq!(pointers(r#"{"nodes": {"alpha": [0.1, 0.1]}}"#), ["/nodes/alpha"]);
+    assert_eq!(pointers(r#"{"nodes": {"alpha": [0, 0.00001]}}"#), ["/range/alpha"]);
+    assert_eq!(pointers(r#"{"nodes": {"alpha": [0.1]}, "layout": "godot"}"#), ["/nodes/alpha"]);
+    assert_eq!(pointers(r#"{"nodes": {"ratio": [0.5, 1]}, "brdf": "charlie"}"#), ["/range/ratio"]);
+}
+
+#[test]
 fn nodes_that_floors_would_join_are_refused() {
     assert_eq!(pointers(r#"{"range": {"alpha": [0, 1e-5]}}"#), ["/range/alpha"]);
     assert_eq!(pointers(r#"{"range": {"theta": [1.5707, 1.57079]}}"#), ["/range/theta"]);

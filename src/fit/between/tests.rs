@@ -26,6 +26,7 @@ const SETTINGS: FitSettings = FitSettings {
 fn fitted(layout: Layout, nodes: u32, precision: Precision) -> (Plan, Vec<FittedEntry>) {
     let plan = Plan::new(&Recipe {
         fitter: FITTER_VERSION,
+        given: crate::GivenNodes::default(),
         brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout,

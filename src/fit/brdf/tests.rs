@@ -156,7 +156,7 @@ fn values_are_density_times_weight_and_reciprocal() {
     }
 }
 
-/// What says that it is an LTC has the density of one, with its own matrix.
+/// A model that gives an LTC has the density of that LTC.
 #[test]
 fn lobes_that_are_ltcs_have_their_density() {
     let mut ltcs = 0;

@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use super::*;
 use crate::brdf::{BrdfKind, Fuzz, Ggx};
 use crate::{
-    ALPHA_FLOOR, Configuration, FITTER_VERSION, Layout, Metric, PerAxis, Plan, Precision, RATIO_FLOOR, Recipe,
-    StoredTerms, THETA_CEILING, assemble, fit_shard,
+    ALPHA_FLOOR, Configuration, FITTER_VERSION, GivenNodes, Layout, Metric, PerAxis, Plan, Precision, RATIO_FLOOR,
+    Recipe, StoredTerms, THETA_CEILING, assemble, fit_shard,
     lobe::ltc::Ltc,
     math::{direction, from_row_major},
 };
@@ -197,6 +197,7 @@ fn tables_of_an_ltc_have_its_matrices_at_their_nodes() {
             fit: settings(Solver::Bfgs, 64, 6, 1),
             terms: StoredTerms::Schlick,
             precision: Precision::F32,
+            given: GivenNodes::default(),
         });
         let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
         let table = assemble(&plan, &(0..plan.shards()).flat_map(fit).collect::<Vec<_>>());

@@ -95,6 +95,17 @@ impl Layout {
         ShaderAxes::new(self.shader().number, self.rules().spacing(), axes)
     }
 
+    /// Whether nodes are evenly spaced as [`Layout::shader_axes`] takes them to be. Where values themselves are evenly
+    /// spaced, the first alpha and ratio may stand above their place, as on a floor: shaders know where they are. Nodes that a recipe gives one by one need not be.
+    #[must_use]
+    pub fn is_even(self, axes: &PerAxis<Vec<f64>>) -> bool {
+        let PerAxis { alpha, ratio, theta, phi } = self.rules().spacing();
+        let of_surface = [(&axes.alpha, alpha), (&axes.ratio, ratio)];
+        let of_view = [(&axes.theta, theta), (&axes.phi, phi)];
+        of_surface.into_iter().all(|(nodes, spacing)| spacing.is_even(nodes, matches!(spacing, Spacing::Even)))
+            && of_view.into_iter().all(|(nodes, spacing)| spacing.is_even(nodes, false))
+    }
+
     /// The layout's part of the shader.
     #[must_use]
     pub fn shader(self) -> LayoutShader {

@@ -14,6 +14,9 @@ pub const RATIO_FLOOR: f64 = 1e-4;
 /// The most grazing view that is fitted; at the horizon itself no light is reflected [KT et al. 2022, published table].
 pub const THETA_CEILING: f64 = 0.9999 * FRAC_PI_2;
 
+/// Steps of evenly spaced nodes differ by less, as a part of a step: nodes of a file are decimals.
+const EVEN: f64 = 1e-6;
+
 /// Where nodes lie, as an ascending function of even steps.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Spacing {
@@ -56,6 +59,17 @@ impl Spacing {
     /// interval from 0 to `whole`.
     pub(super) fn step(self, [low, high]: [f64; 2], n: u32, whole: f64) -> f64 {
         (self.invert(high) - self.invert(low)) / self.invert(whole) / f64::from(n.saturating_sub(1).max(1))
+    }
+
+    /// Whether nodes are at even steps; the first may stand above its place where `is_first_free`.
+    pub(super) fn is_even(self, nodes: &[f64], is_first_free: bool) -> bool {
+        let [.., before, last] = *nodes else { return true };
+        let [before, last] = [before, last].map(|node| self.invert(node));
+        let step = last - before;
+        let at = |i: usize| last - step * (nodes.len() - 1 - i) as f64;
+        let is_near = |(i, node): (usize, &f64)| (self.invert(*node) - at(i)).abs() <= EVEN * step;
+        let is_first_fine = is_near((0, &nodes[0])) || is_first_free && self.invert(nodes[0]) > at(0);
+        is_first_fine && nodes.iter().enumerate().skip(1).all(is_near)
     }
 
     /// `n` values from one end of a range to the other, with both ends exact. A single value is the lower end.

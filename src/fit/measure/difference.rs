@@ -146,6 +146,7 @@ mod tests {
         let quarter = [0.0, FRAC_PI_2];
         let recipe = Recipe {
             fitter: FITTER_VERSION,
+            given: crate::GivenNodes::default(),
             brdf: BrdfKind::Ggx.into(),
             lobe: LobeModel::Ltc,
             layout: Layout::Kt2022,

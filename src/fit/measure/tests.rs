@@ -14,6 +14,7 @@ fn recipe([alpha, ratio, theta, phi]: [u32; 4], samples: u32, directions: u32, s
     let quarter = [0.0, FRAC_PI_2];
     Recipe {
         fitter: FITTER_VERSION,
+        given: crate::GivenNodes::default(),
         brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout: Layout::Kt2022,

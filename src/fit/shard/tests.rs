@@ -18,6 +18,7 @@ fn plan_of(layout: Layout, [alpha, ratio, theta, phi]: [u32; 4]) -> Plan {
     let nodes = |n: u32, [low, high]: [f64; 2]| if low < high { n } else { 1 };
     Plan::new(&Recipe {
         fitter: FITTER_VERSION,
+        given: crate::GivenNodes::default(),
         brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout,

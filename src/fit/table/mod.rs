@@ -101,7 +101,7 @@ impl Table {
         &self.matrix
     }
 
-    /// The matrices of the second lobe, where entries have two: see [`LobeFresnel`](crate::LobeFresnel).
+    /// The matrices of the second lobe, where entries have two: see [`LobeFresnel`].
     #[must_use]
     pub fn second_matrices(&self) -> Option<&[[f32; 9]]> {
         self.second.as_deref()

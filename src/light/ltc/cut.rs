@@ -59,7 +59,7 @@ struct Border<T> {
     crossings: Option<[Triple<T>; 2]>,
 }
 
-/// What is left of an outline above the surface, and then above the horizon.
+/// The part of an outline above the surface, and the part of that above the horizon.
 struct Outline<'a, T> {
     space: &'a CosineSpace<T>,
     clip: Clip<T>,

@@ -52,6 +52,7 @@ fn fitted(lobe: LobeModel) -> Table {
     let quarter = [0.0, FRAC_PI_2];
     let recipe = Recipe {
         fitter: FITTER_VERSION,
+        given: ltcforge_fit::GivenNodes::default(),
         brdf: BrdfKind::Ggx.into(),
         lobe,
         layout: Layout::Reflected,

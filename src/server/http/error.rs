@@ -5,12 +5,13 @@ use std::{fmt, time::Duration};
 use super::{kind::ProblemKind, problem::Problem};
 use crate::{
     queue::{Failure, FailureKind},
-    service::{DeleteBrdfError, ExportFailure, PictureError, ServiceError, StoreBrdfError, SubmitError},
+    service::{DeleteBrdfError, ExportFailure, PictureError, PlanError, ServiceError, StoreBrdfError, SubmitError},
 };
 use ltcforge_files::{
     recipe_document::{Fault, RecipeError},
     tabulated::TabulatedError,
 };
+use ltcforge_plan::SceneFault;
 use ltcforge_view::parameters::ParameterFault;
 
 /// When a client may try again after a request to a stopping service, which may have been restarted by then.
@@ -69,6 +70,21 @@ impl From<StoreBrdfError> for Problem {
             }
             too_many @ StoreBrdfError::TooMany(_) => Self::new(ProblemKind::BrdfLimit, too_many.to_string()),
             StoreBrdfError::Store(error) => error.into(),
+        }
+    }
+}
+
+impl From<PlanError> for Problem {
+    fn from(error: PlanError) -> Self {
+        let detail = error.to_string();
+        match error {
+            PlanError::Scene(faults) => {
+                let detail = format!("{} in the scene", count(faults.len()));
+                let faults = faults.into_iter().map(|SceneFault { pointer, detail }| Fault { pointer, detail });
+                Self::new(ProblemKind::BadPlan, detail).with_errors(faults)
+            }
+            PlanError::Unmet { nearest, .. } => Self::new(ProblemKind::BudgetUnmet, detail).with_recipe(nearest),
+            PlanError::Service(error) => error.into(),
         }
     }
 }
@@ -178,11 +194,14 @@ mod tests {
     #[test]
     fn every_error_of_the_layers_below_has_its_status() {
         let fault = Fault { pointer: String::new(), detail: String::new() };
-        let cases: [(Problem, u16); 21] = [
+        let cases: [(Problem, u16); 24] = [
             (SubmitError::Recipe(RecipeError::Json("x".into())).into(), 400),
             (SubmitError::Recipe(RecipeError::Faults(vec![fault])).into(), 422),
             (StoreBrdfError::Faults(TabulatedError(vec!["x".into()])).into(), 422),
             (StoreBrdfError::Store(ServiceError::DiskFull).into(), 507),
+            (PlanError::Scene(Vec::new()).into(), 422),
+            (PlanError::Unmet { nearest: serde_json::json!({}), summary: "x".into() }.into(), 422),
+            (PlanError::Service(ServiceError::Stopping).into(), 503),
             (SubmitError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
             (SubmitError::Stopping.into(), 503),
             (PictureError::NoTable.into(), 404),

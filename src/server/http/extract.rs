@@ -6,17 +6,20 @@ use std::{fmt::Display, str::FromStr, sync::Arc, time::Duration};
 use axum::{
     body::Bytes,
     extract::{FromRequest, FromRequestParts, Path, Query, Request},
-    http::{HeaderMap, StatusCode, header, request::Parts},
+    http::{HeaderMap, HeaderValue, StatusCode, header, request::Parts},
 };
 use headers::{ContentLength, HeaderMapExt as _};
 use serde::{Deserialize, de::DeserializeOwned};
 use tokio::{sync::OwnedSemaphorePermit, time::timeout};
 
 use super::{api::Api, error::lacking, kind::ProblemKind, problem::Problem};
+use crate::service::{SCENE_LIMIT_BYTES, SceneForm};
 use ltcforge_files::tabulated::TABULATED_LIMIT_BYTES;
 
 /// Longest request body. A recipe takes less than one kilobyte.
 pub const BODY_LIMIT_BYTES: usize = 64 * 1024;
+/// Longest list of materials.
+const LIST_LIMIT_BYTES: u64 = 1 << 20;
 /// Items on a page if the client gives no number.
 const DEFAULT_PAGE: usize = 50;
 /// Most items on a page.
@@ -140,6 +143,29 @@ impl FromRequest<Api> for BrdfBody {
     }
 }
 
+/// A scene and its form, not read yet, and the right to have it in memory and to plan for it: as many are at once as
+/// files of BRDFs. Its route raises the limit of bodies.
+pub(super) struct SceneBody(pub(super) Bytes, pub(super) SceneForm, pub(super) OwnedSemaphorePermit);
+
+impl FromRequest<Api> for SceneBody {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, api: &Api) -> Result<Self, Problem> {
+        let form = scene_form(request.headers())?;
+        let room = timeout(api.limits.client, Arc::clone(&api.uploads).acquire_owned()).await;
+        // The semaphore is never closed.
+        let Ok(Ok(room)) = room else {
+            return Err(lacking(format!("{UPLOADS} files are being received already; try again later")));
+        };
+        let limit_bytes = match form {
+            SceneForm::Glb => SCENE_LIMIT_BYTES,
+            SceneForm::List => LIST_LIMIT_BYTES,
+        };
+        let bytes = read_body(request, api, "a scene", limit_bytes).await?;
+        Ok(Self(bytes, form, room))
+    }
+}
+
 /// Reads the body of a request that sends `what`. A body that is announced as too large is refused before any of it is
 /// read: a client that waits for `100 Continue` then sends none of it.
 async fn read_body(request: Request, api: &Api, what: &str, limit_bytes: u64) -> Result<Bytes, Problem> {
@@ -159,6 +185,15 @@ async fn read_body(request: Request, api: &Api, what: &str, limit_bytes: u64) ->
 pub(super) fn slow(part: &str, limit: Duration) -> String {
     let seconds = limit.as_secs_f64();
     format!("the {part} of the request was not complete within {seconds} s; --client-seconds raises the limit")
+}
+
+/// The form of a scene: `model/gltf-binary`, or what is accepted as the JSON of recipes is.
+fn scene_form(headers: &HeaderMap) -> Result<SceneForm, Problem> {
+    let glb = |value: &HeaderValue| value.as_bytes().eq_ignore_ascii_case(b"model/gltf-binary");
+    if headers.get(header::CONTENT_TYPE).is_some_and(glb) {
+        return Ok(SceneForm::Glb);
+    }
+    check_recipe_type(headers).map(|()| SceneForm::List)
 }
 
 /// Accepts `application/octet-stream` alone: a page of another site can send forms without a preflight request.
@@ -194,10 +229,7 @@ fn check_recipe_type(headers: &HeaderMap) -> Result<(), Problem> {
 
 #[cfg(test)]
 mod tests {
-    use axum::{
-        http::{HeaderValue, Uri},
-        response::IntoResponse as _,
-    };
+    use axum::{http::Uri, response::IntoResponse as _};
 
     use super::*;
     use crate::queue::StateName;

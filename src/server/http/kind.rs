@@ -67,6 +67,8 @@ problem_kinds! {
     BrdfInUse: CONFLICT, "brdf-in-use", "The BRDF is named by a recipe";
     BrdfLimit: INSUFFICIENT_STORAGE, "brdf-limit", "As many BRDFs are stored as may be";
     BadBrdf: UNPROCESSABLE_ENTITY, "bad-brdf", "The BRDF has faults";
+    BadPlan: UNPROCESSABLE_ENTITY, "bad-plan", "The scene of the plan has faults";
+    BudgetUnmet: UNPROCESSABLE_ENTITY, "budget-unmet", "No table is within the budget";
     UnknownExport: NOT_FOUND, "unknown-export", "There is no such export";
     UnknownFile: NOT_FOUND, "unknown-file", "The export has no such file";
     OtherBytes: CONFLICT, "other-bytes", "The file has other bytes";

@@ -10,8 +10,10 @@ use axum::{
 };
 
 use super::{
-    api::Api, brdfs, events, exports, jobs, kind::ProblemKind, operations, pictures, problem::Problem, tables,
+    api::Api, brdfs, events, exports, jobs, kind::ProblemKind, operations, page, pictures, plans, problem::Problem,
+    recipes, tables,
 };
+use crate::service::SCENE_LIMIT_BYTES;
 use ltcforge_files::tabulated::TABULATED_LIMIT_BYTES;
 
 /// One call of the interface. A `GET` route also answers `HEAD`; `HEAD` is listed where clients depend on it.
@@ -53,12 +55,18 @@ pub static ROUTES: &[Route] = &[
     route(Method::GET, "/v1/brdfs/{digest}", |on| on.get(brdfs::download)),
     route(Method::HEAD, "/v1/brdfs/{digest}", |on| on.head(brdfs::download)),
     route(Method::DELETE, "/v1/brdfs/{digest}", |on| on.delete(brdfs::delete)),
-    route(Method::GET, "/v1/recipes/{digest}", |on| on.get(tables::recipe)),
+    route(Method::POST, "/v1/plans", |on| {
+        on.post(plans::plan.layer(DefaultBodyLimit::max(SCENE_LIMIT_BYTES as usize)))
+    }),
+    route(Method::POST, "/v1/recipes", |on| on.post(recipes::foresee)),
+    route(Method::GET, "/v1/recipes/{digest}", |on| on.get(recipes::show)),
     route(Method::GET, "/healthz", |on| on.get(operations::healthz)),
     route(Method::GET, "/readyz", |on| on.get(operations::readyz)),
     route(Method::GET, "/metrics", |on| on.get(operations::metrics)),
     route(Method::GET, "/version", |on| on.get(operations::version)),
     route(Method::GET, "/openapi.yaml", |on| on.get(operations::openapi)),
+    route(Method::GET, "/", |on| on.get(page::index)),
+    route(Method::GET, "/page/{file}", |on| on.get(page::file)),
 ];
 
 /// The router of [`ROUTES`]; any other method on a known path is a 405 that names the allowed ones.

@@ -1,4 +1,4 @@
-//! Tables: list, download by hash, manifest; recipes and their tables.
+//! Tables: list, download by hash, manifest.
 
 use axum::{
     Json,
@@ -14,7 +14,7 @@ use super::{
     file,
     kind::ProblemKind,
     problem::Problem,
-    views::{PageView, RecipeView},
+    views::PageView,
 };
 use crate::service::{FileKind, TableCursor, TableRow};
 use ltcforge_files::digest::Digest;
@@ -65,19 +65,6 @@ pub(super) async fn manifest(
 ) -> Result<Response, Problem> {
     let manifest = api.read(move |service| service.manifest(digest)).await?.ok_or_else(|| unknown(digest))?;
     Ok(([(header::CONTENT_TYPE, "application/json")], manifest).into_response())
-}
-
-/// `GET /v1/recipes/{digest}`.
-pub(super) async fn recipe(
-    State(api): State<Api>,
-    _: QueryOf<NoParameters>,
-    PathOf(digest): PathOf<Digest>,
-) -> Result<Json<RecipeView>, Problem> {
-    let known = api.call(move |service| service.recipe(digest)).await?;
-    let (recipe, table) = known.ok_or_else(|| {
-        Problem::new(ProblemKind::UnknownRecipe, format!("no recipe with the digest {digest} is known"))
-    })?;
-    Ok(Json(RecipeView::new(digest, &recipe, table)?))
 }
 
 /// The problem of a table that is not there.

@@ -7,7 +7,7 @@ use serde_json::value::RawValue;
 use super::problem::Problem;
 use crate::{
     queue::{Job, JobId, JobState, StateName},
-    service::{Expected, JobSnapshot, Page},
+    service::{Expected, Foreseen, JobSnapshot, Page},
 };
 use ltcforge_files::digest::Digest;
 
@@ -46,6 +46,18 @@ pub(super) struct RecipeView {
     recipe_digest: Digest,
     recipe: Box<RawValue>,
     table: Option<Digest>,
+}
+
+/// What a recipe document would begin.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct ForeseenView {
+    recipe: Option<Box<RawValue>>,
+    recipe_digest: Option<Digest>,
+    entries: Option<u64>,
+    table: Option<Digest>,
+    expected: Option<Expected>,
+    /// The problem that submitting would be answered with.
+    problem: Option<Problem>,
 }
 
 /// A page of a list.
@@ -105,6 +117,28 @@ impl RecipeView {
     /// When the stored recipe is not JSON.
     pub(super) fn new(recipe_digest: Digest, recipe: &str, table: Option<Digest>) -> Result<Self, Problem> {
         Ok(Self { recipe_digest, recipe: raw(recipe)?, table })
+    }
+}
+
+impl ForeseenView {
+    /// A recipe without faults.
+    ///
+    /// # Errors
+    /// When the canonical recipe is not JSON.
+    pub(super) fn new(foreseen: Foreseen) -> Result<Self, Problem> {
+        Ok(Self {
+            recipe: Some(raw(&foreseen.recipe)?),
+            recipe_digest: Some(foreseen.recipe_digest),
+            entries: Some(foreseen.entries),
+            table: foreseen.table,
+            expected: foreseen.expected,
+            problem: foreseen.refused.map(Into::into),
+        })
+    }
+
+    /// A document with faults.
+    pub(super) fn refused(problem: Problem) -> Self {
+        Self { problem: Some(problem), ..Self::default() }
     }
 }
 

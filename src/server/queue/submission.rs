@@ -17,6 +17,14 @@ pub struct NewJob {
     pub by: Option<String>,
 }
 
+impl NewJob {
+    /// Entries of all shards.
+    #[must_use]
+    pub fn entries(&self) -> u64 {
+        self.shard_entries.iter().copied().map(u64::from).sum()
+    }
+}
+
 /// The queue's answer to a submission.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Submitted {

@@ -147,6 +147,23 @@ pub enum SubmitReply {
     },
 }
 
+/// What submitting a recipe would begin.
+#[derive(Debug)]
+pub struct Foreseen {
+    /// Canonical text of the recipe.
+    pub recipe: String,
+    /// Its digest.
+    pub recipe_digest: Digest,
+    /// Entries of its table.
+    pub entries: u64,
+    /// The table, if it is stored.
+    pub table: Option<Digest>,
+    /// The forecast for the fit.
+    pub expected: Option<Expected>,
+    /// Why the job would not be begun, though the recipe has no fault.
+    pub refused: Option<SubmitError>,
+}
+
 /// Why a recipe was not accepted.
 #[derive(Debug, thiserror::Error)]
 pub enum SubmitError {

@@ -16,6 +16,7 @@ mod forecast;
 mod migrate;
 mod open;
 mod pictures;
+mod plans;
 mod reconcile;
 mod scheduler;
 mod scrub;
@@ -30,8 +31,8 @@ mod work;
 
 pub use crate::store::{Checked, SHORT_BYTES, TableRow};
 pub use api::{
-    Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits, ServiceError, SubmitError,
-    SubmitReply,
+    Config, Expected, Foreseen, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits, ServiceError,
+    SubmitError, SubmitReply,
 };
 pub use brdfs::{BrdfRow, DeleteBrdfError, StoreBrdfError, StoredBrdf};
 pub use check::{CheckReport, check};
@@ -40,6 +41,7 @@ pub use cursor::{CursorError, JobCursor, TableCursor};
 pub use exports::{ExportFailure, ExportedFile, MadeExport};
 pub use migrate::{Migrated, migrate};
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
+pub use plans::{PlanError, Planned, SCENE_LIMIT_BYTES, SceneForm};
 pub use reconcile::Reconciled;
 pub use state::Service;
 pub use tables::FileKind;

@@ -5,8 +5,8 @@ use std::{sync::PoisonError, time::Duration};
 use tokio::sync::watch;
 
 use super::{
-    Expected, JobCursor, JobSnapshot, Page, Service, ServiceError, SubmitError, SubmitReply, find_brdf::named_in,
-    state::ServiceState,
+    Expected, Foreseen, JobCursor, JobSnapshot, Page, Service, ServiceError, SubmitError, SubmitReply,
+    find_brdf::named_in, state::ServiceState,
 };
 use crate::queue::{Job, JobId, JobState, NewJob, QueueError, StateName, Submitted};
 use ltcforge_files::digest::Digest;
@@ -38,6 +38,25 @@ impl Service {
             self.state.tables.store.blobs.put(&file).map_err(ServiceError::from)?;
         }
         Ok(reply)
+    }
+
+    /// What submitting a recipe document would begin. Nothing is stored.
+    ///
+    /// # Errors
+    /// [`SubmitError::Recipe`] for a document that is refused, [`SubmitError::Store`] when the store fails.
+    pub fn foresee(&self, document: &[u8]) -> Result<Foreseen, SubmitError> {
+        let new = self.state.backend.plan(document, self.state.config.entry_limit)?;
+        let table = self.state.tables.of_recipe(new.recipe_digest).map_err(ServiceError::from)?;
+        let refused = if table.is_none() { self.state.too_expensive(&new)? } else { None };
+        let expected = self.state.forecast.of((&new).into());
+        Ok(Foreseen {
+            entries: new.entries(),
+            recipe: new.recipe,
+            recipe_digest: new.recipe_digest,
+            table,
+            expected,
+            refused,
+        })
     }
 
     /// The forecast for a job; `None` for a recipe of another fitter.
@@ -108,10 +127,8 @@ impl ServiceState {
                 _ => SubmitReply::InFlight { job, joined: true },
             });
         }
-        let predicted = self.forecast.of((&new).into()).map_or(0.0, |expected| expected.seconds);
-        let limit = self.config.job_seconds;
-        if predicted > limit as f64 && !self.queue.is_active(JobId::of_recipe(&digest)).map_err(ServiceError::from)? {
-            return Err(SubmitError::TooExpensive { predicted, limit });
+        if let Some(refused) = self.too_expensive(&new)? {
+            return Err(refused);
         }
         let has_table = |_| self.tables.of_recipe(digest).is_ok_and(|table| table.is_some());
         match self.queue.submit(new, &has_table) {
@@ -123,11 +140,19 @@ impl ServiceState {
         }
     }
 
+    /// Why a job without a table is not begun. One that was begun under another limit goes on.
+    fn too_expensive(&self, new: &NewJob) -> Result<Option<SubmitError>, ServiceError> {
+        let predicted = self.forecast.of(new.into()).map_or(0.0, |expected| expected.seconds);
+        let limit = self.config.job_seconds;
+        let is_refused = predicted > limit as f64 && !self.queue.is_active(JobId::of_recipe(&new.recipe_digest))?;
+        Ok(is_refused.then_some(SubmitError::TooExpensive { predicted, limit }))
+    }
+
     /// The done job of a stored table whose own job was lost.
     fn done(&self, new: NewJob, table: Digest) -> Job {
         let stored_at =
             self.tables.catalogue.table(table).ok().flatten().map_or_else(|| self.queue.now(), |row| row.created_at);
-        let entries = new.shard_entries.iter().copied().map(u64::from).sum();
+        let entries = new.entries();
         Job {
             id: JobId::of_recipe(&new.recipe_digest),
             recipe: new.recipe,

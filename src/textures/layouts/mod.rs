@@ -144,6 +144,11 @@ pub fn sampling_of(table: &Table, layout: TextureLayout) -> Vec<String> {
     let mut lines = vec![format!("layout {layout}: {normalisation}")];
     lines.extend(axes.iter().map(|axis| format!("{}: {}", axis.axis, axis.coordinate)));
     lines.extend(textures.iter().map(|of| format!("{}: {}: {}", of.name, of.channels.join(" "), of.meaning)));
+    if table.second.is_some() {
+        lines.push(
+            "two lobes an entry: of each texture the layers of the second lobes after those of the first".to_owned(),
+        );
+    }
     if table.layout.only_ranges().is_none() {
         let nodes = |nodes: &[f64]| nodes.iter().map(|x| (*x as f32).to_string()).collect::<Vec<_>>().join(" ");
         lines.extend(table.axes.named().map(|(name, axis)| format!("nodes of {name}: {}", nodes(axis))));

@@ -15,17 +15,14 @@ use ltcforge_fit::{Layout, Table};
 const VOLUME: &[TextureAxis] = &[
     TextureAxis { axis: "x", coordinate: "node of phi" },
     TextureAxis { axis: "y", coordinate: "node of ratio times how many theta has, plus node of theta" },
-    TextureAxis {
-        axis: "z",
-        coordinate: "node of alpha; where entries have two lobes, the second ones after all first ones",
-    },
+    TextureAxis { axis: "z", coordinate: "node of alpha" },
 ];
 const ARRAY: &[TextureAxis] = &[
     TextureAxis { axis: "x", coordinate: "node of phi" },
     TextureAxis { axis: "y", coordinate: "node of ratio times how many theta has, plus node of theta" },
     TextureAxis {
         axis: "layer",
-        coordinate: "node of alpha; first those of matrix_a, then of matrix_b, then of terms; of each part those of second lobes after those of first ones",
+        coordinate: "node of alpha; first those of matrix_a, then of matrix_b, then of terms",
     },
 ];
 const PARTS: &[TexturesOf] = &[

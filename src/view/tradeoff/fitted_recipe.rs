@@ -108,8 +108,6 @@ fn row(base: &Recipe, recipe: &Recipe, measured: &Measurement, threads: usize) -
     let Expectation { seconds, error } = expectation(recipe);
     let effort = |of: &ltcforge_fit::FitSettings| (of.samples, of.directions, of.steps);
     let has_effort = |preset: &Preset| effort(&preset.fit()) == effort(&recipe.fit);
-    let second = if recipe.model().fresnel().second().is_some() { 9 } else { 0 };
-    let numbers = 9 + second + recipe.terms.count() as u64;
     let number_bytes = match recipe.precision {
         Precision::F32 => 4,
         Precision::F16 => 2,
@@ -124,7 +122,7 @@ fn row(base: &Recipe, recipe: &Recipe, measured: &Measurement, threads: usize) -
         steps: recipe.fit.steps,
         precision: recipe.precision,
         entries: recipe.entries(),
-        bytes: recipe.entries() * numbers * number_bytes,
+        bytes: recipe.entries() * recipe.entry_numbers() * number_bytes,
         compact_bytes: measured.compact_bytes,
         seconds: measured.processor_seconds / threads as f64,
         wall_seconds: measured.wall_seconds,

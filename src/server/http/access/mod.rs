@@ -1,6 +1,6 @@
 //! Who may call: tokens and what they allow, and the layer that asks for one.
 //!
-//! Invariant: where there are tokens, no request but those of [`OPEN`] passes without one, wherever it comes from: a proxy
+//! Invariant: where there are tokens, no request but those of [`is_open`] passes without one, wherever it comes from: a proxy
 //! on this machine brings the requests of others.
 
 mod tokens;
@@ -21,8 +21,11 @@ pub use self::{
 };
 use super::{kind::ProblemKind, problem::Problem};
 
-/// Paths that tell whether the service works and nothing else, for probes.
-const OPEN: [&str; 2] = ["/healthz", "/readyz"];
+/// Whether a path tells nothing but whether the service works, for probes, or is a file of the page, which is part of the
+/// program: browsers send no token with a link or a script.
+fn is_open(path: &str) -> bool {
+    ["/healthz", "/readyz", "/"].contains(&path) || path.starts_with("/page/")
+}
 
 /// The name of the token that a request came with.
 #[derive(Debug, Clone)]
@@ -32,6 +35,8 @@ pub(super) struct Caller(pub(super) Arc<str>);
 fn needed(method: &Method, path: &str) -> Scope {
     match *method {
         Method::GET | Method::HEAD => Scope::Read,
+        // What these answer is computed of the body, and nothing is kept.
+        Method::POST if ["/v1/recipes", "/v1/plans"].contains(&path) => Scope::Read,
         Method::POST => Scope::Submit,
         Method::DELETE if path.starts_with("/v1/jobs/") => Scope::Submit,
         _ => Scope::Admin,
@@ -51,7 +56,7 @@ fn secret(headers: &HeaderMap) -> Option<&[u8]> {
 /// # Errors
 /// The problem to answer with: 401 or 403.
 fn admit(tokens: &Tokens, method: &Method, path: &str, headers: &HeaderMap) -> Result<Option<Caller>, Problem> {
-    if tokens.is_empty() || OPEN.contains(&path) {
+    if tokens.is_empty() || is_open(path) {
         return Ok(None);
     }
     let Some((name, scope)) = secret(headers).and_then(|secret| tokens.find(secret)) else {
@@ -129,6 +134,13 @@ mod tests {
             ((&Method::GET, "/healthz"), [None; 4]),
             ((&Method::GET, "/readyz"), [None; 4]),
             ((&Method::GET, "/healthz/x"), [Some(401), None, None, None]),
+            ((&Method::POST, "/v1/recipes"), [Some(401), None, None, None]),
+            ((&Method::POST, "/v1/plans"), [Some(401), None, None, None]),
+            ((&Method::POST, "/v1/plans/x"), [Some(401), Some(403), None, None]),
+            ((&Method::GET, "/"), [None; 4]),
+            ((&Method::GET, "/page/main.js"), [None; 4]),
+            ((&Method::GET, "/page"), [Some(401), None, None, None]),
+            ((&Method::GET, "//"), [Some(401), None, None, None]),
         ];
         for (call, statuses) in calls {
             let bearer = [read, submit, admin].map(|secret| format!("Bearer {secret}"));

@@ -95,7 +95,13 @@ impl Renderer {
         }
         // Tables may be large: free the last one before the next is read.
         self.shader_table = None;
-        let table = ShaderTable::new(&self.table(digest)?, TexelFormat::F32).labelled(&digest.hex());
+        let table = self.table(digest)?;
+        if !table.layout().is_even(table.axes()) {
+            let what =
+                "the table's recipe gives nodes that are not evenly spaced, and the preview's shader searches for none";
+            return Err(PictureError::OtherBrdf(what.to_owned()));
+        }
+        let table = ShaderTable::new(&table, TexelFormat::F32).labelled(&digest.hex());
         let table = Arc::new(table);
         self.shader_table = Some((digest, Arc::clone(&table)));
         Ok(table)

@@ -98,6 +98,7 @@ fn plan(start: Start) -> Plan {
         PerAxis { alpha: [0.0, 1.0], ratio: [1.0; 2], theta: [0.0, std::f64::consts::FRAC_PI_2], phi: [0.0; 2] };
     Plan::new(&Recipe {
         fitter: FITTER_VERSION,
+        given: ltcforge_fit::GivenNodes::default(),
         brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout,

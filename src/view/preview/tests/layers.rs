@@ -19,7 +19,7 @@ fn layers_example() {
     let fuzz = layers_fuzz(layers_case[0].w, layers_case[0].xyz);
     let part = layers_case[1];
     let weight = layers_case[2].x;
-    let coat = layers_coated(vec3(part.x), part.y, part.z, weight, vec3(part.w));
+    let coat = layers_coated(vec3(part.x), vec3(part.y), part.z, weight, vec3(part.w));
     let all = layers_fuzzed(coat, vec3(part.y), part.z, weight);
     layers_result = mat4x4<f32>(vec4(fuzz.inverse[0], fuzz.albedo), vec4(fuzz.inverse[1], coat.x),
         vec4(fuzz.inverse[2], all.x), vec4(layers_albedo(part.x, part.y, part.z), layers_metal(part.xy, vec3(part.z), vec3(part.w)).x, 0.0, 0.0));

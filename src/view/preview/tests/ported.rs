@@ -149,6 +149,33 @@ fn the_shader_that_users_take_home_gives_what_f64_does() {
     assert!(covered_somewhere > 30, "{covered_somewhere}");
 }
 
+/// The constant that makes polygons, disks and spheres cheaper leaves tubes and lines as they are.
+#[test]
+fn tubes_and_lines_are_exact_whatever_the_horizon_costs() {
+    let table = golden_table(Layout::Reflected);
+    let wgsl = String::from_utf8(port(Language::Wgsl, Layout::Reflected).expect("WGSL")).expect("UTF-8");
+    let cheap = wgsl.replace("LTC_CHEAP_HORIZON: bool = false", "LTC_CHEAP_HORIZON: bool = true");
+    assert_ne!(cheap, wgsl);
+    let lights = round_lights();
+    let long: Vec<_> = lights.iter().filter(|light| light.count != 1).collect();
+    let tried: Vec<_> = CASES.iter().flat_map(|case| long.iter().map(move |light| (case, *light))).collect();
+    let words: Vec<[f32; 40]> = tried.iter().map(|(case, light)| case_words(case, light, false)).collect();
+    let shader = ShaderTable::new(&table, TexelFormat::F32);
+    let found: Vec<[f32; 16]> = match example::run(&cheap, "ltc_example", Some((&shader, Bound::Volumes)), &words) {
+        Ok(found) => found,
+        Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+        Err(error) => panic!("{error}"),
+    };
+    let mut lit = 0.0;
+    for ((case, light), found) in tried.into_iter().zip(found) {
+        let ltc = Ltc::new(from_row_major(&case.golden(Layout::Reflected).matrix)).expect("a regular matrix");
+        let covered = light.covered(&ltc, Sides::One);
+        assert!((f64::from(found[14]) - covered).abs() < TOLERANCE, "{case:?}: {} {covered}", found[14]);
+        lit += covered;
+    }
+    assert!(lit > 0.1, "{lit}");
+}
+
 /// The files without a table, on the GPU: each rule, each kind of light, from one side and from both.
 #[test]
 fn the_shader_without_a_table_gives_what_f64_does() {

@@ -1,0 +1,164 @@
+//! `plan`: the recipe that a scene needs, within a budget.
+
+use std::{ffi::OsStr, path::Path};
+
+use serde_json::json;
+
+use super::{
+    CommandFailure, Context, Exit, Interrupt, args::PlanArgs, export, file_failure, fit, input::AnyTable,
+    output::check_output_folder, print, progress, shown,
+};
+use ltcforge_files::{
+    bounded::read_file,
+    container,
+    digest::Digest,
+    manifest::{manifest_of, table_report},
+    recipe_document::canonical_json,
+    replace::{replace_file, replace_pair},
+};
+use ltcforge_fit::{Layout, Plan, Recipe, Table};
+use ltcforge_plan::{Budget, Form, Needs, Scene, SceneError, TablePlan, document, outside, picture, words};
+use ltcforge_textures::{Engine, Export, TextureLayout};
+
+/// The longest list of materials.
+const LIST_LIMIT_BYTES: u64 = 1 << 20;
+
+/// Reads a scene, plans its tables, writes the plan, and fits the tables if that is asked for.
+pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    let scene = read(&args.scene)?;
+    if let Some(table) = &args.table {
+        return check(&scene, &AnyTable::named(table, &args.folder)?, json, context);
+    }
+    check_output_folder(&args.out)?;
+    let layout = args.engine.and_then(engine_layout);
+    let form = Form { layout, any_nodes: args.any_nodes };
+    let pool = args.threads.pool()?;
+    let interrupt = context.interrupt.clone();
+    let go_on = || !interrupt.is_set();
+    let mut plans = Vec::new();
+    for (sheen, name) in [(false, "recipe"), (true, "recipe-sheen")] {
+        // An engine reads tables of one scattering model.
+        let Some(needs) = Needs::of(&scene, sheen).filter(|_| !sheen || layout.is_none()) else { continue };
+        let plan = pool.install(|| TablePlan::new(needs, budget(args), form, &go_on));
+        plans.push((name, plan.map_err(|_| CommandFailure::interrupted())?));
+    }
+    let mut tables = Vec::new();
+    if args.fit {
+        let draws = context.draws_progress;
+        for (_, plan) in &mut plans {
+            tables.push(pool.install(|| fitted(plan, draws, &interrupt))?);
+        }
+    }
+    let mut files = Vec::new();
+    let mut write = |name: &str, bytes: &[u8]| {
+        let path = args.out.join(name);
+        replace_file(&path, bytes).map_err(|error| file_failure(&path, &error))?;
+        files.push(shown(&path));
+        Ok::<_, CommandFailure>(())
+    };
+    for (name, plan) in &plans {
+        write(&format!("{name}.json"), format!("{}\n", canonical_json(&plan.chosen.recipe)).as_bytes())?;
+    }
+    let is_met = plans.iter().all(|(_, plan)| plan.is_met);
+    let plans: Vec<TablePlan<'_>> = plans.into_iter().map(|(_, plan)| plan).collect();
+    let told = document(&scene, &plans);
+    write("plan.json", format!("{told:#}\n").as_bytes())?;
+    write("plan.svg", picture(&plans).as_bytes())?;
+    let mut digests = Vec::new();
+    for (table, plan) in tables.iter().zip(&plans) {
+        digests.push(pool.install(|| write_table(args, &plan.chosen.recipe, table, &mut files))?);
+    }
+    let lines = words(&scene, &plans);
+    let value = json!({ "files": files, "tables": digests, "met": is_met, "plan": told });
+    print(context.stdout, json, &value, &[lines, files].concat().join("\n"))?;
+    Ok(if is_met { Exit::Ok } else { Exit::Failed })
+}
+
+/// The scene of a file.
+fn read(path: &Path) -> Result<Scene, CommandFailure> {
+    let is_list =
+        path.extension().and_then(OsStr::to_str).is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    let scene = if is_list {
+        let bytes = read_file(path, LIST_LIMIT_BYTES).map_err(|error| file_failure(path, &error))?;
+        Scene::from_list(&bytes)
+    } else {
+        Scene::open(path)
+    };
+    scene.map_err(|error| {
+        let lines: Vec<String> = error.to_string().lines().map(|line| format!("{}: {line}", path.display())).collect();
+        let exit = if matches!(error, SceneError::Open { .. }) { Exit::Failed } else { Exit::Usage };
+        CommandFailure::new(exit, lines.join("\n"))
+    })
+}
+
+fn budget(args: &PlanArgs) -> Budget {
+    let of_error = args.error.map(Budget::Error);
+    of_error.or(args.bytes.map(Budget::Bytes)).or(args.seconds.map(Budget::Seconds)).unwrap_or(Budget::Knee)
+}
+
+/// The layout of an engine's tables; `None` for one that reads tables of any.
+fn engine_layout(engine: Engine) -> Option<Layout> {
+    let textures = engine.layout().and_then(|name| TextureLayout::named(name).ok());
+    textures.map(|textures| textures.sampling().table)
+}
+
+/// The table of a plan, which is measured by it, and the plan corrected once if it was far off.
+fn fitted(plan: &mut TablePlan<'_>, draws_progress: bool, interrupt: &Interrupt) -> Result<Table, CommandFailure> {
+    let fit = |recipe: &Recipe| {
+        let bar = progress::bar(draws_progress, recipe.entries());
+        let table = fit::fit(&Plan::new(recipe), &bar, interrupt);
+        bar.finish_and_clear();
+        table.ok_or_else(CommandFailure::interrupted)
+    };
+    let whole = fit(&plan.whole.recipe)?;
+    let mut table = fit(&plan.chosen.recipe)?;
+    plan.measure(&table, Some(&whole));
+    if !plan.is_measured() {
+        table = fit(&plan.chosen.recipe)?;
+        plan.measure(&table, None);
+    }
+    Ok(table)
+}
+
+/// Writes a table with its manifest, and an engine's files of it.
+fn write_table(
+    args: &PlanArgs,
+    recipe: &Recipe,
+    table: &Table,
+    files: &mut Vec<String>,
+) -> Result<Digest, CommandFailure> {
+    let failed = |error: container::TableFileError| CommandFailure::new(Exit::Failed, error.to_string());
+    let file = container::encode(recipe, table).map_err(failed)?;
+    let (digest, report) = (Digest::of(&file), table_report(table, recipe));
+    let manifest = manifest_of(&file, table, recipe, &report).map_err(failed)?;
+    let [table_path, manifest_path] =
+        ["safetensors", "manifest.json"].map(|extension| args.out.join(format!("{}.{extension}", digest.hex())));
+    replace_pair((&table_path, &file), (&manifest_path, manifest.as_bytes()))
+        .map_err(|error| file_failure(&error.path, &error.source))?;
+    files.extend([&table_path, &manifest_path].map(|path| shown(path)));
+    if let Some(engine) = args.engine {
+        let error = export::measured(table, Some(recipe));
+        for file in export::bundle(Export::Engine(engine), table, digest, Some(recipe), error)?.files {
+            let path = args.out.join(&file.path);
+            replace_file(&path, &file.bytes).map_err(|error| file_failure(&path, &error))?;
+            files.push(shown(&path));
+        }
+    }
+    Ok(digest)
+}
+
+/// Tells which materials lie outside of a table.
+fn check(scene: &Scene, of: &AnyTable, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    let outside = outside(scene, &of.table);
+    let line = |material: &ltcforge_plan::Outside| {
+        let axes = material.axes.iter().map(|axis| {
+            let ([low, high], [first, last]) = (axis.scene, axis.table);
+            format!("{} {low:.4} to {high:.4}, of the table {first:.4} to {last:.4}", axis.axis)
+        });
+        format!("{}: {}", material.material, axes.collect::<Vec<_>>().join("; "))
+    };
+    let lines: Vec<String> = outside.iter().map(line).collect();
+    let text = if lines.is_empty() { "every material lies within the table".to_owned() } else { lines.join("\n") };
+    print(context.stdout, json, &json!({ "table": of.digest, "outside": outside }), &text)?;
+    Ok(if outside.is_empty() { Exit::Ok } else { Exit::Mismatch })
+}

@@ -1,0 +1,95 @@
+//! The axes of a recipe document: their domain, how many nodes they have, and nodes that are given one by one.
+
+use std::f64::consts::FRAC_PI_2;
+
+use serde_json::Value;
+
+use super::reader::{Faults, Object, echo};
+use ltcforge_fit::{GivenNodes, Layout, PerAxis};
+
+pub(super) const AXES: [&str; 4] = ["alpha", "ratio", "theta", "phi"];
+/// Most nodes on an axis: more than any texture has texels along a side.
+const MOST_NODES: u32 = 16_384;
+
+/// The bounds of each axis's range, which are its default for anisotropic surfaces in every preset.
+pub(super) const DOMAIN: PerAxis<[f64; 2]> =
+    PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, FRAC_PI_2] };
+/// The only ratio of isotropic surfaces, and the one azimuth that tells all of them.
+pub(super) const ISOTROPIC: PerAxis<[f64; 2]> = PerAxis { ratio: [1.0, 1.0], phi: [0.0, 0.0], ..DOMAIN };
+
+/// Nodes that are given one by one, for layouts whose readers take any.
+pub(super) fn read_nodes(root: &Object, layout: Layout, faults: &mut Faults) -> GivenNodes {
+    let object = root.object("nodes", &AXES, faults);
+    let mut axis = |name: &str, [low, high]: [f64; 2]| -> Vec<f64> {
+        let Some(value) = object.get(name) else { return Vec::new() };
+        let mut note = |detail: String| faults.note(object.pointer(name), detail);
+        if layout.only_ranges().is_some() {
+            note(format!("layout \"{layout}\" has nodes of its own: its readers take no others; leave this field out"));
+            return Vec::new();
+        }
+        let numbers = value.as_array().and_then(|list| list.iter().map(Value::as_f64).collect::<Option<Vec<f64>>>());
+        let Some(nodes) = numbers.filter(|nodes| !nodes.is_empty() && nodes.len() <= MOST_NODES as usize) else {
+            note(format!("{} is not a list of 1 to {MOST_NODES} numbers", echo(value)));
+            return Vec::new();
+        };
+        if let Some(node) = nodes.iter().find(|node| !(low..=high).contains(*node)) {
+            note(format!("{node} is not within [{low}, {high}]"));
+        } else if let Some((node, next)) = nodes.iter().zip(&nodes[1..]).find(|(node, next)| node >= next) {
+            note(format!("{next} follows {node}: nodes ascend, and none comes twice"));
+        } else {
+            // -0 and 0 are one number and must be one recipe.
+            return nodes.into_iter().map(|node| node + 0.0).collect();
+        }
+        Vec::new()
+    };
+    GivenNodes::new(PerAxis {
+        alpha: axis("alpha", DOMAIN.alpha),
+        ratio: axis("ratio", DOMAIN.ratio),
+        theta: axis("theta", DOMAIN.theta),
+        phi: axis("phi", DOMAIN.phi),
+    })
+}
+
+/// The nodes that are given on an axis.
+fn given_on<'a>(given: &'a GivenNodes, axis: &str) -> &'a [f64] {
+    given.axes().named().into_iter().find(|(name, _)| *name == axis).map_or(&[], |(_, nodes)| nodes)
+}
+
+/// The first and the last of them.
+pub(super) fn ends_of(given: &GivenNodes, axis: &str) -> Option<[f64; 2]> {
+    given_on(given, axis).first().zip(given_on(given, axis).last()).map(|(first, last)| [*first, *last])
+}
+
+/// A range that is a single value takes one node, any other at least two; nodes that are given are as many as they are.
+pub(super) fn read_resolution(
+    root: &Object,
+    layout: Layout,
+    range: &PerAxis<[f64; 2]>,
+    given: &GivenNodes,
+    faults: &mut Faults,
+) -> PerAxis<u32> {
+    let object = root.object("resolution", &AXES, faults);
+    let default = layout.default_resolution();
+    let mut axis = |name: &str, default: u32, [low, high]: [f64; 2]| {
+        let given = given_on(given, name).len() as u32;
+        if given > 0 {
+            return object.integer32(name, given, given, given, faults);
+        }
+        if low < high {
+            return object.integer32(name, 2, MOST_NODES, default, faults);
+        }
+        if let Some(value) = object.get(name)
+            && value.as_u64() != Some(1)
+        {
+            let detail = format!("{} does not fit a range of the single value {low}, which takes 1 node", echo(value));
+            faults.note(object.pointer(name), detail);
+        }
+        1
+    };
+    PerAxis {
+        alpha: axis("alpha", default.alpha, range.alpha),
+        ratio: axis("ratio", default.ratio, range.ratio),
+        theta: axis("theta", default.theta, range.theta),
+        phi: axis("phi", default.phi, range.phi),
+    }
+}

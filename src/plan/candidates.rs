@@ -1,0 +1,182 @@
+//! Tables that could serve a scene, with their predicted errors and their costs, and the choice among them.
+
+use serde::Serialize;
+
+use crate::prediction::{Nodes, Prediction};
+use ltcforge_files::recipe_document::Preset;
+use ltcforge_fit::{FitSettings, PerAxis, Precision, Recipe, fit_seconds};
+
+/// Nodes that an axis of several values may have.
+const NODES: PerAxis<[u32; 2]> = PerAxis { alpha: [2, 24], ratio: [2, 12], theta: [2, 24], phi: [2, 12] };
+/// Errors that differ by less are equal: a smaller or faster table is taken then.
+const EQUAL: f64 = 1.005;
+/// Where the front bends: the smallest table whose error is within 5 % of the least.
+const KNEE: f64 = 1.05;
+
+/// What may be spent. Seconds are of one thread, on the machine of `ltcforge_fit::fit_seconds`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Budget {
+    /// The smallest table whose error is at most this.
+    Error(f64),
+    /// The best table of at most as many bytes.
+    Bytes(u64),
+    /// The best table whose fit takes at most as long.
+    Seconds(f64),
+    /// The smallest table that is nearly as good as any.
+    Knee,
+}
+
+/// A table that could serve a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// Its recipe.
+    pub recipe: Recipe,
+    /// The preset of its effort.
+    pub preset: Preset,
+    /// Predicted mean error on the scene, as a part of the lobe's width.
+    pub error: f64,
+    /// Bytes of matrices and terms.
+    pub bytes: u64,
+    /// Predicted seconds of one thread.
+    pub seconds: f64,
+}
+
+impl Candidate {
+    /// The table of some nodes, a number format and an effort, as it is predicted.
+    pub(crate) fn of(prediction: &Prediction, nodes: Nodes, precision: Precision, preset: Preset) -> Self {
+        let base = prediction.base();
+        let fit = FitSettings { seed: base.fit.seed, ..preset.fit() };
+        let (resolution, given) = (nodes.resolution, prediction.given(nodes.given));
+        let recipe = Recipe { resolution, given, precision, fit, ..base.clone() };
+        let (error, bytes, seconds) = (prediction.error(&recipe), bytes_of(&recipe), fit_seconds(&recipe));
+        Self { recipe, preset, error, bytes, seconds }
+    }
+}
+
+/// Bytes of a recipe's matrices and terms.
+#[must_use]
+pub(crate) fn bytes_of(recipe: &Recipe) -> u64 {
+    let width = match recipe.precision {
+        Precision::F32 => 4,
+        Precision::F16 => 2,
+    };
+    recipe.entries() * recipe.entry_numbers() * width
+}
+
+/// The nodes for which none of fewer entries have less error, each with all efforts and number formats.
+#[must_use]
+pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
+    let base = prediction.base();
+    let is_free = base.layout.only_ranges().is_none();
+    let all = if is_free { choices(prediction) } else { vec![Nodes::even(base.resolution)] };
+    let priced = |nodes: Nodes| (nodes.entries(), prediction.of_nodes(nodes), nodes);
+    let mut priced: Vec<(u64, f64, Nodes)> = all.into_iter().map(priced).collect();
+    priced.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut least = f64::INFINITY;
+    priced.retain(|(_, error, _)| {
+        let is_better = *error < least;
+        least = least.min(*error);
+        is_better
+    });
+    let efforts = || [Precision::F16, Precision::F32].into_iter().flat_map(|p| Preset::ALL.map(|preset| (p, preset)));
+    let of = |(_, _, nodes): &(u64, f64, Nodes)| {
+        let nodes = *nodes;
+        efforts().map(move |(precision, preset)| Candidate::of(prediction, nodes, precision, preset))
+    };
+    priced.iter().flat_map(of).collect()
+}
+
+/// All nodes that a table may have: one for a single value, else so many evenly spaced ones, or those that are given.
+fn choices(prediction: &Prediction) -> Vec<Nodes> {
+    let range = &prediction.base().range;
+    let counts = |[low, high]: [f64; 2], [from, to]: [u32; 2]| if low < high { from..=to } else { 1..=1 };
+    let surface = |axis: usize, range, limits| -> Vec<(u32, bool)> {
+        let given = prediction.given_on(axis).len() as u32;
+        counts(range, limits).map(|n| (n, false)).chain((given > 0).then_some((given, true))).collect()
+    };
+    let ratios = surface(1, range.ratio, NODES.ratio);
+    let mut all = Vec::new();
+    for (alpha, is_alpha_given) in surface(0, range.alpha, NODES.alpha) {
+        for (ratio, is_ratio_given) in &ratios {
+            for theta in counts(range.theta, NODES.theta) {
+                all.extend(counts(range.phi, NODES.phi).map(|phi| Nodes {
+                    resolution: PerAxis { alpha, ratio: *ratio, theta, phi },
+                    given: [is_alpha_given, *is_ratio_given],
+                }));
+            }
+        }
+    }
+    all
+}
+
+/// What a candidate costs, or its error.
+type Price = fn(&Candidate) -> f64;
+
+const ERROR: Price = |candidate| candidate.error;
+const BYTES: Price = |candidate| candidate.bytes as f64;
+const SECONDS: Price = |candidate| candidate.seconds;
+
+/// The candidate that a budget chooses; the error is the nearest one, where no candidate is within the budget. Domain:
+/// at least one candidate.
+///
+/// # Errors
+/// The candidate that comes nearest to the budget.
+pub(crate) fn choose(candidates: &[Candidate], budget: Budget) -> Result<&Candidate, &Candidate> {
+    let all = || candidates.iter().collect();
+    let (price, most, then) = match budget {
+        Budget::Error(most) => (ERROR, most, [(BYTES, 1.0), (SECONDS, 1.0), (ERROR, 1.0)]),
+        Budget::Bytes(most) => (BYTES, most as f64, [(ERROR, EQUAL), (SECONDS, 1.0), (BYTES, 1.0)]),
+        Budget::Seconds(most) => (SECONDS, most, [(ERROR, EQUAL), (BYTES, 1.0), (SECONDS, 1.0)]),
+        Budget::Knee => {
+            let least = candidates.iter().map(ERROR).fold(f64::INFINITY, f64::min);
+            (ERROR, KNEE * least, [(BYTES, 1.0), (SECONDS, 1.0), (ERROR, 1.0)])
+        }
+    };
+    let within: Vec<&Candidate> = candidates.iter().filter(|candidate| price(candidate) <= most).collect();
+    if within.is_empty() {
+        return Err(least(all(), [(price, 1.0), (ERROR, EQUAL), (BYTES, 1.0)]));
+    }
+    Ok(least(within, then))
+}
+
+/// The candidate of the least first price, among those that are nearly that by each price's slack the one of the least
+/// next price. Domain: at least one candidate.
+fn least(mut left: Vec<&Candidate>, prices: [(Price, f64); 3]) -> &Candidate {
+    for (price, slack) in prices {
+        let most = left.iter().map(|candidate| price(candidate)).fold(f64::INFINITY, f64::min) * slack;
+        left.retain(|candidate| price(candidate) <= most);
+    }
+    left[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse};
+
+    fn candidate(error: f64, bytes: u64, seconds: f64) -> Candidate {
+        let recipe = parse(b"{}", DEFAULT_ENTRY_LIMIT).expect("a recipe");
+        Candidate { recipe, preset: Preset::Draft, error, bytes, seconds }
+    }
+
+    #[test]
+    fn a_budget_takes_the_cheapest_of_what_it_allows_or_names_the_nearest() {
+        let all = [
+            candidate(0.20, 100, 0.1),
+            candidate(0.10, 200, 0.2),
+            candidate(0.0502, 400, 0.3),
+            candidate(0.0501, 400, 0.9),
+            candidate(0.05, 900, 1.0),
+        ];
+        let chosen = |budget| choose(&all, budget).map(|c| c.bytes).map_err(|c| c.bytes);
+        assert_eq!(chosen(Budget::Bytes(250)), Ok(200));
+        assert_eq!(choose(&all, Budget::Bytes(500)).expect("one").seconds, 0.3);
+        assert_eq!(chosen(Budget::Bytes(99)), Err(100));
+        assert_eq!(chosen(Budget::Error(0.1)), Ok(200));
+        assert_eq!(chosen(Budget::Error(0.01)), Err(900));
+        assert_eq!(chosen(Budget::Seconds(0.25)), Ok(200));
+        assert_eq!(chosen(Budget::Seconds(0.01)), Err(100));
+        assert_eq!(chosen(Budget::Knee), Ok(400));
+    }
+}

@@ -1,0 +1,184 @@
+//! A plan as JSON: `plan.json`.
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::{
+    candidates::{Budget, Candidate},
+    plan::TablePlan,
+    scene::{LobeKind, Scene, SceneLobe, SceneMaterial},
+};
+use ltcforge_files::recipe_document::{canonical_json, digest};
+use ltcforge_fit::{PerAxis, Recipe};
+
+/// Version of the document.
+const VERSION: u32 = 1;
+/// Roughnesses of a lobe that are listed one by one.
+const LISTED: usize = 64;
+
+/// A recipe as JSON.
+#[must_use]
+pub fn recipe_value(recipe: &Recipe) -> Value {
+    // The canonical form is JSON.
+    serde_json::from_str(&canonical_json(recipe)).unwrap_or_default()
+}
+
+/// The plans of a scene's tables as JSON.
+#[must_use]
+pub fn document(scene: &Scene, plans: &[TablePlan<'_>]) -> Value {
+    json!({
+        "version": VERSION,
+        "scene": {
+            "triangles": scene.triangles,
+            "cameras": scene.cameras,
+            "notes": scene.notes,
+            "materials": scene.materials.iter().map(material).collect::<Vec<_>>(),
+        },
+        "tables": plans.iter().map(table).collect::<Vec<_>>(),
+    })
+}
+
+fn material(material: &SceneMaterial) -> Value {
+    let SceneMaterial { name, area, lobes, uncovered } = material;
+    json!({ "name": name, "area": area, "lobes": lobes.iter().map(lobe).collect::<Vec<_>>(), "not_covered": uncovered })
+}
+
+fn lobe(lobe: &SceneLobe) -> Value {
+    let ends = |value: fn(&crate::Spot) -> f64| {
+        let values = lobe.spots.iter().map(value);
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    };
+    let mut value = json!({
+        "kind": lobe.kind, "weight": lobe.weight(), "alpha": ends(|spot| spot.alpha), "ratio": ends(|spot| spot.ratio),
+        "values": lobe.spots.len(), "theta": lobe.views.theta(),
+    });
+    if lobe.spots.len() <= LISTED {
+        value["spots"] = json!(lobe.spots);
+    }
+    value
+}
+
+/// A candidate in numbers.
+#[derive(Debug, Serialize)]
+struct Row {
+    resolution: PerAxis<u32>,
+    precision: &'static str,
+    preset: &'static str,
+    predicted_error: f64,
+    bytes: u64,
+    predicted_seconds: f64,
+    chosen: bool,
+}
+
+fn row(candidate: &Candidate, chosen: &Candidate) -> Row {
+    Row {
+        resolution: candidate.recipe.resolution(),
+        precision: candidate.recipe.precision().name(),
+        preset: candidate.preset.name(),
+        predicted_error: candidate.error,
+        bytes: candidate.bytes,
+        predicted_seconds: candidate.seconds,
+        chosen: candidate == chosen,
+    }
+}
+
+fn table(plan: &TablePlan<'_>) -> Value {
+    let TablePlan { needs, budget, is_met, chosen, limit, measured, whole, .. } = plan;
+    let serves: Vec<Value> =
+        needs.lobes().iter().map(|(index, lobe)| json!({ "material": index, "kind": lobe.kind })).collect();
+    let (budget, of) = match budget {
+        Budget::Error(most) => (json!(most), "error"),
+        Budget::Bytes(most) => (json!(most), "bytes"),
+        Budget::Seconds(most) => (json!(most), "seconds"),
+        Budget::Knee => (Value::Null, "knee"),
+    };
+    json!({
+        "recipe": recipe_value(&chosen.recipe),
+        "recipe_digest": digest(&chosen.recipe),
+        "serves": serves,
+        "budget": { "of": of, "most": budget, "met": is_met },
+        "predicted": { "error": chosen.error, "bytes": chosen.bytes, "seconds": chosen.seconds },
+        "limit": limit,
+        "measured": measured,
+        "gpu_cost": plan.beside.gpu_cost,
+        "light_error": plan.beside.light_error,
+        "without_table": plan.beside.without_table,
+        "whole": {
+            "recipe_digest": digest(&whole.recipe), "bytes": whole.bytes, "error": whole.error,
+        },
+        "candidates": plan.front().map(|candidate| row(candidate, chosen)).collect::<Vec<_>>(),
+    })
+}
+
+/// The summary in words, a line for each thing to know.
+#[must_use]
+pub fn words(scene: &Scene, plans: &[TablePlan<'_>]) -> Vec<String> {
+    let plural = |n: usize, one: &str| if n == 1 { format!("1 {one}") } else { format!("{n} {one}s") };
+    let anisotropic =
+        scene.materials.iter().filter(|material| material.lobes.iter().any(|lobe| !lobe.is_isotropic())).count();
+    let views = match scene.cameras {
+        0 => "every view".to_owned(),
+        n => format!("the views of {}", plural(n, "camera")),
+    };
+    let mut lines = vec![format!("{}, {anisotropic} anisotropic; {views}", plural(scene.materials.len(), "material"))];
+    for plan in plans {
+        lines.extend(words_of(plan));
+    }
+    for material in &scene.materials {
+        for what in &material.uncovered {
+            lines.push(format!("not covered, {}: {what}", material.name));
+        }
+        if material.lobes.is_empty() && material.uncovered.is_empty() {
+            lines.push(format!("not covered, {}: no camera sees it", material.name));
+        }
+    }
+    lines.extend(scene.notes.iter().map(|note| format!("left out: {note}")));
+    lines
+}
+
+fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
+    let TablePlan { chosen, measured, whole, limit, is_met, .. } = plan;
+    let nodes = chosen.recipe.resolution().named().map(|(_, n)| n.to_string()).join(" x ");
+    let is_sheen = plan.needs.lobes().iter().any(|(_, lobe)| lobe.kind == LobeKind::Sheen);
+    let of = if is_sheen { "sheen: " } else { "" };
+    let measured = measured.map_or_else(String::new, |measured| format!("; measured {:.4}", measured.error));
+    let line = format!(
+        "{of}{nodes} nodes, {} as {}, preset {}, {:.1} s on one core: expected error {:.4}, of which {limit:.4} is the lobe model's own{measured}",
+        bytes_in_words(chosen.bytes),
+        chosen.recipe.precision(),
+        chosen.preset.name(),
+        chosen.seconds,
+        chosen.error
+    );
+    let mut lines = vec![line];
+    let of_whole = whole.error.map_or_else(String::new, |error| format!(", with an error of {error:.4} on this scene"));
+    lines.push(format!("{of}the table of the whole domain has {}{of_whole}", bytes_in_words(whole.bytes)));
+    lines.extend(plan.beside.words());
+    let layout = chosen.recipe.layout();
+    if layout.only_ranges().is_some() && !plan.needs.is_isotropic() {
+        lines.push(format!(
+            "tables of layout {layout} have no direction along the surface: materials that have one are lit as round"
+        ));
+    }
+    if !is_met {
+        lines.push(format!("{of}{}", unmet(plan)));
+    }
+    lines
+}
+
+/// What a budget that cannot be met is told.
+fn unmet(plan: &TablePlan<'_>) -> String {
+    let chosen = &plan.chosen;
+    match plan.budget {
+        Budget::Error(most) => {
+            format!("an error of {most} cannot be had: the least that is expected is {:.4}", chosen.error)
+        }
+        Budget::Bytes(most) => format!("{most} bytes are too few: the smallest table has {}", chosen.bytes),
+        Budget::Seconds(most) => format!("{most} s are too few: the fastest fit takes {:.3} s", chosen.seconds),
+        Budget::Knee => "no table serves it".to_owned(),
+    }
+}
+
+fn bytes_in_words(bytes: u64) -> String {
+    if bytes < 1000 { format!("{bytes} bytes") } else { format!("{:.1} KB", bytes as f64 / 1000.0) }
+}

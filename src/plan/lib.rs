@@ -1,0 +1,28 @@
+//! From a scene to the table that it needs.
+//!
+//! Invariant: no clock and no thread count decides anything here: equal scenes and budgets give equal plans.
+
+mod candidates;
+mod document;
+mod histogram;
+mod needs;
+mod outside;
+mod picture;
+mod plan;
+mod prediction;
+mod resampled;
+mod scene;
+#[cfg(test)]
+mod tests;
+mod without;
+
+pub use candidates::{Budget, Candidate};
+pub use document::{document, recipe_value, words};
+pub use histogram::{Spot, Views};
+pub use needs::Needs;
+pub use outside::{Outside, OutsideAxis, outside};
+pub use picture::picture;
+pub use plan::{Form, Measured, TablePlan, Whole};
+pub use prediction::Stopped;
+pub use scene::{LobeKind, Scene, SceneError, SceneFault, SceneLobe, SceneMaterial};
+pub use without::{Beside, WithoutTable};

@@ -1,0 +1,74 @@
+//! Whether a table serves a scene: which materials lie outside of it.
+
+use serde::Serialize;
+
+use crate::scene::{LobeKind, Scene, SceneLobe};
+use ltcforge_fit::{ALPHA_FLOOR, BrdfKind, RATIO_FLOOR, THETA_CEILING, Table};
+
+/// Numbers that differ by no more are the same: those of tables and recipes are decimals.
+const TOLERANCE: f64 = 1e-6;
+
+/// What of a material lies outside of a table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Outside {
+    /// The material's name.
+    pub material: String,
+    /// Its lobe.
+    pub kind: LobeKind,
+    /// Each axis with what the scene has of it and what the table has.
+    pub axes: Vec<OutsideAxis>,
+}
+
+/// An axis of a table that does not reach as far as a scene does.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OutsideAxis {
+    /// Its name.
+    pub axis: &'static str,
+    /// The range in the scene.
+    pub scene: [f64; 2],
+    /// The range of the table.
+    pub table: [f64; 2],
+}
+
+/// The lobes of a scene, of those that the table's scattering model is for, that go beyond the table's nodes; in the
+/// scene's order.
+#[must_use]
+pub fn outside(scene: &Scene, table: &Table) -> Vec<Outside> {
+    let is_sheen = matches!(table.brdf(), BrdfKind::Charlie | BrdfKind::CharlieNeubelt);
+    let lobes = scene.materials.iter().flat_map(|material| material.lobes.iter().map(move |lobe| (material, lobe)));
+    let of_model = lobes.filter(|(_, lobe)| (lobe.kind == LobeKind::Sheen) == is_sheen);
+    of_model
+        .filter_map(|(material, lobe)| {
+            let axes = beyond(lobe, table);
+            (!axes.is_empty()).then(|| Outside { material: material.name.clone(), kind: lobe.kind, axes })
+        })
+        .collect()
+}
+
+fn beyond(lobe: &SceneLobe, table: &Table) -> Vec<OutsideAxis> {
+    let around = |value: fn(&crate::Spot) -> f64| {
+        let values = lobe.spots.iter().map(value);
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    };
+    let axes = table.axes();
+    let ends = |nodes: &[f64]| [nodes.first(), nodes.last()].map(|end| end.copied().unwrap_or_default());
+    let theta = lobe.views.theta().map(|theta| theta.min(THETA_CEILING));
+    let all = [
+        ("alpha", around(|spot| spot.alpha.max(ALPHA_FLOOR)), ends(&axes.alpha)),
+        ("ratio", around(|spot| spot.ratio.max(RATIO_FLOOR)), ends(&axes.ratio)),
+        ("theta", theta, ends(&axes.theta)),
+        (
+            "phi",
+            if lobe.is_isotropic() { [0.0, std::f64::consts::FRAC_PI_2] } else { lobe.views.phi() },
+            ends(&axes.phi),
+        ),
+    ];
+    let is_beyond =
+        |scene: [f64; 2], table: [f64; 2]| scene[0] < table[0] - TOLERANCE || scene[1] > table[1] + TOLERANCE;
+    // A table of isotropic surfaces turns with the view.
+    let counts = |axis: &str| axis != "phi" || !table.serves_every_phi();
+    all.into_iter()
+        .filter(|(axis, scene, table)| counts(axis) && is_beyond(*scene, *table))
+        .map(|(axis, scene, table)| OutsideAxis { axis, scene, table })
+        .collect()
+}

@@ -1,0 +1,223 @@
+//! The error of tables of any resolution, told from one coarse table.
+//!
+//! A table over the scene's own ranges is fitted once and measured at configurations of the scene. For each axis it is then
+//! read with fewer nodes along that axis alone, which tells, too, whether they fall on the scene's roughnesses. Errors of
+//! different axes and of the fit's effort add up, as `ltcforge_fit::expectation` takes them to over the whole domain. Between the
+//! counts that were read, and beyond them, the error that an axis adds is linear in the square of the step between its nodes.
+
+use std::ops::ControlFlow;
+
+use crate::{needs::Needs, resampled::resampled};
+use ltcforge_fit::{
+    Configuration, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeModel, PerAxis, Plan, Precision, Recipe,
+    StoredTerms, Table, expectation, figures_of, fit_plan,
+};
+
+/// Configurations at which a plan is measured, predicted and fitted alike.
+pub(crate) const POINTS: usize = 256;
+/// Those at which an axis's constant is found.
+const POINTS_OF_AXIS: usize = 64;
+
+/// Nodes of the coarse table where all lobes are round, and where some are not.
+const ROUND: [u32; 4] = [33, 1, 33, 1];
+const STRETCHED: [u32; 4] = [11, 5, 11, 7];
+/// Nodes of an axis with which the coarse table is read again.
+const FEWER: [u32; 11] = [20, 16, 12, 9, 8, 7, 6, 5, 4, 3, 2];
+
+/// How many values of a scene may be nodes of an axis.
+const GIVEN: std::ops::RangeInclusive<usize> = 3..=16;
+
+/// Predicts the errors of tables over a scene's ranges, of one layout.
+#[derive(Debug, Clone)]
+pub(crate) struct Prediction {
+    base: Recipe,
+    /// The error of the coarse table.
+    of_base: f64,
+    /// For each axis squared steps, see `ltcforge_fit::Layout::steps`, and the error that each adds to the coarse table's.
+    added: [Vec<[f64; 2]>; 4],
+    /// The scene's values of alpha and of ratio, where they are few and may be nodes.
+    given: [Vec<f64>; 2],
+}
+
+/// The nodes of a table over the ranges of the coarse one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Nodes {
+    /// How many each axis has.
+    pub(crate) resolution: PerAxis<u32>,
+    /// Whether those of alpha, and of ratio, are the scene's values, given one by one.
+    pub(crate) given: [bool; 2],
+}
+
+impl Nodes {
+    /// Evenly spaced ones.
+    pub(crate) fn even(resolution: PerAxis<u32>) -> Self {
+        Self { resolution, given: [false; 2] }
+    }
+
+    /// Entries of the table.
+    pub(crate) fn entries(&self) -> u64 {
+        self.resolution.named().iter().map(|(_, n)| u64::from(**n)).product()
+    }
+}
+
+/// Why there is no prediction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("stopped")]
+pub struct Stopped;
+
+impl Prediction {
+    /// Fits the coarse table and measures it. Runs on the current rayon pool, whose size changes nothing; `go_on` may
+    /// stop it.
+    ///
+    /// # Errors
+    /// [`Stopped`] where `go_on` says no.
+    pub(crate) fn new(
+        needs: &Needs<'_>,
+        layout: Layout,
+        any_nodes: bool,
+        fit: FitSettings,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, Stopped> {
+        let nodes = |n: u32, [low, high]: [f64; 2]| if low < high { n } else { 1 };
+        let needed = needs.range();
+        let [alpha, ratio, theta, phi] = if needs.is_isotropic() { ROUND } else { STRETCHED };
+        let coarse = PerAxis {
+            alpha: nodes(alpha, needed.alpha),
+            ratio: nodes(ratio, needed.ratio),
+            theta: nodes(theta, needed.theta),
+            phi: nodes(phi, needed.phi),
+        };
+        // Readers of some layouts take one domain, and tables of one size.
+        let (range, resolution) = match layout.only_ranges() {
+            Some(range) => (range, layout.default_resolution()),
+            None => (needed, coarse),
+        };
+        let base = Recipe {
+            fitter: FITTER_VERSION,
+            brdf: needs.brdf().clone(),
+            lobe: LobeModel::Ltc,
+            layout,
+            resolution,
+            range,
+            fit,
+            terms: StoredTerms::Schlick,
+            precision: Precision::F32,
+            given: GivenNodes::default(),
+        };
+        let progress = |_| if go_on() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+        let table = fit_plan(&Plan::new(&base), &progress).ok_or(Stopped)?;
+        let places = needs.draw(POINTS);
+        let of_base = error(&table, &places);
+        let of_some = error(&table, &places[..POINTS_OF_AXIS]);
+        let mut added = [const { Vec::new() }; 4];
+        for (axis, added) in added.iter_mut().enumerate() {
+            let (squared, nodes) = (squared_steps(&base), *resolution.named()[axis].1);
+            added.push([squared[axis], 0.0]);
+            let is_free = layout.only_ranges().is_none();
+            for fewer in FEWER.into_iter().filter(|fewer| is_free && *fewer < nodes) {
+                if !go_on() {
+                    return Err(Stopped);
+                }
+                let mut coarse = resolution;
+                *[&mut coarse.alpha, &mut coarse.ratio, &mut coarse.theta, &mut coarse.phi][axis] = fewer;
+                let read = resampled(&table, layout.nodes(&range, &coarse));
+                let more = error(&read, &places[..POINTS_OF_AXIS]) - of_some;
+                let squared = squared_steps(&Recipe { resolution: coarse, ..base.clone() });
+                added.push([squared[axis], more.max(0.0)]);
+            }
+        }
+        let is_free = any_nodes && layout.only_ranges().is_none();
+        let given = if is_free { needs.values().map(|values| few(&values)) } else { [const { Vec::new() }; 2] };
+        Ok(Self { base, of_base, added, given })
+    }
+
+    /// The recipe of the coarse table, from which others differ by their resolution, effort and precision.
+    #[must_use]
+    pub(crate) fn base(&self) -> &Recipe {
+        &self.base
+    }
+
+    /// The error of a recipe's table on the scene. Domain: one that differs from [`Prediction::base`] as said there.
+    #[must_use]
+    pub(crate) fn error(&self, recipe: &Recipe) -> f64 {
+        self.of_base + self.interpolation(squared_steps(recipe)) + effort(recipe) - effort(&self.base)
+    }
+
+    /// The error that even the finest table has.
+    #[must_use]
+    pub(crate) fn limit(&self) -> f64 {
+        self.of_base + self.interpolation([0.0; 4]) - effort(&self.base)
+    }
+
+    /// The same with all errors multiplied, after a table was measured.
+    #[must_use]
+    pub(crate) fn corrected(&self, factor: f64) -> Self {
+        let added =
+            self.added.clone().map(|axis| axis.into_iter().map(|[step, error]| [step, factor * error]).collect());
+        Self { base: self.base.clone(), of_base: factor * self.of_base, added, given: self.given.clone() }
+    }
+
+    /// The error that nodes add to that of the coarse table.
+    #[must_use]
+    pub(crate) fn of_nodes(&self, nodes: Nodes) -> f64 {
+        let Nodes { resolution, given } = nodes;
+        self.interpolation(between_given(self.base.layout.steps(&self.base.range, &resolution), given))
+    }
+
+    /// The scene's values of alpha, 0, or of ratio, 1; none where they are too many to be nodes.
+    #[must_use]
+    pub(crate) fn given_on(&self, axis: usize) -> &[f64] {
+        &self.given[axis]
+    }
+
+    /// The nodes of alpha and of ratio that a recipe gives one by one.
+    #[must_use]
+    pub(crate) fn given(&self, is_given: [bool; 2]) -> GivenNodes {
+        let of = |axis: usize| if is_given[axis] { self.given[axis].clone() } else { Vec::new() };
+        GivenNodes::new(PerAxis { alpha: of(0), ratio: of(1), theta: Vec::new(), phi: Vec::new() })
+    }
+
+    fn interpolation(&self, squared: [f64; 4]) -> f64 {
+        self.added.iter().zip(squared).map(|(added, squared)| along(added, squared)).sum()
+    }
+}
+
+/// The line through the points around `x`, or through the first or last two. Domain: ascending first numbers, one point at
+/// least.
+fn along(points: &[[f64; 2]], x: f64) -> f64 {
+    let [.., last] = points else { return 0.0 };
+    let pair = points.windows(2).find(|pair| x <= pair[1][0]).or_else(|| points.windows(2).last());
+    pair.map_or(last[1], |pair| pair[0][1] + (pair[1][1] - pair[0][1]) * (x - pair[0][0]) / (pair[1][0] - pair[0][0]))
+}
+
+/// The squared step of each axis. Where all values of a scene are nodes, there is none.
+fn squared_steps(recipe: &Recipe) -> [f64; 4] {
+    let given = recipe.given().axes();
+    let is_given = [&given.alpha, &given.ratio].map(|nodes| !nodes.is_empty());
+    between_given(recipe.layout.steps(&recipe.range, &recipe.resolution), is_given)
+}
+
+fn between_given(steps: PerAxis<f64>, [alpha, ratio]: [bool; 2]) -> [f64; 4] {
+    let is_given = [alpha, ratio, false, false];
+    let squared = steps.named().map(|(_, step)| step * step);
+    std::array::from_fn(|axis| if is_given[axis] { 0.0 } else { squared[axis] })
+}
+
+/// Values that can be nodes: more than evenly spaced nodes are sure to fall on, and not many.
+fn few(values: &[f64]) -> Vec<f64> {
+    if GIVEN.contains(&values.len()) { values.to_vec() } else { Vec::new() }
+}
+
+/// The error that a bound of effort adds, by the expectation: over that of a fit without one.
+fn effort(recipe: &Recipe) -> f64 {
+    let endless = FitSettings { samples: u32::MAX, directions: u32::MAX, ..recipe.fit };
+    expectation(recipe).error - expectation(&Recipe { fit: endless, ..recipe.clone() }).error
+}
+
+/// Mean error of a table at some configurations, as a part of the lobe's width.
+#[must_use]
+pub(crate) fn error(table: &Table, places: &[Configuration]) -> f64 {
+    let found: Vec<_> = places.iter().map(|place| (*place, table.lookup(place))).collect();
+    let figures = figures_of(table.model(), table.lobe(), &found);
+    figures.iter().map(|figures| figures.width).sum::<f64>() / figures.len() as f64
+}

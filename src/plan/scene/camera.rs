@@ -1,0 +1,58 @@
+//! Cameras: which points of a surface they can see, and by which angles.
+
+use glam::{DMat4, DVec3};
+
+use super::document::Camera;
+
+/// The shape of a picture whose camera leaves it open: that of most screens.
+const ASPECT: f64 = 16.0 / 9.0;
+
+/// A camera in the world.
+#[derive(Debug, Clone)]
+pub(super) struct Placed {
+    eye: DVec3,
+    to_camera: DMat4,
+    /// Half the width and half the height at distance one, or of the whole.
+    half: [f64; 2],
+    depth: [f64; 2],
+    is_perspective: bool,
+    ahead: DVec3,
+}
+
+impl Placed {
+    /// A camera at its node's place; `None` where it has no view.
+    pub(super) fn new(camera: &Camera, world: DMat4) -> Option<Self> {
+        let to_camera = world.inverse();
+        let (half, depth) = match (&camera.perspective, &camera.orthographic) {
+            (Some(of), _) => {
+                let (sin, cos) = ltcforge_fit::math::sin_cos(0.5 * of.yfov);
+                let height = sin / cos;
+                ([height * of.aspect_ratio.unwrap_or(ASPECT), height], [of.znear, of.zfar.unwrap_or(f64::INFINITY)])
+            }
+            (None, Some(of)) => ([of.xmag.abs(), of.ymag.abs()], [of.znear, of.zfar]),
+            (None, None) => return None,
+        };
+        let placed = Self {
+            eye: world.w_axis.truncate(),
+            to_camera,
+            half,
+            depth,
+            is_perspective: camera.perspective.is_some(),
+            ahead: -world.z_axis.truncate().normalize_or_zero(),
+        };
+        let is_finite = to_camera.is_finite() && half.iter().all(|x| x.is_finite() && *x > 0.0);
+        (is_finite && placed.ahead != DVec3::ZERO).then_some(placed)
+    }
+
+    /// The direction from a point to the eye, if the point is in the picture.
+    pub(super) fn view(&self, point: DVec3) -> Option<DVec3> {
+        let at = self.to_camera.transform_point3(point);
+        let depth = -at.z;
+        if !(self.depth[0]..=self.depth[1]).contains(&depth) {
+            return None;
+        }
+        let scale = if self.is_perspective { depth } else { 1.0 };
+        let is_inside = at.x.abs() <= self.half[0] * scale && at.y.abs() <= self.half[1] * scale;
+        is_inside.then(|| if self.is_perspective { (self.eye - point).normalize_or_zero() } else { -self.ahead })
+    }
+}

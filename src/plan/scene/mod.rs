@@ -1,0 +1,106 @@
+//! Scenes in glTF 2.0: their materials as lobes, weighed by the surface that has them, and the views of it.
+//!
+//! Invariant: hostile bytes give an error within bounded time and memory, never a panic; no file outside of the
+//! scene's folder is read; equal files give equal scenes.
+
+mod accessor;
+mod camera;
+mod check;
+mod container;
+mod document;
+mod error;
+mod geometry;
+mod graph;
+mod image;
+mod list;
+mod material;
+mod model;
+mod surface;
+mod texture;
+
+use std::path::Path;
+
+use self::{
+    accessor::Buffers, check::check, container::Container, document::Document, graph::Graph, material::Shaded,
+    surface::Surface, texture::Textures,
+};
+
+pub use error::{SceneError, SceneFault};
+pub use material::LobeKind;
+pub use model::{Scene, SceneLobe, SceneMaterial};
+
+impl Scene {
+    /// Reads a scene's file, `.glb` or `.gltf`, and the files that it names in its folder.
+    ///
+    /// # Errors
+    /// [`SceneError`] where it is no glTF 2.0, too large, or without a surface.
+    pub fn open(path: &Path) -> Result<Self, SceneError> {
+        Self::of_container(Container::open(path)?)
+    }
+
+    /// Reads a scene that has all its bytes in one file.
+    ///
+    /// # Errors
+    /// As [`Scene::open`].
+    pub fn from_bytes(bytes: Vec<u8>) -> Result<Self, SceneError> {
+        Self::of_container(Container::of_bytes(bytes, None)?)
+    }
+
+    /// Reads a list of materials: `{"materials": [{"alpha_x": 0.1, "alpha_y": 0.3, "weight": 2}, {"gltf": {...}}]}`.
+    ///
+    /// # Errors
+    /// [`SceneError`] with every fault of the list.
+    pub fn from_list(json: &[u8]) -> Result<Self, SceneError> {
+        list::read(json)
+    }
+
+    fn of_container(mut container: Container) -> Result<Self, SceneError> {
+        let document: Document = serde_json::from_slice(&container.json)
+            .map_err(|error| SceneError::fault("", format!("no glTF 2.0: {error}")))?;
+        check(&document)?;
+        let graph = Graph::of(&document)?;
+        let buffers = Buffers::read(&document, &mut container)?;
+        let materials = materials(&document, &graph, &buffers, &mut container)?;
+        let mut surface = Surface::new(&document, &buffers, &materials);
+        surface.gather(&graph)?;
+        let (triangles, (materials, of_surface)) = (surface.triangles, surface.finish());
+        let mut notes = graph.notes;
+        notes.extend(of_surface);
+        if !document.skins.is_empty() || !document.animations.is_empty() {
+            notes.push("nothing is animated: meshes, cameras and materials are as they stand in the file".to_owned());
+        }
+        if let Some(material) = materials.iter().find(|material| !material.area.is_finite()) {
+            return Err(SceneError::fault("", format!("the surface of {} is not finite", material.name)));
+        }
+        if materials.iter().all(|material| material.lobes.is_empty()) {
+            return Err(SceneError::Empty);
+        }
+        Ok(Self { materials, triangles, cameras: graph.cameras.len(), notes })
+    }
+}
+
+/// The materials of the primitives that are in the scene, and the default one last.
+fn materials(
+    document: &Document,
+    graph: &Graph,
+    buffers: &Buffers,
+    container: &mut Container,
+) -> Result<Vec<Option<Shaded>>, SceneError> {
+    let mut used = vec![false; document.materials.len() + 1];
+    let meshes = graph.instances.iter().map(|instance| &document.meshes[instance.mesh]);
+    for primitive in meshes.flat_map(|mesh| &mesh.primitives) {
+        used[primitive.material.unwrap_or(document.materials.len())] = true;
+    }
+    let mut textures = Textures::new(document, buffers, container);
+    let default = document::Material::default();
+    let all = document.materials.iter().enumerate().map(|(index, material)| (Some(index), material));
+    all.chain([(None, &default)])
+        .zip(used)
+        .map(|((index, material), is_used)| {
+            is_used.then(|| Shaded::read(material, index, Some(&mut textures))).transpose()
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;

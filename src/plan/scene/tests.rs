@@ -1,0 +1,202 @@
+//! Scenes whose areas and texels are known in closed form, and hostile ones.
+
+mod glb;
+mod hostile;
+
+use std::f64::consts::FRAC_PI_2;
+
+use serde_json::{Value, json};
+
+use self::glb::{Glb, checker, quad_scene};
+use super::*;
+use crate::histogram::Spot;
+
+fn scene(glb: &Glb) -> Scene {
+    Scene::from_bytes(glb.bytes()).expect("a scene")
+}
+
+/// The part of a lobe's weight with a roughness.
+fn part(lobe: &SceneLobe, alpha: f64, ratio: f64) -> f64 {
+    let near = |spot: &&Spot| (spot.alpha - alpha).abs() < 1e-3 && (spot.ratio - ratio).abs() < 1e-2;
+    lobe.spots.iter().filter(near).map(|spot| spot.weight).sum::<f64>() / lobe.weight()
+}
+
+fn rough(roughness: f64) -> Value {
+    json!({ "pbrMetallicRoughness": { "roughnessFactor": roughness, "metallicFactor": 0.0 } })
+}
+
+#[test]
+fn surfaces_weigh_by_their_area_in_the_world_and_once_for_each_instance() {
+    let mut glb = Glb::default();
+    let [first, second] = [0.3, 0.5].map(|roughness| glb.material(rough(roughness)));
+    let (a, b) = (glb.quad(Some(first)), glb.quad(Some(second)));
+    glb.node(json!({ "mesh": a, "scale": [2.0, 3.0, 1.0] }));
+    glb.node(json!({ "mesh": a, "rotation": [0.0, 0.6, 0.0, 0.8], "translation": [9.0, 0.0, 0.0] }));
+    let inner = glb.child(json!({ "mesh": b, "scale": [0.5, 0.5, 1.0] }));
+    glb.node(json!({ "children": [inner], "matrix": [4.0, 0, 0, 0, 0, 2.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0] }));
+    let scene = scene(&glb);
+    let areas: Vec<f64> = scene.materials.iter().map(|material| material.area).collect();
+    assert!((areas[0] - 7.0).abs() < 1e-6 && (areas[1] - 2.0).abs() < 1e-6, "{areas:?}");
+    assert_eq!(scene.triangles, 6);
+    let lobe = &scene.materials[0].lobes[0];
+    assert_eq!((lobe.spots.len(), lobe.spots[0].ratio, lobe.views.is_all()), (1, 1.0, true));
+    assert!((lobe.spots[0].alpha - 0.09).abs() < 1e-15);
+    assert_eq!(scene.materials[0].name, "material 0");
+}
+
+/// Texels of a part of the image at each of four levels; the surface is a quad of texture coordinates from 0 to some end.
+#[test]
+fn texels_weigh_by_the_surface_that_they_cover() {
+    // Left half of level 51, right half 204; the upper quarter of the image 255.
+    let image = checker(64, |x, y| {
+        if y < 16 {
+            255
+        } else if x < 32 {
+            51
+        } else {
+            204
+        }
+    });
+    let level = |level: f64| (level / 255.0) * (level / 255.0);
+    // (uv end, wrap modes, the parts of 51, 204 and 255)
+    let cases = [
+        ([1.0, 1.0], [10497, 10497], [0.375, 0.375, 0.25]),
+        ([3.0, 1.0], [10497, 10497], [0.375, 0.375, 0.25]),
+        ([0.25, 1.0], [10497, 10497], [0.75, 0.0, 0.25]),
+        ([2.0, 1.0], [33071, 33071], [0.1875, 0.5625, 0.25]),
+        ([1.0, 2.0], [10497, 33071], [0.4375, 0.4375, 0.125]),
+        ([1.5, 1.0], [33648, 10497], [0.25, 0.5, 0.25]),
+        ([1.5, 1.0], [10497, 10497], [0.5, 0.25, 0.25]),
+    ];
+    for (end, wrap, wanted) in cases {
+        let scene = scene(&quad_scene(&image, end, wrap, &json!({})));
+        let lobe = &scene.materials[0].lobes[0];
+        for (of, wanted) in [51.0, 204.0, 255.0].into_iter().zip(wanted) {
+            let found = part(lobe, level(of), 1.0);
+            assert!((found - wanted).abs() < 0.01 * wanted.max(0.1), "{end:?} {wrap:?} {of}: {found} {wanted}");
+        }
+        assert!((lobe.weight() - 1.0).abs() < 1e-6, "{}", lobe.weight());
+    }
+}
+
+/// JPEG rounds, WebP without loss does not; a channel of a grey image stands for all.
+#[test]
+fn images_of_every_format_are_read() {
+    let texels: Vec<u8> = [[9, 102, 0]; 16 * 16].concat();
+    let (mut jpeg, mut grey, mut webp) = (Vec::new(), Vec::new(), Vec::new());
+    let encoder = jpeg_encoder::Encoder::new(&mut jpeg, 100);
+    encoder.encode(&texels, 16, 16, jpeg_encoder::ColorType::Rgb).expect("a JPEG");
+    let encoder = jpeg_encoder::Encoder::new(&mut grey, 100);
+    encoder.encode(&[102; 16 * 16], 16, 16, jpeg_encoder::ColorType::Luma).expect("a JPEG");
+    let encoder = image_webp::WebPEncoder::new(&mut webp);
+    encoder.encode(&texels, 16, 16, image_webp::ColorType::Rgb8).expect("a WebP");
+    for (image, tolerance) in [(&jpeg, 0.01), (&grey, 0.01), (&webp, 1e-9)] {
+        let scene = scene(&quad_scene(image, [1.0; 2], [10497; 2], &json!({})));
+        let spots = &scene.materials[0].lobes[0].spots;
+        assert!(spots.iter().all(|spot| (spot.alpha.sqrt() - 0.4).abs() < tolerance), "{spots:?}");
+    }
+    let broken = quad_scene(&jpeg[..jpeg.len() / 2], [1.0; 2], [10497; 2], &json!({}));
+    let told = Scene::from_bytes(broken.bytes()).map_err(|error| error.to_string());
+    assert!(told.is_err_and(|error| error.contains("/images/0")));
+}
+
+#[test]
+fn a_transform_of_a_texture_moves_what_is_covered() {
+    let image = checker(64, |x, _| if x < 16 { 51 } else { 204 });
+    let change = json!({ "KHR_texture_transform": { "offset": [0.25, 0.0], "scale": [0.5, 1.0] } });
+    let of = scene(&quad_scene(&image, [1.0; 2], [10497; 2], &change));
+    assert!((part(&of.materials[0].lobes[0], 0.64, 1.0) - 1.0).abs() < 1e-9);
+    let quarter_turn = json!({ "KHR_texture_transform": { "rotation": FRAC_PI_2, "scale": [1.0, 0.125] } });
+    let of = scene(&quad_scene(&image, [1.0; 2], [10497; 2], &quarter_turn));
+    assert!((part(&of.materials[0].lobes[0], 0.04, 1.0) - 1.0).abs() < 1e-9, "{:?}", of.materials[0].lobes[0].spots);
+}
+
+#[test]
+fn anisotropy_is_along_the_tangent_and_coats_are_lobes_of_their_own() {
+    let mut glb = Glb::default();
+    let brushed = glb.material(json!({
+        "name": "brushed", "pbrMetallicRoughness": { "roughnessFactor": 0.4, "baseColorFactor": [0.5, 0.5, 0.5, 1] },
+        "extensions": {
+            "KHR_materials_anisotropy": { "anisotropyStrength": 0.5 },
+            "KHR_materials_clearcoat": { "clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.2 },
+            "KHR_materials_sheen": { "sheenColorFactor": [0, 0.1, 0], "sheenRoughnessFactor": 0.5 },
+            "KHR_materials_transmission": { "transmissionFactor": 1.0 },
+        },
+    }));
+    let mesh = glb.quad(Some(brushed));
+    glb.node(json!({ "mesh": mesh }));
+    let scene = scene(&glb);
+    let [base, coat, sheen] = &scene.materials[0].lobes[..] else { panic!("{:?}", scene.materials[0].lobes) };
+    let along = 0.16 + 0.84 * 0.25;
+    assert!((base.spots[0].alpha - along).abs() < 1e-12 && (base.spots[0].ratio - 0.16 / along).abs() < 1e-12);
+    assert!((base.f0[0][0] - 0.5).abs() < 1e-9 && base.f0.len() == 1, "{:?}", base.f0);
+    assert_eq!((coat.kind, coat.spots[0].ratio), (LobeKind::Clearcoat, 1.0));
+    assert!((coat.spots[0].alpha - 0.04).abs() < 1e-12 && (coat.weight() - 0.5).abs() < 1e-6);
+    assert_eq!((sheen.kind, sheen.spots[0].alpha), (LobeKind::Sheen, 0.25));
+    assert!(scene.materials[0].uncovered[0].contains("KHR_materials_transmission"));
+}
+
+/// A camera straight above a wide floor sees the angles within its picture, and nothing of what lies behind it.
+#[test]
+fn cameras_tell_the_views() {
+    let mut glb = Glb::default();
+    let [floor, hidden] = [0.3, 0.6].map(|roughness| glb.material(rough(roughness)));
+    let (a, b) = (glb.quad(Some(floor)), glb.quad(Some(hidden)));
+    glb.node(json!({ "mesh": a, "scale": [40.0, 40.0, 1.0], "translation": [-20.0, -20.0, 0.0] }));
+    glb.node(json!({ "mesh": b, "translation": [0.0, 0.0, 9.0] }));
+    let camera =
+        glb.camera(json!({ "type": "perspective", "perspective": { "yfov": 1.0, "aspectRatio": 1.0, "znear": 0.1 } }));
+    glb.node(json!({ "camera": camera, "translation": [0.0, 0.0, 2.0] }));
+    let scene = scene(&glb);
+    let [floor, hidden] = &scene.materials[..] else { panic!("two materials") };
+    let side = 2.0 * 2.0 * 0.5_f64.tan();
+    assert!((floor.area / (side * side) - 1.0).abs() < 0.01, "{} {}", floor.area, side * side);
+    assert_eq!((hidden.area, hidden.lobes.len()), (0.0, 0));
+    let corner = (2.0_f64.sqrt() * 0.5_f64.tan()).atan();
+    let [low, high] = floor.lobes[0].views.theta();
+    assert!(low < 0.02 && (high - corner).abs() < 0.01, "{low} {high} {corner}");
+}
+
+#[test]
+fn phi_is_from_the_axis_of_the_larger_roughness() {
+    for (rotation, wanted) in [(0.0, 0.0), (FRAC_PI_2, FRAC_PI_2)] {
+        let mut glb = Glb::default();
+        let anisotropy = json!({ "anisotropyStrength": 1.0, "anisotropyRotation": rotation });
+        let brushed = glb.material(json!({ "extensions": { "KHR_materials_anisotropy": anisotropy } }));
+        let mesh = glb.quad(Some(brushed));
+        glb.node(json!({ "mesh": mesh, "scale": [0.1, 0.1, 1.0], "translation": [-0.05, -0.05, 0.0] }));
+        // It looks at the origin along x, from 45 degrees above.
+        let camera = glb.camera(json!({ "perspective": { "yfov": 1.0, "znear": 0.1 } }));
+        let half = (0.125 * std::f64::consts::PI).sin();
+        let up = (0.125 * std::f64::consts::PI).cos();
+        glb.node(json!({ "camera": camera, "translation": [5.0, 0.0, 5.0], "rotation": [0.0, half, 0.0, up] }));
+        let found = scene(&glb);
+        let views = &found.materials[0].lobes[0].views;
+        let [phi, theta] = [views.phi(), views.theta()].map(|[low, high]| 0.5 * (low + high));
+        assert!((phi - wanted).abs() < 0.02 && (theta - 0.5 * FRAC_PI_2).abs() < 0.02, "{phi} {theta}");
+    }
+}
+
+#[test]
+fn what_cannot_be_read_is_named_and_weighs_as_its_box() {
+    let mut glb = Glb::default();
+    let material = glb.material(rough(0.5));
+    let mesh = glb.quad(Some(material));
+    glb.json["meshes"][mesh]["primitives"][0]["extensions"] = json!({ "KHR_draco_mesh_compression": {} });
+    glb.node(json!({ "mesh": mesh, "scale": [2.0, 2.0, 1.0] }));
+    let scene = scene(&glb);
+    // A flat box has the quad on both sides.
+    assert!((scene.materials[0].area - 8.0).abs() < 1e-6, "{}", scene.materials[0].area);
+    assert!(scene.notes[0].contains("KHR_draco_mesh_compression"), "{:?}", scene.notes);
+    let mut textured = quad_scene(&checker(4, |_, _| 255), [1.0; 2], [10497; 2], &json!({}));
+    textured.json["images"][0] = json!({ "uri": "far.ktx2" });
+    let scene = self::scene(&textured);
+    assert!(scene.notes[0].contains("far.ktx2") && scene.notes[0].contains("roughness"), "{:?}", scene.notes);
+}
+
+#[test]
+fn equal_files_give_equal_scenes() {
+    let image = checker(16, |x, y| (x * 16 + y) as u8);
+    let glb = quad_scene(&image, [1.7, 0.6], [33648, 10497], &json!({}));
+    assert_eq!(scene(&glb), scene(&glb));
+}

@@ -1,0 +1,169 @@
+//! Scenes that want too much, lead elsewhere or are broken.
+
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+
+use super::{
+    super::*,
+    glb::{Glb, checker, quad_scene},
+};
+
+fn refused(glb: &Glb) -> String {
+    let started = Instant::now();
+    let error = Scene::from_bytes(glb.bytes()).expect_err("hostile").to_string();
+    assert!(started.elapsed() < Duration::from_secs(5), "{error}");
+    error
+}
+
+fn plain() -> Glb {
+    let mut glb = Glb::default();
+    let mesh = glb.quad(None);
+    glb.node(json!({ "mesh": mesh }));
+    glb
+}
+
+#[test]
+fn nodes_have_to_be_a_tree() {
+    let mut glb = plain();
+    glb.json["nodes"][0]["children"] = json!([0]);
+    assert!(refused(&glb).contains("/nodes/0"));
+    let mut glb = plain();
+    glb.child(json!({ "children": [2] }));
+    glb.child(json!({ "children": [1] }));
+    glb.json["nodes"][0]["children"] = json!([1]);
+    assert!(refused(&glb).contains("reached twice"));
+}
+
+#[test]
+fn every_index_out_of_range_is_named_at_once() {
+    let mut glb = plain();
+    glb.node(json!({ "mesh": 7, "children": [8], "camera": 9 }));
+    glb.json["meshes"][0]["primitives"][0]["material"] = json!(3);
+    let error = refused(&glb);
+    for place in
+        ["/nodes/1/mesh: 7", "/nodes/1/children/0: 8", "/nodes/1/camera: 9", "/meshes/0/primitives/0/material: 3"]
+    {
+        assert!(error.contains(place), "{place} is not in {error}");
+    }
+}
+
+#[test]
+fn accessors_stay_within_their_buffers() {
+    for (field, value) in [
+        ("count", json!(5)),
+        ("count", json!(60_000_000)),
+        ("byteOffset", json!(u64::MAX)),
+        ("byteOffset", json!(12)),
+        ("componentType", json!(5124)),
+        ("type", json!("MAT4")),
+    ] {
+        let mut glb = plain();
+        glb.json["accessors"][0][field] = value.clone();
+        assert!(refused(&glb).contains("/accessors/0"), "{field} {value}");
+    }
+    for (field, value) in [("byteLength", json!(u64::MAX)), ("byteOffset", json!(u64::MAX)), ("buffer", json!(4))] {
+        let mut glb = plain();
+        glb.json["bufferViews"][0][field] = value.clone();
+        assert!(refused(&glb).contains("/bufferViews/0"), "{field} {value}");
+    }
+    let mut glb = plain();
+    let view = glb.view(&9_u16.to_le_bytes().repeat(6));
+    glb.json["accessors"][2]["bufferView"] = json!(view);
+    assert!(refused(&glb).contains("index 9 of 4 corners"));
+}
+
+#[test]
+fn numbers_that_are_none_weigh_nothing_and_stop_nothing() {
+    let mut glb = plain();
+    let positions = glb.floats(&[f32::NAN, 0.0, 0.0, f32::INFINITY, 0.0, 0.0, 1.0, 1.0, 0.0], "VEC3", 3);
+    let mesh = glb.quad(None);
+    glb.json["meshes"][mesh]["primitives"][0] = json!({ "attributes": { "POSITION": positions } });
+    glb.node(json!({ "mesh": mesh }));
+    let scene = Scene::from_bytes(glb.bytes()).expect("a scene");
+    assert!((scene.materials[0].area - 1.0).abs() < 1e-6);
+    glb.json["nodes"][0]["scale"] = json!([1e300, 1e300, 1e300]);
+    glb.json["nodes"][0]["children"] = json!([2]);
+    glb.child(json!({ "mesh": 0, "scale": [1e300, 1.0, 1.0] }));
+    assert!(refused(&glb).contains("not finite"));
+}
+
+#[test]
+fn a_small_file_cannot_ask_for_a_large_image() {
+    let mut image = checker(4, |_, _| 9);
+    // Width and height stand after the signature and the first chunk's head; its sum is made to fit.
+    image[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);
+    let sum = crc(&image[12..29]).to_be_bytes();
+    image[29..33].copy_from_slice(&sum);
+    let error = refused(&quad_scene(&image, [1.0; 2], [10497; 2], &json!({})));
+    assert!(error.contains("/images/0") && error.contains("4294967296"), "{error}");
+    let mut cut = checker(64, |x, y| (x * y) as u8);
+    cut.truncate(60);
+    assert!(refused(&quad_scene(&cut, [1.0; 2], [10497; 2], &json!({}))).contains("PNG"));
+}
+
+fn crc(bytes: &[u8]) -> u32 {
+    let step = |crc: u32, byte: &u8| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| (crc >> 1) ^ (0xedb8_8320 & 0_u32.wrapping_sub(crc & 1)))
+    };
+    !bytes.iter().fold(!0, step)
+}
+
+#[test]
+fn huge_counts_of_instances_are_refused() {
+    let mut glb = Glb::default();
+    let numbers = vec![0.5_f32; 9 * 30_000];
+    let positions = glb.floats(&numbers, "VEC3", 3);
+    let mesh = glb.quad(None);
+    glb.json["meshes"][mesh]["primitives"][0] = json!({ "attributes": { "POSITION": positions } });
+    for _ in 0..3000 {
+        glb.node(json!({ "mesh": mesh }));
+    }
+    assert!(refused(&glb).contains("triangles of all instances"));
+}
+
+#[test]
+fn many_instances_of_nothing_are_refused() {
+    let mut glb = Glb::default();
+    let positions = glb.floats(&[0.0; 9], "VEC3", 3);
+    let empty = json!({ "attributes": { "POSITION": positions }, "mode": 5 });
+    let mesh = glb.quad(None);
+    glb.json["meshes"][mesh]["primitives"] = json!(vec![empty; 10_000]);
+    for _ in 0..10_000 {
+        glb.node(json!({ "mesh": mesh }));
+    }
+    assert!(refused(&glb).contains("triangles of all instances"));
+    let mut glb = plain();
+    glb.json["accessors"][0]["count"] = json!(1 << 27);
+    assert!(refused(&glb).contains("corners and indices"));
+}
+
+#[test]
+fn nothing_beside_a_scene_that_was_sent_is_read() {
+    let mut glb = plain();
+    glb.json["buffers"] = json!([{ "byteLength": 200, "uri": "/etc/hostname" }]);
+    assert!(refused(&glb).contains("/buffers/0/uri"));
+    glb.json["buffers"] = json!([{ "byteLength": 1 << 16, "uri": "other.bin" }]);
+    let scene = Scene::from_bytes(glb.bytes()).expect("a scene");
+    assert!(scene.notes[0].contains("other.bin"), "{:?}", scene.notes);
+}
+
+#[test]
+fn factors_beyond_their_bounds_are_faults() {
+    let mut glb = plain();
+    glb.material(json!({ "pbrMetallicRoughness": { "roughnessFactor": 1e9, "metallicFactor": -1.0 } }));
+    glb.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let error = refused(&glb);
+    assert!(error.contains("roughnessFactor") && error.contains("metallicFactor"), "{error}");
+}
+
+#[test]
+fn a_scene_without_a_lobe_is_refused() {
+    let mut glb = plain();
+    glb.material(json!({ "extensions": { "KHR_materials_unlit": {} } }));
+    glb.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    assert!(refused(&glb).contains("no surface"));
+    for bytes in [&b"{}"[..], b"[]", b"", b"null", b"{\"nodes\": 3}"] {
+        assert!(Scene::from_bytes(bytes.to_vec()).is_err());
+    }
+}

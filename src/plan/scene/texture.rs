@@ -1,0 +1,139 @@
+//! Textures: images with their wrap modes and transforms, at texture coordinates.
+
+use std::{collections::BTreeMap, rc::Rc};
+
+use serde::de::DeserializeOwned;
+
+use super::{
+    accessor::Buffers,
+    container::{Container, Named},
+    document::{Document, Extensions, TextureInfo, TextureTransform, WebpTexture},
+    error::SceneError,
+    image::{MOST_PIXELS_OF_ALL, Pixels, decode},
+};
+use ltcforge_fit::math::sin_cos;
+
+const CLAMP: u32 = 33_071;
+const MIRROR: u32 = 33_648;
+const REPEAT: u32 = 10_497;
+
+/// A texture of a material.
+#[derive(Debug)]
+pub(super) struct Sampled {
+    pixels: Rc<Pixels>,
+    wrap: [u32; 2],
+    /// The set of texture coordinates.
+    pub(super) set: u32,
+    transform: [[f64; 3]; 2],
+}
+
+impl Sampled {
+    /// The texel at texture coordinates.
+    pub(super) fn at(&self, uv: [f64; 2]) -> [f64; 3] {
+        let place = self.transform.map(|[a, b, c]| a * uv[0] + b * uv[1] + c);
+        let texel = |i: usize| {
+            let wrapped = match self.wrap[i] {
+                CLAMP => place[i].clamp(0.0, 1.0),
+                MIRROR => {
+                    let twice = place[i].rem_euclid(2.0);
+                    twice.min(2.0 - twice)
+                }
+                _ => place[i].rem_euclid(1.0),
+            };
+            // A coordinate that is no number falls on the first texel.
+            ((wrapped * self.pixels.size[i] as f64) as usize).min(self.pixels.size[i] - 1)
+        };
+        self.pixels.at([texel(0), texel(1)])
+    }
+}
+
+/// Reads textures one at a time, and notes what it cannot have.
+#[derive(Debug)]
+pub(super) struct Textures<'a> {
+    document: &'a Document,
+    buffers: &'a Buffers,
+    container: &'a mut Container,
+    /// Channels of images that several textures may have, and how many pixels are kept.
+    kept: BTreeMap<(usize, Vec<usize>), Rc<Pixels>>,
+    pixels: u64,
+}
+
+impl<'a> Textures<'a> {
+    pub(super) fn new(document: &'a Document, buffers: &'a Buffers, container: &'a mut Container) -> Self {
+        Self { document, buffers, container, kept: BTreeMap::new(), pixels: 0 }
+    }
+
+    /// Some channels of a material's texture. The inner error says why there are none.
+    pub(super) fn read(
+        &mut self,
+        info: &TextureInfo,
+        channels: &[usize],
+    ) -> Result<Result<Sampled, String>, SceneError> {
+        let Some(texture) = self.document.textures.get(info.index) else {
+            let detail = format!("{} is no index of textures, which has {}", info.index, self.document.textures.len());
+            return Err(SceneError::fault("/materials", detail));
+        };
+        let webp: Option<WebpTexture> = extension(&texture.extensions, "EXT_texture_webp")?;
+        let Some(image) = webp.map(|webp| webp.source).or(texture.source) else {
+            let kind = texture.extensions.keys().next().map_or("without an image", |name| name.as_str());
+            return Ok(Err(format!("texture {} is {kind}", info.index)));
+        };
+        let pixels = match self.pixels(image, channels)? {
+            Ok(pixels) => pixels,
+            Err(why) => return Ok(Err(why)),
+        };
+        let sampler = texture.sampler.and_then(|sampler| self.document.samplers.get(sampler));
+        let wrap = sampler.map_or([None; 2], |sampler| [sampler.wrap_s, sampler.wrap_t]);
+        let change: Option<TextureTransform> = extension(&info.extensions, "KHR_texture_transform")?;
+        let set = change.as_ref().and_then(|change| change.tex_coord).unwrap_or(info.tex_coord);
+        let TextureTransform { offset, rotation, scale, .. } = change.unwrap_or_default();
+        let [sin, cos] = <[f64; 2]>::from(sin_cos(rotation));
+        Ok(Ok(Sampled {
+            pixels,
+            wrap: wrap.map(|wrap| wrap.unwrap_or(REPEAT)),
+            set,
+            transform: [[cos * scale[0], sin * scale[1], offset[0]], [-sin * scale[0], cos * scale[1], offset[1]]],
+        }))
+    }
+
+    fn pixels(&mut self, image: usize, channels: &[usize]) -> Result<Result<Rc<Pixels>, String>, SceneError> {
+        if let Some(pixels) = self.kept.get(&(image, channels.to_vec())) {
+            return Ok(Ok(Rc::clone(pixels)));
+        }
+        let bytes = match self.image(image)? {
+            Ok(bytes) => bytes,
+            Err(why) => return Ok(Err(format!("image {image}: {why}"))),
+        };
+        let Some(pixels) = decode(&format!("/images/{image}"), &bytes, channels)? else {
+            return Ok(Err(format!("image {image} is neither PNG nor JPEG nor WebP")));
+        };
+        self.pixels += pixels.count();
+        SceneError::above("pixels of all textures", self.pixels, MOST_PIXELS_OF_ALL)?;
+        let pixels = Rc::new(pixels);
+        self.kept.insert((image, channels.to_vec()), Rc::clone(&pixels));
+        Ok(Ok(pixels))
+    }
+
+    fn image(&mut self, index: usize) -> Result<Result<Vec<u8>, String>, SceneError> {
+        let Some(image) = self.document.images.get(index) else {
+            let detail = format!("{index} is no index of images, which has {}", self.document.images.len());
+            return Err(SceneError::fault("/textures", detail));
+        };
+        match (&image.uri, image.buffer_view) {
+            (Some(uri), _) => Ok(match self.container.named(&format!("/images/{index}/uri"), uri)? {
+                Named::Bytes(bytes) => Ok(bytes),
+                Named::Missing(why) => Err(why),
+            }),
+            (None, Some(view)) => Ok(self.buffers.view(self.document, view)?.map(<[u8]>::to_vec)),
+            (None, None) => Ok(Err("it has no bytes".into())),
+        }
+    }
+}
+
+/// An extension of a material or texture, where it is there.
+pub(super) fn extension<T: DeserializeOwned>(extensions: &Extensions, name: &str) -> Result<Option<T>, SceneError> {
+    let Some(value) = extensions.get(name) else { return Ok(None) };
+    serde_json::from_str(value.get())
+        .map(Some)
+        .map_err(|error| SceneError::fault(format!("extensions/{name}"), error.to_string()))
+}

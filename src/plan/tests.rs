@@ -1,0 +1,117 @@
+//! Plans held to what their tables are measured to be.
+
+use std::ops::ControlFlow;
+
+use super::*;
+use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, canonical_json, parse};
+use ltcforge_fit::{PerAxis, Plan, Recipe, Table, fit_plan};
+
+fn fitted(recipe: &Recipe) -> Table {
+    fit_plan(&Plan::new(recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
+}
+
+fn planned(scene: &Scene, budget: Budget) -> TablePlan<'_> {
+    TablePlan::new(Needs::of(scene, false).expect("lobes"), budget, Form::default(), &|| true)
+        .expect("nothing stops it")
+}
+
+fn listed(list: &str) -> Scene {
+    Scene::from_list(list.as_bytes()).expect("a scene")
+}
+
+const ISOTROPIC: &str = r#"{"materials": [
+    {"alpha_x": 0.04, "alpha_y": 0.04}, {"alpha_x": 0.25, "alpha_y": 0.25, "weight": 3}, {"alpha_x": 0.6, "alpha_y": 0.6}
+]}"#;
+const ANISOTROPIC: &str = r#"{"materials": [
+    {"alpha_x": 0.09, "alpha_y": 0.3}, {"alpha_x": 0.25, "alpha_y": 0.25, "weight": 3, "f0": 0.04}, {"alpha_x": 0.36, "alpha_y": 0.1}
+]}"#;
+const SHEEN: &str = r#"{"materials": [{"gltf": {"extensions": {
+    "KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1], "sheenRoughnessFactor": 0.7}
+}}}]}"#;
+
+/// With an eighth of the bytes a plan is not worse than the table of the whole domain, and as good as it was predicted.
+#[test]
+fn an_eighth_of_the_bytes_serves_a_few_materials_as_well_as_the_whole_domain() {
+    for list in [ISOTROPIC, ANISOTROPIC] {
+        let scene = listed(list);
+        let mut plan = planned(&scene, Budget::Knee);
+        let eighth = plan.whole.bytes / 8;
+        plan = planned(&scene, Budget::Bytes(eighth));
+        let (table, whole) = (fitted(&plan.chosen.recipe), fitted(&plan.whole.recipe));
+        plan.measure(&table, Some(&whole));
+        let measured = plan.measured.expect("the prediction was near");
+        let whole = plan.whole.error.expect("it was measured");
+        println!("{:?} {measured:?}, whole {whole:.4}", plan.chosen.recipe.resolution());
+        assert!((0.85..1.15).contains(&measured.off_by), "{measured:?}");
+        assert!(plan.chosen.bytes <= eighth && measured.error <= whole, "{measured:?} {whole}");
+        let numbers = table.matrices().len() * 9 + table.terms().map_or(0, |terms| 2 * terms.amplitude().len());
+        assert_eq!(plan.chosen.bytes, 2 * numbers as u64);
+    }
+}
+
+#[test]
+fn equal_scenes_give_equal_recipes_on_any_number_of_threads() {
+    let scene = listed(ISOTROPIC);
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| document(&scene, &[planned(&scene, Budget::Bytes(1000))]))
+    };
+    assert_eq!(on(1), on(3));
+}
+
+#[test]
+fn recipes_of_plans_are_recipes_and_hold_every_material() {
+    for (list, sheen) in [(ISOTROPIC, false), (ANISOTROPIC, false), (SHEEN, true)] {
+        let scene = listed(list);
+        let needs = Needs::of(&scene, sheen).expect("lobes");
+        let plan = TablePlan::new(needs, Budget::Knee, Form::default(), &|| true).expect("nothing stops it");
+        let recipe = &plan.chosen.recipe;
+        assert_eq!(parse(canonical_json(recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).as_ref(), Ok(recipe));
+        let draft = Recipe { fit: ltcforge_files::recipe_document::Preset::Draft.fit(), ..recipe.clone() };
+        let table = fitted(&draft);
+        assert_eq!(outside(&scene, &table), []);
+        let rougher = list.replace("0.04,", "0.03,").replace("0.09,", "0.02,").replace("0.7}", "0.9}");
+        let other = listed(&rougher);
+        let beyond = outside(&other, &table);
+        assert_eq!(beyond.len(), 1, "{beyond:?}");
+    }
+}
+
+/// Nodes on the scene's own roughnesses serve it with fewer of them.
+#[test]
+fn nodes_may_stand_on_the_roughnesses_of_a_scene() {
+    let scene = listed(ISOTROPIC);
+    let form = Form { any_nodes: true, ..Form::default() };
+    let needs = || Needs::of(&scene, false).expect("lobes");
+    let mut plan = TablePlan::new(needs(), Budget::Bytes(700), form, &|| true).expect("nothing stops it");
+    let recipe = plan.chosen.recipe.clone();
+    assert_eq!(recipe.nodes().alpha, [0.04, 0.25, 0.6]);
+    assert_eq!(parse(canonical_json(&recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).as_ref(), Ok(&recipe));
+    let even = planned(&scene, Budget::Bytes(700));
+    assert!(even.chosen.error > plan.chosen.error, "{:?}", even.chosen);
+    plan.measure(&fitted(&recipe), None);
+    let measured = plan.measured.expect("the prediction was near");
+    assert!((0.85..1.15).contains(&measured.off_by), "{measured:?}");
+}
+
+#[test]
+fn stopping_ends_a_plan() {
+    let scene = listed(ISOTROPIC);
+    let needs = Needs::of(&scene, false).expect("lobes");
+    assert!(TablePlan::new(needs, Budget::Knee, Form::default(), &|| false).is_err());
+}
+
+/// A factor of two is corrected once, and the new choice is the last.
+#[test]
+fn a_prediction_that_was_far_off_is_corrected_once() {
+    let scene = listed(ISOTROPIC);
+    let mut plan = planned(&scene, Budget::Knee);
+    let coarse = Recipe { resolution: PerAxis { alpha: 2, ratio: 1, theta: 2, phi: 1 }, ..plan.chosen.recipe.clone() };
+    let poor = fitted(&coarse);
+    plan.measure(&poor, None);
+    let is_new = !plan.is_measured();
+    plan.measure(&poor, None);
+    let measured = plan.measured.expect("it is not corrected twice");
+    assert!(measured.first_off_by > 1.2, "{measured:?}");
+    assert!(is_new || measured.off_by == measured.first_off_by, "{measured:?}");
+}

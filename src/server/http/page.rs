@@ -1,0 +1,192 @@
+//! The page at `/`: files of `src/server/page`, which are part of the binary, and the shaders' texts that its viewer includes.
+//!
+//! Invariant: the page calls nothing but the routes of this service, by relative addresses, so that it works behind a path
+//! prefix; it loads no script, style or font from elsewhere and has none inline.
+
+use std::sync::{Arc, LazyLock};
+
+use axum::{
+    extract::Path,
+    http::{HeaderMap, HeaderName, HeaderValue, Method, header},
+    response::Response,
+};
+
+use super::{
+    error,
+    extract::{NoParameters, QueryOf},
+    file::{Contents, File},
+    kind::ProblemKind,
+    problem::Problem,
+};
+use ltcforge_files::digest::Digest;
+use ltcforge_fit::Layout;
+use ltcforge_light::LightModel;
+use ltcforge_shaders::{Language, Lights, LitBy, Namespace, Reading};
+use ltcforge_translate::include;
+
+/// Other versions of the program serve other bytes at the same addresses.
+const REVALIDATE: &str = "no-cache";
+
+/// What the page may do: run its own modules and call this service. Pictures that it draws are `blob:`.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; \
+                      base-uri 'none'; form-action 'none'; frame-ancestors 'none'; require-trusted-types-for 'script'";
+
+/// A file of the page, its digest computed once.
+struct PageFile {
+    name: &'static str,
+    bytes: Arc<Vec<u8>>,
+    digest: Digest,
+}
+
+impl PageFile {
+    fn new(name: &'static str, bytes: &[u8]) -> Self {
+        Self { name, bytes: Arc::new(bytes.to_vec()), digest: Digest::of(bytes) }
+    }
+}
+
+macro_rules! page_files {
+    ($($name:literal),* $(,)?) => {
+        static FILES: LazyLock<Vec<PageFile>> =
+            LazyLock::new(|| vec![$(PageFile::new($name, include_bytes!(concat!("../page/", $name)))),*]);
+    };
+}
+
+page_files![
+    "api.js",
+    "compare.js",
+    "device.js",
+    "dom.js",
+    "downloads.js",
+    "fields.js",
+    "follow.js",
+    "format.js",
+    "icon.svg",
+    "index.html",
+    "inputs.js",
+    "job.js",
+    "jobs.js",
+    "main.js",
+    "new.js",
+    "pictures.js",
+    "progress.js",
+    "report.js",
+    "scene.js",
+    "shading.js",
+    "style.css",
+    "table.js",
+    "tables.js",
+    "viewer.js",
+];
+
+/// The name of a text for WebGL 2 after which the viewer asks: `normals.glsl`, or that of a table's layout.
+fn shader(name: &str) -> Option<LitBy> {
+    let name = name.strip_suffix(".glsl")?;
+    if name == "normals" {
+        return LitBy::new(LightModel::Normals, None).ok();
+    }
+    let layout = name.strip_prefix("ltc-")?;
+    Layout::ALL.iter().find(|known| known.name() == layout).map(|known| LitBy::from(*known))
+}
+
+/// The text to include that `ltcforge shader --language glsl-es --lights polygons` writes.
+fn shader_file(name: &'static str, lit_by: LitBy) -> Result<PageFile, Problem> {
+    let text = include(Language::GlslEs, lit_by, Reading::default(), Lights::Polygons, &Namespace::default());
+    text.map(|text| PageFile::new(name, text.as_bytes())).map_err(|error| error::internal(&error))
+}
+
+/// `GET /`.
+pub(super) async fn index(_: QueryOf<NoParameters>, method: Method, headers: HeaderMap) -> Result<Response, Problem> {
+    respond("index.html", &method, &headers)
+}
+
+/// `GET /page/{file}`.
+pub(super) async fn file(
+    _: QueryOf<NoParameters>,
+    Path(name): Path<String>,
+    method: Method,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    respond(&name, &method, &headers)
+}
+
+fn respond(name: &str, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
+    let made: PageFile;
+    let found = if let Some(found) = FILES.iter().find(|file| file.name == name) {
+        found
+    } else {
+        made = shader_file("shader.glsl", shader(name).ok_or_else(|| no_file(name))?)?;
+        &made
+    };
+    let file = File {
+        digest: found.digest,
+        contents: Contents::Memory(Arc::clone(&found.bytes)),
+        media_type: media_type(found.name).ok_or_else(|| error::internal(&format!("{name} has no media type")))?,
+        caching: REVALIDATE,
+        name: None,
+    };
+    let mut response = file.respond(method, headers)?;
+    let fields = [
+        (header::CONTENT_SECURITY_POLICY, POLICY),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::REFERRER_POLICY, "same-origin"),
+        (HeaderName::from_static("cross-origin-opener-policy"), "same-origin"),
+    ];
+    response.headers_mut().extend(fields.map(|(name, value)| (name, HeaderValue::from_static(value))));
+    Ok(response)
+}
+
+fn no_file(name: &str) -> Problem {
+    Problem::new(ProblemKind::NoSuchPath, format!("the page has no file «{name}»; /openapi.yaml lists all paths"))
+}
+
+fn media_type(name: &str) -> Option<&'static str> {
+    match name.rsplit_once('.')?.1 {
+        "html" => Some("text/html; charset=utf-8"),
+        "css" => Some("text/css; charset=utf-8"),
+        "js" => Some("text/javascript; charset=utf-8"),
+        "svg" => Some("image/svg+xml"),
+        "glsl" => Some("text/plain; charset=utf-8"),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{collections::BTreeSet, fs};
+
+    use super::*;
+
+    #[test]
+    fn every_file_of_the_folder_is_served_and_has_a_media_type() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/page");
+        let names = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("a file").file_name());
+        let in_folder: BTreeSet<String> = names.map(|name| name.into_string().expect("UTF-8")).collect();
+        let served: BTreeSet<String> = FILES.iter().map(|file| file.name.to_owned()).collect();
+        assert_eq!(served, in_folder);
+        for file in FILES.iter() {
+            assert!(media_type(file.name).is_some(), "{}", file.name);
+        }
+    }
+
+    #[test]
+    fn there_is_a_shader_for_every_layout_and_for_none() {
+        let names = Layout::ALL.iter().map(|layout| format!("ltc-{}.glsl", layout.name()));
+        for name in names.chain(["normals.glsl".to_owned()]) {
+            let answer = respond(&name, &Method::GET, &HeaderMap::new()).expect(&name);
+            assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; charset=utf-8", "{name}");
+        }
+        assert!(shader("ltc-none.glsl").is_none() && shader("normals").is_none());
+    }
+
+    #[test]
+    fn a_client_that_has_a_file_gets_304() {
+        let first = respond("index.html", &Method::GET, &HeaderMap::new()).expect("a page");
+        assert_eq!(first.headers()[header::CONTENT_TYPE], "text/html; charset=utf-8");
+        assert!(
+            first.headers()[header::CONTENT_SECURITY_POLICY].to_str().is_ok_and(|it| it.contains("script-src 'self'"))
+        );
+        let seen = HeaderMap::from_iter([(header::IF_NONE_MATCH, first.headers()[header::ETAG].clone())]);
+        assert_eq!(respond("index.html", &Method::GET, &seen).expect("an answer").status(), 304);
+        assert_eq!(respond("none.js", &Method::GET, &seen).expect_err("no file").status(), 404);
+    }
+}

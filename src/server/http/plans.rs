@@ -1,0 +1,66 @@
+//! Plans of tables for scenes.
+
+use axum::{Json, extract::State};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{
+    api::Api,
+    extract::{QueryOf, SceneBody},
+    kind::ProblemKind,
+    problem::Problem,
+};
+use crate::service::Planned;
+use ltcforge_plan::{Budget, Form};
+
+/// The query of `POST /v1/plans`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PlanParameters {
+    error: Option<f64>,
+    bytes: Option<u64>,
+    seconds: Option<f64>,
+    #[serde(default)]
+    any_nodes: bool,
+}
+
+impl PlanParameters {
+    fn budget(&self) -> Result<Budget, Problem> {
+        let wrong = |detail: String| Err(Problem::new(ProblemKind::BadParameter, detail));
+        let is_positive = |number: f64| number.is_finite() && number > 0.0;
+        match (self.error, self.bytes, self.seconds) {
+            (None, None, None) => Ok(Budget::Knee),
+            (Some(most), None, None) if is_positive(most) => Ok(Budget::Error(most)),
+            (None, Some(most), None) if most > 0 => Ok(Budget::Bytes(most)),
+            (None, None, Some(most)) if is_positive(most) => Ok(Budget::Seconds(most)),
+            (Some(most), None, None) => wrong(format!("error={most}: it is a number above 0")),
+            (None, Some(_), None) => wrong("bytes=0: it is a whole number above 0".to_owned()),
+            (None, None, Some(most)) => wrong(format!("seconds={most}: it is a number above 0")),
+            _ => wrong("a budget is one of error, bytes and seconds".to_owned()),
+        }
+    }
+}
+
+/// The answer of `POST /v1/plans`.
+#[derive(Debug, Serialize)]
+pub(super) struct PlanView {
+    summary: Vec<String>,
+    plan: Value,
+}
+
+/// `POST /v1/plans`.
+pub(super) async fn plan(
+    State(api): State<Api>,
+    QueryOf(parameters): QueryOf<PlanParameters>,
+    SceneBody(bytes, sent, room): SceneBody,
+) -> Result<Json<PlanView>, Problem> {
+    let budget = parameters.budget()?;
+    let form = Form { any_nodes: parameters.any_nodes, ..Form::default() };
+    let made = move |service: &crate::service::Service| {
+        let made = service.plan(bytes.into(), sent, budget, form);
+        drop(room);
+        made
+    };
+    let Planned { plan, summary } = api.call(made).await?;
+    Ok(Json(PlanView { summary, plan }))
+}

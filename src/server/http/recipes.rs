@@ -1,0 +1,46 @@
+//! Recipes: what a document would begin, and the tables of those that are known.
+
+use axum::{Json, extract::State, http::HeaderMap};
+
+use super::{
+    api::Api,
+    conditional::check_untagged,
+    extract::{NoParameters, PathOf, QueryOf, RecipeBody},
+    kind::ProblemKind,
+    problem::Problem,
+    views::{ForeseenView, RecipeView},
+};
+use crate::service::{Service, SubmitError};
+use ltcforge_files::{digest::Digest, recipe_document::RecipeError};
+
+/// `POST /v1/recipes`. The faults of a recipe are the answer that was asked for, and no error.
+pub(super) async fn foresee(
+    State(api): State<Api>,
+    _: QueryOf<NoParameters>,
+    headers: HeaderMap,
+    RecipeBody(document): RecipeBody,
+) -> Result<Json<ForeseenView>, Problem> {
+    check_untagged(&headers)?;
+    let foresee = move |service: &Service| match service.foresee(&document) {
+        Err(SubmitError::Recipe(error @ RecipeError::Faults(_))) => Ok(Err(error)),
+        foreseen => foreseen.map(Ok),
+    };
+    let foreseen: Result<_, RecipeError> = api.call::<_, SubmitError>(foresee).await?;
+    Ok(Json(match foreseen {
+        Ok(foreseen) => ForeseenView::new(foreseen)?,
+        Err(faults) => ForeseenView::refused(faults.into()),
+    }))
+}
+
+/// `GET /v1/recipes/{digest}`.
+pub(super) async fn show(
+    State(api): State<Api>,
+    _: QueryOf<NoParameters>,
+    PathOf(digest): PathOf<Digest>,
+) -> Result<Json<RecipeView>, Problem> {
+    let known = api.call(move |service| service.recipe(digest)).await?;
+    let (recipe, table) = known.ok_or_else(|| {
+        Problem::new(ProblemKind::UnknownRecipe, format!("no recipe with the digest {digest} is known"))
+    })?;
+    Ok(Json(RecipeView::new(digest, &recipe, table)?))
+}

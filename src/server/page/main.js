@@ -1,0 +1,112 @@
+// Which page is shown, by the part of the address behind `#`, and whether the service answers.
+
+import { call, Unreachable } from './api.js';
+import { el, fill, notice } from './dom.js';
+
+/** Modules of the pages. Each exports `show( main, rest, parameters, signal )`, and may return a function that asks anew. */
+const PAGES = {
+	tables: () => import( './tables.js' ),
+	jobs: () => import( './jobs.js' ),
+	new: () => import( './new.js' ),
+	compare: () => import( './compare.js' ),
+	viewer: () => import( './viewer.js' ),
+};
+
+const main = document.getElementById( 'main' );
+const service = document.getElementById( 'service' );
+let leave = new AbortController();
+let refresh = null;
+
+/** The name of a page, what follows it, and the parameters. */
+function place() {
+
+	const [ path, query = '' ] = location.hash.replace( /^#\/?/, '' ).split( /\?(.*)/s );
+	const [ name, ...rest ] = path.split( '/' );
+	return { name: name || 'tables', rest: decodeURIComponent( rest.join( '/' ) ), parameters: new URLSearchParams( query ) };
+
+}
+
+async function show() {
+
+	const { name, rest, parameters } = place();
+	leave.abort();
+	leave = new AbortController();
+	const { signal } = leave;
+	refresh = null;
+	for ( const link of document.querySelectorAll( 'nav a' ) ) {
+
+		if ( link.hash === `#/${ name }` ) link.setAttribute( 'aria-current', 'page' );
+		else link.removeAttribute( 'aria-current' );
+
+	}
+
+	const root = el( 'div', { class: `page-${ name }` } );
+	fill( main, root );
+	try {
+
+		if ( ! PAGES[ name ] ) throw new Error( `there is no page «${ name }»` );
+		const page = await PAGES[ name ]();
+		if ( signal.aborted ) return;
+		const again = await page.show( root, rest, parameters, signal );
+		if ( ! signal.aborted ) refresh = again || null;
+
+	} catch ( error ) {
+
+		if ( signal.aborted ) return;
+		// Once the service is back, the page is shown anew.
+		fill( root, el( 'h1', {}, 'Not shown' ), notice( error.message ) );
+
+	}
+
+	const heading = root.querySelector( 'h1' );
+	document.title = heading ? `${ heading.textContent } – ltcforge` : 'ltcforge';
+
+}
+
+async function tellVersion() {
+
+	try {
+
+		const { version, fitter } = await call( '/version' );
+		fill( service, `version ${ version }, fitter ${ fitter }` );
+		service.className = 'up';
+
+	} catch ( error ) {
+
+		if ( ! ( error instanceof Unreachable ) ) fill( service, error.message );
+
+	}
+
+}
+
+window.addEventListener( 'hashchange', () => {
+
+	show();
+	window.scrollTo( 0, 0 );
+	main.focus( { preventScroll: true } );
+
+} );
+window.addEventListener( 'servicelost', () => {
+
+	fill( service, 'The service does not answer; asking again.' );
+	service.className = 'down';
+
+} );
+window.addEventListener( 'serviceback', () => {
+
+	tellVersion();
+	if ( refresh ) refresh();
+	else show();
+
+} );
+
+document.querySelector( '.skip' ).addEventListener( 'click', ( event ) => {
+
+	// The part behind `#` names the page.
+	event.preventDefault();
+	main.focus();
+
+} );
+
+tellVersion();
+show();

@@ -1,0 +1,81 @@
+//! Plans of tables for scenes.
+
+use serde_json::Value;
+
+use super::{Service, ServiceError};
+use ltcforge_plan::{Budget, Form, Needs, Scene, SceneError, SceneFault, TablePlan, document, recipe_value, words};
+
+/// The longest scene that is planned for.
+pub const SCENE_LIMIT_BYTES: u64 = 64 << 20;
+
+/// A scene as it is sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SceneForm {
+    /// A GLB with all its bytes in it.
+    Glb,
+    /// A list of materials in JSON.
+    List,
+}
+
+/// A plan that is within its budget.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Planned {
+    /// The plan as `plan.json` has it.
+    pub plan: Value,
+    /// The summary, a line for each thing to know.
+    pub summary: Vec<String>,
+}
+
+/// Why there is no plan.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// The scene has faults.
+    #[error("{} fault(s) in the scene", .0.len())]
+    Scene(Vec<SceneFault>),
+    /// No table is within the budget.
+    #[error("{summary}")]
+    Unmet {
+        /// The recipe of the nearest table that can be had.
+        nearest: Value,
+        /// The summary, which says how near it is.
+        summary: String,
+    },
+    /// The service is stopping.
+    #[error(transparent)]
+    Service(#[from] ServiceError),
+}
+
+impl From<SceneError> for PlanError {
+    fn from(error: SceneError) -> Self {
+        match error {
+            SceneError::Faults(faults) => Self::Scene(faults),
+            other => Self::Scene(vec![SceneFault { pointer: String::new(), detail: other.to_string() }]),
+        }
+    }
+}
+
+impl Service {
+    /// Plans the tables of a scene within a budget.
+    ///
+    /// # Errors
+    /// See [`PlanError`].
+    pub fn plan(&self, bytes: Vec<u8>, sent: SceneForm, budget: Budget, form: Form) -> Result<Planned, PlanError> {
+        let scene = match sent {
+            SceneForm::Glb => Scene::from_bytes(bytes)?,
+            SceneForm::List => Scene::from_list(&bytes)?,
+        };
+        let go_on = || !self.is_stopping();
+        let mut plans = Vec::new();
+        for needs in [false, true].into_iter().filter_map(|sheen| Needs::of(&scene, sheen)) {
+            let plan = self.state.measuring_pool.install(|| TablePlan::new(needs, budget, form, &go_on));
+            plans.push(plan.map_err(|_| ServiceError::Stopping)?);
+        }
+        let summary = words(&scene, &plans);
+        match plans.iter().find(|plan| !plan.is_met) {
+            Some(unmet) => {
+                Err(PlanError::Unmet { nearest: recipe_value(&unmet.chosen.recipe), summary: summary.join("; ") })
+            }
+            None => Ok(Planned { plan: document(&scene, &plans), summary }),
+        }
+    }
+}

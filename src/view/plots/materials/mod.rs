@@ -1,0 +1,172 @@
+//! Nine materials under one lamp: the truth, a table and the closed form in the space of normals, and how far each of both
+//! is from the truth.
+
+mod glass;
+mod list;
+mod rendered;
+mod shade;
+mod sphere;
+#[cfg(test)]
+mod tests;
+
+use self::{
+    list::{MATERIALS, Material},
+    rendered::{Apart, Sphere},
+    shade::{TRUTH_TOLERANCE, Way},
+};
+use super::NamedTable;
+use crate::picture::{
+    Anchor, GROUND, LINE, Picture, bar, beside, colour, fitting, headed, number, short_digest, write,
+};
+use ltcforge_fit::{BrdfKind, PerAxis, SecondLobe};
+use ltcforge_light::{LightError, LightModel, Lighting, NormalsRule, TableUse};
+
+/// What may be chosen of the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MaterialChoices {
+    /// Pixels a side of each panel, one at least.
+    pub size: u32,
+    /// The rule of model `normals`.
+    pub rule: NormalsRule,
+    /// Whether light and lobe of the table end at the surface.
+    pub cut: bool,
+    /// The difference, in radiance, at the end of the colour bar.
+    pub difference_scale: f64,
+}
+
+/// The picture, and how far each model is from the truth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MaterialSpheres {
+    /// A column for each material.
+    pub picture: Picture,
+    /// The errors of the table, in the order of the columns and without glass, then those of model `normals`.
+    pub errors: Vec<MaterialError>,
+    /// The materials for which the table's nearest entry stands, since it does not cover one of their roughnesses.
+    pub outside: Vec<&'static str>,
+}
+
+/// How far a model is from the truth for one material.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct MaterialError {
+    /// The material.
+    pub material: &'static str,
+    /// The model.
+    pub model: LightModel,
+    /// Mean over the sphere and over channels of the absolute difference in radiance.
+    pub mean_absolute_error: f64,
+    /// Mean radiance of the truth over the same.
+    pub mean_radiance: f64,
+}
+
+impl Default for MaterialChoices {
+    /// All columns are as wide as a page has room for.
+    fn default() -> Self {
+        Self { size: 92, rule: NormalsRule::ALL[0], cut: false, difference_scale: 0.02 }
+    }
+}
+
+/// Draws the picture with a table of GGX. Renders on the current rayon pool; its size changes nothing.
+///
+/// # Errors
+/// [`LightError::OtherLights`] for a table of another scattering model, and those of its light.
+pub fn material_spheres(named: NamedTable<'_>, choices: &MaterialChoices) -> Result<MaterialSpheres, LightError> {
+    let NamedTable { table, digest, range } = named;
+    let &MaterialChoices { size, rule, cut, difference_scale } = choices;
+    if table.brdf() != BrdfKind::Ggx {
+        return Err(LightError::OtherLights { lights: BrdfKind::Ggx, table: table.brdf() });
+    }
+    let second = table.model().fresnel().second();
+    let by_table = Lighting::Table(table, TableUse { cut, blend: second == Some(SecondLobe::Blended) });
+    let lobe = table.lobe.name().to_uppercase();
+    let lobes = if second.is_some() { ", two lobes an entry" } else { "" };
+    let by_table = Some((by_table, LightModel::of_lobe(table.lobe), lobe.clone()));
+    let long = [
+        format!("{lobe}, table {}{lobes}", short_digest(digest)),
+        format!("normals, rule {rule}: no table; glass by its own closed form"),
+    ];
+    let normals = LightModel::Normals;
+    let by_formula =
+        normals.closed_form(Some(rule)).map(|form| (Lighting::ClosedForm(form), normals, normals.to_string()));
+
+    let truth = spheres(Way::Truth, size)?;
+    let mut parts = vec![
+        labels(size, MATERIALS.iter().map(|material| material.name.to_owned())),
+        row(&["truth: each material's own formula, by quadrature", "truth"], size, &truth, Sphere::shown),
+    ];
+    let mut errors = Vec::new();
+    for ((lighting, model, short), long) in [by_table, by_formula].into_iter().flatten().zip(long) {
+        let lit = spheres(Way::Model(lighting), size)?;
+        parts.push(row(&[&long, &short], size, &lit, Sphere::shown));
+        let pairs: Vec<_> = lit.iter().zip(&truth).map(|(lit, truth)| lit.as_ref().zip(truth.as_ref())).collect();
+        let title = format!("|{short} - truth|, and its mean over the sphere");
+        let apart = |(lit, truth): &(&Sphere, &Sphere)| lit.difference(truth, difference_scale);
+        parts.push(row(&[&title, &short], size, &pairs, apart));
+        let apart: Vec<Option<Apart>> = pairs.iter().map(|pair| pair.map(|(lit, truth)| lit.apart(truth))).collect();
+        let mean = |apart: &Option<Apart>| apart.as_ref().map(|apart| told(apart.mean_absolute));
+        parts.push(labels(size, apart.iter().map(|apart| mean(apart).unwrap_or_default())));
+        errors.extend(MATERIALS.iter().zip(apart).filter_map(|(Material { name: material, .. }, apart)| {
+            let Apart { mean_absolute: mean_absolute_error, mean_radiance } = apart?;
+            Some(MaterialError { material, model, mean_absolute_error, mean_radiance })
+        }));
+    }
+    let end = number(difference_scale as f32);
+    parts.push(bar(parts[0].width, colour, ["0", &end], &["|difference| of radiance, mean of the channels"]));
+    let outside = MATERIALS.iter().filter(|material| is_outside(material, range)).map(|material| material.name);
+    Ok(MaterialSpheres { picture: below(&parts), errors, outside: outside.collect() })
+}
+
+/// A mean error as it is written below a sphere.
+fn told(error: f64) -> String {
+    if error < TRUTH_TOLERANCE { "exact".to_owned() } else { format!("{error:.5}") }
+}
+
+/// Every material's sphere.
+fn spheres(way: Way<'_>, size: u32) -> Result<Vec<Option<Sphere>>, LightError> {
+    MATERIALS.iter().map(|material| Sphere::new(material, way, size)).collect()
+}
+
+/// Whether a table's ranges leave out a roughness of the material.
+fn is_outside(material: &Material, range: &PerAxis<[f64; 2]>) -> bool {
+    /// A quotient may be off the end that it stands for by this part of it.
+    const ROUNDING: f64 = 1e-6;
+    let is_within = |[low, high]: [f64; 2], x: f64| (low * (1.0 - ROUNDING)..=high * (1.0 + ROUNDING)).contains(&x);
+    material.roughnesses().any(|[x, y]| {
+        let alpha = x.max(y);
+        !(is_within(range.alpha, alpha) && is_within(range.ratio, x.min(y) / alpha))
+    })
+}
+
+/// Panels beside each other under a title. A panel that has no content says that there is no table of it.
+fn row<T>(title: &[&str], size: u32, contents: &[Option<T>], draw: impl Fn(&T) -> Picture) -> Picture {
+    let panel = |content: &Option<T>| content.as_ref().map_or_else(|| absent(size), &draw);
+    headed(&[title], &beside(&contents.iter().map(panel).collect::<Vec<_>>()))
+}
+
+fn absent(size: u32) -> Picture {
+    let mut picture = Picture::filled(size, size, GROUND);
+    write(&mut picture, fitting(&["no table", "-"], size), size / 2, size / 2, Anchor::Middle, size);
+    picture
+}
+
+/// A line of words, one under or above each panel.
+fn labels(size: u32, words: impl Iterator<Item = String>) -> Picture {
+    let label = |word: String| {
+        let mut picture = Picture::filled(size, LINE, GROUND);
+        write(&mut picture, fitting(&[&word], size), size / 2, LINE / 2, Anchor::Middle, size);
+        picture
+    };
+    beside(&words.map(label).collect::<Vec<_>>())
+}
+
+/// Pictures below each other, level at the left.
+fn below(pictures: &[Picture]) -> Picture {
+    let width = pictures.iter().map(|picture| picture.width).max().unwrap_or(1);
+    let height = pictures.iter().map(|picture| picture.height).sum::<u32>();
+    let mut whole = Picture::filled(width, height.max(1), GROUND);
+    let mut top = 0;
+    for picture in pictures {
+        whole.put(picture, 0, top);
+        top += picture.height;
+    }
+    whole
+}

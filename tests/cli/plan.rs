@@ -1,0 +1,89 @@
+//! `plan`, `plan --check` and `lock --plan`.
+
+use std::{f64::consts::FRAC_PI_4, fs};
+
+use ltcforge::Digest;
+use serde_json::{Value, json};
+
+use crate::common::command::run;
+
+const LIST: &str = r#"{"materials": [
+    {"name": "steel", "alpha_x": 0.2, "alpha_y": 0.2, "weight": 3}, {"name": "lacquer", "alpha_x": 0.05, "alpha_y": 0.05, "f0": 0.04}
+]}"#;
+
+fn json_of(text: &[u8]) -> Value {
+    serde_json::from_slice(text).expect("JSON")
+}
+
+#[test]
+fn a_plan_is_fitted_pinned_and_checked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    fs::write(here.join("scene.json"), LIST).expect("a list");
+    let told = run(here, ["plan", "scene.json", "--bytes", "2000", "--fit", "-o", "ltc"]).exited(0).stdout;
+    assert!(told.starts_with("2 materials, 0 anisotropic; every view\n"), "{told}");
+    let plan = json_of(&fs::read(here.join("ltc/plan.json")).expect("a plan"));
+    let table = &plan["tables"][0];
+    let bytes = table["predicted"]["bytes"].as_u64().expect("bytes");
+    let resolution = &table["recipe"]["resolution"];
+    let entries = ["alpha", "ratio", "theta", "phi"].map(|axis| resolution[axis].as_u64().expect("a count"));
+    assert_eq!(bytes, entries.iter().product::<u64>() * 11 * 2);
+    assert!(bytes <= 2000, "{bytes}");
+    let off_by = table["measured"]["off_by"].as_f64().expect("a number");
+    assert!((0.85..1.15).contains(&off_by), "{off_by}");
+    let [measured, whole] = ["measured", "whole"].map(|of| table[of]["error"].as_f64().expect("an error"));
+    assert!(measured <= whole, "{measured} {whole}");
+    let picture = fs::read_to_string(here.join("ltc/plan.svg")).expect("a picture");
+    assert!(picture.starts_with("<svg") && picture.contains("whole domain"));
+    // The recipe is that of the table.
+    let recipe = fs::read(here.join("ltc/recipe.json")).expect("a recipe");
+    assert_eq!(json!(Digest::of(recipe.trim_ascii()).to_string()), table["recipe_digest"]);
+
+    // The same scene and budget give the same recipe.
+    run(here, ["plan", "scene.json", "--bytes", "2000", "-o", "again"]).exited(0);
+    assert_eq!(fs::read(here.join("again/recipe.json")).expect("a recipe"), recipe);
+
+    run(here, ["lock", "ltc", "--plan", "ltc"]).exited(0);
+    run(here, ["plan", "scene.json", "ltc.safetensors", "--check"]).exited(0);
+    fs::write(here.join("grown.json"), LIST.replace("0.05", "0.4")).expect("a list");
+    let told = run(here, ["plan", "grown.json", "ltc.safetensors", "--check"]).exited(3).stdout;
+    assert!(told.starts_with("lacquer: alpha 0.4000 to 0.4000, of the table 0.0500 to 0.2000"), "{told}");
+}
+
+#[test]
+fn a_budget_that_cannot_be_met_names_the_nearest_table() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    fs::write(here.join("scene.json"), LIST).expect("a list");
+    let told = run(here, ["plan", "scene.json", "--bytes", "50"]).exited(1).stdout;
+    assert!(told.contains("50 bytes are too few: the smallest table has 88"), "{told}");
+    let told = run(here, ["plan", "scene.json", "--error", "0.001"]).exited(1).stdout;
+    assert!(told.contains("an error of 0.001 cannot be had"), "{told}");
+}
+
+#[test]
+fn a_scene_of_two_cameras_needs_their_views_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/scenes/Cameras.gltf"), here.join("scene.gltf"))
+        .expect("a file");
+    let told = run(here, ["--json", "plan", "scene.gltf"]).exited(0).stdout;
+    let told = json_of(told.as_bytes());
+    assert_eq!(told["plan"]["scene"]["cameras"], 2);
+    let range = &told["plan"]["tables"][0]["recipe"]["range"];
+    let [low, high] = [0, 1].map(|end| range["theta"][end].as_f64().expect("an angle"));
+    // The square is tilted by 45 degrees about x, and the cameras look down from above.
+    assert!(low > 0.5 && high < 1.1 && low < FRAC_PI_4 && high > FRAC_PI_4, "{low} {high}");
+    assert_eq!(range["alpha"], json!([1, 1]));
+}
+
+#[test]
+fn scenes_that_are_none_are_usage_errors() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    fs::write(here.join("scene.gltf"), r#"{"nodes": [{"mesh": 3, "children": [9]}]}"#).expect("a file");
+    let told = run(here, ["plan", "scene.gltf"]).exited(2).stderr;
+    assert!(told.contains("/nodes/0/mesh: 3 is no index") && told.contains("/nodes/0/children/0: 9"), "{told}");
+    run(here, ["plan", "none.glb"]).exited(1);
+    assert!(fs::read_dir(here).expect("a folder").count() == 1);
+}

@@ -1,0 +1,32 @@
+// Faults of a recipe at their fields, as they are told while one types, and how they go.
+
+import { withWorld } from './world.js';
+
+await withWorld( async ( { service, open } ) => {
+
+	// A link with faults in it, of which one has no field.
+	const recipe = { preset: 'draft', colour: 'red', fit: { samples: 3 } };
+	const page = await open( `new?${ new URLSearchParams( { recipe: JSON.stringify( recipe ) } ) }` );
+	const fault = ( field ) => page.locator( `#field-${ field }-fault` );
+	await fault( 'fit-samples' ).filter( { hasText: 'from 32 to 65536' } ).waitFor();
+	await page.getByText( '/colour: unknown field' ).waitFor();
+	const samples = page.locator( '#field-fit-samples' );
+	const shown = { samples: await samples.inputValue(), invalid: await samples.getAttribute( 'aria-invalid' ), directions: await page.locator( '#field-fit-directions' ).inputValue() };
+	const isRefused = await page.getByRole( 'button', { name: 'Submit' } ).isDisabled();
+	await page.getByRole( 'button', { name: 'Back to the preset' } ).click();
+	await page.locator( 'aside dd', { hasText: '%' } ).waitFor();
+	const left = await page.locator( '.fault' ).allTextContents();
+
+	// Two at once, of fields that exclude each other, and each where it belongs.
+	await page.locator( '#field-brdf' ).selectOption( 'charlie' );
+	await page.locator( '#field-layout' ).selectOption( 'reflected' );
+	await page.locator( '#field-fit-steps' ).fill( '0' );
+	await fault( 'layout' ).filter( { hasText: 'reflected' } ).waitFor();
+	await fault( 'fit-steps' ).filter( { hasText: '0 is not' } ).waitFor();
+	await page.locator( '#field-layout' ).selectOption( 'kt2022' );
+	await page.locator( '#field-fit-steps' ).fill( '5' );
+	await page.locator( 'aside dd', { hasText: '%' } ).waitFor();
+	const { items } = await service.call( '/v1/jobs' );
+	return { shown, isRefused, left: left.join( '' ), jobs: items.length };
+
+} );

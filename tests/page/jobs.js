@@ -1,0 +1,53 @@
+// A recipe from the form to a downloaded table, a job that is cancelled in another tab, and one that is watched through a
+// page that is loaded again.
+
+import { createHash } from 'node:crypto';
+import { readFile } from 'node:fs/promises';
+
+import { ENDLESS, SMALL, withWorld } from './world.js';
+
+await withWorld( async ( { service, open } ) => {
+
+	const page = await open( 'new' );
+	await page.getByLabel( 'draft' ).check();
+	for ( const axis of [ 'alpha', 'ratio', 'theta', 'phi' ] ) await page.locator( `#field-resolution-${ axis }` ).fill( '2' );
+	for ( const [ name, value ] of Object.entries( SMALL.fit ) ) await page.locator( `#field-fit-${ name }` ).fill( String( value ) );
+	await page.locator( 'aside dd', { hasText: /^16$/ } ).waitFor();
+	const document = JSON.parse( await page.getByRole( 'region', { name: 'Recipe as JSON' } ).textContent() );
+	// What was entered outlives the page.
+	await page.reload();
+	await page.locator( 'aside dd', { hasText: /^16$/ } ).waitFor();
+	const reloaded = JSON.parse( await page.getByRole( 'region', { name: 'Recipe as JSON' } ).textContent() );
+	await page.getByRole( 'button', { name: 'Submit' } ).click();
+	await page.getByRole( 'link', { name: 'Open the table' } ).click();
+	await page.getByRole( 'heading', { name: 'Quality' } ).waitFor();
+	const digest = await page.getByRole( 'textbox', { name: 'Digest' } ).textContent();
+	const saved = async ( link ) => {
+
+		const [ download ] = await Promise.all( [ page.waitForEvent( 'download' ), link.click() ] );
+		return `sha256:${ createHash( 'sha256' ).update( await readFile( await download.path() ) ).digest( 'hex' ) }`;
+
+	};
+
+	const table = await saved( page.getByRole( 'link', { name: /Download/ } ) );
+	await page.getByText( 'wgpu, your own renderer' ).click();
+	const file = page.locator( '.files tr' ).first();
+	const exported = { saved: await saved( file.getByRole( 'link' ) ), told: await file.locator( 'code' ).getAttribute( 'title' ) };
+
+	const { id } = await service.call( '/v1/jobs', ENDLESS );
+	const [ list, other ] = [ await open( 'jobs' ), await open( `jobs/${ id }` ) ];
+	const running = other.locator( '.state.running' );
+	await running.waitFor();
+	await other.reload();
+	await running.waitFor();
+	// By the stream alone: the page of one job does not ask again.
+	const done = () => other.locator( '.facts dd' ).first().textContent();
+	const first = await done();
+	await other.waitForFunction( ( first ) => document.querySelector( '.facts dd' ).textContent !== first, first );
+	await list.locator( 'tr', { has: list.locator( '.running' ) } ).getByRole( 'button', { name: 'Cancel' } ).click();
+	await list.locator( '.state.cancelled' ).waitFor();
+	await other.locator( '.state.cancelled' ).waitFor();
+	const { state } = await service.call( `/v1/jobs/${ id }` );
+	return { document, reloaded, digest, table, exported, cancelled: state };
+
+} );

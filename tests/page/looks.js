@@ -1,0 +1,88 @@
+// Every page in both themes and three widths: what axe-core finds, and whether anything is wider than the window. With
+// `--pictures FOLDER` the pages are drawn there.
+
+import { createRequire } from 'node:module';
+import { readFile } from 'node:fs/promises';
+import { createServer, request } from 'node:http';
+import { once } from 'node:events';
+import { join } from 'node:path';
+
+import { PICTURES, SMALL, withWorld } from './world.js';
+
+const AXE = await readFile( createRequire( import.meta.url ).resolve( 'axe-core/axe.min.js' ), 'utf8' );
+const WIDTHS = [ 360, 1280, 2560 ];
+
+/** What each page shows once its answers are there. */
+const READY = { tables: '.picture img[src]', table: '.plots img[src]', jobs: '.state', job: '.state', new: 'aside dd', faults: '.bad', compare: '.best', viewer: '.facts', nowhere: '.notice' };
+
+/** A proxy that has the service below a path, as an operator may. It keeps `Host`, by which the service knows its own pages. */
+async function below( prefix, service ) {
+
+	const server = createServer( ( asked, answer ) => {
+
+		if ( ! asked.url.startsWith( `${ prefix }/` ) ) return answer.writeHead( 404 ).end();
+		const { method, headers } = asked;
+		const forwarded = request( { host: '127.0.0.1', port: service.port, path: asked.url.slice( prefix.length ), method, headers }, ( from ) => {
+
+			answer.writeHead( from.statusCode, from.headers );
+			from.pipe( answer );
+
+		} );
+		asked.pipe( forwarded );
+
+	} ).listen( 0, '127.0.0.1' );
+	await once( server, 'listening' );
+	return server;
+
+}
+
+await withWorld( async ( { service, open } ) => {
+
+	// Fitted to be looked at where pictures are drawn.
+	const recipes = PICTURES ? [ { preset: 'paper' }, { preset: 'standard', layout: 'ltc2017' }, { preset: 'paper', precision: 'f16' }, { preset: 'draft', brdf: 'charlie' } ] : [ SMALL, { ...SMALL, precision: 'f16' } ];
+	const digests = [];
+	for ( const recipe of recipes ) digests.push( await service.fit( recipe ) );
+	const { items } = await service.call( '/v1/jobs' );
+	const bad = JSON.stringify( { preset: 'draft', fit: { samples: 3 } } );
+	const pages = { tables: 'tables', table: `tables/${ digests[ 0 ] }`, jobs: 'jobs', job: `jobs/${ items[ 0 ].id }`, new: 'new', faults: `new?${ new URLSearchParams( { recipe: bad } ) }`, compare: `compare?tables=${ digests.slice( 0, 3 ) }`, viewer: `viewer?table=${ digests[ 0 ] }${ PICTURES ? '' : '&show=model' }`, nowhere: 'nowhere' };
+	const violations = [];
+	const wide = [];
+	let looked = 0;
+	for ( const colorScheme of [ 'light', 'dark' ] ) for ( const width of WIDTHS ) {
+
+		const page = await open( 'tables', { colorScheme, viewport: { width, height: 860 } } );
+		for ( const [ name, hash ] of Object.entries( pages ) ) {
+
+			await page.evaluate( ( hash ) => location.hash = `#/${ hash }`, hash );
+			await page.locator( `.page-${ hash.split( /[/?]/ )[ 0 ] } h1` ).waitFor();
+			// All is there: the answers, the pictures, and in the viewer a whole reference where pictures are drawn.
+			await page.locator( READY[ name ] ).first().waitFor();
+			await page.waitForFunction( ( samples ) => [ ...document.images ].every( ( { src, complete } ) => src && complete )
+				&& [ ...document.querySelectorAll( 'canvas' ) ].every( ( { dataset } ) => Number( dataset.samples ) >= samples ), PICTURES ? 1024 : 0 );
+			const at = `${ name }, ${ width }, ${ colorScheme }`;
+			if ( await page.evaluate( () => document.documentElement.scrollWidth > window.innerWidth ) ) wide.push( at );
+			looked ++;
+			if ( PICTURES ) await page.screenshot( { path: join( PICTURES, `${ name }-${ width }-${ colorScheme }.png` ), fullPage: true } );
+			// Rules do not depend on the width as the layout does.
+			if ( width === WIDTHS[ 2 ] ) continue;
+			await page.evaluate( AXE );
+			const found = await page.evaluate( () => window.axe.run( document, { runOnly: [ 'wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice' ] } ) );
+			for ( const { id, nodes } of found.violations ) violations.push( `${ at }: ${ id }: ${ nodes.map( ( { html } ) => html.slice( 0, 120 ) ).join( ' | ' ) }` );
+
+		}
+
+		await page.context().close();
+
+	}
+
+	const proxy = await below( '/tools/ltc', service );
+	const behind = await open( `tables/${ digests[ 0 ] }`, {}, `http://127.0.0.1:${ proxy.address().port }/tools/ltc` );
+	await behind.getByText( 'wgpu, your own renderer' ).click();
+	const link = await behind.locator( '.files a' ).first().evaluate( ( a ) => a.href );
+	const { status } = await fetch( link );
+	await behind.waitForLoadState( 'networkidle' );
+	proxy.close();
+	proxy.closeAllConnections();
+	return { violations, wide, looked, behind: { link: new URL( link ).pathname.slice( 0, 22 ), status } };
+
+}, [ '--allow-host', '127.0.0.1' ] );

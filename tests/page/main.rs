@@ -1,0 +1,86 @@
+//! The page of `ltcforge serve`, used in a browser as people use it.
+//!
+//! `node` runs each script of this folder with a service of its own in Chromium. `make test` installs what this needs; where
+//! it cannot, the tests say that they are skipped. `UPDATE_PICTURES=1 cargo test --test page looks` draws every page at three
+//! widths and in both themes in `target/page`.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+use std::{env, fs, path::Path};
+
+use serde_json::{Value, json};
+
+use crate::common::browser;
+
+/// The output of a script, of which the browser has nothing to complain: no error of a script or the console, no report of
+/// the Content-Security-Policy.
+fn script(file: &str, args: &[&str]) -> Option<Value> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page");
+    let output: Value = browser::script(&folder, file, args)?;
+    assert_eq!(output["complaints"], json!([]), "{output:#}");
+    Some(output)
+}
+
+#[test]
+fn jobs_are_submitted_watched_and_cancelled_and_tables_downloaded() {
+    let Some(seen) = script("jobs.js", &[]) else { return };
+    let document = json!({
+        "preset": "draft", "resolution": { "alpha": 2, "ratio": 2, "theta": 2, "phi": 2 },
+        "fit": { "samples": 64, "directions": 4, "steps": 5 },
+    });
+    assert_eq!((&seen["document"], &seen["reloaded"]), (&document, &document));
+    assert!(seen["digest"].as_str().is_some_and(|digest| digest.starts_with("sha256:")), "{seen:#}");
+    assert_eq!(seen["table"], seen["digest"]);
+    assert_eq!(seen["exported"]["saved"], seen["exported"]["told"]);
+    assert_eq!(seen["cancelled"], "cancelled");
+}
+
+#[test]
+fn faults_are_told_at_their_fields() {
+    let Some(seen) = script("faults.js", &[]) else { return };
+    assert_eq!(seen["shown"], json!({ "samples": "3", "invalid": "true", "directions": "8" }), "{seen:#}");
+    assert_eq!((&seen["isRefused"], &seen["left"], &seen["jobs"]), (&json!(true), &json!(""), &json!(0)), "{seen:#}");
+}
+
+#[test]
+fn an_open_page_outlives_a_restart_of_the_service() {
+    let Some(seen) = script("outage.js", &[]) else { return };
+    assert_eq!(seen["others"], json!([]), "{seen:#}");
+}
+
+/// The most by which a byte of the viewer's pixels is off those of previews: the drivers' own arithmetic.
+const OFF: f64 = 2.0;
+
+/// The most by which the viewer's reference is off that of previews, as a part of all light.
+const REFERENCE_OFF: f64 = 0.01;
+
+#[test]
+fn the_viewer_draws_what_previews_show_and_its_link_holds_all() {
+    let Some(seen) = script("viewer.js", &[]) else { return };
+    for scene in ["normals", "floor", "reflected", "round"] {
+        let [off, bright] = ["off", "bright"].map(|of| seen[of][scene].as_f64().expect("a number"));
+        assert!(off <= OFF, "{scene}: {seen:#}");
+        assert!(bright > 40.0, "{scene}: nothing is seen: {seen:#}");
+    }
+    let reference = seen["reference"].as_f64().expect("a number");
+    assert!(reference.abs() < REFERENCE_OFF, "{seen:#}");
+    assert_eq!(seen["kept"], true, "{seen:#}");
+    assert!(seen["refused"].as_str().is_some_and(|reason| reason.contains("charlie")), "{seen:#}");
+}
+
+#[test]
+fn looks_right_to_everyone_at_every_width_and_below_a_prefix() {
+    let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/page");
+    let pictures = pictures.to_string_lossy();
+    let args: &[&str] = if env::var_os("UPDATE_PICTURES").is_some() {
+        fs::create_dir_all(&*pictures).expect("a folder");
+        &["--pictures", &pictures]
+    } else {
+        &[]
+    };
+    let Some(seen) = script("looks.js", args) else { return };
+    assert_eq!((&seen["violations"], &seen["wide"]), (&json!([]), &json!([])), "{seen:#}");
+    assert_eq!(seen["looked"], 54, "nine pages, three widths, two themes");
+    assert_eq!(seen["behind"], json!({ "link": "/tools/ltc/v1/tables/s", "status": 200 }));
+}

@@ -1,0 +1,143 @@
+// A service of its own and a browser for a script, and everything that the browser complains of.
+
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
+import { mkdtemp, rm } from 'node:fs/promises';
+import { createServer } from 'node:net';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { createInterface } from 'node:readline';
+import { parseArgs } from 'node:util';
+
+import { chromium } from 'playwright-core';
+
+const { values } = parseArgs( { options: { ltcforge: { type: 'string' }, chromium: { type: 'string' }, pictures: { type: 'string' } } } );
+
+/** Where pictures are written; undefined where none are asked for. */
+export const PICTURES = values.pictures;
+
+/** WebGL2 by Mesa's rasterizer on the processor. */
+const FLAGS = [ '--no-sandbox', '--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist' ];
+
+/** Milliseconds after which a script is taken to hang. A run takes up to a minute; one that draws pictures waits for whole references. */
+const DEADLINE = PICTURES ? 600_000 : 120_000;
+
+/** Sixteen entries that take milliseconds. */
+export const SMALL = { preset: 'draft', resolution: { alpha: 2, ratio: 2, theta: 2, phi: 2 }, fit: { samples: 64, directions: 4, steps: 5 } };
+
+/** Far more entries than any script waits for. */
+export const ENDLESS = { preset: 'best', resolution: { alpha: 16, ratio: 16, theta: 16, phi: 16 } };
+
+async function freePort() {
+
+	const server = createServer().listen( 0, '127.0.0.1' );
+	await once( server, 'listening' );
+	const { port } = server.address();
+	server.close();
+	await once( server, 'close' );
+	return port;
+
+}
+
+/** A service on a port, which can be stopped and started again with its data. */
+class Service {
+
+	constructor( port, data, args ) {
+
+		Object.assign( this, { port, data, args, url: `http://127.0.0.1:${ port }` } );
+
+	}
+
+	async start() {
+
+		this.child = spawn( values.ltcforge, [ 'serve', '--listen', `127.0.0.1:${ this.port }`, '--data', this.data, ...this.args ], { cwd: this.data, stdio: [ 'ignore', 'pipe', 'ignore' ] } );
+		// It would outlive a script that is ended.
+		process.on( 'exit', () => this.child.kill( 'SIGKILL' ) );
+		const [ line ] = await Promise.race( [ once( createInterface( this.child.stdout ), 'line' ), once( this.child, 'exit' ) ] );
+		if ( line !== `listening on ${ this.url }` ) throw new Error( `the service did not start: ${ line }` );
+
+	}
+
+	async stop() {
+
+		if ( this.child.exitCode !== null ) return;
+		this.child.kill( 'SIGTERM' );
+		await once( this.child, 'exit' );
+
+	}
+
+	/** The JSON of a call. */
+	async call( path, body ) {
+
+		const init = body === undefined ? {} : { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify( body ) };
+		return ( await fetch( `${ this.url }${ path }`, init ) ).json();
+
+	}
+
+	/** The digest of the table of a recipe. */
+	async fit( recipe ) {
+
+		let job = await this.call( '/v1/jobs', recipe );
+		while ( job.state === 'queued' || job.state === 'running' ) {
+
+			await new Promise( ( done ) => setTimeout( done, 50 ) );
+			job = await this.call( `/v1/jobs/${ job.id }` );
+
+		}
+
+		if ( ! job.table ) throw new Error( JSON.stringify( job ) );
+		return job.table;
+
+	}
+
+}
+
+/**
+ * Runs `work` with a service, a function that opens pages, and the list of the browser's complaints: errors of scripts and
+ * of the console, and reports of the Content-Security-Policy. Prints what `work` returns, with the complaints.
+ * `args` are further ones of the service.
+ */
+export async function withWorld( work, args = [] ) {
+
+	const deadline = setTimeout( () => {
+
+		console.error( `not done after ${ DEADLINE / 1000 } s` );
+		process.exit( 1 );
+
+	}, DEADLINE );
+	process.on( 'SIGTERM', () => process.exit( 1 ) );
+	const data = await mkdtemp( join( tmpdir(), 'ltcforge-page-' ) );
+	const service = new Service( await freePort(), data, args );
+	const complaints = [];
+	let browser = null;
+	try {
+
+		await service.start();
+		browser = await chromium.launch( { executablePath: values.chromium, args: FLAGS, timeout: 0 } );
+		const open = async ( hash, options = {}, base = service.url ) => {
+
+			const context = await browser.newContext( { viewport: { width: 1280, height: 860 }, ...options } );
+			const page = await context.newPage();
+			page.setDefaultTimeout( DEADLINE / 2 );
+			await page.exposeFunction( 'complain', ( text ) => complaints.push( text ) );
+			await page.addInitScript( () => document.addEventListener( 'securitypolicyviolation', ( event ) => window.complain( `policy: ${ event.violatedDirective } ${ event.blockedURI }` ) ) );
+			page.on( 'console', ( message ) => message.type() === 'error' && complaints.push( message.text() ) );
+			page.on( 'pageerror', ( error ) => complaints.push( error.message ) );
+			await page.goto( `${ base }/#/${ hash }` );
+			return page;
+
+		};
+
+		const result = await work( { service, open, complaints } );
+		console.log( JSON.stringify( { ...result, complaints } ) );
+
+	} finally {
+
+		clearTimeout( deadline );
+		if ( browser ) await browser.close();
+		await service.stop();
+		await rm( data, { recursive: true, force: true } );
+
+	}
+
+}

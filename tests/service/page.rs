@@ -1,0 +1,41 @@
+//! The files of the page.
+
+use crate::common::server::Server;
+
+/// Bytes that the first view may take, compressed; these are not even compressed.
+const FIRST_VIEW_BYTES: usize = 250_000;
+
+#[test]
+fn the_page_and_all_that_it_loads_are_served_and_known_by_their_tags() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let page = server.get("/").with_status(200);
+    let html = String::from_utf8(page.body.clone()).expect("UTF-8");
+    let mut left: Vec<String> = links(&html, "\"page/", '"').map(str::to_owned).collect();
+    let (mut seen, mut bytes) = (Vec::new(), page.body.len());
+    while let Some(name) = left.pop() {
+        if seen.contains(&name) {
+            continue;
+        }
+        let file = server.get(&format!("/page/{name}")).with_status(200);
+        bytes += file.body.len();
+        let tag = file.header("etag").expect("a tag").to_owned();
+        let again = server.request("GET", &format!("/page/{name}"), &[("if-none-match", &tag)], None);
+        assert!(again.with_status(304).body.is_empty(), "{name}");
+        if name.rsplit('.').next() == Some("js") {
+            let text = String::from_utf8(file.body).expect("UTF-8");
+            left.extend(links(&text, "'./", '\'').map(str::to_owned));
+        }
+        seen.push(name);
+    }
+    assert!(seen.len() > 10, "{seen:?}");
+    assert!(bytes < FIRST_VIEW_BYTES, "{bytes} bytes");
+    server.get("/page/nothing.js").with_status(404);
+    server.get("/page/../main.rs").with_status(404);
+    server.get("/?theme=dark").with_status(400);
+}
+
+/// What follows `before`, up to `end`.
+fn links<'a>(text: &'a str, before: &'a str, end: char) -> impl Iterator<Item = &'a str> {
+    text.split(before).skip(1).filter_map(move |rest| rest.split(end).next())
+}

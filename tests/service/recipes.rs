@@ -1,0 +1,49 @@
+//! What a recipe would begin, told before it is submitted.
+
+use crate::common::{
+    SMALL,
+    server::{Server, text},
+};
+
+#[test]
+fn a_recipe_is_foreseen_as_it_is_submitted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let foresee = |recipe: &str| {
+        let fields = [("content-type", "application/json")];
+        server.request("POST", "/v1/recipes", &fields, Some(recipe.as_bytes())).with_status(200).json()
+    };
+    let before = foresee(SMALL);
+    assert_eq!((before["entries"].as_u64(), before["table"].is_null()), (Some(16), true), "{before:#}");
+    assert_eq!(server.get("/v1/jobs").json()["items"], serde_json::json!([]), "nothing is begun");
+    let job = server.submit(SMALL).with_status(202).json();
+    for same in ["/recipe", "/recipe_digest", "/expected/error"] {
+        assert!(
+            before.pointer(same).is_some_and(|value| Some(value) == job.pointer(same)),
+            "{same}: {before:#} {job:#}"
+        );
+    }
+    // The worker may have measured its speed before the job is shown.
+    assert!(before["expected"]["seconds"].as_f64().is_some_and(|seconds| seconds > 0.0), "{before:#}");
+    let done = server.finished(text(&job["id"]));
+    assert_eq!(foresee(SMALL)["table"], done["table"]);
+}
+
+#[test]
+fn what_would_be_refused_is_told_with_the_problem_of_the_refusal() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &["--job-seconds", "1"]);
+    let cases = [
+        (r#"{"colour": 1, "fit": {"samples": 3}}"#, "/problems/bad-recipe", false),
+        (r#"{"preset": "best"}"#, "/problems/too-expensive", true),
+    ];
+    for (recipe, kind, is_complete) in cases {
+        let foreseen = server.request("POST", "/v1/recipes", &[], Some(recipe.as_bytes())).with_status(200).json();
+        let refused = server.submit(recipe).with_status(422).json();
+        assert_eq!(foreseen["problem"], refused, "{recipe}");
+        assert_eq!(refused["type"], kind, "{recipe}");
+        assert_eq!(foreseen["recipe"].is_object(), is_complete, "{recipe}");
+        assert_eq!(foreseen["expected"].is_object(), is_complete, "{recipe}");
+    }
+    server.request("POST", "/v1/recipes", &[], Some(b"{")).with_status(400);
+}
