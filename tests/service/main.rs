@@ -15,6 +15,7 @@ mod exports;
 mod fsck;
 mod jobs;
 mod limits;
+mod materials;
 mod openapi;
 mod page;
 mod plans;
