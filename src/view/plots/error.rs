@@ -21,8 +21,10 @@ pub(super) fn draw_while(go_on: &GoOn, table: &Table, name: &str, slice: ErrorSl
     Some(shown(&error_map_while(go_on, table, slice.ratio, slice.phi, CELLS)?, table, name))
 }
 
-/// The numbers of both, as JSON.
-pub(super) fn numbers_while(go_on: &GoOn, table: &Table, slice: ErrorSlice) -> Option<String> {
+/// The errors of a table at one ratio and phi as JSON: `alpha` and `theta` of 40 rows and columns, `width` and `light` row by row
+/// from the smoothest surface. `None` as soon as `go_on`, which is asked before each configuration, says no.
+#[must_use]
+pub fn error_numbers_while(go_on: &GoOn, table: &Table, slice: ErrorSlice) -> Option<String> {
     let map = error_map_while(go_on, table, slice.ratio, slice.phi, CELLS)?;
     let middles = |[low, high]: [f64; 2]| {
         (0..map.cells).map(|i| low + (high - low) * (i as f64 + 0.5) / map.cells as f64).collect::<Vec<_>>()

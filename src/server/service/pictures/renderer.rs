@@ -16,7 +16,7 @@ use ltcforge_files::{container, digest::Digest};
 use ltcforge_fit::Table;
 use ltcforge_view::{
     picture::Picture,
-    plots::{ErrorSlice, Plot},
+    plots::{ErrorSlice, Plot, error_numbers_while},
     preview::{Adapter, Mode, Preview, PreviewError, Scene, ShaderTable, TexelFormat},
 };
 
@@ -94,7 +94,7 @@ impl Renderer {
     fn errors(&self, slice: &ErrorSlice, task: &Task) -> Result<String, PictureError> {
         let table = self.table(task.request.table.ok_or(PictureError::NoTable)?)?;
         check_complete(&table)?;
-        slice.numbers_while(&|| !task.is_stopped(), &table).ok_or_else(|| task.queue.stopped())
+        error_numbers_while(&|| !task.is_stopped(), &table, *slice).ok_or_else(|| task.queue.stopped())
     }
 
     fn shader_table(&mut self, digest: Digest) -> Result<Arc<ShaderTable>, PictureError> {
