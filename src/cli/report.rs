@@ -12,8 +12,8 @@ use super::{
 };
 use ltcforge_files::digest::Digest;
 use ltcforge_fit::{
-    Accuracy, Asymmetry, Corner, LobeModel, MOST_POINTS, Moved, PerAxis, Poor, Report, Spread, TermError, extremes,
-    report, report_points,
+    Accuracy, Asymmetry, Corner, LobeModel, MOST_POINTS, Moved, PerAxis, Poor, Report, SecondReport, Spread, TermError,
+    extremes, report, report_points,
 };
 
 /// A table and its figures.
@@ -77,7 +77,7 @@ fn text(path: &Path, measured: &MeasuredTable) -> String {
 fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::fmt::Result {
     let MeasuredTable { digest, lobe, resolution: PerAxis { alpha, ratio, theta, phi }, report, corners, asymmetry } =
         measured;
-    let Report { nodes, between, poor, matrices, floors, .. } = report;
+    let Report { nodes, between, poor, matrices, floors, second, .. } = report;
     // The figure by which tables are compared.
     let Spread { mean, p95, max } = percent(between.width);
     writeln!(out, "error between nodes, mean / p95 / max: {mean:.2} / {p95:.2} / {max:.2} % of the lobe's width\n")?;
@@ -92,6 +92,11 @@ fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::f
     row(out, "light, % of the lobe", &cells(percent(nodes.light), 2), &cells(percent(between.light), 2))?;
     row(out, "amplitude, absolute", &term_cells(nodes.amplitude), &term_cells(between.amplitude))?;
     row(out, "Fresnel term, absolute", &term_cells(nodes.fresnel), &term_cells(between.fresnel))?;
+    if let Some(SecondReport { f0, between }) = second {
+        let nothing = " ".repeat(28);
+        row(out, &format!("F0 {f0}: width, %"), &nothing, &cells(percent(between.width), 2))?;
+        row(out, &format!("F0 {f0}: light, %"), &nothing, &cells(percent(between.light), 2))?;
+    }
 
     for (name, accuracy) in [("at nodes", nodes), ("between nodes", between)] {
         writeln!(

@@ -13,6 +13,7 @@ pub mod expected;
 pub mod figures;
 pub mod glass;
 pub mod gpu_costs;
+pub mod gpu_times;
 pub mod l3;
 pub mod lights;
 pub mod linear;

@@ -16,7 +16,7 @@ use ltcforge_driver::FAMILY_VARIABLE;
 use ltcforge_studies::{
     albedo, arcs, below, best, costs, expected,
     figures::Figure,
-    glass, gpu_costs, l3, minimax, models,
+    glass, gpu_costs, gpu_times, l3, minimax, models,
     networks::{self, Asked, Numbers},
 };
 
@@ -95,6 +95,8 @@ enum Study {
         #[arg(long, default_value = "navi21")]
         family: String,
     },
+    /// What the texts take on the GPU that is there
+    GpuTimes,
     /// The tables of docs/refraction.md: light through rough interfaces
     Glass,
     /// The figures of docs/figures.md
@@ -166,6 +168,7 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
             }
             print!("{}", gpu_costs::told()?);
         }
+        Study::GpuTimes => print!("{}", gpu_times::told(&gpu_times::Effort::WHOLE)?),
         Study::Polynomials => {
             for (name, numbers, error) in minimax::told() {
                 println!("{name}: {}; error {error:.1e}", numbers.join(" "));

@@ -6,8 +6,8 @@ use std::{
 
 use super::*;
 use crate::{
-    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, Plan, Precision, Recipe,
-    Solver, StoredTerms, assemble, brdf::Ggx, fit_shard,
+    BrdfKind, BrdfModel, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, LobeFresnel, LobeModel, Metric,
+    Plan, Precision, Recipe, SecondLobe, Solver, StoredTerms, WeightedF0, assemble, brdf::Ggx, fit_shard,
 };
 
 fn recipe([alpha, ratio, theta, phi]: [u32; 4], samples: u32, directions: u32, solver: Solver) -> Recipe {
@@ -28,7 +28,12 @@ fn recipe([alpha, ratio, theta, phi]: [u32; 4], samples: u32, directions: u32, s
 
 /// A table of rough and smooth surfaces, and its recipe.
 fn small() -> (Recipe, Table) {
+    of_brdf(BrdfKind::Ggx.into())
+}
+
+fn of_brdf(brdf: BrdfModel) -> (Recipe, Table) {
     let recipe = Recipe {
+        brdf,
         range: PerAxis { alpha: [0.2, 1.0], ratio: [0.3, 1.0], theta: [0.0, 1.4], phi: [0.0, FRAC_PI_2] },
         ..recipe([2, 2, 3, 2], 256, 16, Solver::Bfgs)
     };
@@ -99,6 +104,25 @@ fn a_table_without_terms_has_no_error_of_terms() {
     let (recipe, table) = small();
     let found = report_of(&recipe, &Table { terms: None, ..table });
     assert_eq!((found.nodes.amplitude, found.between.fresnel), (None, None));
+}
+
+/// The second lobe by itself is measured as a table of it would be, the blend as the lobe of plastic, which the first lobe
+/// alone is not.
+#[test]
+fn second_lobes_are_measured_as_they_are_used() {
+    let of = |second| of_brdf(BrdfModel::from(BrdfKind::Ggx).with_fresnel(LobeFresnel::Two(second)));
+    let (recipe, table) = of(SecondLobe::Integrated);
+    let second = report_of(&recipe, &table).second.expect("two lobes");
+    let alone = report_of(&recipe, &table.of_second().expect("a second lobe")).between;
+    assert_eq!((second.f0, second.between.width, second.between.light), (1e-3, alone.width, alone.light));
+
+    let (recipe, table) = of(SecondLobe::Blended);
+    let blend = report_of(&recipe, &table).second.expect("two lobes");
+    let (_, mut first) = small();
+    first.brdf = first.brdf.with_fresnel(LobeFresnel::mix(vec![WeightedF0 { f0: 0.04, weight: 1.0 }]).expect("a mix"));
+    let first = report_of(&recipe, &first).between.light.mean;
+    assert!(blend.f0 == 0.04 && blend.between.light.mean < 0.8 * first, "{blend:?} {first}");
+    assert_eq!(report_of(&recipe, &small().1).second, None);
 }
 
 #[test]

@@ -21,10 +21,12 @@ use naga::{
 const SURFACE: &str = include_str!("surface.wgsl");
 const ISOTROPIC: &str = include_str!("ltc_isotropic.wgsl");
 
-/// A text, and the program that calls it.
-struct Program {
-    name: String,
-    wgsl: String,
+/// A text, and the function `lit` that calls it for one rectangle.
+pub(crate) struct Program {
+    pub(crate) name: String,
+    pub(crate) wgsl: String,
+    /// The layout of the table that it reads, and whether that has two lobes an entry.
+    pub(crate) table: Option<(Layout, bool)>,
 }
 
 /// Why a text was not measured.
@@ -62,7 +64,7 @@ pub fn told() -> Result<String, CostError> {
     Ok(out)
 }
 
-fn programs() -> Vec<Program> {
+pub(crate) fn programs() -> Vec<Program> {
     let tables = [LightModel::Ltc, LightModel::Sg, LightModel::Asg];
     let by_table = tables.iter().flat_map(|model| Layout::ALL.iter().map(|layout| LitBy::new(*model, Some(*layout))));
     let by_formula = [LightModel::Sg, LightModel::Asg].map(|model| LitBy::new(model, None));
@@ -96,9 +98,9 @@ fn compensated() -> impl Iterator<Item = Program> {
         .filter_map(move |(model, layout)| Some(of_text(LitBy::new(model, layout).ok()?.with(additions).ok()?)))
 }
 
-fn with_cheap_horizon(Program { name, wgsl }: Program) -> Program {
+fn with_cheap_horizon(Program { name, wgsl, table }: Program) -> Program {
     let [exact, cheap] = [false, true].map(|is_cheap| format!("const LTC_CHEAP_HORIZON: bool = {is_cheap};"));
-    Program { name: format!("{name}, cheap horizon"), wgsl: wgsl.replacen(&exact, &cheap, 1) }
+    Program { name: format!("{name}, cheap horizon"), wgsl: wgsl.replacen(&exact, &cheap, 1), table }
 }
 
 fn of_text(lit_by: LitBy) -> Program {
@@ -134,7 +136,7 @@ fn of_text(lit_by: LitBy) -> Program {
     };
     let text = functions(lit_by, Reading::default(), Lights::Polygons);
     let lit = format!("fn lit(alpha: vec2<f32>, seen: Seen) -> vec4<f32> {{\n    {calls}\n}}\n");
-    program(lit_by.name(), &[&text, &lit])
+    program(lit_by.name(), &[&text, &lit], lit_by.layout().map(|layout| (layout, false)))
 }
 
 /// The ways to use two lobes, and the code that returns what is reflected. Alpha stands for an F0 that no compiler knows.
@@ -159,7 +161,7 @@ fn of_two(layout: Layout, (way, calls): (&str, &str)) -> Program {
         "fn lit(alpha: vec2<f32>, seen: Seen) -> vec4<f32> {{
     let lobes = ltc_lookup_both(alpha.x, alpha.y, seen.wo);\n    {calls}\n}}\n"
     );
-    program(format!("{}, {way}", lit_by.name()), &[&text, &lit])
+    program(format!("{}, {way}", lit_by.name()), &[&text, &lit], Some((layout, true)))
 }
 
 fn of_way(way: EngineWay) -> Program {
@@ -169,10 +171,15 @@ fn of_way(way: EngineWay) -> Program {
         EngineWay::Anisotropic => &[include_str!("anisotropic.wgsl")],
         EngineWay::RepresentativePoint => &[include_str!("representative_point.wgsl")],
     };
-    program(way.name().to_owned(), texts)
+    program(way.name().to_owned(), texts, None)
 }
 
-fn program(name: String, texts: &[&str]) -> Program {
+fn program(name: String, texts: &[&str], table: Option<(Layout, bool)>) -> Program {
+    Program { name, wgsl: format!("{SURFACE}\n{}", texts.concat()), table }
+}
+
+fn figures(driver: &Driver, Program { name, wgsl, .. }: &Program) -> Result<Figures, CostError> {
+    let refused = |reason: String| CostError::Text { name: name.clone(), reason };
     let main = "
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -180,11 +187,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     reflected[id.x] = lit(surface.alpha, seen_from(surface));
 }
 ";
-    Program { name, wgsl: format!("{SURFACE}\n{}{main}", texts.concat()) }
-}
-
-fn figures(driver: &Driver, Program { name, wgsl }: &Program) -> Result<Figures, CostError> {
-    let refused = |reason: String| CostError::Text { name: name.clone(), reason };
+    let wgsl = &format!("{wgsl}{main}");
     let module = naga::front::wgsl::parse_str(wgsl).map_err(|error| refused(error.emit_to_string(wgsl)))?;
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
     let info = validator.validate(&module).map_err(|error| refused(error.emit_to_string(wgsl)))?;

@@ -9,7 +9,12 @@ pub(super) const LEASE_SECONDS: i64 = 10;
 pub(super) const SHARDS: u32 = 3;
 
 pub(super) fn recipe(n: u8) -> NewJob {
-    NewJob { recipe: format!("recipe {n}"), recipe_digest: Digest::of(&[n]), shard_entries: vec![2; SHARDS as usize] }
+    NewJob {
+        recipe: format!("recipe {n}"),
+        recipe_digest: Digest::of(&[n]),
+        shard_entries: vec![2; SHARDS as usize],
+        by: None,
+    }
 }
 
 /// The result of a shard.

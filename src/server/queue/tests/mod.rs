@@ -1,6 +1,7 @@
 //! Tests that every queue has to pass, whatever it is built on.
 
 mod actions;
+mod callers;
 mod forgetting;
 mod model;
 mod sharing;
@@ -28,6 +29,7 @@ macro_rules! every_queue {
 }
 
 every_queue!(
+    callers::a_job_tells_who_submitted_and_who_cancelled_it,
     forgetting::a_start_forgets_too_and_without_a_limit_nothing_is_forgotten,
     forgetting::jobs_that_ended_long_ago_are_forgotten_with_all_their_rows,
     model::every_history_agrees_with_the_model,

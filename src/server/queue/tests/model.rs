@@ -197,7 +197,7 @@ impl<W: World> Run<W> {
             Action::Cancel(n) => {
                 let id = JobId::of_recipe(&recipe(*n).recipe_digest);
                 let known = self.jobs.get(&id).cloned();
-                match self.world.queue().cancel(id) {
+                match self.world.queue().cancel(id, None) {
                     Ok(job) => assert_eq!(job.is_some(), known.is_some()),
                     Err(_) => return,
                 }

@@ -147,7 +147,7 @@ impl World for EmbeddedWorld {
 #[track_caller]
 pub(super) fn submit(queue: &dyn Queue, name: &str, shards: usize) -> JobId {
     let recipe_digest = Digest::of(name.as_bytes());
-    let new = NewJob { recipe: name.to_owned(), recipe_digest, shard_entries: vec![1; shards] };
+    let new = NewJob { recipe: name.to_owned(), recipe_digest, shard_entries: vec![1; shards], by: None };
     assert!(matches!(queue.submit(new, &|_| false), Ok(Submitted::Queued(_))));
     JobId::of_recipe(&recipe_digest)
 }

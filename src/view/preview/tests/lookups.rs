@@ -242,15 +242,17 @@ fn samplers_weigh_entries_as_shaders_do() {
     let by_sampler = Variant { weights: Weights::Sampler, ..Variant::default() };
     for (layout, isotropic) in [(Layout::Reflected, false), (Layout::Ltc2017, true)] {
         let table = fitted_to("two_lobes", layout, Precision::F32, isotropic);
-        let cases: Vec<Case> = configurations().iter().map(Case::of).collect();
+        let configurations = configurations();
+        let cases: Vec<Case> = configurations.iter().map(Case::of).collect();
         let shader_table = ShaderTable::new(&table, TexelFormat::F32);
         for entry in ["looked_up", "looked_up_second"] {
             let [exact, sampled] = [Variant::default(), by_sampler]
                 .map(|variant| by_shaders(&shader_table, &table, variant, entry, &cases));
             for ((who, exact), (_, sampled)) in exact.iter().zip(&sampled) {
-                let apart = exact.iter().flatten().zip(sampled.iter().flatten()).map(|(a, b)| (a - b).abs());
-                let most = apart.fold(0.0, f32::max);
-                assert!(most < SAMPLED, "{layout}, {who}, {entry}: {most}");
+                for ((exact, sampled), at) in exact.iter().zip(sampled).zip(&configurations) {
+                    let most = exact.iter().zip(sampled).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                    assert!(most < SAMPLED, "{layout}, {who}, {entry}: {exact:?} {sampled:?} at {at:?}");
+                }
             }
         }
     }
