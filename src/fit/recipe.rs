@@ -257,6 +257,16 @@ impl Recipe {
         9 * matrices + self.terms.count() as u64
     }
 
+    /// Bytes of the table's matrices and terms, as they lie on a GPU.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let width = match self.precision {
+            Precision::F32 => 4,
+            Precision::F16 => 2,
+        };
+        self.entries().saturating_mul(self.entry_numbers() * width)
+    }
+
     /// Entries of the table: the product of the resolutions.
     #[must_use]
     pub fn entries(&self) -> u64 {

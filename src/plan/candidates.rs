@@ -49,19 +49,9 @@ impl Candidate {
         let fit = FitSettings { seed: base.fit.seed, ..preset.fit() };
         let (resolution, given) = (nodes.resolution, prediction.given(nodes.given));
         let recipe = Recipe { resolution, given, precision, fit, ..base.clone() };
-        let (error, bytes, seconds) = (prediction.error(&recipe), bytes_of(&recipe), fit_seconds(&recipe));
+        let (error, bytes, seconds) = (prediction.error(&recipe), recipe.bytes(), fit_seconds(&recipe));
         Self { recipe, preset, error, bytes, seconds }
     }
-}
-
-/// Bytes of a recipe's matrices and terms.
-#[must_use]
-pub(crate) fn bytes_of(recipe: &Recipe) -> u64 {
-    let width = match recipe.precision {
-        Precision::F32 => 4,
-        Precision::F16 => 2,
-    };
-    recipe.entries() * recipe.entry_numbers() * width
 }
 
 /// The nodes for which none of fewer entries have less error, each with all efforts and number formats.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::without::Beside;
 use crate::{
-    candidates::{Budget, Candidate, bytes_of, candidates, choose},
+    candidates::{Budget, Candidate, candidates, choose},
     needs::Needs,
     prediction::{Nodes, POINTS, Prediction, Stopped, error},
 };
@@ -194,5 +194,5 @@ fn whole(base: &Recipe) -> Whole {
         precision: Precision::F32,
         ..base.clone()
     };
-    Whole { bytes: bytes_of(&recipe), recipe, error: None }
+    Whole { bytes: recipe.bytes(), recipe, error: None }
 }

@@ -44,6 +44,43 @@ fn faults_are_told_at_their_fields() {
 }
 
 #[test]
+fn a_recipe_is_placed_among_others_and_found_for_a_scene() {
+    let Some(seen) = script("planning.js", &[]) else { return };
+    assert_eq!(
+        (&seen["others"], &seen["isOnCurve"], &seen["halved"]),
+        (&json!([]), &json!(true), &json!(true)),
+        "{seen:#}"
+    );
+    assert_eq!(seen["shown"], "1, 0.04 × 4", "{seen:#}");
+    assert_eq!(seen["weighed"], json!([{ "f0": 1 }, { "f0": 0.04, "weight": 8 }, { "f0": 0.5 }]), "{seen:#}");
+    assert!(seen["fault"].as_str().is_some_and(|fault| fault.contains("null is not a number")), "{seen:#}");
+    // A range around the material's own alpha and ratio; of an isotropic scene one ratio.
+    let range = |of: &str, axis: &str| seen[of]["range"][axis].clone();
+    assert_eq!(range("planned", "alpha"), json!([0.3, 0.3]), "{seen:#}");
+    assert_eq!(range("round", "ratio"), json!([1, 1]), "{seen:#}");
+    assert!(seen["refused"].as_str().is_some_and(|fault| fault.starts_with("broken.glb: ")), "{seen:#}");
+}
+
+#[test]
+fn a_token_is_asked_for_sent_with_everything_and_kept_nowhere() {
+    let Some(seen) = script("token.js", &[]) else { return };
+    assert_eq!((&seen["others"], &seen["saved"]), (&json!([]), &seen["digest"]), "{seen:#}");
+    assert!(seen["name"].as_str().is_some_and(|name| name.ends_with(".safetensors")), "{seen:#}");
+    assert_eq!((&seen["dialogs"], &seen["later"], &seen["kept"]), (&json!(1), &json!(0), &json!(0)), "{seen:#}");
+}
+
+#[test]
+fn maps_of_errors_tell_the_cell_under_the_pointer_and_the_keys() {
+    let Some(seen) = script("maps.js", &[]) else { return };
+    for way in ["hovered", "keyed"] {
+        let [told, wanted] = [0, 1].map(|i| seen[way][i].as_str().unwrap_or_default());
+        assert!(told.starts_with("alpha ") && told.ends_with(wanted), "{way}: {seen:#}");
+    }
+    assert_eq!((&seen["isBrightest"], &seen["isDarkest"]), (&json!(true), &json!(true)), "{seen:#}");
+    assert!(seen["spread"].as_f64().is_some_and(|shades| shades > 100.0), "{seen:#}");
+}
+
+#[test]
 fn an_open_page_outlives_a_restart_of_the_service() {
     let Some(seen) = script("outage.js", &[]) else { return };
     assert_eq!(seen["others"], json!([]), "{seen:#}");

@@ -58,6 +58,7 @@ page_files![
     "device.js",
     "dom.js",
     "downloads.js",
+    "errors.js",
     "fields.js",
     "follow.js",
     "format.js",
@@ -79,12 +80,15 @@ page_files![
     "models.js",
     "new.js",
     "pictures.js",
+    "plan.js",
     "progress.js",
     "report.js",
     "scene.js",
     "style.css",
     "table.js",
     "tables.js",
+    "token.js",
+    "tradeoff.js",
     "viewer.js",
 ];
 

@@ -1,6 +1,6 @@
 // The models by which the viewer lights: the service's tables, model normals, and what engines ship.
 
-import { address, call, manifest } from './api.js';
+import { call, manifest, reach } from './api.js';
 import { hasReference } from './glsl_reference.js';
 
 /** The name in a link of what engines ship. */
@@ -8,7 +8,7 @@ export const ENGINES = 'engines';
 
 async function fetched( path ) {
 
-	const response = await fetch( address( path ) );
+	const response = await reach( path );
 	if ( ! response.ok ) throw new Error( `${ path }: the answer was ${ response.status }` );
 	return response;
 

@@ -149,7 +149,7 @@ impl Backend for FakeBackend {
     }
 
     fn expect(&self, _recipe: StoredRecipe<'_>) -> Option<(Solver, Expectation)> {
-        Some((Solver::Bfgs, Expectation { seconds: 8.0, error: 0.25 }))
+        Some((Solver::Bfgs, Expectation { seconds: 8.0, error: 0.25, bytes: 1000 }))
     }
 
     fn load(&self, recipe: StoredRecipe<'_>) -> Result<Arc<dyn PlannedFit>, PlanError> {
