@@ -25,7 +25,7 @@ pub(crate) use spacing::{Spacing, within_limits};
 
 use glam::Vec3;
 
-use super::{axes::PerAxis, brdf::BrdfKind, lobe::LobeModel, named_list};
+use super::{axes::PerAxis, brdf::BrdfModel, lobe::LobeModel, named_list};
 
 named_list! {
     /// How configurations map to entries, and how a stored matrix maps to `M`.
@@ -64,10 +64,11 @@ impl Layout {
     }
 
     /// Whether the layout can store the lobes of a scattering model: those that lie around a reflection, if it stores
-    /// them relative to one.
+    /// them relative to one, and no others than isotropic ones, if it has no other surfaces.
     #[must_use]
-    pub fn takes(self, brdf: BrdfKind) -> bool {
-        brdf.follows_reflection() || !self.rules().is_relative()
+    pub fn takes(self, brdf: &BrdfModel) -> bool {
+        (brdf.follows_reflection() || !self.rules().is_relative())
+            && (self.only_ranges().is_none() || !brdf.has_azimuths())
     }
 
     /// Whether the layout can store a lobe model: those of isotropic tables have matrices of LTCs.

@@ -243,7 +243,10 @@ fn a_refusal_names_a_recipe_or_an_export_only_if_it_is_taken() {
                 Ok(recipe) => recipe,
                 Err(error) => {
                     let lacks_terms = !has_terms && lobe.gaussian().is_some();
-                    assert!(!layout.takes(brdf) || !layout.stores(lobe) || lacks_terms, "{document}: {error:?}");
+                    assert!(
+                        !layout.takes(&brdf.into()) || !layout.stores(lobe) || lacks_terms,
+                        "{document}: {error:?}"
+                    );
                     continue;
                 }
             };
