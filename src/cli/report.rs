@@ -63,7 +63,7 @@ fn measure(AnyTable { digest, table, origin, .. }: &AnyTable, args: &ReportArgs)
     let report = report(table, range, args.points.map_or(usual, |points| (points as usize).into()));
     let corners = args.extremes.then(|| extremes(table));
     let asymmetry = table.model().file().and_then(|file| file.data()).and_then(|data| data.asymmetry());
-    MeasuredTable { digest: *digest, lobe: table.lobe, resolution: table.axes.lengths(), report, corners, asymmetry }
+    MeasuredTable { digest: *digest, lobe: table.lobe, resolution: table.lengths(), report, corners, asymmetry }
 }
 
 /// The figures as text.

@@ -9,6 +9,7 @@
 
 mod added;
 mod additions;
+mod bindings;
 mod es_module;
 mod gaussians_header;
 mod gaussians_table_header;

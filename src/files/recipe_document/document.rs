@@ -8,6 +8,7 @@ use super::{
     axes::{AXES, DOMAIN, ISOTROPIC, ends_of, read_nodes, read_resolution},
     fault::Fault,
     fresnel::{check_second, read_fresnel},
+    materials::{check_thetas, read_materials},
     preset::Preset,
     reader::{Faults, Object, echo, listed},
     terms::read_terms,
@@ -21,7 +22,7 @@ use ltcforge_fit::{
 /// Entries that a table may have unless the caller sets another limit.
 pub const DEFAULT_ENTRY_LIMIT: u64 = 2_000_000;
 
-const FIELDS: [&str; 13] = [
+const FIELDS: [&str; 14] = [
     "preset",
     "fitter",
     "brdf",
@@ -32,6 +33,7 @@ const FIELDS: [&str; 13] = [
     "resolution",
     "range",
     "nodes",
+    "materials",
     "fit",
     "terms",
     "precision",
@@ -74,7 +76,11 @@ pub(super) fn read(
     let fit = read_fit(&root, preset, &mut faults);
     check_lobe(&root, lobe, &fit, terms, &mut faults);
     check_second(&root, model.fresnel(), lobe, terms.any(), &mut faults);
-    let given = read_nodes(&root, layout, &mut faults);
+    let mut given = read_nodes(&root, layout, &mut faults);
+    let materials = read_materials(&root, layout, brdf, &mut faults);
+    if !materials.is_empty() {
+        given = given.with_materials(&materials);
+    }
     let range = read_range(&root, &model, layout, &given, &mut faults);
     check_ratio(&model, &range, &fit, &mut faults);
     check_azimuth(&model, &range, &mut faults);
@@ -82,6 +88,7 @@ pub(super) fn read(
     let recipe = Recipe { fitter, brdf: model, lobe, layout, resolution, range, fit, terms, precision, given };
     check_entries(&recipe, entry_limit, &mut faults);
     check_nodes(&recipe, &mut faults);
+    check_thetas(&recipe, &mut faults);
     if faults.0.is_empty() { Ok(recipe) } else { Err(faults.0) }
 }
 
@@ -265,7 +272,9 @@ fn read_range(
         let ends = ends_of(given, name);
         let range = object.range(name, domain, ends.unwrap_or(default), faults);
         if let Some([first, last]) = ends.filter(|ends| *ends != range) {
-            let detail = format!("the nodes that /nodes/{name} gives go from {first} to {last}: leave this field out");
+            let listed = layout.is_of_materials() && (name == "alpha" || name == "ratio");
+            let field = if listed { "/materials".to_owned() } else { format!("/nodes/{name}") };
+            let detail = format!("the nodes that {field} gives go from {first} to {last}: leave this field out");
             faults.note(object.pointer(name), detail);
             return [first, last];
         }
@@ -323,7 +332,9 @@ fn check_nodes(recipe: &Recipe, faults: &mut Faults) {
     let axes = recipe.nodes();
     let ranges = recipe.range.named();
     for ((name, nodes), (_, range)) in axes.named().into_iter().zip(ranges) {
-        if nodes.windows(2).any(|pair| pair[0] >= pair[1]) {
+        // Materials may be in any order.
+        let is_listed = recipe.layout.is_of_materials() && (name == "alpha" || name == "ratio");
+        if !is_listed && nodes.windows(2).any(|pair| pair[0] >= pair[1]) {
             let detail = format!(
                 "[{}, {}] is too narrow for {} nodes: alpha and ratio are fitted from 1e-4 up, theta up to 0.9999 pi/2",
                 range[0],
