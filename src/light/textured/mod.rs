@@ -1,0 +1,10 @@
+//! Rectangle lights with a picture: the image, and what a prefilter makes of it.
+
+mod filters;
+mod image;
+mod pyramid;
+#[cfg(test)]
+mod tests;
+
+pub use image::{ImageError, LightImage};
+pub use pyramid::LightPyramid;
