@@ -54,6 +54,18 @@ pub(super) fn widened(size: usize, beside: f64) -> Filter {
     (0..size).map(|i| Taps::new(i.saturating_sub(1), (i + 2).min(size), weight(i))).collect()
 }
 
+/// From `from` texels to `to`, more or fewer: the mean of what of them lies in each.
+pub(super) fn averaged(from: usize, to: usize) -> Filter {
+    let edge = |i: usize| i as f64 * from as f64 / to as f64;
+    let taps = |i: usize| {
+        let (begin, end) = (edge(i), edge(i + 1));
+        // Rounding may move an edge that lies between two texels; a texel of which nothing is inside is left out.
+        let last = (end.ceil() as usize).clamp(begin as usize + 1, from);
+        Taps::new(begin as usize, last, |j| ((j + 1) as f64).min(end) - (j as f64).max(begin))
+    };
+    (0..to).map(taps).collect()
+}
+
 /// From `from` texels to `to` more, linearly between their middles.
 pub(super) fn enlarged(from: usize, to: usize) -> Filter {
     let taps = |i: usize| {
@@ -71,11 +83,9 @@ pub(super) fn enlarged(from: usize, to: usize) -> Filter {
 /// A tent of half width s over texels of length t has variance `s^2 / 6 + t^2 / 12`, exact where 2 t = s.
 pub(super) fn beside(size: usize, level: usize) -> f64 {
     let length = |level| size as f64 / size_of(size, level) as f64;
-    let halving = |level| match size_of(size, level) == size_of(size, level + 1) {
-        true => 0.0,
-        false => length(level + 1).powi(2) / 6.0 + length(level).powi(2) / 12.0,
-    };
-    let halved: f64 = (0..level).map(halving).sum();
-    let wanted = 0.75 * 4_f64.powi(level as i32) - 0.25;
+    let halves = |level: &usize| size_of(size, *level) > size_of(size, level + 1);
+    let halving = |level| length(level + 1).powi(2) / 6.0 + length(level).powi(2) / 12.0;
+    let halved: f64 = (0..level).filter(halves).map(halving).sum();
+    let wanted = 0.75 * (1_u64 << (2 * level)) as f64 - 0.25;
     ((wanted - halved) / (2.0 * length(level).powi(2))).max(0.0)
 }

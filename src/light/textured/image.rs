@@ -54,7 +54,7 @@ impl LightImage {
         }
         let is_wrong = |value: &f32| !(value.is_finite() && *value >= 0.0);
         let count = texels.as_flattened().iter().filter(|value| is_wrong(value)).count();
-        if let Some(first) = texels.as_flattened().iter().position(|value| is_wrong(value)) {
+        if let Some(first) = texels.as_flattened().iter().position(is_wrong) {
             let (texel, channel) = (first / 3, first % 3);
             let (x, y) = (texel % width, texel / width);
             return Err(ImageError::Texel { x, y, channel: CHANNELS[channel], value: texels[texel][channel], count });

@@ -3,6 +3,8 @@
 mod filters;
 mod image;
 mod pyramid;
+mod rows;
+mod square;
 #[cfg(test)]
 mod tests;
 

@@ -2,14 +2,15 @@
 
 use super::{
     LightImage,
-    filters::{Filter, Taps, beside, enlarged, halved, size_of, widened},
+    filters::{beside, enlarged, halved, size_of, widened},
+    rows::{Row, made},
 };
 use ltcforge_fit::math::ln;
-use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// How much of a level is its own blur; the rest comes from the level above, which gives the kernel its long tail.
-const OWN_PART: f64 = 0.65;
+/// How much of a level is its own blur, from the one below the last on; what follows is as the third. The rest comes from
+/// the level above, which gives the kernel its long tail. Near the last level the light ends before the tail does.
+const OWN_PARTS: [f64; 3] = [0.85, 0.75, 0.65];
 
 /// The width sigma of level 0, in texels.
 const SIGMA_OF_BASE: f64 = 2.0;
@@ -28,7 +29,7 @@ pub struct LightPyramid {
 
 impl LightPyramid {
     /// Prefilters an image. From the image, each level is halved by a tent, `[1 3 3 1] / 8`, and widened by
-    /// `[1 2 1] / 4`; from the last level on, each takes 0.65 of that and 0.35 of the level above. Weights that fall
+    /// `[1 2 1] / 4`; from the last level on, each takes a part of that, 0.65 for most, and the rest from the level above. Weights that fall
     /// outside of the image are left out, and the others divided by their sum. Sums are in f64, levels rounded to f32.
     ///
     /// Runs on the current rayon pool; its size changes nothing.
@@ -50,9 +51,10 @@ impl LightPyramid {
             let [columns, rows] = [width, height].map(|size| widened(size_of(size, level), beside(size, level)));
             let [up_columns, up_rows] =
                 [0, 1].map(|axis| enlarged([above.width(), above.height()][axis], sizes(level)[axis]));
+            let part = own_part(levels.len());
             levels.push(made(columns.len(), rows.len(), |y, row| {
-                Row::new(own, &rows[y]).add(&columns, OWN_PART, row);
-                Row::new(above, &up_rows[y]).add(&up_columns, 1.0 - OWN_PART, row);
+                Row::new(own, &rows[y]).add(&columns, part, row);
+                Row::new(above, &up_rows[y]).add(&up_columns, 1.0 - part, row);
             }));
         }
         levels.reverse();
@@ -85,44 +87,7 @@ impl LightPyramid {
     }
 }
 
-/// The image of a size whose rows `add` adds to zeros, each by itself.
-fn made(width: usize, height: usize, add: impl Fn(usize, &mut [[f64; 3]]) + Sync) -> LightImage {
-    let mut texels = vec![[0_f32; 3]; width * height];
-    texels.par_chunks_mut(width).enumerate().for_each_init(
-        || vec![[0_f64; 3]; width],
-        |sums, (y, row)| {
-            sums.fill([0.0; 3]);
-            add(y, sums);
-            for (texel, sum) in row.iter_mut().zip(sums) {
-                *texel = sum.map(|sum| sum as f32);
-            }
-        },
-    );
-    LightImage::of_texels(width, texels)
-}
-
-/// A row of an image that was filtered down its columns.
-struct Row(Vec<[f64; 3]>);
-
-impl Row {
-    fn new(image: &LightImage, taps: &Taps) -> Self {
-        let mut sums = vec![[0.0; 3]; image.width()];
-        for (y, weight) in (taps.first..).zip(&taps.weights) {
-            for (sum, texel) in sums.as_flattened_mut().iter_mut().zip(image.row(y).as_flattened()) {
-                *sum += weight * f64::from(*texel);
-            }
-        }
-        Self(sums)
-    }
-
-    /// Adds the row, filtered by `columns`, `by` times.
-    fn add(&self, columns: &Filter, by: f64, to: &mut [[f64; 3]]) {
-        for (sum, taps) in to.iter_mut().zip(columns) {
-            for (texel, weight) in self.0[taps.first..].iter().zip(&taps.weights) {
-                for (sum, texel) in sum.iter_mut().zip(texel) {
-                    *sum += by * weight * texel;
-                }
-            }
-        }
-    }
+/// How much of a level is its own blur. Domain: one level above it at least.
+fn own_part(levels_above: usize) -> f64 {
+    OWN_PARTS[(levels_above - 1).min(OWN_PARTS.len() - 1)]
 }

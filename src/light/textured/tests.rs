@@ -63,7 +63,7 @@ fn errors(size: [usize; 2]) -> [[f64; 2]; 3] {
     let mut errors = [[0.0_f64; 2]; 3];
     for _ in 0..POINTS {
         let uv = [0; 2].map(|_| uniform(&mut rng));
-        let sigma = 2.0 * (1 << (pyramid.levels().len() - 1)) as f64 * uniform(&mut rng).max(0.02);
+        let sigma = 2.0 * f64::from(1 << (pyramid.levels().len() - 1)) * uniform(&mut rng).max(0.02);
         let sigma = sigma.max(2.0);
         let (sum, fetched) = (kernel_sum(&image, uv, sigma), pyramid.fetch(uv, LightPyramid::level_of(sigma)));
         for (error, (a, b)) in errors.iter_mut().zip(sum.into_iter().zip(fetched)) {
@@ -79,7 +79,7 @@ fn fetches_are_close_to_sums_of_the_kernel_at_even_and_odd_sizes() {
         let errors = errors(size);
         println!("{size:?} {errors:.4?}");
         for [mean, largest] in errors {
-            assert!(mean < 0.04 && largest < 0.2, "{size:?}: {errors:?}");
+            assert!(mean < 0.03 && largest < 0.12, "{size:?}: {errors:?}");
         }
     }
 }
@@ -209,4 +209,27 @@ fn what_is_no_picture_is_named() {
         LightImage::new(3, 2, texels).expect_err("numbers that are no light").to_string(),
         "the texel at x 1, y 1 has green NaN; 3 of the image's numbers are negative or not finite, and a light has none"
     );
+}
+
+#[test]
+fn texels_become_square_and_keep_their_mean() {
+    let image = noise([30, 20], 6);
+    for (light, size) in [
+        ([3.0, 2.0], [30, 20]),
+        ([1.5, 2.0], [30, 40]),
+        ([3.0, 1.0], [60, 20]),
+        ([1e9, 1.0], [8192, 1]),
+        ([1.0, 1e9], [1, 8192]),
+    ] {
+        assert_eq!(image.square_size(light), size, "{light:?}");
+        let square = image.resampled(size);
+        assert_eq!([square.width(), square.height()], size);
+        assert!((0..3).all(|c| (square.mean()[c] - image.mean()[c]).abs() < 1e-6), "{light:?}");
+    }
+    assert_eq!(image.resampled([30, 20]), image);
+    let large = made([4096, 1], |_| [0.0; 3]).square_size([1.0, 1.0]);
+    assert_eq!(large, [4096, 4096]);
+    // A texel that an edge cuts in half is half in each.
+    let three = made([3, 1], |[x, _]| [x as f32 * 3.0, 0.0, 1.0]).resampled([2, 1]);
+    assert_eq!(three.texels(), [[1.0, 0.0, 1.0], [5.0, 0.0, 1.0]]);
 }
