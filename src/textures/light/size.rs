@@ -3,7 +3,8 @@
 use std::str::FromStr;
 
 /// The width and the height of a light, in any unit: finite and above zero. As text `1.6x0.9`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
+#[serde(try_from = "String")]
 pub struct LightSize(pub(super) [f64; 2]);
 
 impl LightSize {
@@ -25,6 +26,14 @@ impl FromStr for LightSize {
                 "«{text}» is no size of a light: a width and a height above zero with an x between, such as 1.6x0.9"
             )
         })
+    }
+}
+
+impl TryFrom<String> for LightSize {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
     }
 }
 
