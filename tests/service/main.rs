@@ -16,6 +16,7 @@ mod exports;
 mod fsck;
 mod jobs;
 mod kills;
+mod light_textures;
 mod limits;
 mod materials;
 mod openapi;
