@@ -22,3 +22,4 @@ pub mod models;
 pub mod networks;
 pub mod source;
 pub mod tables;
+pub mod textured;

@@ -18,6 +18,7 @@ use ltcforge_studies::{
     figures::Figure,
     glass, gpu_costs, l3, minimax, models,
     networks::{self, Asked, Numbers},
+    textured,
 };
 
 #[derive(Parser)]
@@ -95,6 +96,12 @@ enum Study {
         #[arg(long, default_value = "navi21")]
         family: String,
     },
+    /// The tables of docs/textured.md: lights with a picture
+    Textured {
+        /// Lights of a row
+        #[arg(long, default_value_t = 300)]
+        lights: usize,
+    },
     /// The tables of docs/refraction.md: light through rough interfaces
     Glass,
     /// The figures of docs/figures.md
@@ -148,6 +155,7 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::Best { isotropic: true, shipped, .. } => print!("{}", best::isotropic(pair(shipped.as_deref()))?),
         Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),
         Study::L3 { shipped } => print!("{}", l3::tables(pair(shipped.as_deref()))?),
+        Study::Textured { lights } => print!("{}", textured::tables(lights)?),
         Study::Glass => print!("{}\n{}", glass::errors(), glass::differences()),
         Study::Arcs { lights, seed } => {
             let arcs::Found { bulge: [least, more], seen, held_out } = arcs::find(lights, seed);
