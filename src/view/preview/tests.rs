@@ -11,6 +11,7 @@ mod polygons;
 mod ported;
 mod printed;
 mod shapes;
+mod textured;
 mod truth;
 mod twins;
 mod without_textures;
