@@ -5,7 +5,7 @@ mod head;
 
 use super::*;
 use ltcforge_fit::{IsotropicFunction, Layout, testing::planted_isotropic};
-use ltcforge_light::LightModel;
+use ltcforge_light::{LightModel, textured::Readings};
 use ltcforge_shaders::{Additions, Bound, CASES, Filter, Language, Lights, LitBy, Namespace, Reading};
 
 pub(super) fn lit_by(model: LightModel, layout: Option<Layout>) -> LitBy {

@@ -24,3 +24,4 @@ pub mod networks;
 pub mod source;
 pub mod tables;
 pub mod tabulated;
+pub mod textured;

@@ -19,7 +19,7 @@ use ltcforge_studies::{
     figures::Figure,
     glass, gpu_costs, gpu_times, l3, minimax, models,
     networks::{self, Asked, Numbers},
-    tabulated,
+    tabulated, textured,
 };
 
 #[derive(Parser)]
@@ -99,6 +99,12 @@ enum Study {
     },
     /// What the texts take on the GPU that is there
     GpuTimes,
+    /// The tables of docs/textured.md: lights with a picture
+    Textured {
+        /// Lights of a row
+        #[arg(long, default_value_t = 300)]
+        lights: usize,
+    },
     /// The tables of docs/refraction.md: light through rough interfaces
     Glass,
     /// The table of docs/tabulated.md: what it costs to have a BRDF as numbers
@@ -155,6 +161,7 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),
         Study::L3 { shipped } => print!("{}", l3::tables(pair(shipped.as_deref()))?),
         Study::Tabulated => print!("{}", tabulated::find(Preset::Paper, 1.0)?.text()),
+        Study::Textured { lights } => print!("{}", textured::tables(lights)?),
         Study::Glass => print!("{}\n{}", glass::errors(), glass::differences()),
         Study::Arcs { lights, seed } => {
             let arcs::Found { bulge: [least, more], seen, held_out } = arcs::find(lights, seed);
