@@ -7,6 +7,7 @@
 use std::{
     collections::{HashMap, hash_map::Entry},
     fmt::Write as _,
+    iter,
     time::Instant,
 };
 
@@ -24,6 +25,9 @@ use crate::{
 const LIGHTS: u32 = 16;
 /// The part of the pixels that light has to reach, or nothing was measured.
 const LEAST_LIT: f64 = 0.5;
+/// Pictures on lights, and the binary logarithm of their side.
+const PICTURES: usize = 8;
+const PICTURE_LEVEL: u32 = 8;
 /// A rectangle that stands on the floor and faces the camera, at the origin.
 const LIGHT: [[f32; 4]; 4] =
     [[-3.0, 9.0, 2.0, 0.0], [3.0, 9.0, 2.0, 0.0], [3.0, 9.0, -1.2, 0.0], [-3.0, 9.0, -1.2, 0.0]];
@@ -115,7 +119,13 @@ pub fn told(effort: &Effort) -> Result<String, TimesError> {
 
 /// A table of the default axes. Fitted with little, since no time depends on it.
 fn table((layout, has_two): (Layout, bool)) -> Result<Table, Error> {
-    let builder = Recipe::builder().layout(layout).samples(64).directions(8).steps(4);
+    let builder = match layout {
+        Layout::Materials => {
+            Recipe::builder().surfaces(&[0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 1.0].map(|alpha| [alpha, 0.5]))
+        }
+        _ => Recipe::builder().layout(layout),
+    };
+    let builder = builder.samples(64).directions(8).steps(4);
     let builder = if has_two { builder.two_lobes(SecondLobe::Blended) } else { builder };
     Ok(fitted(&builder.build()?))
 }
@@ -213,6 +223,7 @@ impl Gpu {
         let sampler = self.device.create_sampler(&wgpu::SamplerDescriptor {
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
             ..Default::default()
         });
         let header = table.map(|table| {
@@ -224,6 +235,7 @@ impl Gpu {
         });
         let texels = table.map(texels);
         let mut views = Vec::new();
+        let mut parts = texels.iter().flatten();
         let mut buffers = vec![(10, &self.surfaces), (11, &self.reflected), (12, &self.light)];
         let mut samplers = Vec::new();
         for (_, global) in module.global_variables.iter() {
@@ -231,10 +243,8 @@ impl Gpu {
             match (global.space, &module.types[global.ty].inner) {
                 (AddressSpace::Uniform, _) if binding == 0 => buffers.extend(header.as_ref().map(|header| (0, header))),
                 (_, TypeInner::Sampler { .. }) => samplers.push(binding),
-                (_, TypeInner::Image { dim, .. }) => {
-                    let part = views.len();
-                    views.push((binding, self.texture(*dim, table.zip(texels.as_ref().map(|texels| &texels[part])))));
-                }
+                (_, TypeInner::Image { arrayed: true, .. }) => views.push((binding, self.pictures())),
+                (_, TypeInner::Image { dim, .. }) => views.push((binding, self.texture(*dim, table.zip(parts.next())))),
                 _ => {}
             }
         }
@@ -283,6 +293,32 @@ impl Gpu {
         let bytes: Vec<u8> = texels.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
         let texture = self.device.create_texture_with_data(&self.queue, &descriptor, order, &bytes);
         texture.create_view(&wgpu::TextureViewDescriptor::default())
+    }
+
+    /// Pictures of lights, a layer each: numbers without a pattern on all levels.
+    fn pictures(&self) -> wgpu::TextureView {
+        let mut state = 1_u32;
+        let texels = PICTURES * (0..=PICTURE_LEVEL).map(|level| 1 << (2 * level)).sum::<usize>();
+        let noise = iter::repeat_with(|| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f16::from_f32((state >> 24) as f32 / 256.0).to_le_bytes()
+        });
+        let bytes: Vec<u8> = noise.take(4 * texels).flatten().collect();
+        let side = 1 << PICTURE_LEVEL;
+        let descriptor = wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: PICTURES as u32 },
+            mip_level_count: PICTURE_LEVEL + 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba16Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        };
+        let order = wgpu::util::TextureDataOrder::LayerMajor;
+        let texture = self.device.create_texture_with_data(&self.queue, &descriptor, order, &bytes);
+        let dimension = Some(wgpu::TextureViewDimension::D2Array);
+        texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..Default::default() })
     }
 
     /// Seconds until as many dispatches are done.

@@ -119,8 +119,13 @@ fn of_text(lit_by: LitBy) -> Program {
     let calls = match lit_by.model() {
         LightModel::Ltc => {
             let rectangle = if lit_by.additions().cut { "ltc_cut_rectangle" } else { "ltc_rectangle" };
+            // A number that no compiler knows.
+            let lookup = match lit_by.layout() {
+                Some(Layout::Materials) => "ltc_lookup_material(u32(alpha.x * 8.0), seen.wo)",
+                _ => "ltc_lookup(alpha.x, alpha.y, seen.wo)",
+            };
             format!(
-                "let lobe = ltc_lookup(alpha.x, alpha.y, seen.wo);
+                "let lobe = {lookup};
     return vec4({rectangle}(ltc_inverse(lobe.m), seen.corners, false), lobe.amplitude, lobe.fresnel, 0.0);"
             )
         }
