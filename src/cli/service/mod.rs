@@ -20,7 +20,7 @@ use token::TokenCommand;
 pub enum ServiceCommand {
     /// Run the HTTP service
     Serve(ServeArgs),
-    /// Fit what the queue of a shared database has, without HTTP
+    /// Fit what the queue of a shared database has
     Work(WorkArgs),
     /// Tell the files of a shared store that nothing has referred to for a day, and delete them with --delete
     Gc(GcArgs),

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::store::{DatabaseOpenError, ObjectsOpenError, PairError};
 use crate::{
-    queue::{Job, StateName},
+    queue::{Depth, Job, StateName},
     store::{StoreError, StoreOpenError},
 };
 use ltcforge_files::{digest::Digest, recipe_document::RecipeError};
@@ -258,11 +258,24 @@ pub struct JobSnapshot {
     pub expected: Option<Expected>,
 }
 
+/// What a queue has to do.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Backlog {
+    /// Shards that wait and that are leased.
+    pub shards: Depth,
+    /// Predicted seconds that one core takes for the entries that are not fitted.
+    pub core_seconds: f64,
+    /// Seconds since the oldest unfinished job was submitted; 0 without one.
+    pub oldest_seconds: f64,
+}
+
 /// Figures for `/metrics`.
 #[derive(Debug, Clone, Default)]
 pub struct Metrics {
     /// Jobs by state.
     pub jobs: Vec<(StateName, u64)>,
+    /// What all processes that share the queue have to do.
+    pub backlog: Backlog,
     /// Entries fitted since the start.
     pub entries_fitted: u64,
     /// Shards that failed since the start.

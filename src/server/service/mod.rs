@@ -5,6 +5,7 @@
 
 mod api;
 mod backend;
+mod backlog;
 mod brdfs;
 mod check;
 mod cluster;
@@ -31,8 +32,8 @@ mod work;
 
 pub use crate::store::{Checked, SHORT_BYTES, TableRow};
 pub use api::{
-    Config, Expected, Foreseen, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits, ServiceError,
-    SubmitError, SubmitReply,
+    Backlog, Config, Expected, Foreseen, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits,
+    ServiceError, SubmitError, SubmitReply,
 };
 pub use brdfs::{BrdfRow, DeleteBrdfError, StoreBrdfError, StoredBrdf};
 pub use check::{CheckReport, check};
