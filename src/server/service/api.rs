@@ -81,6 +81,9 @@ pub enum OpenError {
     /// It has no store, and this operation makes none.
     #[error("{} has no jobs and tables of this service", .0.display())]
     NoStore(PathBuf),
+    /// It has a store, and this operation makes one.
+    #[error("{} has jobs and tables already", .0.display())]
+    HasStore(PathBuf),
     /// The database that processes share cannot be used.
     #[error(transparent)]
     Database(#[from] DatabaseOpenError),
