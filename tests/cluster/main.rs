@@ -14,6 +14,7 @@ mod objects;
 mod proxy;
 mod s3;
 mod sweep;
+mod watch;
 
 use std::{
     io::{BufRead as _, BufReader},

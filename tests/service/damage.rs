@@ -194,7 +194,8 @@ fn damage_is_told_kept_aside_and_mended() {
         };
         let missing = world.look(&server);
         let log = server.stop("TERM").exited(0).stderr;
-        let journal_is_gone = log.contains("jobs are lost");
+        // Whole lines that are missing at the end leave no trace.
+        let journal_is_gone = log.contains("jobs are lost") || matches!(how, How::Cut) && target.ends_with("jobs.log");
         for lost in &missing {
             let digest = lost.rsplit('/').next().unwrap_or(lost);
             assert!(
@@ -202,8 +203,9 @@ fn damage_is_told_kept_aside_and_mended() {
                 "{said}: {lost} without a word: {log}"
             );
         }
-        // What is told to be damaged is still there to be looked at. A database that ends too early is one that a crash left.
-        if log.contains("ERROR") && !matches!(how, How::Remove | How::Empty) {
+        // What is told to be damaged is still there to be looked at. A database that ends too early is one that a crash left,
+        // and one of zeros is empty.
+        if log.contains("ERROR") && !matches!(how, How::Remove | How::Empty | How::Zero) {
             assert!(data.join("quarantine").is_dir(), "{said}: {log}");
         }
 

@@ -4,6 +4,7 @@
 mod common;
 
 mod access;
+mod backup;
 mod bad_input;
 mod brdfs;
 mod clients;

@@ -1,6 +1,6 @@
 //! The arguments of the commands of the service, without those of `serve` that its configuration file has too.
 
-use std::{num::NonZeroU64, path::PathBuf};
+use std::{net::SocketAddr, num::NonZeroU64, path::PathBuf};
 
 use clap::Args;
 
@@ -73,6 +73,18 @@ pub struct WorkArgs {
     /// Seconds after which another worker does what this one has not reported on [default: 60]
     #[arg(long, env = "LTCFORGE_LEASE_SECONDS", value_name = "N")]
     pub lease_seconds: Option<NonZeroU64>,
+    /// Answer `/healthz`, `/readyz`, `/metrics` and `/version` at this address; without it, nothing listens
+    #[arg(long, env = "LTCFORGE_WORK_LISTEN", value_name = "ADDRESS")]
+    pub listen: Option<SocketAddr>,
+    /// File of tokens, of which each request but those of probes then needs one
+    #[arg(long, env = "LTCFORGE_TOKENS", value_name = "FILE")]
+    pub tokens: Option<PathBuf>,
+    /// Tokens beside those of the file, with `;` between, as `ltcforge token new` prints them for the service
+    #[arg(long, env = "LTCFORGE_TOKEN_LIST", hide_env_values = true, value_name = "TOKENS")]
+    pub token_list: Option<String>,
+    /// Without tokens, answer anyone who reaches an address that is not of this machine alone
+    #[arg(long, requires = "listen")]
+    pub allow_anyone: bool,
 }
 
 /// `migrate`.

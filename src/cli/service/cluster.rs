@@ -1,6 +1,6 @@
 //! `work`, `gc` and `migrate`: commands on a database and a store of tables that several processes share.
 
-use std::{num::NonZeroU64, path::PathBuf, time::Duration};
+use std::{net::SocketAddr, num::NonZeroU64, path::PathBuf, sync::Arc, time::Duration};
 
 use serde_json::json;
 
@@ -9,10 +9,13 @@ use super::{
     args::{GcArgs, MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs},
     print,
     serve::failed,
-    settings::ServeSettings,
+    settings::{ServeSettings, raise_descriptor_limit},
 };
 use crate::args::threads::ThreadCount;
-use ltcforge_server::service::{self, Config, DatabaseUrl, Removal, Service, Shared, Swept};
+use ltcforge_server::{
+    http,
+    service::{self, Config, DatabaseUrl, Removal, Service, Shared, Swept},
+};
 use ltcforge_view::preview::Adapter;
 
 /// Megabytes of tables that are kept on disk by default.
@@ -39,6 +42,21 @@ fn without_http(data: Option<PathBuf>, file: &ServeSettings) -> Config {
     Config { data_dir: data.unwrap_or(config.data_dir), keep_ended: None, adapter: Adapter::Cpu, ..config }
 }
 
+/// What a worker answers at `listen`.
+fn worker_http(
+    listen: SocketAddr,
+    args: &WorkArgs,
+    file: &ServeSettings,
+) -> Result<(SocketAddr, http::Options), CommandFailure> {
+    let tokens = args.tokens.clone().or_else(|| file.tokens.clone());
+    let allow_anyone = args.allow_anyone.then_some(true).or(file.allow_anyone);
+    let token_list = args.token_list.clone().or_else(|| file.token_list.clone());
+    let settings = ServeSettings { listen, tokens, token_list, allow_anyone, ..file.clone() };
+    let tokens = Arc::new(settings.tokens()?);
+    let options = settings.http(raise_descriptor_limit());
+    Ok((listen, http::Options { tokens, only_operations: true, ..options }))
+}
+
 /// Fits the shards of the queue until it is interrupted.
 pub(super) fn work(
     args: WorkArgs,
@@ -46,15 +64,32 @@ pub(super) fn work(
     json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
+    let options = args.listen.map(|listen| worker_http(listen, &args, file)).transpose()?;
     let SharedArgs { database, blobs, cache_mb, data } = args.shared;
     let mut config = shared_config(without_http(data, file), args.lease_seconds);
     config.workers = args.workers.map_or(config.workers, ThreadCount::count);
     let (workers, runtime, shared) = (config.workers, context.runtime.clone(), shared(database, blobs, cache_mb));
     runtime.block_on(async {
+        let listening = match options {
+            Some((listen, options)) => Some((super::serve::listen(listen).await?, options)),
+            None => None,
+        };
         let opened = tokio::task::spawn_blocking(move || Service::open_shared(config, &shared, true)).await;
         let service = opened.map_err(failed)?.map_err(failed)?;
-        print(context.stdout, json, &json!({ "working": workers }), &format!("working with {workers} threads"))?;
-        context.interrupt.clone().wait().await;
+        let text = format!("working with {workers} threads");
+        let interrupt = context.interrupt.clone().wait();
+        match listening {
+            None => {
+                print(context.stdout, json, &json!({ "working": workers }), &text)?;
+                interrupt.await;
+            }
+            Some(((listener, address), options)) => {
+                let url = format!("http://{address}");
+                let said = json!({ "working": workers, "listening": url });
+                print(context.stdout, json, &said, &format!("{text}, listening on {url}"))?;
+                http::serve(listener, Arc::clone(&service), options, interrupt).await;
+            }
+        }
         tokio::task::spawn_blocking(move || service.stop()).await.map_err(failed)?;
         Ok(Exit::Ok)
     })

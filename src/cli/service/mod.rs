@@ -1,6 +1,7 @@
 //! The commands of the service, which runs on Unix alone.
 
 mod args;
+mod backup;
 mod cluster;
 mod doors;
 mod fsck;
@@ -12,6 +13,7 @@ use clap::Subcommand;
 
 use super::{CommandFailure, Context, Exit, print};
 use args::{FsckArgs, GcArgs, MigrateArgs, WorkArgs};
+use backup::{BackupArgs, RestoreArgs};
 use settings::ServeArgs;
 pub(super) use settings::ServeSettings;
 use token::TokenCommand;
@@ -20,7 +22,7 @@ use token::TokenCommand;
 pub enum ServiceCommand {
     /// Run the HTTP service
     Serve(ServeArgs),
-    /// Fit what the queue of a shared database has, without HTTP
+    /// Fit what the queue of a shared database has
     Work(WorkArgs),
     /// Tell the files of a shared store that nothing has referred to for a day, and delete them with --delete
     Gc(GcArgs),
@@ -31,6 +33,10 @@ pub enum ServiceCommand {
     Token(TokenCommand),
     /// Check the data folder of a service that is not running, and tell what its next start would mend
     Fsck(FsckArgs),
+    /// Copy the data folder of a service, which may be running
+    Backup(BackupArgs),
+    /// Make a data folder of a copy by `backup`
+    Restore(RestoreArgs),
 }
 
 /// Runs a command with the section `[serve]` of the configuration file.
@@ -47,5 +53,7 @@ pub(super) fn run(
         ServiceCommand::Migrate(args) => cluster::migrate(args, &file, json, context),
         ServiceCommand::Token(command) => token::run(&command, json, context),
         ServiceCommand::Fsck(args) => fsck::run(args, file, json, context),
+        ServiceCommand::Backup(args) => backup::back_up_to(args, file, json, context),
+        ServiceCommand::Restore(args) => backup::restore_from(args, file, json, context),
     }
 }

@@ -25,8 +25,7 @@ pub(super) fn run(settings: &ServeSettings, json: bool, context: &mut Context<'_
     };
     let runtime = context.runtime.clone();
     runtime.block_on(async {
-        let listener = TcpListener::bind(listen).await.map_err(|error| cannot_listen(listen, &error))?;
-        let address = listener.local_addr().map_err(|error| cannot_listen(listen, &error))?;
+        let (listener, address) = self::listen(listen).await?;
         let opened = tokio::task::spawn_blocking(move || open(config)).await;
         let service = opened.map_err(failed)?.map_err(failed)?;
         let url = format!("http://{address}");
@@ -35,6 +34,15 @@ pub(super) fn run(settings: &ServeSettings, json: bool, context: &mut Context<'_
         tokio::task::spawn_blocking(move || service.stop()).await.map_err(failed)?;
         Ok(Exit::Ok)
     })
+}
+
+/// A listener, and the address that it has.
+pub(super) async fn listen(listen: SocketAddr) -> Result<(TcpListener, SocketAddr), CommandFailure> {
+    let bound = TcpListener::bind(listen).await.and_then(|listener| {
+        let address = listener.local_addr()?;
+        Ok((listener, address))
+    });
+    bound.map_err(|error| cannot_listen(listen, &error))
 }
 
 pub(super) fn failed(error: impl std::fmt::Display) -> CommandFailure {

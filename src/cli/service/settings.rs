@@ -252,6 +252,7 @@ impl ServeSettings {
             origins: OriginPolicy { hosts: self.allow_host.clone(), origins: self.allow_origin.clone() },
             tokens: Arc::default(),
             redirects: self.replica.redirect,
+            only_operations: false,
         }
     }
 }

@@ -16,7 +16,7 @@ use super::{
     extract::{NoParameters, QueryOf},
     problem::Problem,
 };
-use crate::service::{Metrics, PictureCounts, ServiceError};
+use crate::service::{Backlog, Metrics, PictureCounts, ServiceError};
 use ltcforge_fit::FITTER_VERSION;
 
 const OPENAPI: &str = include_str!("../openapi.yaml");
@@ -72,6 +72,24 @@ fn exposition(metrics: &Metrics) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "ltcforge_jobs{{state=\"{}\"}} {count}", state.text());
     }
+    let Backlog { shards, core_seconds, oldest_seconds } = metrics.backlog;
+    text.push_str("# HELP ltcforge_queue_shards Shards of unfinished jobs, of all processes that share the queue.\n");
+    text.push_str("# TYPE ltcforge_queue_shards gauge\n");
+    for (state, count) in [("waiting", shards.waiting), ("leased", shards.leased)] {
+        let _ = writeln!(text, "ltcforge_queue_shards{{state=\"{state}\"}} {count}");
+    }
+    let seconds = [
+        (
+            "core_seconds",
+            "Predicted seconds that one core takes for the queue's entries that are not fitted.",
+            core_seconds,
+        ),
+        ("oldest_seconds", "Seconds since the oldest unfinished job was submitted; 0 without one.", oldest_seconds),
+    ];
+    for (name, help, value) in seconds {
+        let name = format!("ltcforge_queue_{name}");
+        let _ = writeln!(text, "# HELP {name} {help}\n# TYPE {name} gauge\n{name} {value:.3}");
+    }
     text.push_str("# HELP ltcforge_pictures_total Pictures since the start, except those served from memory.\n");
     text.push_str("# TYPE ltcforge_pictures_total counter\n");
     let PictureCounts { done, failed, given_up, refused } = metrics.pictures;
@@ -101,13 +119,16 @@ fn exposition(metrics: &Metrics) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
-    use crate::queue::StateName;
+    use crate::queue::{Depth, StateName};
 
     #[test]
     fn every_metric_has_its_line() {
         let metrics = Metrics {
             jobs: vec![(StateName::Done, 3), (StateName::Queued, 0)],
+            backlog: Backlog { shards: Depth { waiting: 6, leased: 2 }, core_seconds: 1.5, oldest_seconds: 0.25 },
             entries_fitted: 41,
             table_bytes: 176_000,
             exports_made: 7,
@@ -118,6 +139,11 @@ mod tests {
         for line in [
             r#"ltcforge_jobs{state="done"} 3"#,
             r#"ltcforge_jobs{state="queued"} 0"#,
+            r#"ltcforge_queue_shards{state="waiting"} 6"#,
+            r#"ltcforge_queue_shards{state="leased"} 2"#,
+            "ltcforge_queue_core_seconds 1.500",
+            "# TYPE ltcforge_queue_oldest_seconds gauge",
+            "ltcforge_queue_oldest_seconds 0.250",
             "ltcforge_entries_fitted_total 41",
             "# TYPE ltcforge_entries_fitted_total counter",
             "ltcforge_exports_total 7",
@@ -130,5 +156,22 @@ mod tests {
             assert!(text.lines().any(|other| other == line), "{line} is missing in\n{text}");
         }
         assert!(text.ends_with('\n'));
+    }
+
+    /// A graph or an alert of a metric that has another name shows nothing and says nothing.
+    #[test]
+    fn dashboard_rules_and_autoscaler_name_metrics_that_there_are() {
+        let text = exposition(&Metrics { jobs: vec![(StateName::Done, 3)], ..Metrics::default() });
+        let there: BTreeSet<&str> =
+            text.lines().filter_map(|line| line.strip_prefix("# TYPE ")?.split(' ').next()).collect();
+        for file in ["grafana/ltcforge.json", "prometheus/ltcforge.rules.yaml", "kubernetes/autoscale.yaml"] {
+            let path = format!("{}/../../deploy/{file}", env!("CARGO_MANIFEST_DIR"));
+            let text = std::fs::read_to_string(path).expect("a file of the project");
+            let is_of_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+            let named: BTreeSet<&str> =
+                text.split(|c| !is_of_name(c)).filter(|word| word.starts_with("ltcforge_")).collect();
+            assert!(!named.is_empty(), "{file}");
+            assert!(named.is_subset(&there), "{file}: {:?}", named.difference(&there));
+        }
     }
 }

@@ -77,9 +77,13 @@ pub static ROUTES: &[Route] = &[
     route(Method::GET, "/page/{file}", |on| on.get(page::file)),
 ];
 
-/// The router of [`ROUTES`]; any other method on a known path is a 405 that names the allowed ones.
-pub(super) fn router() -> Router<Api> {
-    ROUTES.chunk_by(|a, b| a.path == b.path).fold(Router::new(), |router, routes| {
+/// Paths that tell operators how a process is, and nothing of jobs and tables.
+const OPERATIONS: [&str; 4] = ["/healthz", "/readyz", "/metrics", "/version"];
+
+/// The router of [`ROUTES`], or of [`OPERATIONS`] alone; any other method on a known path is a 405 that names the allowed ones.
+pub(super) fn router(only_operations: bool) -> Router<Api> {
+    let is_served = |routes: &&[Route]| !only_operations || OPERATIONS.contains(&routes[0].path);
+    ROUTES.chunk_by(|a, b| a.path == b.path).filter(is_served).fold(Router::new(), |router, routes| {
         let allowed = allowed_methods(routes);
         let refuse = move |method: Method, uri: Uri| {
             let allowed = allowed.clone();
@@ -131,7 +135,8 @@ mod tests {
     #[test]
     fn the_router_can_be_built() {
         // axum panics on paths that clash.
-        let _ = router();
+        let _ = router(false);
+        assert!(OPERATIONS.iter().all(|path| ROUTES.iter().any(|route| route.path == *path)));
     }
 
     #[tokio::test]

@@ -36,6 +36,8 @@ pub struct Options {
     pub tokens: Arc<WatchedTokens>,
     /// Whether clients that download a table are sent to the store of blobs, where it gives URLs for that.
     pub redirects: bool,
+    /// Whether only operators are answered: health, readiness, metrics and version.
+    pub only_operations: bool,
 }
 
 /// Serves requests on `listener` until `shutdown` resolves. Then it accepts no more, ends event streams, gives open
@@ -57,7 +59,12 @@ pub async fn serve(
         redirects: options.redirects,
     };
     let watched = Arc::clone(&options.tokens).watch(stopping.clone());
-    let served = connection::serve(listener, router(api, options.origins, options.tokens), limits, stopping);
+    let served = connection::serve(
+        listener,
+        router(api, options.only_operations, options.origins, options.tokens),
+        limits,
+        stopping,
+    );
     let stopped = async {
         shutdown.await;
         stop.send_replace(true);
@@ -67,13 +74,13 @@ pub async fn serve(
 
 /// The routes with the layers that every request passes. A line for each request is logged at level `debug`: at the
 /// default level the log tells of the service, not of its clients.
-fn router(api: Api, origins: OriginPolicy, tokens: Arc<WatchedTokens>) -> Router {
+fn router(api: Api, only_operations: bool, origins: OriginPolicy, tokens: Arc<WatchedTokens>) -> Router {
     let origins = Arc::new(origins);
     let trace = TraceLayer::new_for_http()
         .make_span_with(DefaultMakeSpan::new().level(Level::INFO))
         .on_response(DefaultOnResponse::new().level(Level::DEBUG))
         .on_failure(DefaultOnFailure::new().level(Level::DEBUG));
-    routes::router()
+    routes::router(only_operations)
         .fallback(routes::no_such_path)
         .layer(DefaultBodyLimit::max(BODY_LIMIT_BYTES))
         .layer(from_fn(conditional::require_if_match))

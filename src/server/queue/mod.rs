@@ -21,5 +21,5 @@ pub use leases::{Demand, Lease, LeaseError, LeasedTask, Offer, StaleLease, TaskK
 pub use limits::Limits;
 use limits::{MOST_DEATHS, SUSPECT_DEATHS};
 pub use ltcforge_files::job::{JobId, ParseJobIdError, StateName};
-pub use operations::{JobPage, Queue};
+pub use operations::{Depth, JobPage, Queue};
 pub use submission::{NewJob, QueueError, Submitted};

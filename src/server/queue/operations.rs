@@ -13,6 +13,15 @@ use ltcforge_files::digest::Digest;
 /// A page of jobs, last submitted first, and the submission to pass as `before` to get the next one.
 pub type JobPage = (Vec<Job>, Option<u64>);
 
+/// Shards of unfinished jobs that are not finished. Assemblies do not count.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Depth {
+    /// Those that no worker has.
+    pub waiting: u64,
+    /// Those that a worker has.
+    pub leased: u64,
+}
+
 /// Durable jobs, which share the workers evenly. All methods block.
 pub trait Queue: Send + Sync + Debug {
     /// Submits a job, which is durable when this returns. A queued or running job is joined. A job that has failed or
@@ -117,6 +126,12 @@ pub trait Queue: Send + Sync + Debug {
     /// # Errors
     /// When the database fails.
     fn counts(&self) -> Result<Vec<(StateName, u64)>, StoreError>;
+
+    /// Shards that wait and that are leased.
+    ///
+    /// # Errors
+    /// When the database fails.
+    fn depth(&self) -> Result<Depth, StoreError>;
 
     /// The queued or running job that was submitted first.
     ///

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::store::{DatabaseOpenError, ObjectsOpenError, PairError};
 use crate::{
-    queue::{Job, StateName},
+    queue::{Depth, Job, StateName},
     store::{StoreError, StoreOpenError},
 };
 use ltcforge_files::{digest::Digest, recipe_document::RecipeError};
@@ -83,6 +83,9 @@ pub enum OpenError {
     /// It has no store, and this operation makes none.
     #[error("{} has no jobs and tables of this service", .0.display())]
     NoStore(PathBuf),
+    /// It has a store, and this operation makes one.
+    #[error("{} has jobs and tables already", .0.display())]
+    HasStore(PathBuf),
     /// The database that processes share cannot be used.
     #[error(transparent)]
     Database(#[from] DatabaseOpenError),
@@ -262,11 +265,24 @@ pub struct JobSnapshot {
     pub expected: Option<Expected>,
 }
 
+/// What a queue has to do.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Backlog {
+    /// Shards that wait and that are leased.
+    pub shards: Depth,
+    /// Predicted seconds that one core takes for the entries that are not fitted.
+    pub core_seconds: f64,
+    /// Seconds since the oldest unfinished job was submitted; 0 without one.
+    pub oldest_seconds: f64,
+}
+
 /// Figures for `/metrics`.
 #[derive(Debug, Clone, Default)]
 pub struct Metrics {
     /// Jobs by state.
     pub jobs: Vec<(StateName, u64)>,
+    /// What all processes that share the queue have to do.
+    pub backlog: Backlog,
     /// Entries fitted since the start.
     pub entries_fitted: u64,
     /// Shards that failed since the start.

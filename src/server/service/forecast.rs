@@ -25,9 +25,15 @@ impl Forecast {
 
     /// The forecast for a stored recipe with all workers on its job; `None` for a recipe of another fitter.
     pub(super) fn of(&self, recipe: StoredRecipe<'_>) -> Option<Expected> {
+        let whole = self.on_one_core(recipe)?;
+        Some(Expected { seconds: whole.seconds / self.workers.get() as f64, ..whole })
+    }
+
+    /// The forecast for a stored recipe with one core on its job; `None` for a recipe of another fitter.
+    pub(super) fn on_one_core(&self, recipe: StoredRecipe<'_>) -> Option<Expected> {
         let (solver, model) = self.backend.expect(recipe)?;
         let seconds = model.seconds * self.speed(solver)?.ratio();
-        Some(Expected { seconds: seconds / self.workers.get() as f64, error: model.error, bytes: model.bytes })
+        Some(Expected { seconds, error: model.error, bytes: model.bytes })
     }
 
     /// Takes a measurement into account: a worker fitted `part` of a recipe's entries in `seconds`.

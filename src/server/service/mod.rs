@@ -5,6 +5,8 @@
 
 mod api;
 mod backend;
+mod backlog;
+mod backup;
 mod brdfs;
 mod check;
 mod cluster;
@@ -31,11 +33,12 @@ mod tests;
 mod watch;
 mod work;
 
-pub use crate::store::{Checked, SHORT_BYTES, TableRow};
+pub use crate::store::{Checked, Copied, SHORT_BYTES, TableRow};
 pub use api::{
-    Config, Expected, Foreseen, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits, ServiceError,
-    SubmitError, SubmitReply,
+    Backlog, Config, Expected, Foreseen, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits,
+    ServiceError, SubmitError, SubmitReply,
 };
+pub use backup::{back_up, restore};
 pub use brdfs::{DeleteBrdfError, StoreBrdfError, StoredBrdf};
 pub use check::{CheckReport, check};
 pub use cluster::{DatabaseUrl, Removal, Shared, Swept, sweep};

@@ -116,6 +116,7 @@ impl Service {
         let (tables, table_bytes) = state.tables.catalogue.totals()?;
         Ok(Metrics {
             jobs: state.queue.counts()?,
+            backlog: state.backlog()?,
             entries_fitted: state.entries_fitted.load(Ordering::Relaxed),
             shard_failures,
             leases_expired,

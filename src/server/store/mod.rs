@@ -13,6 +13,7 @@
 //! Tables and the journal are the truth. Without its database, a store makes the catalogue again from the tables, and
 //! fits again the shards of unfinished jobs.
 
+mod backup;
 mod blob;
 mod catalogue;
 mod certificates;
@@ -38,6 +39,7 @@ mod verified;
 #[cfg(test)]
 pub(crate) use files::copy_folder;
 
+pub use backup::{Copied, copy_store};
 pub use blob::{BlobInfo, Blobs, Checked, SHORT_BYTES};
 pub use catalogue::{Catalogue, ManifestRow, TableRow, age_key};
 pub use damage::Damage;

@@ -11,7 +11,7 @@ use super::{
     record::JobRecord,
     task::{Task, TaskState},
 };
-use crate::queue::{Job, JobState, Lease};
+use crate::queue::{Depth, Job, JobState, Lease};
 
 /// A job with its tasks. Task `n` fits shard `n`; the last task assembles the table, and can be leased only once every
 /// shard is finished.
@@ -86,6 +86,13 @@ impl ActiveJob {
     /// How many of its tasks are leased.
     pub(super) fn tasks_leased(&self) -> usize {
         self.leased.len()
+    }
+
+    /// Its shards that wait and that are leased.
+    pub(super) fn depth(&self) -> Depth {
+        let (waiting, leased) =
+            (self.waiting.range(..self.assembly()).count(), self.leased.range(..self.assembly()).count());
+        Depth { waiting: waiting as u64, leased: leased as u64 }
     }
 
     /// Records how many entries of a leased shard are done.

@@ -7,7 +7,7 @@ use jiff::Timestamp;
 use super::{active::ActiveJob, record::JobRecord, state::EmbeddedQueue};
 use crate::{
     queue::{
-        Demand, Failure, Job, JobId, JobPage, JobState, Lease, LeaseError, NewJob, Offer, Queue, QueueError,
+        Demand, Depth, Failure, Job, JobId, JobPage, JobState, Lease, LeaseError, NewJob, Offer, Queue, QueueError,
         StaleLease, StateName, Submitted,
     },
     store::{Batch, StoreError},
@@ -101,6 +101,14 @@ impl Queue for EmbeddedQueue {
         let records = || state.active.values().map(|active| &active.record).chain(state.ended.values());
         let count = |name| records().filter(|record| record.job.state.name() == name).count() as u64;
         Ok(StateName::ALL.iter().map(|name| (*name, count(*name))).collect())
+    }
+
+    fn depth(&self) -> Result<Depth, StoreError> {
+        let state = self.lock();
+        Ok(state.active.values().map(ActiveJob::depth).fold(Depth::default(), |sum, depth| Depth {
+            waiting: sum.waiting + depth.waiting,
+            leased: sum.leased + depth.leased,
+        }))
     }
 
     fn first_unfinished(&self) -> Result<Option<Job>, StoreError> {

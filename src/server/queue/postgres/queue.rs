@@ -23,8 +23,8 @@ use super::{
 };
 use crate::{
     queue::{
-        Demand, Failure, Job, JobId, JobPage, Lease, LeaseError, Limits, NewJob, Offer, Queue, QueueError, StaleLease,
-        StateName, Submitted, unique_number,
+        Demand, Depth, Failure, Job, JobId, JobPage, Lease, LeaseError, Limits, NewJob, Offer, Queue, QueueError,
+        StaleLease, StateName, Submitted, unique_number,
     },
     store::{Batch, Database, StoreError},
 };
@@ -266,6 +266,21 @@ impl Queue for PostgresQueue {
             (state, row.map_or(0, |row| row.get::<_, i64>(1).cast_unsigned()))
         };
         Ok(StateName::ALL.map(count).to_vec())
+    }
+
+    fn depth(&self) -> Result<Depth, StoreError> {
+        // Shards that were never leased are in `blocks`. A lease that has expired is another's to take.
+        let count = "
+            SELECT (SELECT coalesce(sum(past - next), 0) FROM ltcforge.blocks JOIN ltcforge.serving USING (submission))::bigint,
+                count(*) FILTER (WHERE t.state = 'waiting' OR t.lease_until <= (SELECT ltcforge.clock())),
+                count(*) FILTER (WHERE t.lease_until > (SELECT ltcforge.clock()))
+            FROM ltcforge.tasks AS t JOIN ltcforge.serving USING (submission)
+            WHERE t.state <> 'finished' AND NOT t.is_assembly";
+        let row = self
+            .database
+            .run(async |client| Ok(client.query_one(&client.prepare_cached(count).await?, &[]).await?))?;
+        let [never, waiting, leased] = [0, 1, 2].map(|column| row.get::<_, i64>(column).cast_unsigned());
+        Ok(Depth { waiting: never + waiting, leased })
     }
 
     fn first_unfinished(&self) -> Result<Option<Job>, StoreError> {

@@ -2,6 +2,7 @@
 
 mod actions;
 mod callers;
+mod depth;
 mod forgetting;
 mod histories;
 mod model;
@@ -31,6 +32,7 @@ macro_rules! every_queue {
 
 every_queue!(
     callers::a_job_tells_who_submitted_and_who_cancelled_it,
+    depth::shards_that_wait_and_that_are_leased_are_counted,
     forgetting::a_start_forgets_too_and_without_a_limit_nothing_is_forgotten,
     forgetting::jobs_that_ended_long_ago_are_forgotten_with_all_their_rows,
     histories::every_history_agrees_with_the_model,
