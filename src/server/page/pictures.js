@@ -18,18 +18,22 @@ export function previewOf( recipe, table, size, mode = 'ltc' ) {
 
 }
 
-/** Shows the picture at an address in an image element once its turn comes, unless the page was left by then. */
+/** Shows the picture at an address in an image element once its turn comes, unless the page was left by then; done when it is shown. */
 export function load( image, from, signal ) {
 
-	waiting.push( { image, from, signal } );
-	next();
+	return new Promise( ( shown ) => {
+
+		waiting.push( { image, from, signal, shown } );
+		next();
+
+	} );
 
 }
 
 async function next() {
 
 	if ( asked >= AT_ONCE || ! waiting.length ) return;
-	const { image, from, signal } = waiting.shift();
+	const { image, from, signal, shown } = waiting.shift();
 	asked ++;
 	if ( ! signal.aborted ) {
 
@@ -41,6 +45,7 @@ async function next() {
 	}
 
 	asked --;
+	shown();
 	next();
 
 }
