@@ -76,6 +76,10 @@ pub const NORMALS_FINE: &str = include_str!("normals_fine.wgsl");
 pub const NORMALS_VIEW: &str = include_str!("normals_view.wgsl");
 /// `place_reflected.wgsl`.
 pub const PLACE_REFLECTED: &str = include_str!("place_reflected.wgsl");
+/// `place_materials.wgsl`.
+pub const PLACE_MATERIALS: &str = include_str!("place_materials.wgsl");
+/// `prefilter.wgsl`.
+pub const PREFILTER: &str = include_str!("prefilter.wgsl");
 /// `preview_cut.wgsl`.
 pub const PREVIEW_CUT: &str = include_str!("preview_cut.wgsl");
 /// `reference_solids.wgsl`.

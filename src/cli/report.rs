@@ -63,7 +63,7 @@ fn measure(AnyTable { digest, table, origin, .. }: &AnyTable, args: &ReportArgs)
     let report = report(table, range, args.points.map_or(usual, |points| (points as usize).into()));
     let corners = args.extremes.then(|| extremes(table));
     let asymmetry = table.model().file().and_then(|file| file.data()).and_then(|data| data.asymmetry());
-    MeasuredTable { digest: *digest, lobe: table.lobe, resolution: table.axes.lengths(), report, corners, asymmetry }
+    MeasuredTable { digest: *digest, lobe: table.lobe, resolution: table.lengths(), report, corners, asymmetry }
 }
 
 /// The figures as text.
@@ -156,11 +156,14 @@ fn poor_line(lobe: LobeModel, Poor { limit, nodes, alpha, theta }: &Poor) -> Str
 }
 
 /// How far the BRDF that was fitted is from reciprocity.
-pub(super) fn asymmetry_line(Asymmetry { largest, alpha, theta_o, theta_i, phi }: &Asymmetry) -> String {
+pub(super) fn asymmetry_line(asymmetry: &Asymmetry) -> String {
+    let Asymmetry { largest, alpha, ratio, theta_o, phi_o, theta_i, phi } = asymmetry;
     let alpha = alpha.map(|alpha| format!("alpha {alpha:.4}, ")).unwrap_or_default();
+    let ratio = ratio.map(|ratio| format!("ratio {ratio:.4}, ")).unwrap_or_default();
+    let phi_o = phi_o.map(|phi_o| format!("phi_o {phi_o:.3}, ")).unwrap_or_default();
     format!(
-        "tabulated BRDF: exchanging view and light changes it by up to {:.2} % of its largest value, at {alpha}theta_o \
-         {theta_o:.3}, theta_i {theta_i:.3}, phi {phi:.3}",
+        "tabulated BRDF: exchanging view and light changes it by up to {:.2} % of its largest value, at {alpha}{ratio}theta_o \
+         {theta_o:.3}, {phi_o}theta_i {theta_i:.3}, phi {phi:.3}",
         100.0 * largest
     )
 }

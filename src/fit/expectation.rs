@@ -83,7 +83,8 @@ mod tests {
     fn small_tables_are_as_good_as_expected() {
         let whole = [([5, 3, 5, 3], 64), ([5, 4, 6, 5], 96)];
         let isotropic = [([64, 1, 64, 1], 64), ([48, 1, 64, 1], 96)];
-        for &layout in Layout::ALL {
+        // Between the nodes of the view, layout `materials` is as `reflected`.
+        for &layout in Layout::ALL.iter().filter(|layout| !layout.is_of_materials()) {
             // The mean error of these tables is that of a few lobes.
             let is_isotropic = layout.only_ranges().is_some();
             let (tables, likely) = if is_isotropic { (isotropic, 0.4..3.0) } else { (whole, 0.7..1.4) };

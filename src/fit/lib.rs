@@ -43,8 +43,8 @@ pub use entry::{FittedEntry, Fitter};
 pub use expectation::{Expectation, expectation};
 pub use given::GivenNodes;
 pub use layout::{
-    ALPHA_FLOOR, FreeNumbers, Layout, LayoutShader, Precision, RATIO_FLOOR, Reflection, ShaderAxes, ShaderNumbers,
-    ShaderPlace, THETA_CEILING,
+    ALPHA_FLOOR, FreeNumbers, LEAST_THETAS, Layout, LayoutShader, MOST_MATERIALS, Precision, RATIO_FLOOR, Reflection,
+    ShaderAxes, ShaderNumbers, ShaderPlace, THETA_CEILING,
 };
 pub use lobe::LobeModel;
 pub use lobe::ltc::{Clip, Ltc, MAX_VERTICES, Sides, cheap_form_factor, clipped_form_factor};

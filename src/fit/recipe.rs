@@ -110,9 +110,10 @@ pub struct Recipe {
     /// Lowest and highest value on each axis.
     #[doc(hidden)]
     pub range: PerAxis<[f64; 2]>,
-    /// Nodes that are given one by one: range and resolution of their axes are their ends and their number. The canonical
-    /// form names them only where there are some, so that recipes keep their digests.
-    #[serde(rename = "nodes", skip_serializing_if = "GivenNodes::is_none")]
+    /// Nodes that are given one by one, and materials: range and resolution of their axes are their ends and their number; materials
+    /// have one ratio each. The canonical form names them, as `nodes` and `materials`, only where there are some, so that
+    /// recipes keep their digests.
+    #[serde(flatten)]
     #[doc(hidden)]
     pub given: GivenNodes,
     /// Fit settings.

@@ -24,6 +24,7 @@ mod shaped;
 mod shapes;
 #[cfg(test)]
 mod tests;
+pub mod textured;
 mod truth;
 
 pub use error::LightError;

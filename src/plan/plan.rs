@@ -83,7 +83,7 @@ impl<'a> TablePlan<'a> {
         form: Form,
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, Stopped> {
-        let default = Layout::ALL.iter().copied().find(|layout| layout.takes(needs.brdf().kind()));
+        let default = Layout::ALL.iter().copied().find(|layout| layout.takes(needs.brdf()));
         let layout = form.layout.or(default).unwrap_or(Layout::ALL[0]);
         let prediction = Prediction::new(&needs, layout, form.any_nodes, Preset::Standard.fit(), go_on)?;
         let whole = whole(prediction.base());

@@ -63,6 +63,9 @@ impl LitBy {
             let call = compensation(self.model()).0.replace("alpha_x, alpha_y, wo", "0.5, 0.5, vec3(0.0, 0.0, 1.0)");
             calls += &["    let factor = ", &call.replace("f0", "vec3(1.0)"), ";\n"].concat();
         }
+        if self.reads_materials() {
+            calls += "    let material = ltc_lookup_material(0u, vec3(0.0, 0.0, 1.0)).fresnel;\n";
+        }
         (self.shader().caller)(reading, lights).replacen("    return ", &format!("{calls}    return "), 1)
     }
 

@@ -9,6 +9,7 @@
 
 mod added;
 mod additions;
+mod bindings;
 mod es_module;
 mod gaussians_header;
 mod gaussians_table_header;
@@ -22,6 +23,7 @@ mod model_shader;
 mod models;
 mod namespace;
 mod normals_header;
+mod prefilter;
 mod sources;
 mod stamp;
 mod text;
@@ -40,6 +42,7 @@ pub use layers::{FUZZ_CASES, fuzz_values, layers_comment, layers_source};
 pub use lit_by::{Bound, Filter, Lights, LitBy, LitByError, Reading};
 pub use model_shader::ModelShader;
 pub use namespace::{BadPrefix, Namespace, Prefix};
+pub use prefilter::{prefilter_comment, prefilter_source};
 pub use sources::{SHADERS, Shader, functions, joined, ported, preview_module, table_reader, without_textures};
 pub use stamp::{head, stamped};
 pub use text::wgsl;

@@ -120,6 +120,11 @@ impl LitBy {
         self.additions
     }
 
+    /// Whether its text has a lookup by the number of a material: that of LTCs of layout `materials`.
+    pub(super) fn reads_materials(self) -> bool {
+        self.model == LightModel::Ltc && self.layout.is_some_and(Layout::is_of_materials)
+    }
+
     /// The model.
     #[must_use]
     pub fn model(self) -> LightModel {

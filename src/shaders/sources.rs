@@ -19,7 +19,7 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 39] = [
+pub const SHADERS: [Shader; 40] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
     Shader { name: "texels_volumes", source: ltcforge_wgsl::TEXELS_VOLUMES },
@@ -49,6 +49,7 @@ pub const SHADERS: [Shader; 39] = [
     Shader { name: "gaussians_light", source: ltcforge_wgsl::GAUSSIANS_LIGHT },
     Shader { name: "gaussians_table", source: ltcforge_wgsl::GAUSSIANS_TABLE },
     Shader { name: "layers", source: ltcforge_wgsl::LAYERS },
+    Shader { name: "prefilter", source: ltcforge_wgsl::PREFILTER },
     Shader { name: "normals_compensation", source: ltcforge_wgsl::NORMALS_COMPENSATION },
     Shader { name: "gaussians_compensation", source: ltcforge_wgsl::GAUSSIANS_COMPENSATION },
     Shader { name: "ltc_example", source: ltcforge_wgsl::LTC_EXAMPLE },

@@ -23,3 +23,4 @@ pub mod models;
 pub mod networks;
 pub mod source;
 pub mod tables;
+pub mod tabulated;

@@ -9,6 +9,7 @@ use std::{
 
 use clap::{Parser, Subcommand};
 use ltcforge::{
+    Preset,
     light::NormalsRule,
     view::preview::{Adapter, Preview},
 };
@@ -18,6 +19,7 @@ use ltcforge_studies::{
     figures::Figure,
     glass, gpu_costs, gpu_times, l3, minimax, models,
     networks::{self, Asked, Numbers},
+    tabulated,
 };
 
 #[derive(Parser)]
@@ -99,6 +101,8 @@ enum Study {
     GpuTimes,
     /// The tables of docs/refraction.md: light through rough interfaces
     Glass,
+    /// The table of docs/tabulated.md: what it costs to have a BRDF as numbers
+    Tabulated,
     /// The figures of docs/figures.md
     Figures {
         /// Only this one, once or several times [default: all]
@@ -150,6 +154,7 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::Best { isotropic: true, shipped, .. } => print!("{}", best::isotropic(pair(shipped.as_deref()))?),
         Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),
         Study::L3 { shipped } => print!("{}", l3::tables(pair(shipped.as_deref()))?),
+        Study::Tabulated => print!("{}", tabulated::find(Preset::Paper, 1.0)?.text()),
         Study::Glass => print!("{}\n{}", glass::errors(), glass::differences()),
         Study::Arcs { lights, seed } => {
             let arcs::Found { bulge: [least, more], seen, held_out } = arcs::find(lights, seed);

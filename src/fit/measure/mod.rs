@@ -89,7 +89,7 @@ pub fn report_while(
 /// [`report`] with as many. Domain: as of [`report`], and at least one point.
 #[must_use]
 pub fn width_between(table: &Table, points: usize) -> Spread {
-    Accuracy::of(&figures::all(table, &places::between(&table.axes, points))).width
+    Accuracy::of(&figures::all(table, &places::within(table, points))).width
 }
 
 /// Nodes, and after them configurations between nodes: both are measured in one run, so that threads are busy to the
@@ -101,9 +101,9 @@ struct Places {
 
 impl Places {
     fn of(table: &Table, points: ReportPoints) -> Self {
-        let mut all = places::nodes(&table.axes, points.nodes);
+        let mut all = places::nodes(table.layout, &table.axes, points.nodes);
         let nodes = all.len();
-        all.extend(places::between(&table.axes, points.between));
+        all.extend(places::within(table, points.between));
         Self { all, nodes }
     }
 
@@ -121,7 +121,7 @@ impl Places {
             between: Accuracy::of(between),
             poor: Poor::of(at_nodes),
             matrices: Matrices::of(table),
-            floors: Floors::of(&table.axes, range),
+            floors: Floors::of(table.layout, &table.axes, range),
             second,
         }
     }

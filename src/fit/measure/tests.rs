@@ -69,7 +69,7 @@ fn a_good_table_is_good_at_its_nodes_and_worse_between() {
 fn the_error_at_nodes_is_that_of_a_finer_fitter() {
     let (recipe, table) = small();
     let mut finer = Fitter::new(&FitSettings { samples: 2048, directions: 48, ..recipe.fit });
-    let places = places::nodes(&table.axes, 24);
+    let places = places::nodes(table.layout, &table.axes, 24);
     let errors = places.iter().map(|at| {
         let m = crate::math::from_row_major(&table.lookup(at).matrix);
         let wo = crate::math::direction(at.theta, at.phi);
@@ -85,7 +85,7 @@ fn a_spoiled_entry_is_named_as_the_worst() {
     let (recipe, mut table) = small();
     // Alpha 0.2, ratio 0.3, theta 0.7, phi pi/2.
     let spoiled = 3;
-    let at = places::node(&table.axes, spoiled);
+    let at = places::node(table.layout, &table.axes, spoiled);
     assert_eq!(at, Configuration { alpha_x: 0.2, alpha_y: 0.06, theta: 0.7, phi: FRAC_PI_2 });
     for (matrix, farthest) in [([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0], false), ([0.0; 9], true)] {
         table.matrix[spoiled] = matrix;

@@ -2,3 +2,4 @@
 
 pub(crate) mod decoder;
 pub(in crate::preview) mod example;
+pub(in crate::preview) mod prefilter;
