@@ -37,9 +37,17 @@ async function next() {
 	asked ++;
 	if ( ! signal.aborted ) {
 
-		image.src = await pictureFrom( from );
-		// A picture that fails leaves its text in its place.
-		await image.decode().catch( () => {} );
+		try {
+
+			image.src = await pictureFrom( from );
+			await image.decode();
+
+		} catch {
+
+			// A picture that fails leaves its text in its place.
+
+		}
+
 		if ( image.src.startsWith( 'blob:' ) ) URL.revokeObjectURL( image.src );
 
 	}
