@@ -21,11 +21,12 @@ export NODEVICE_SELECT := 1
 export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
-.PHONY: help demo load figures soak schemathesis test test-units test-suites test-native lint lint-core lint-deploy lines fmt bench packages browser cluster clean
+.PHONY: help demo load lighthouse figures soak schemathesis test test-units test-suites test-native lint lint-core lint-deploy lines fmt bench packages browser cluster clean
 
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
 	@echo 'make load    requests a second of the service and of nginx, side by side'
+	@echo 'make lighthouse  what Lighthouse says of the page'
 	@echo 'make figures draw the figures of docs/figures.md anew'
 	@echo 'make test    run all tests'
 	@echo 'make soak    kills, damage, histories of the queue and mutated inputs for up to an hour'
@@ -51,6 +52,12 @@ load: packages
 		|| echo '*** no nginx, wrk or ab' >&2
 	$(CARGO) build --release --locked
 	@LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" ./load.sh
+
+# Of the page; it is no test, since it installs 185 MB and its scores depend on the machine.
+lighthouse: packages browser
+	$(CARGO) build --release --locked
+	@cd tests/page && npm install --no-save --ignore-scripts --no-audit --no-fund lighthouse@13.5.0 && \
+		node lighthouse.js --chromium "$$(command -v chromium-headless-shell)" --ltcforge "$(abspath $(or $(CARGO_TARGET_DIR),target))/release/ltcforge"
 
 figures: packages
 	$(CARGO) run --release --locked -p ltcforge-studies -- figures -o docs/figures

@@ -67,6 +67,8 @@ fn a_token_is_asked_for_sent_with_everything_and_kept_nowhere() {
     assert_eq!((&seen["others"], &seen["saved"]), (&json!([]), &seen["digest"]), "{seen:#}");
     assert!(seen["name"].as_str().is_some_and(|name| name.ends_with(".safetensors")), "{seen:#}");
     assert_eq!((&seen["dialogs"], &seen["later"], &seen["kept"]), (&json!(1), &json!(0), &json!(0)), "{seen:#}");
+    assert_eq!(seen["violations"], json!([]), "{seen:#}");
+    assert!(seen["without"].as_str().is_some_and(|told| told.contains("token")), "{seen:#}");
 }
 
 #[test]

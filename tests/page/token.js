@@ -1,31 +1,30 @@
 // A service that wants a token: the page asks for it, sends it with everything, and keeps it nowhere.
 
 import { createHash } from 'node:crypto';
+import { spawnSync } from 'node:child_process';
 import { readFile } from 'node:fs/promises';
+import { createRequire } from 'node:module';
 
-import { ENDLESS, SMALL, withWorld } from './world.js';
+import { ENDLESS, LTCFORGE, SMALL, withWorld } from './world.js';
+
+const { stdout } = spawnSync( LTCFORGE, [ 'token', 'new', 'page', '--scope', 'submit' ], { encoding: 'utf8' } );
+const [ token ] = /ltcforge_\S+/.exec( stdout );
+const [ line ] = /page submit .*/.exec( stdout );
 
 await withWorld( async ( { service, open, complaints } ) => {
 
+	service.token = token;
 	const digest = await service.fit( SMALL );
 	const { id } = await service.call( '/v1/jobs', ENDLESS );
-	const page = await open( 'viewer' );
+	const page = await open( 'tables' );
 	const refused = [];
-	// As a service with tokens answers.
-	await page.route( '**/v1/**', ( route ) => {
-
-		if ( route.request().headers().authorization === 'Bearer open-sesame' ) return route.continue();
-		refused.push( new URL( route.request().url() ).pathname );
-		return route.fulfill( { status: 401, contentType: 'application/problem+json', headers: { 'www-authenticate': 'Bearer' }, body: JSON.stringify( { type: '/problems/no-token', title: 'A token is needed', status: 401, detail: 'this service wants a token' } ) } );
-
-	} );
-	await page.evaluate( () => location.hash = '#/tables' );
+	page.on( 'response', ( response ) => response.status() === 401 && refused.push( response.url() ) );
 	const dialog = page.getByRole( 'dialog' );
 	await dialog.getByLabel( 'Token' ).fill( 'wrong' );
-	await dialog.getByRole( 'button' ).click();
+	await dialog.getByRole( 'button', { name: 'Go on' } ).click();
 	await dialog.getByText( 'refused this token' ).waitFor();
 	const dialogs = await dialog.count();
-	await dialog.getByLabel( 'Token' ).fill( 'open-sesame' );
+	await dialog.getByLabel( 'Token' ).fill( token );
 	await page.keyboard.press( 'Enter' );
 	await page.locator( '.picture img[src]' ).waitFor();
 	const before = refused.length;
@@ -41,15 +40,21 @@ await withWorld( async ( { service, open, complaints } ) => {
 	await page.locator( '.state.running' ).waitFor();
 	const first = await page.locator( '.facts dd' ).first().textContent();
 	await page.waitForFunction( ( first ) => document.querySelector( '.facts dd' ).textContent !== first, first );
-	await fetch( `${ service.url }/v1/jobs/${ id }`, { method: 'DELETE' } );
+	await service.call( `/v1/jobs/${ id }`, undefined, 'DELETE' );
 	await page.locator( '.state.cancelled' ).waitFor();
 	const later = refused.length - before;
 
 	const kept = await page.evaluate( () => localStorage.length + sessionStorage.length + document.cookie.length );
 	await page.reload();
 	await dialog.waitFor();
+	const axe = await readFile( createRequire( import.meta.url ).resolve( 'axe-core/axe.min.js' ), 'utf8' );
+	await page.evaluate( axe );
+	const { violations } = await page.evaluate( () => window.axe.run( document ) );
+	// Who has no token is told why nothing is shown.
+	await page.keyboard.press( 'Escape' );
+	const without = await page.locator( '.notice' ).first().textContent();
 	// The browser tells of each answer that is no success.
 	const others = complaints.splice( 0 ).filter( ( text ) => ! text.includes( '401' ) );
-	return { digest, saved, name, dialogs, later, kept, others };
+	return { digest, saved, name, dialogs, later, kept, violations: violations.map( ( { id } ) => id ), without, others };
 
-} );
+}, [ '--token-list', line ] );

@@ -13,6 +13,9 @@ import { chromium } from 'playwright-core';
 
 const { values } = parseArgs( { options: { ltcforge: { type: 'string' }, chromium: { type: 'string' }, pictures: { type: 'string' } } } );
 
+/** The program. */
+export const LTCFORGE = values.ltcforge;
+
 /** Where pictures are written; undefined where none are asked for. */
 export const PICTURES = values.pictures;
 
@@ -66,10 +69,11 @@ class Service {
 
 	}
 
-	/** The JSON of a call. */
-	async call( path, body ) {
+	/** The JSON of a call, with the token that `token` may be set to. */
+	async call( path, body, method = body === undefined ? 'GET' : 'POST' ) {
 
-		const init = body === undefined ? {} : { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify( body ) };
+		const headers = { ...( body && { 'content-type': 'application/json' } ), ...( this.token && { authorization: `Bearer ${ this.token }` } ) };
+		const init = { method, headers, body: body && JSON.stringify( body ) };
 		return ( await fetch( `${ this.url }${ path }`, init ) ).json();
 
 	}
@@ -95,9 +99,9 @@ class Service {
 /**
  * Runs `work` with a service, a function that opens pages, and the list of the browser's complaints: errors of scripts and
  * of the console, and reports of the Content-Security-Policy. Prints what `work` returns, with the complaints.
- * `args` are further ones of the service.
+ * `args` are further ones of the service, `flags` of the browser.
  */
-export async function withWorld( work, args = [] ) {
+export async function withWorld( work, args = [], flags = [] ) {
 
 	const deadline = setTimeout( () => {
 
@@ -113,7 +117,7 @@ export async function withWorld( work, args = [] ) {
 	try {
 
 		await service.start();
-		browser = await chromium.launch( { executablePath: values.chromium, args: FLAGS, timeout: 0 } );
+		browser = await chromium.launch( { executablePath: values.chromium, args: [ ...FLAGS, ...flags ], timeout: 0 } );
 		const open = async ( hash, options = {}, base = service.url ) => {
 
 			const context = await browser.newContext( { viewport: { width: 1280, height: 860 }, ...options } );

@@ -1,5 +1,7 @@
 //! What a recipe would begin, told before it is submitted.
 
+use serde_json::Value;
+
 use crate::common::{
     SMALL,
     server::{Server, text},
@@ -26,11 +28,17 @@ fn a_recipe_is_foreseen_as_it_is_submitted() {
     // The worker may have measured its speed before the job is shown.
     assert!(before["expected"]["seconds"].as_f64().is_some_and(|seconds| seconds > 0.0), "{before:#}");
     let done = server.finished(text(&job["id"]));
-    // What a file of safetensors has behind its header are matrices and terms.
+    // As many as the tensors of matrices and terms have in the file.
     let file = server.get(&format!("/v1/tables/{}", text(&done["table"]))).with_status(200).body;
     let (length, rest) = file.split_at(8);
-    let header = u64::from_le_bytes(length.try_into().expect("eight bytes"));
-    assert_eq!(before["expected"]["bytes"].as_u64(), Some(rest.len() as u64 - header), "{before:#}");
+    let length = u64::from_le_bytes(length.try_into().expect("eight bytes")) as usize;
+    let header: Value = serde_json::from_slice(&rest[..length]).expect("JSON");
+    let bytes_of = |name: &str| {
+        let offsets = |i: usize| header[name]["data_offsets"][i].as_u64().expect("an offset");
+        offsets(1) - offsets(0)
+    };
+    let bytes: u64 = ["matrix", "amplitude", "fresnel"].map(bytes_of).iter().sum();
+    assert_eq!(before["expected"]["bytes"].as_u64(), Some(bytes), "{before:#}");
     assert_eq!(foresee(SMALL)["table"], done["table"]);
 }
 

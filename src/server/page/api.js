@@ -37,7 +37,7 @@ export async function reach( path, { headers = {}, ...init } = {} ) {
 		const token = authorization();
 		const response = await fetch( address( path ), { ...init, headers: { ...headers, ...token } } );
 		if ( response.status !== 401 ) return response;
-		await anotherThan( token );
+		if ( ! await anotherThan( token ) ) return response;
 		init.signal?.throwIfAborted();
 
 	}

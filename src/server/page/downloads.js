@@ -67,12 +67,20 @@ function files( digest, name, signal ) {
 
 }
 
-export function downloads( digest, items, signal ) {
+/** The section of a table's files; the exports that there are may be told later. */
+export function downloads( digest, signal ) {
 
-	const names = items.map( ( { name } ) => name );
-	const [ engines, others ] = [ names.filter( ( name ) => ENGINES[ name ] ), names.filter( ( name ) => ! ENGINES[ name ] ) ];
-	return el( 'section', { 'aria-labelledby': 'downloads' }, el( 'h2', { id: 'downloads' }, 'Files for engines' ),
-		engines.map( ( name ) => files( digest, name, signal ) ),
-		el( 'details', { class: 'group' }, el( 'summary', {}, `Other formats (${ others.length })` ), el( 'div', { class: 'inner' }, others.map( ( name ) => files( digest, name, signal ) ) ) ) );
+	const list = el( 'div' );
+	const tell = ( { items } ) => {
+
+		const names = items.map( ( { name } ) => name );
+		const [ engines, others ] = [ names.filter( ( name ) => ENGINES[ name ] ), names.filter( ( name ) => ! ENGINES[ name ] ) ];
+		fill( list, engines.map( ( name ) => files( digest, name, signal ) ),
+			el( 'details', { class: 'group' }, el( 'summary', {}, `Other formats (${ others.length })` ), el( 'div', { class: 'inner' }, others.map( ( name ) => files( digest, name, signal ) ) ) ) );
+
+	};
+
+	call( `/v1/tables/${ digest }/exports`, { signal } ).then( tell, ( error ) => signal.aborted || fill( list, notice( error.message ) ) );
+	return el( 'section', { 'aria-labelledby': 'downloads' }, el( 'h2', { id: 'downloads' }, 'Files for engines' ), list );
 
 }

@@ -1,7 +1,7 @@
 // The fields of a recipe as a form has them. What they mean and allow the service says: it fills in defaults and finds faults.
 
 const BRDFS = [ 'ggx', 'beckmann', 'charlie', 'charlie_neubelt', 'burley_diffuse', 'oren_nayar', 'fuzz' ];
-const LAYOUTS = [ 'reflected', 'kt2022', 'ltc2017', 'ltc2016', 'godot', 'hdrp', 'inverse', 'matrix33' ];
+const LAYOUTS = [ 'reflected', 'kt2022', 'ltc2017', 'ltc2016', 'godot', 'hdrp', 'inverse', 'matrix33', 'materials' ];
 const HALF_TURN = 1.5707963267948966;
 
 const choice = ( pointer, label, options ) => ( { pointer, label, kind: 'choice', options } );

@@ -46,7 +46,8 @@ export function follow( id, signal, onJob ) {
 
 		const job = JSON.parse( data );
 		if ( ! isActive( job ) ) end();
-		onJob( job );
+		// A fault of who is told is no end of the stream.
+		queueMicrotask( () => onJob( job ) );
 
 	};
 

@@ -3,9 +3,9 @@
 import { call, Unreachable } from './api.js';
 import { el, fill, notice } from './dom.js';
 
-/** Modules of the pages. Each exports `show( main, rest, parameters, signal )`, and may return a function that asks anew. */
+/** Modules of the pages, by what follows their name. Each exports `show( main, rest, parameters, signal )`, and may return a function that asks anew. */
 const PAGES = {
-	tables: () => import( './tables.js' ),
+	tables: ( rest ) => rest ? import( './table.js' ) : import( './tables.js' ),
 	jobs: () => import( './jobs.js' ),
 	new: () => import( './new.js' ),
 	compare: () => import( './compare.js' ),
@@ -45,7 +45,7 @@ async function show() {
 	try {
 
 		if ( ! PAGES[ name ] ) throw new Error( `there is no page «${ name }»` );
-		const page = await PAGES[ name ]();
+		const page = await PAGES[ name ]( rest );
 		if ( signal.aborted ) return;
 		const again = await page.show( root, rest, parameters, signal );
 		if ( ! signal.aborted ) refresh = again || null;

@@ -44,9 +44,10 @@ async function shipped( name, file ) {
 }
 
 /** Why a table is not shown: the text reads LTCs, and the reference beside it knows few scattering models. */
-function unfit( { brdf, lobe } ) {
+function unfit( { brdf, lobe, layout } ) {
 
 	if ( ! hasReference( brdf ) ) return `The reference here is of GGX and sheen, and this table is of ${ brdf }; its page has a picture beside its own.`;
+	if ( layout === 'materials' ) return 'This table is of a list of materials, which a shader looks up by number; its page has a picture.';
 	return lobe ? `This table is of lobe ${ lobe }, and the shader here reads LTCs.` : '';
 
 }

@@ -18,29 +18,42 @@ export function previewOf( recipe, table, size, mode = 'ltc' ) {
 
 }
 
-/** Shows the picture at an address in an image element once its turn comes, unless the page was left by then. */
+/** Shows the picture at an address in an image element once its turn comes, unless the page was left by then; done when it is shown. */
 export function load( image, from, signal ) {
 
-	waiting.push( { image, from, signal } );
-	next();
+	return new Promise( ( shown ) => {
+
+		waiting.push( { image, from, signal, shown } );
+		next();
+
+	} );
 
 }
 
 async function next() {
 
 	if ( asked >= AT_ONCE || ! waiting.length ) return;
-	const { image, from, signal } = waiting.shift();
+	const { image, from, signal, shown } = waiting.shift();
 	asked ++;
 	if ( ! signal.aborted ) {
 
-		image.src = await pictureFrom( from );
-		// A picture that fails leaves its text in its place.
-		await image.decode().catch( () => {} );
+		try {
+
+			image.src = await pictureFrom( from );
+			await image.decode();
+
+		} catch {
+
+			// A picture that fails leaves its text in its place.
+
+		}
+
 		if ( image.src.startsWith( 'blob:' ) ) URL.revokeObjectURL( image.src );
 
 	}
 
 	asked --;
+	shown();
 	next();
 
 }

@@ -48,8 +48,8 @@ function slider( id, label, max, value, oninput ) {
 
 }
 
-/** The plots of errors and of the stored numbers, at a ratio and an azimuth where the table has several. */
-export function plots( digest, recipe, signal ) {
+/** The plots of errors and of the stored numbers, at a ratio and an azimuth where the table has several; asked for after `before`. */
+export function plots( digest, recipe, before, signal ) {
 
 	const errors = errorMaps( digest, signal );
 	const numbers = el( 'img', { alt: 'Every stored number of the table, a tile for each ratio and azimuth' } );
@@ -61,8 +61,13 @@ export function plots( digest, recipe, signal ) {
 
 	}
 
-	draw();
-	load( numbers, `/v1/tables/${ digest }/plots/matrix.png`, signal );
+	before.then( () => {
+
+		if ( signal.aborted ) return;
+		draw();
+		load( numbers, `/v1/tables/${ digest }/plots/matrix.png`, signal );
+
+	} );
 	return el( 'section', { 'aria-labelledby': 'plots' }, el( 'h2', { id: 'plots' }, 'Errors and numbers' ),
 		isIsotropic( recipe ) ? null : el( 'div', { class: 'sliders' }, ratio.row, phi.row ),
 		el( 'div', { class: 'plots' }, errors.root, numbers ) );

@@ -1,6 +1,6 @@
 // One table: what it is, how good it is, and the files for each engine.
 
-import { address, call, manifest } from './api.js';
+import { address, manifest } from './api.js';
 import { copyLine, el, facts, fill } from './dom.js';
 import { downloads, save } from './downloads.js';
 import { bytes, json, short, title } from './format.js';
@@ -9,9 +9,10 @@ import { inWords, plots } from './report.js';
 
 export async function show( root, digest, parameters, signal ) {
 
-	const [ about, { items } ] = await Promise.all( [ manifest( digest ), call( `/v1/tables/${ digest }/exports`, { signal } ) ] );
+	const about = await manifest( digest );
 	const { recipe, report, recipe_digest } = about;
 	const picture = el( 'img', { alt: 'A sphere under a rectangle of light: the reference, this table, and their difference', width: 776, height: 314 } );
+	const isShown = load( picture, previewOf( recipe, digest, 256, 'strip' ), signal );
 	const variation = { ...recipe };
 	delete variation.fitter;
 	fill( root,
@@ -30,10 +31,9 @@ export async function show( root, digest, parameters, signal ) {
 				el( 'p', {}, el( 'a', { class: 'button primary', href: address( `/v1/tables/${ digest }` ), download: true, onclick: save }, `Download .safetensors, ${ bytes( about.bytes ) }` ) ) ),
 			el( 'section', { class: 'shown' }, picture ) ),
 		el( 'section', { 'aria-labelledby': 'quality' }, el( 'h2', { id: 'quality' }, 'Quality' ), inWords( report ) ),
-		plots( digest, recipe, signal ),
-		downloads( digest, items, signal ),
+		plots( digest, recipe, isShown, signal ),
+		downloads( digest, signal ),
 		el( 'section', { 'aria-labelledby': 'recipe' }, el( 'h2', { id: 'recipe' }, 'Recipe' ), el( 'pre', { tabindex: 0, role: 'region', 'aria-label': 'Recipe as JSON' }, json( recipe ) ) ) );
-	load( picture, previewOf( recipe, digest, 256, 'strip' ), signal );
 	// What is told of a table never changes, and nothing is asked anew.
 	return () => {};
 

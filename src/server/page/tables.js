@@ -23,7 +23,6 @@ const COLUMNS = [
 
 export async function show( root, rest, parameters, signal ) {
 
-	if ( rest ) return ( await import( './table.js' ) ).show( root, rest, parameters, signal );
 	const rows = new Map();
 	const chosen = new Set();
 	let order = { column: 4, rising: true };

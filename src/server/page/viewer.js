@@ -18,6 +18,9 @@ const DIFFERENCE = 0.2;
 /** What only how the picture is shown depends on, so that samples stay. */
 const SHOWN = [ 'show', 'split', 'exposure' ];
 
+/** What is shown of both sides, by its names in a link. */
+const SIDES = [ [ 'split', 'both' ], [ 'model', 'left' ], [ 'reference', 'right' ], [ 'difference', 'difference' ] ];
+
 const SVG = 'http://www.w3.org/2000/svg';
 
 export async function show( root, rest, parameters, signal ) {
@@ -279,8 +282,5 @@ export async function show( root, rest, parameters, signal ) {
 	return () => {};
 
 }
-
-/** What is shown of both sides, by its names in a link. */
-const SIDES = [ [ 'split', 'both' ], [ 'model', 'left' ], [ 'reference', 'right' ], [ 'difference', 'difference' ] ];
 
 const wrapped = ( angle ) => angle - 2 * Math.PI * Math.round( angle / ( 2 * Math.PI ) );

@@ -29,9 +29,10 @@ pub fn error_numbers_while(go_on: &GoOn, table: &Table, slice: ErrorSlice) -> Op
     let middles = |[low, high]: [f64; 2]| {
         (0..map.cells).map(|i| low + (high - low) * (i as f64 + 0.5) / map.cells as f64).collect::<Vec<_>>()
     };
-    // Eight digits are more than a measurement has.
-    let rows = |errors: &[f64]| -> Vec<Vec<f32>> {
-        errors.chunks(map.cells).map(|row| row.iter().map(|error| *error as f32).collect()).collect()
+    // Four digits are more than a measurement has.
+    let short = |error: &f64| format!("{error:.3e}").parse().unwrap_or(*error);
+    let rows = |errors: &[f64]| -> Vec<Vec<f64>> {
+        errors.chunks(map.cells).map(|row| row.iter().map(short).collect()).collect()
     };
     let alpha: Vec<f64> = middles(map.roughness).iter().map(|root| root * root).collect();
     let numbers = json!({
