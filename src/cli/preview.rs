@@ -85,6 +85,7 @@ fn failure(error: &PreviewError) -> CommandFailure {
         PreviewError::Scene(_)
         | PreviewError::OtherBrdf(_)
         | PreviewError::NoFacets(_)
+        | PreviewError::NoFresnel(_)
         | PreviewError::GaussianLobe(_)
         | PreviewError::CpuOnly(_) => Exit::Usage,
         PreviewError::NoBrdfFile(_) | PreviewError::NoAdapter(_) | PreviewError::Gpu(_) | PreviewError::Stopped => {

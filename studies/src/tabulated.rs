@@ -34,8 +34,10 @@ pub struct Found {
     pub errors: [Spread; 4],
     mean_energy: f64,
     lights: usize,
-    values: usize,
-    file_bytes: usize,
+    /// Values of the file.
+    pub values: usize,
+    /// Its bytes.
+    pub file_bytes: usize,
     entries: u64,
     /// Processor seconds of the fits to numbers and to the formula on the same nodes.
     seconds: [f64; 2],
@@ -44,7 +46,10 @@ pub struct Found {
 /// Fits the tables by a preset and measures them on a part of the lights.
 ///
 /// # Errors
-/// None, unless GGX between these nodes is no BRDF, or the recipe of the page is none of its file.
+/// None, unless the recipe of the page is none of its file.
+///
+/// # Panics
+/// Never: GGX between these nodes is a BRDF.
 pub fn find(preset: Preset, part: f64) -> Result<Found, Error> {
     let axes = TabulatedAxes::spread(ALPHA.to_vec(), ANGLES[0], ANGLES[1]).with_azimuths(RATIO.to_vec(), ANGLES[2]);
     let tabulated = TabulatedBrdf::tabulate(BrdfKind::Ggx, axes).expect("GGX between these nodes is a BRDF");
@@ -98,9 +103,19 @@ impl Found {
             let _ = writeln!(out, "| {name} | {} | {} | {} |", short(mean, 2), short(p95, 2), short(max, 2));
         }
         let Self { mean_energy, lights, values, file_bytes, entries, seconds: [slow, fast], .. } = self;
-        let _ = writeln!(out, "\n{lights} lights, mean energy {mean_energy:.3}; {values} values, {file_bytes} bytes");
+        let _ = writeln!(out, "\n{lights} lights, mean energy {mean_energy:.3}");
+        let _ = writeln!(out, "{} values, {} bytes", grouped(*values), grouped(*file_bytes));
         let _ =
-            writeln!(out, "{entries} entries: {slow:.0} processor seconds for the numbers, {fast:.0} for the formula");
+            writeln!(out, "{entries} entries: {slow:.1} processor seconds for the numbers, {fast:.1} for the formula");
         out
     }
+}
+
+/// A whole number in groups of three digits.
+#[must_use]
+pub fn grouped(n: usize) -> String {
+    let digits = n.to_string();
+    let groups: Vec<&str> =
+        (0..digits.len()).rev().step_by(3).rev().map(|end| &digits[end.saturating_sub(2)..=end]).collect();
+    groups.join(",")
 }

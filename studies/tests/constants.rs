@@ -10,6 +10,7 @@ use ltcforge_studies::{
     glass, l3, minimax, models,
     networks::{self, Asked, Numbers},
     tables::fitted,
+    tabulated::{self, grouped},
 };
 
 const NUMBERS: &str = include_str!("../../src/light/normals/numbers.rs");
@@ -23,6 +24,7 @@ const NORMALS_PAGE: &str = include_str!("../../docs/normals.md");
 const LIGHT_PAGE: &str = include_str!("../../docs/light.md");
 const README: &str = include_str!("../../README.md");
 const ISOTROPIC_PAGE: &str = include_str!("../../docs/isotropic.md");
+const TABULATED_PAGE: &str = include_str!("../../docs/tabulated.md");
 const REFRACTION_PAGE: &str = include_str!("../../docs/refraction.md");
 
 /// The numbers are printed as they stand, in Rust and in the shader, which have the same ones.
@@ -188,4 +190,15 @@ fn the_albedo_is_the_cubic_that_a_search_finds() {
     for row in albedo::materials().lines().filter(|line| line.starts_with("| ")) {
         assert!(page.contains(row), "{row}: cargo run --release -p ltcforge-studies -- albedo");
     }
+}
+
+/// The table of the numbers is nearly as near to GGX as that of the formula, and no farther than the numbers.
+#[test]
+fn a_brdf_as_numbers_costs_what_the_page_says() {
+    let found = tabulated::find(Preset::Draft, 0.05).expect("the page's recipe");
+    let [numbers, table, formula, _] = found.errors.map(|error| error.mean);
+    println!("{}", found.text());
+    assert!(table < 1.2 * formula && table < 1.2 * numbers && numbers < 0.01, "{table} {formula} {numbers}");
+    let size = format!("{} values, {} bytes", grouped(found.values), grouped(found.file_bytes));
+    assert!(TABULATED_PAGE.contains(&size), "{size}");
 }

@@ -17,6 +17,9 @@ pub enum PreviewError {
         "compensate gives back what facets lose to each other, and the table is of brdf {0}: leave it out, or take a table of ggx or beckmann"
     )]
     NoFacets(BrdfKind),
+    /// The material has a reflectance, and the table is of a model without a Fresnel factor.
+    #[error("f0 is of Schlick's Fresnel factor, which brdf {0} does not have: leave it out, or say 1,1,1")]
+    NoFresnel(BrdfKind),
     /// The picture draws a lobe, and the table has Gaussians.
     #[error("mode lobe draws the lobes of LTCs, and the table has lobe {0}: choose mode strip, or a table of lobe ltc")]
     GaussianLobe(LobeModel),

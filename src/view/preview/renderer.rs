@@ -1,6 +1,6 @@
 //! Scene and table to picture, on a GPU or the CPU.
 
-use std::sync::Arc;
+use std::{borrow::Cow, sync::Arc};
 
 use super::{
     Material, Mode, PreviewError, Radiances, Scene, ShaderTable, compose, cpu,
@@ -12,12 +12,14 @@ use super::{
     tone,
 };
 use crate::picture::Picture;
-use ltcforge_fit::{BrdfKind, named_list};
+use ltcforge_fit::{BrdfKind, BrdfModel, named_list};
 use ltcforge_light::LightModel;
 
 /// The name of the CPU as an adapter.
 const CPU: &str = "cpu";
 
+/// The reflectance by which Schlick's factor is one for every view.
+const NO_FRESNEL: [f64; 3] = [1.0; 3];
 /// Pictures in a row at which a GPU may hang before it is never used again.
 const MOST_HANGS: u32 = 2;
 /// Samples that the CPU renders between asking whether to stop. They take some hundredths of a second on one slow core.
@@ -105,6 +107,7 @@ impl Preview {
             return Err(PreviewError::Scene(faults));
         }
         self.begin(table, scene)?;
+        let scene = &*material_shown(&table.brdf, scene)?;
         let rendered = self.attempt(table, scene, stop)?;
         if self.drawn_by == DrawnBy::Mixed {
             // A picture comes from one renderer: the CPU renders all of it.
@@ -307,6 +310,19 @@ impl Preview {
     pub(super) fn fail_after(&mut self, times: u32) {
         self.gpu.fail_after(times);
     }
+}
+
+/// The scene with a reflectance that surfaces of a scattering model have: of those without a Fresnel factor it is one, which
+/// leaving it out means.
+fn material_shown<'a>(brdf: &BrdfModel, scene: &'a Scene) -> Result<Cow<'a, Scene>, PreviewError> {
+    let kind = brdf.kind();
+    if kind.has_fresnel() || scene.mode == Mode::Lobe || scene.f0 == NO_FRESNEL {
+        return Ok(Cow::Borrowed(scene));
+    }
+    if scene.f0 != Scene::default().f0 {
+        return Err(PreviewError::NoFresnel(kind));
+    }
+    Ok(Cow::Owned(Scene { f0: NO_FRESNEL, ..scene.clone() }))
 }
 
 /// The shown materials whose roughness lies outside the table's nodes.

@@ -140,6 +140,7 @@ fn failure(error: PreviewError, queue: &PictureQueue) -> PictureError {
         PreviewError::Stopped => queue.stopped(),
         other @ (PreviewError::OtherBrdf(_)
         | PreviewError::NoFacets(_)
+        | PreviewError::NoFresnel(_)
         | PreviewError::GaussianLobe(_)
         | PreviewError::CpuOnly(_)
         | PreviewError::NoBrdfFile(_)) => PictureError::OtherBrdf(other.to_string()),

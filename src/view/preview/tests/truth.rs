@@ -276,6 +276,13 @@ fn pictures_that_would_compare_different_models_are_refused() {
     // Its lobes are of no facets that lose light to each other.
     let compensated = Scene { compensate: true, ..scene(Mode::Ltc, LightModel::Ltc) };
     assert_eq!(cpu.render(&table, &compensated, &|| false), Err(PreviewError::NoFacets(BrdfKind::Charlie)));
+    // Nor has it a Fresnel factor: a reflectance is one, which leaving it out means.
+    let dark = Scene { f0: [0.04; 3], ..scene(Mode::Ltc, LightModel::Ltc) };
+    assert_eq!(cpu.render(&table, &dark, &|| false), Err(PreviewError::NoFresnel(BrdfKind::Charlie)));
+    let of_one = Scene { f0: [1.0; 3], ..scene(Mode::Ltc, LightModel::Ltc) };
+    let [left_out, of_one] = [scene(Mode::Ltc, LightModel::Ltc), of_one]
+        .map(|scene| cpu.render(&table, &scene, &|| false).expect("a picture").picture);
+    assert!(left_out == of_one);
     let strip = scene(Mode::Strip, LightModel::Ltc);
     let mut gpu = Preview::new(Adapter::Gpu);
     assert_eq!(gpu.render(&table, &strip, &|| false), Err(PreviewError::CpuOnly(BrdfKind::Charlie)));
