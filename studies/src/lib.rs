@@ -20,5 +20,6 @@ pub mod markdown;
 pub mod minimax;
 pub mod models;
 pub mod networks;
+pub mod prefilter;
 pub mod source;
 pub mod tables;

@@ -9,4 +9,4 @@ mod square;
 mod tests;
 
 pub use image::{ImageError, LightImage};
-pub use pyramid::LightPyramid;
+pub use pyramid::{LightPyramid, OWN_PARTS};
