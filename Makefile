@@ -21,13 +21,14 @@ export NODEVICE_SELECT := 1
 export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
-.PHONY: help demo load figures test test-units test-suites test-native lint lint-core lint-deploy lines fmt bench packages browser cluster clean
+.PHONY: help demo load figures soak schemathesis test test-units test-suites test-native lint lint-core lint-deploy lines fmt bench packages browser cluster clean
 
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
 	@echo 'make load    requests a second of the service and of nginx, side by side'
 	@echo 'make figures draw the figures of docs/figures.md anew'
 	@echo 'make test    run all tests'
+	@echo 'make soak    kills, damage, histories of the queue and mutated inputs for up to an hour'
 	@echo 'make lint    rustfmt, clippy and docs, warnings denied'
 	@echo 'make bench   measure an evaluation, an entry, the speed-up over the published algorithm, a picture, what the service adds'
 
@@ -77,6 +78,22 @@ cluster:
 			&& python3 -m venv $(PYTHON_TARGET)/s3 && $(PYTHON_TARGET)/s3/bin/pip install -q --retries 1 'moto[server]==5.2.1'; } \
 		|| echo '*** no moto[server] of PyPI: the tests on an S3 server will be skipped' >&2
 
+# What holds the service to openapi.yaml, in a folder of its own.
+schemathesis:
+	@[ -x $(PYTHON_TARGET)/schemathesis/bin/schemathesis ] \
+		|| { $(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(PYTHON_PACKAGES)' \
+			&& python3 -m venv $(PYTHON_TARGET)/schemathesis \
+			&& $(PYTHON_TARGET)/schemathesis/bin/pip install -q --retries 1 schemathesis==4.32.5; } \
+		|| echo '*** no schemathesis of PyPI: the test of openapi.yaml by it will be skipped' >&2
+
+# The long forms of the harnesses in docs/soak.md.
+soak: packages cluster schemathesis
+	LTCFORGE_TEST_HISTORIES=10000 $(CARGO) test --locked -p ltcforge-server --lib -- every_history
+	LTCFORGE_TEST_KILLS=200 LTCFORGE_TEST_DAMAGES=200 LTCFORGE_TEST_EXAMPLES=20 \
+		$(CARGO) test --locked --test service -- kills damage:: schemathesis
+	LTCFORGE_TEST_KILLS=200 $(CARGO) test --locked --test cluster -- kills
+	LTCFORGE_TEST_FUZZ_SECONDS=90 $(CARGO) test --locked --test fuzz
+
 # What checks deploy/, in a folder of its own.
 lint-deploy:
 	@[ -x $(PYTHON_TARGET)/schemas/bin/kubernetes-validate ] \
@@ -91,7 +108,7 @@ lint-deploy:
 
 # The suites that mostly wait, for processes, leases and browsers, run beside those that compute.
 test: EXTRA_PACKAGES := $(TEST_PACKAGES)
-test: packages browser cluster
+test: packages browser cluster schemathesis
 	$(CARGO) test --locked --workspace --no-run
 	@$(MAKE) --no-print-directory -j2 --output-sync=target test-units test-suites
 	@$(MAKE) --no-print-directory -j2 --output-sync=target test-native

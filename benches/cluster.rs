@@ -56,7 +56,7 @@ fn open(url: &str, name: &str) -> PostgresQueue {
 
 fn submit(queue: &PostgresQueue, name: &str, shards: usize) -> Duration {
     let recipe_digest = Digest::of(name.as_bytes());
-    let new = NewJob { recipe: name.to_owned(), recipe_digest, shard_entries: vec![64; shards] };
+    let new = NewJob { recipe: name.to_owned(), recipe_digest, shard_entries: vec![64; shards], by: None };
     let start = Instant::now();
     queue.submit(new, &|_| false).expect("a job");
     start.elapsed()

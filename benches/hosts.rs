@@ -45,7 +45,7 @@ fn recipe([alpha, ratio, theta, phi]: [u32; 4], seed: u32) -> String {
 }
 
 fn submit(service: &Service, recipe: &str) -> JobId {
-    match service.submit(recipe.as_bytes()).expect("a job") {
+    match service.submit(recipe.as_bytes(), None).expect("a job") {
         SubmitReply::InFlight { job, .. } | SubmitReply::Ready { job, .. } => job.id,
     }
 }

@@ -52,6 +52,8 @@ pub const LTC_SHAPES: &str = include_str!("ltc_shapes.wgsl");
 pub const LTC_SMOOTH: &str = include_str!("ltc_smooth.wgsl");
 /// `ltc_table.wgsl`.
 pub const LTC_TABLE: &str = include_str!("ltc_table.wgsl");
+/// `ltc_textured.wgsl`.
+pub const LTC_TEXTURED: &str = include_str!("ltc_textured.wgsl");
 /// `ltc_two_lobes.wgsl`.
 pub const LTC_TWO_LOBES: &str = include_str!("ltc_two_lobes.wgsl");
 /// `normals_arcs.wgsl`.
@@ -72,10 +74,14 @@ pub const NORMALS_EXAMPLE: &str = include_str!("normals_example.wgsl");
 pub const NORMALS_FAST: &str = include_str!("normals_fast.wgsl");
 /// `normals_fine.wgsl`.
 pub const NORMALS_FINE: &str = include_str!("normals_fine.wgsl");
+/// `normals_textured.wgsl`.
+pub const NORMALS_TEXTURED: &str = include_str!("normals_textured.wgsl");
 /// `normals_view.wgsl`.
 pub const NORMALS_VIEW: &str = include_str!("normals_view.wgsl");
 /// `place_reflected.wgsl`.
 pub const PLACE_REFLECTED: &str = include_str!("place_reflected.wgsl");
+/// `place_materials.wgsl`.
+pub const PLACE_MATERIALS: &str = include_str!("place_materials.wgsl");
 /// `prefilter.wgsl`.
 pub const PREFILTER: &str = include_str!("prefilter.wgsl");
 /// `preview_cut.wgsl`.
@@ -88,3 +94,5 @@ pub const SPHERE: &str = include_str!("sphere.wgsl");
 pub const TEXELS_ARRAY: &str = include_str!("texels_array.wgsl");
 /// `texels_volumes.wgsl`.
 pub const TEXELS_VOLUMES: &str = include_str!("texels_volumes.wgsl");
+/// `textured.wgsl`.
+pub const TEXTURED: &str = include_str!("textured.wgsl");

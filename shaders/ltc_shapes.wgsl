@@ -238,27 +238,31 @@ fn ltc_sphere(inverse: LtcInverse, centre: vec3<f32>, radius: f32) -> f32 {
 /// A line between two points, of a width that faces the shaded point everywhere: the limit of a thin tube, in proportion to
 /// its diameter. In place of a tube it is too dark, by some 2 % where the radius is a fiftieth of the distance.
 fn ltc_line(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, width: f32) -> f32 {
-    let lit = cross(start, end);
+    // Of a line that points at the shaded point, normals and distance are rounding: taken from the difference of its ends, and
+    // once for both of them, they cancel.
+    let middle = 0.5 * (start + end);
+    let lit = cross(middle, end - start);
     var p = inverse.m * start;
     var q = inverse.m * end;
-    let normal = cross(p, q);
+    let along = inverse.m * (end - start);
+    let normal = cross(inverse.m * middle, along);
     let area2 = dot(normal, normal);
     if (!(area2 > 1e-36) || (p.z <= 0.0 && q.z <= 0.0)) {
         return 0.0;
     }
-    let along = q - p;
-    let distance = sqrt(dot(along, along));
-    let seen = sqrt(dot(lit, lit)) * abs(determinant(inverse.m)) * distance / area2;
+    let length = sqrt(dot(along, along));
+    let seen = sqrt(dot(lit, lit)) * abs(determinant(inverse.m)) * length / area2;
     // The line's direction, and from the shaded point to its nearest point.
-    let t = along / distance;
+    let t = along / length;
     let o = cross(t, normal / sqrt(area2));
     if (p.z < 0.0) {
         p = (p * q.z - q * p.z) / (q.z - p.z);
     } else if (q.z < 0.0) {
         q = (p * q.z - q * p.z) / (q.z - p.z);
     }
-    let at_p = vec2(dot(p, o), dot(p, t));
-    let at_q = vec2(dot(q, o), dot(q, t));
+    let distance = sqrt(area2) / length;
+    let at_p = vec2(distance, dot(p, t));
+    let at_q = vec2(distance, dot(q, t));
     let from_p = at_p / max(sqrt(dot(at_p, at_p)), 1e-18);
     let from_q = at_q / max(sqrt(dot(at_q, at_q)), 1e-18);
     // Sine and cosine of the difference of the two angles from o towards t, and of their sum.

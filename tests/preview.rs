@@ -125,6 +125,21 @@ fn a_table_s_plots_are_pictures_under_their_own_names() {
     assert_eq!((tag(&usual), &usual.body), (tag(&errors), &errors.body));
     let other = plot("error.png?ratio=1").with_status(200);
     assert_ne!((tag(&other), &other.body), (tag(&errors), &errors.body));
+    // The same as numbers: those of its report are the means of all configurations, these of a slice.
+    let numbers = plot("error.json").with_status(200);
+    assert_eq!(numbers.header("content-type"), Some("application/json"));
+    assert_ne!(tag(&numbers), tag(&errors));
+    let numbers = numbers.json();
+    assert_eq!((&numbers["ratio"], &numbers["phi"]), (&serde_json::json!(0.25), &serde_json::json!(0.7)));
+    for (axis, most) in [("alpha", 1.0), ("theta", std::f64::consts::FRAC_PI_2)] {
+        let values: Vec<f64> = numbers[axis].as_array().expect("a list").iter().filter_map(Value::as_f64).collect();
+        assert!(values.len() == 40 && values.is_sorted() && values[0] > 0.0 && values[39] < most, "{axis}: {values:?}");
+    }
+    for of in ["width", "light"] {
+        let rows = numbers[of].as_array().expect("rows");
+        let is_whole = |row: &Value| row.as_array().is_some_and(|row| row.len() == 40 && row.iter().all(Value::is_f64));
+        assert!(rows.len() == 40 && rows.iter().all(is_whole), "{of}");
+    }
     // Known before it is drawn again.
     let known = tag(&matrix);
     let path = format!("/v1/tables/{digest}/plots/matrix.png");
@@ -133,6 +148,7 @@ fn a_table_s_plots_are_pictures_under_their_own_names() {
     for (rest, parameter, named) in [
         ("error.png?ratio=1.5", "ratio", "«1.5»"),
         ("error.png?phi=x", "phi", "«x»"),
+        ("error.json?phi=x", "phi", "«x»"),
         ("matrix.png?phi=0", "phi", "no parameters"),
     ] {
         let problem = plot(rest).with_status(422).json();

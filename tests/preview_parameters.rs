@@ -66,7 +66,10 @@ fn the_docs_list_every_parameter() {
 fn entry(parameter: &Parameter) -> String {
     let default = default(parameter);
     let number = |[low, high]: [f64; 2]| format!("type: number, minimum: {low}, maximum: {high}, default: {default}");
-    let list = format!("type: string, default: \"{default}\"");
+    let number_text = "[+-]?[0-9]+([.][0-9]+)?";
+    let others = parameter.count().saturating_sub(1);
+    let list =
+        format!("type: string, pattern: \"^{number_text}(,{number_text}){{{others}}}$\", default: \"{default}\"");
     let schema = match parameter.form {
         ParameterForm::Name { names, .. } => format!("enum: [{}], default: {default}", names().join(", ")),
         ParameterForm::Whole([low, high], _) => {

@@ -18,6 +18,7 @@
 //! picture_memory = 64
 //! allow_host = ["farm", "farm.example"]
 //! allow_origin = ["https://wiki.example"]
+//! tokens = "/etc/ltcforge/tokens"
 //! connections = 1024
 //! connections_per_address = 512
 //! client_seconds = 30

@@ -27,7 +27,7 @@ pub(super) fn run(args: &DiffArgs, json: bool, context: &mut Context<'_>) -> Res
     let side = |read: &AnyTable, report: &Report| {
         json!({
             "file": shown(&read.path), "digest": read.digest, "layout": read.table.layout.name(),
-            "resolution": read.table.axes.lengths(), "report": report,
+            "resolution": read.table.lengths(), "report": report,
         })
     };
     let same_bytes = a.digest == b.digest;
@@ -61,7 +61,7 @@ fn write_text(
     reports: &[Report; 2],
 ) -> std::fmt::Result {
     for (name, read) in ["a", "b"].into_iter().zip(tables) {
-        let n = read.table.axes.lengths();
+        let n = read.table.lengths();
         let size = format!("{} x {} x {} x {}", n.alpha, n.ratio, n.theta, n.phi);
         writeln!(out, "{name}  {}  {}, {size}\n   {}", read.path.display(), read.table.layout, read.digest)?;
     }

@@ -152,21 +152,20 @@ fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
         let message = format!("{}: {}", path.display(), LightError::NoTerms);
         return Err(CommandFailure::new(Exit::Failed, message));
     }
-    let faults = f82_faults(args, table);
+    let faults = material_faults(args, table);
     if !faults.is_empty() {
-        return usage(format!("{}: --f82: {}", path.display(), faults.join("; ")));
+        return usage(format!("{}: {}", path.display(), faults.join("; ")));
     }
     Ok(Some(chosen))
 }
 
-/// Why the surface of a table cannot be a metal by F82: every reason.
-fn f82_faults(args: &LightArgs, table: &Table) -> Vec<String> {
-    if args.f82.is_none() {
-        return Vec::new();
-    }
+/// Why the surface of a table cannot be the material of `--f0`, or a metal by `--f82`: every reason.
+fn material_faults(args: &LightArgs, table: &Table) -> Vec<String> {
     let brdf = table.brdf();
-    let no_fresnel = (!brdf.has_fresnel()).then(|| format!("brdf {brdf} has no Fresnel factor"));
-    let no_edge = table.terms().is_none_or(|terms| terms.edge().is_none()).then(|| LightError::NoEdge.to_string());
+    let no_fresnel = (args.f0.is_some() && !brdf.has_fresnel())
+        .then(|| format!("--f0: brdf {brdf} has no Fresnel factor, and energy is all that it reflects: leave it out"));
+    let lacks_edge = args.f82.is_some() && table.terms().is_none_or(|terms| terms.edge().is_none());
+    let no_edge = lacks_edge.then(|| format!("--f82: {}", LightError::NoEdge));
     no_fresnel.into_iter().chain(no_edge).collect()
 }
 

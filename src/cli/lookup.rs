@@ -15,7 +15,7 @@ use super::{
     out_of_range::{Clamped, OutOfRangeCount, clamped},
     points::{self, COLUMNS, Point},
 };
-use ltcforge_fit::LookedUp;
+use ltcforge_fit::{Layout, LookedUp, Table};
 
 /// Prints a matrix for each point as soon as it is read.
 pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
@@ -31,8 +31,14 @@ pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> R
         )
         .map_err(|error| CommandFailure::stdout(&error))?;
     }
+    let material = args.material.map(|number| material(&table, number)).transpose()?;
     points.each(points::is_header, |line| {
-        let Some(point) = points::parse(line).map_err(LineFailure::Line)? else { return Ok(()) };
+        let line = match material {
+            None => Some(line.to_owned()),
+            Some(alphas) => points::of_view(line, alphas).map_err(LineFailure::Line)?,
+        };
+        let line = line.unwrap_or_default();
+        let Some(point) = points::parse(&line).map_err(LineFailure::Line)? else { return Ok(()) };
         let found = table.lookup(&point.configuration);
         let clamped = clamped(&point.configuration, &table, origin.range());
         out_of_range.count(&clamped);
@@ -46,6 +52,21 @@ pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> R
         eprintln!("{out_of_range}");
     }
     Ok(Exit::Ok)
+}
+
+/// The roughnesses along x and y of a material of a table.
+///
+/// # Errors
+/// When the table has no materials, or not so many.
+fn material(table: &Table, number: u32) -> Result<[f64; 2], CommandFailure> {
+    let found = table.materials().nth(number as usize).map(|[alpha, ratio]| [alpha, alpha * ratio]);
+    found.ok_or_else(|| {
+        let message = match table.materials().count() {
+            0 => format!("--material is for tables of layout {}; this one is of {}", Layout::Materials, table.layout()),
+            count => format!("--material {number}: the table has the materials 0 to {}", count - 1),
+        };
+        CommandFailure::new(Exit::Usage, message)
+    })
 }
 
 /// The columns; those of a second lobe and the term of F82 come last.

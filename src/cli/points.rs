@@ -45,9 +45,22 @@ pub(super) fn parse(line: &str) -> Result<Option<Point<'_>>, String> {
     Ok(Some(Point { written, configuration }))
 }
 
-/// Whether a line is the header.
+/// A line of a view, before which a material's roughnesses are put so that it is one of a point; `None` for an empty line.
+///
+/// # Errors
+/// When it has more or fewer fields than a view.
+pub(super) fn of_view(line: &str, [alpha_x, alpha_y]: [f64; 2]) -> Result<Option<String>, String> {
+    match line.split(',').count() {
+        _ if line.trim().is_empty() => Ok(None),
+        2 => Ok(Some(format!("{alpha_x},{alpha_y},{line}"))),
+        fields => Err(format!("{fields} fields; the view of a material has two: {}", COLUMNS[2..].join(","))),
+    }
+}
+
+/// Whether a line is the header: of points, or of views.
 pub(super) fn is_header(line: &str) -> bool {
-    line.split(',').map(str::trim).eq(COLUMNS)
+    let fields = || line.split(',').map(str::trim);
+    fields().eq(COLUMNS) || fields().eq(COLUMNS[2..].iter().copied())
 }
 
 #[cfg(test)]

@@ -12,8 +12,8 @@ use super::{
 };
 use ltcforge_files::digest::Digest;
 use ltcforge_fit::{
-    Accuracy, Asymmetry, Corner, LobeModel, MOST_POINTS, Moved, PerAxis, Poor, Report, Spread, TermError, extremes,
-    report, report_points,
+    Accuracy, Asymmetry, Corner, LobeModel, MOST_POINTS, Moved, PerAxis, Poor, Report, SecondReport, Spread, TermError,
+    extremes, report, report_points,
 };
 
 /// A table and its figures.
@@ -63,7 +63,7 @@ fn measure(AnyTable { digest, table, origin, .. }: &AnyTable, args: &ReportArgs)
     let report = report(table, range, args.points.map_or(usual, |points| (points as usize).into()));
     let corners = args.extremes.then(|| extremes(table));
     let asymmetry = table.model().file().and_then(|file| file.data()).and_then(|data| data.asymmetry());
-    MeasuredTable { digest: *digest, lobe: table.lobe, resolution: table.axes.lengths(), report, corners, asymmetry }
+    MeasuredTable { digest: *digest, lobe: table.lobe, resolution: table.lengths(), report, corners, asymmetry }
 }
 
 /// The figures as text.
@@ -77,7 +77,7 @@ fn text(path: &Path, measured: &MeasuredTable) -> String {
 fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::fmt::Result {
     let MeasuredTable { digest, lobe, resolution: PerAxis { alpha, ratio, theta, phi }, report, corners, asymmetry } =
         measured;
-    let Report { nodes, between, poor, matrices, floors, .. } = report;
+    let Report { nodes, between, poor, matrices, floors, second, .. } = report;
     // The figure by which tables are compared.
     let Spread { mean, p95, max } = percent(between.width);
     writeln!(out, "error between nodes, mean / p95 / max: {mean:.2} / {p95:.2} / {max:.2} % of the lobe's width\n")?;
@@ -92,6 +92,11 @@ fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::f
     row(out, "light, % of the lobe", &cells(percent(nodes.light), 2), &cells(percent(between.light), 2))?;
     row(out, "amplitude, absolute", &term_cells(nodes.amplitude), &term_cells(between.amplitude))?;
     row(out, "Fresnel term, absolute", &term_cells(nodes.fresnel), &term_cells(between.fresnel))?;
+    if let Some(SecondReport { f0, between }) = second {
+        let nothing = " ".repeat(28);
+        row(out, &format!("F0 {f0}: width, %"), &nothing, &cells(percent(between.width), 2))?;
+        row(out, &format!("F0 {f0}: light, %"), &nothing, &cells(percent(between.light), 2))?;
+    }
 
     for (name, accuracy) in [("at nodes", nodes), ("between nodes", between)] {
         writeln!(
@@ -151,11 +156,14 @@ fn poor_line(lobe: LobeModel, Poor { limit, nodes, alpha, theta }: &Poor) -> Str
 }
 
 /// How far the BRDF that was fitted is from reciprocity.
-pub(super) fn asymmetry_line(Asymmetry { largest, alpha, theta_o, theta_i, phi }: &Asymmetry) -> String {
+pub(super) fn asymmetry_line(asymmetry: &Asymmetry) -> String {
+    let Asymmetry { largest, alpha, ratio, theta_o, phi_o, theta_i, phi } = asymmetry;
     let alpha = alpha.map(|alpha| format!("alpha {alpha:.4}, ")).unwrap_or_default();
+    let ratio = ratio.map(|ratio| format!("ratio {ratio:.4}, ")).unwrap_or_default();
+    let phi_o = phi_o.map(|phi_o| format!("phi_o {phi_o:.3}, ")).unwrap_or_default();
     format!(
-        "tabulated BRDF: exchanging view and light changes it by up to {:.2} % of its largest value, at {alpha}theta_o \
-         {theta_o:.3}, theta_i {theta_i:.3}, phi {phi:.3}",
+        "tabulated BRDF: exchanging view and light changes it by up to {:.2} % of its largest value, at {alpha}{ratio}theta_o \
+         {theta_o:.3}, {phi_o}theta_i {theta_i:.3}, phi {phi:.3}",
         100.0 * largest
     )
 }

@@ -10,7 +10,7 @@ use super::{
     sources::Sources,
     tabulated, tradeoff, verify,
 };
-use ltcforge_client::Client;
+use ltcforge_client::{Client, ServerTokens, ServerTokensError};
 
 /// Runs a command.
 ///
@@ -18,8 +18,15 @@ use ltcforge_client::Client;
 /// The exit code and the lines for standard error.
 pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let file = ConfigFile::load(cli.config.as_deref())?;
-    let Cli { command, server, json, .. } = cli;
-    let connect = || client(server.as_deref(), &file);
+    let Cli { command, server, token, json, .. } = cli;
+    let tokens = || match &token {
+        Some(text) => {
+            text.parse().map_err(|error: ServerTokensError| CommandFailure::new(Exit::Usage, error.to_string()))
+        }
+        None => Ok(ServerTokens::NONE),
+    };
+    let connect = || Ok::<_, CommandFailure>(client(server.as_deref(), &file)?.with_tokens(&tokens()?));
+    let sources = |args| Sources::new(args, server.as_deref(), &file, tokens()?);
     match command {
         #[cfg(unix)]
         Command::Service(command) => super::service::run(command, file.serve, json, context),
@@ -36,8 +43,8 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
         Command::Tabulate(args) => tabulated::run(&args, json, context),
         Command::Export(args) => export::run(&args, json, context),
         Command::Jobs(args) => jobs::run(&args, json, &connect()?, context),
-        Command::Lock(args) => lock::run(&args, &Sources::new(&args.sources, server.as_deref(), &file)?, json, context),
-        Command::Pull(args) => pull::run(&args, &Sources::new(&args.sources, server.as_deref(), &file)?, json, context),
+        Command::Lock(args) => lock::run(&args, &sources(&args.sources)?, json, context),
+        Command::Pull(args) => pull::run(&args, &sources(&args.sources)?, json, context),
         Command::Verify(args) => verify::run(&args, json, context),
         Command::Diff(args) => diff::run(&args, json, context),
         Command::Completions { shell } => {

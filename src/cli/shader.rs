@@ -75,8 +75,8 @@ fn namespace(args: &ShaderArgs) -> Namespace {
 
 /// The functions that the options add to the text.
 fn additions(args: &ShaderArgs) -> Additions {
-    let AdditionArgs { cut, compensate } = args.additions;
-    Additions { cut, compensate }
+    let AdditionArgs { cut, compensate, textured } = args.additions;
+    Additions { cut, compensate, textured }
 }
 
 /// The light of a table by polynomials, as a text to include. A comment in it states their error and the table's.
@@ -210,6 +210,7 @@ fn of_no_model(
         ("--lights", args.lights.is_some()),
         ("--cut", args.additions.cut),
         ("--compensate", args.additions.compensate),
+        ("--textured", args.additions.textured.is_some()),
         ("--two-lobes", args.two_lobes),
         ("--hardware-filter", args.hardware_filter),
         ("--texture-array", args.texture_array),
@@ -233,13 +234,14 @@ fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailur
     let refused = |what: String| Err(CommandFailure::new(Exit::Usage, what));
     let name = language.name();
     let has_table = args.layout.is_some();
+    let binds = has_table || args.additions.textured.is_some();
     let is_numbered = matches!(language, Language::Wgsl | Language::Glsl | Language::Hlsl);
     let is_placed = args.first_binding.is_some() || args.group.is_some();
     match args.form {
         ShaderForm::Example if args.prefix.is_some() || is_placed => {
             refused("--prefix, --first-binding and --group are for a text to include".to_owned())
         }
-        _ if is_placed && (!has_table || !is_numbered) => {
+        _ if is_placed && (!binds || !is_numbered) => {
             let what = if is_numbered { format!("model {}", args.model) } else { name.to_owned() };
             refused(format!("{what} binds nothing by number: leave out --first-binding and --group"))
         }
@@ -250,6 +252,9 @@ fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailur
         }
         ShaderForm::Example if args.additions.cut => refused("--cut is for a text to include".to_owned()),
         ShaderForm::Example if args.additions.compensate => refused("--compensate is for a text to include".to_owned()),
+        ShaderForm::Example if args.additions.textured.is_some() => {
+            refused("--textured is for a text to include".to_owned())
+        }
         ShaderForm::Example if args.lights.is_some() => refused("--lights is for a text to include".to_owned()),
         _ if args.lights.is_some() && args.model != LightModel::Ltc => refused(format!(
             "--lights is of model ltc: model {} has no spheres, tubes and lines to leave out",

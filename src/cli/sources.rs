@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{CommandFailure, Interrupt, args::SourceArgs, config_file::ConfigFile, config_file::DEFAULT_SERVER};
-use ltcforge_client::{Access, Limits, Source};
+use ltcforge_client::{Access, Limits, ServerTokens, Source};
 
 /// The sources of tables besides those that the lock file names.
 #[derive(Debug)]
@@ -14,6 +14,7 @@ pub(super) struct Sources {
     usual: Vec<Source>,
     limits: Limits,
     offline: bool,
+    tokens: ServerTokens,
 }
 
 impl Sources {
@@ -21,7 +22,12 @@ impl Sources {
     ///
     /// # Errors
     /// When a server's URL is invalid, even if the server is not used.
-    pub(super) fn new(args: &SourceArgs, server: Option<&str>, file: &ConfigFile) -> Result<Self, CommandFailure> {
+    pub(super) fn new(
+        args: &SourceArgs,
+        server: Option<&str>,
+        file: &ConfigFile,
+        tokens: ServerTokens,
+    ) -> Result<Self, CommandFailure> {
         let server = server.map(Source::server).transpose()?;
         let usual_server = file.server.as_deref().map(Source::server).transpose()?;
         // Clap would show a wrong source as it is, with its password.
@@ -29,7 +35,7 @@ impl Sources {
         let chosen = if from.is_empty() { server.into_iter().collect() } else { from };
         let usual = file.sources.iter().cloned().chain(usual_server).collect();
         let limits = Limits { table_bytes: args.limit.table_limit, ..Limits::USUAL };
-        Ok(Self { chosen, usual, limits, offline: args.offline })
+        Ok(Self { chosen, usual, limits, offline: args.offline, tokens })
     }
 
     /// The sources of a pin, in order. `own` are those of the pin and then of the lock file, whose folder is `folder`.
@@ -49,8 +55,8 @@ impl Sources {
 
     /// Calls `work` with the access to sources.
     pub(super) fn with_access<T>(&self, interrupt: &Interrupt, work: impl FnOnce(&Access<'_>) -> T) -> T {
-        let Self { limits, offline, .. } = *self;
-        work(&Access { limits, offline, should_stop: &|| interrupt.is_set() })
+        let Self { limits, offline, ref tokens, .. } = *self;
+        work(&Access { limits, offline, tokens, should_stop: &|| interrupt.is_set() })
     }
 }
 
@@ -65,7 +71,8 @@ mod tests {
     #[test]
     fn the_command_line_goes_before_the_pin_before_the_configuration() {
         let usual = vec![source("cache"), source("http://usual")];
-        let mut sources = Sources { chosen: vec![], usual, limits: Limits::USUAL, offline: false };
+        let mut sources =
+            Sources { chosen: vec![], usual, limits: Limits::USUAL, offline: false, tokens: ServerTokens::NONE };
         let named = |sources: &Sources, own: &[Source]| {
             sources.of(own, Path::new("project")).iter().map(ToString::to_string).collect::<Vec<_>>()
         };

@@ -97,8 +97,15 @@ pub(super) fn check_complete(table: &Table, path: &Path) -> Result<(), CommandFa
 /// Writes a model that has formulas as a tabulated BRDF.
 pub(super) fn run(args: &TabulateArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let out = OutputFile::check(&args.out)?;
-    let axes = TabulatedAxes::spread(args.alpha.clone(), args.theta, args.phi);
     let refused = |faults: Vec<String>| CommandFailure::new(Exit::Usage, faults.join("\n"));
+    let axes = TabulatedAxes::spread(args.alpha.clone(), args.theta, args.phi);
+    let axes = match &*args.ratio {
+        [] => axes,
+        _ if args.brdf.is_isotropic() => {
+            return Err(refused(vec![format!("--ratio: brdf {} is isotropic: leave it out", args.brdf)]));
+        }
+        ratio => axes.with_azimuths(ratio.to_vec(), args.phi_o),
+    };
     let brdf = TabulatedBrdf::tabulate(args.brdf, axes)
         .map_err(|faults| refused(faults.iter().map(|fault| format!("{}: {fault}", args.brdf)).collect()))?;
     let bytes = encode(&brdf).map_err(|error| refused(error.0))?;
@@ -106,7 +113,7 @@ pub(super) fn run(args: &TabulateArgs, json: bool, context: &mut Context<'_>) ->
     let digest = Digest::of(&bytes);
     let most = brdf.albedos().iter().copied().fold(0.0, f64::max);
     let value = json!({
-        "file": shown(&args.out), "digest": digest, "bytes": bytes.len(), "shape": brdf.axes().lengths(), "albedo": most,
+        "file": shown(&args.out), "digest": digest, "bytes": bytes.len(), "shape": brdf.axes().shape(), "albedo": most,
     });
     print(context.stdout, json, &value, &format!("{}\n{digest}", shown(&args.out)))?;
     Ok(Exit::Ok)

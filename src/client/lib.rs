@@ -17,6 +17,7 @@ mod lock_text;
 mod pin;
 mod pull;
 mod rest;
+mod server_tokens;
 mod source;
 #[cfg(test)]
 mod tests;
@@ -33,4 +34,5 @@ pub use lock_text::with_pins;
 pub use pin::{ExportPin, FilePin, Pin, check_pins};
 pub use pull::{PinState, PullError, check, check_size, place, pull, pull_export, target};
 pub use rest::Client;
+pub use server_tokens::{ServerTokens, ServerTokensError};
 pub use source::{Access, Source, SourcesError, fetch};

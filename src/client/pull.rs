@@ -225,10 +225,11 @@ mod tests {
     use std::{fs, os::unix::fs::symlink};
 
     use super::*;
-    use crate::Limits;
+    use crate::{Limits, ServerTokens};
     use ltcforge_files::replace::replace_file;
 
-    const OFFLINE: Access<'static> = Access { limits: Limits::USUAL, offline: true, should_stop: &|| false };
+    const OFFLINE: Access<'static> =
+        Access { limits: Limits::USUAL, offline: true, tokens: &ServerTokens::NONE, should_stop: &|| false };
 
     fn right(path: &str) -> Pin {
         Pin {

@@ -1,6 +1,7 @@
 //! The calls of the HTTP interface. They block.
 
 use std::{
+    fmt,
     io::{self, BufReader},
     net::IpAddr,
     time::{Duration, Instant},
@@ -9,12 +10,14 @@ use std::{
 use serde::Deserialize;
 use serde_json::Value;
 use ureq::{
-    Agent, Body, Proxy,
+    Agent, Body, Proxy, RequestBuilder,
+    config::RedirectAuthHeaders,
     http::{Response, Uri},
+    typestate::{WithBody, WithoutBody},
 };
 
 use super::{
-    ClientError, JobDocument, Limits, answer,
+    ClientError, JobDocument, Limits, ServerTokens, answer,
     download::Download,
     error::{printable, shown},
     events::events,
@@ -34,11 +37,19 @@ const RECONNECT_LIMIT: Duration = Duration::from_secs(20);
 const RECONNECT_PAUSE: Duration = Duration::from_millis(500);
 
 /// A service, by its URL.
-#[derive(Debug)]
 pub struct Client {
     agent: Agent,
     base: String,
     limits: Limits,
+    /// The value of `Authorization`.
+    authorization: Option<String>,
+}
+
+/// Without the token.
+impl fmt::Debug for Client {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Client").field("base", &self.base).finish_non_exhaustive()
+    }
 }
 
 /// The part of a page of a list that the client reads.
@@ -73,9 +84,34 @@ impl Client {
             .timeout_recv_response(Some(SILENCE))
             .timeout_per_read(Some(limits.stall))
             .timeout_per_write(Some(SILENCE))
+            .redirect_auth_headers(RedirectAuthHeaders::Never)
             .user_agent(concat!("ltcforge/", env!("CARGO_PKG_VERSION")))
             .build();
-        Ok(Self { agent: config.into(), base, limits })
+        Ok(Self { agent: config.into(), base, limits, authorization: None })
+    }
+
+    /// The same with the token that `tokens` have for its server, if there is one. It is not sent along where the server sends
+    /// the client on.
+    #[must_use]
+    pub fn with_tokens(self, tokens: &ServerTokens) -> Self {
+        let base = parse_base(&self.base).ok();
+        let token = base.and_then(|base| tokens.of(&base).map(|token| format!("Bearer {token}")));
+        Self { authorization: token, ..self }
+    }
+
+    fn signed<B>(&self, request: RequestBuilder<B>) -> RequestBuilder<B> {
+        match &self.authorization {
+            Some(value) => request.header("authorization", value),
+            None => request,
+        }
+    }
+
+    fn get(&self, url: &str) -> RequestBuilder<WithoutBody> {
+        self.signed(self.agent.get(url))
+    }
+
+    fn post(&self, url: &str) -> RequestBuilder<WithBody> {
+        self.signed(self.agent.post(url))
     }
 
     /// Submits a recipe document.
@@ -84,7 +120,7 @@ impl Client {
     /// See [`ClientError`].
     pub fn submit(&self, document: &[u8]) -> Result<JobDocument, ClientError> {
         let url = self.url("/v1/jobs");
-        let sent = self.agent.post(&url).content_type("application/json").send(document);
+        let sent = self.post(&url).content_type("application/json").send(document);
         parse_job(&url, &self.document(&url, sent)?)
     }
 
@@ -94,7 +130,7 @@ impl Client {
     /// See [`ClientError`].
     pub fn store_brdf(&self, bytes: &[u8]) -> Result<(), ClientError> {
         let url = self.url("/v1/brdfs");
-        let sent = self.agent.post(&url).content_type("application/octet-stream").send(bytes);
+        let sent = self.post(&url).content_type("application/octet-stream").send(bytes);
         self.document(&url, sent).map(drop)
     }
 
@@ -104,7 +140,7 @@ impl Client {
     /// See [`ClientError`].
     pub fn job(&self, id: JobId) -> Result<JobDocument, ClientError> {
         let url = self.url(&format!("/v1/jobs/{id}"));
-        parse_job(&url, &self.document(&url, self.agent.get(&url).call())?)
+        parse_job(&url, &self.document(&url, self.get(&url).call())?)
     }
 
     /// Cancels a job.
@@ -113,7 +149,7 @@ impl Client {
     /// See [`ClientError`].
     pub fn cancel(&self, id: JobId) -> Result<JobDocument, ClientError> {
         let url = self.url(&format!("/v1/jobs/{id}"));
-        parse_job(&url, &self.document(&url, self.agent.delete(&url).call())?)
+        parse_job(&url, &self.document(&url, self.signed(self.agent.delete(&url)).call())?)
     }
 
     /// At most `limit` jobs, newest first.
@@ -127,7 +163,7 @@ impl Client {
         let mut jobs = Vec::new();
         let mut cursor: Option<String> = None;
         while jobs.len() < limit {
-            let mut request = self.agent.get(&url).query("limit", (limit - jobs.len()).min(PAGE).to_string());
+            let mut request = self.get(&url).query("limit", (limit - jobs.len()).min(PAGE).to_string());
             if let Some(Ok(Value::String(name))) = state.map(serde_json::to_value) {
                 request = request.query("state", name);
             }
@@ -166,7 +202,7 @@ impl Client {
 
     fn download(&self, path: &str, digest: Digest) -> Result<Download, ClientError> {
         let url = self.url(path);
-        let response = self.successful(&url, self.agent.get(&url).call())?;
+        let response = self.successful(&url, self.get(&url).call())?;
         Ok(Download::new(url, response, digest, self.limits))
     }
 
@@ -204,7 +240,7 @@ impl Client {
         on_update: &mut dyn FnMut(JobDocument),
     ) -> Result<(), ClientError> {
         let url = self.url(&format!("/v1/jobs/{id}/events"));
-        let mut request = self.agent.get(&url).header("accept", "text/event-stream");
+        let mut request = self.get(&url).header("accept", "text/event-stream");
         if let Some(seen) = seen.as_ref() {
             request = request.header("last-event-id", seen);
         }
@@ -254,7 +290,7 @@ impl Client {
 }
 
 /// The URL of a server.
-fn parse_base(base: &str) -> Result<Uri, ClientError> {
+pub(super) fn parse_base(base: &str) -> Result<Uri, ClientError> {
     // A password may have a slash that should be encoded, so an @ in what looks like the path counts too.
     if base.contains("://") && base.contains('@') {
         return Err(ClientError::Credentials { url: shown(base) });

@@ -12,7 +12,7 @@ use std::{
 use serde::Deserialize;
 
 use super::{
-    Client, ClientError, DownloadError, Limits,
+    Client, ClientError, DownloadError, Limits, ServerTokens,
     download::{HashingWriter, size_limit},
     error::{is_hidden, shown},
 };
@@ -109,7 +109,7 @@ impl Source {
                 Err(ClientError::Unavailable { url: url.clone(), reason }.into())
             }
             Self::Server(url) => {
-                let client = Client::with_limits(url, access.limits)?;
+                let client = Client::with_limits(url, access.limits)?.with_tokens(access.tokens);
                 let download = match of {
                     None => client.table(digest)?,
                     Some(Exported { table, export, path }) => client.exported(table, export, path, digest)?,
@@ -153,6 +153,8 @@ pub struct Access<'a> {
     pub limits: Limits,
     /// Send no request to a server.
     pub offline: bool,
+    /// Tokens of servers.
+    pub tokens: &'a ServerTokens,
     /// Called repeatedly while a table arrives.
     pub should_stop: &'a dyn Fn() -> bool,
 }
@@ -276,7 +278,8 @@ mod tests {
     use super::*;
 
     fn access() -> Access<'static> {
-        Access { limits: Limits::USUAL, offline: false, should_stop: &|| false }
+        static NONE: ServerTokens = ServerTokens::NONE;
+        Access { limits: Limits::USUAL, offline: false, tokens: &NONE, should_stop: &|| false }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use std::{
     time::Duration,
 };
 
-use super::{Client, ClientError, DownloadError, Limits, job::tests::document};
+use super::{Client, ClientError, DownloadError, Limits, ServerTokens, job::tests::document};
 use ltcforge_files::{digest::Digest, job::StateName};
 
 /// A server that reads the head of each request and hands the connection to the next of `answers`. Returns its URL and
@@ -226,4 +226,29 @@ fn an_endless_event_is_refused() {
     let refused = client(&server_of(vec![first, second]).0, |_| {}).follow(id, &mut |_| {}).expect_err("endless");
     assert!(matches!(refused, ClientError::Unexpected { .. }), "{refused}");
     assert!(refused.to_string().contains("longer than 1048576 bytes"), "{refused}");
+}
+
+/// A server that sends the client on gets the token; where it sends it, nobody does.
+#[test]
+fn a_token_goes_to_its_own_server_alone() {
+    let bytes = b"table";
+    let of = |tokens: &str, url: &str| {
+        let tokens: ServerTokens = tokens.parse().expect("tokens");
+        client(url, |_| {}).with_tokens(&tokens)
+    };
+    let whole = answer("application/octet-stream", "table");
+    let (elsewhere, sent_on) = server(vec![whole.clone()]);
+    let moved = format!("HTTP/1.1 307 x\r\nlocation: {elsewhere}/b\r\ncontent-length: 0\r\nconnection: close\r\n\r\n");
+    let (own, requests) = server(vec![moved]);
+    assert_eq!(table(&of(&format!("{own} s3cret"), &own), bytes, None).expect("the table"), bytes);
+    let asked = requests.join().expect("requests").concat().to_lowercase();
+    assert!(asked.contains("authorization: bearer s3cret"), "{asked}");
+    let asked = sent_on.join().expect("requests").concat().to_lowercase();
+    assert!(asked.starts_with("get /b") && !asked.contains("s3cret"), "{asked}");
+    let (other, requests) = server(vec![whole]);
+    let named = of(&format!("{own} s3cret"), &other);
+    assert!(!format!("{named:?}").contains("s3cret"));
+    assert_eq!(table(&named, bytes, None).expect("the table"), bytes);
+    let asked = requests.join().expect("requests").concat().to_lowercase();
+    assert!(!asked.contains("authorization"), "{asked}");
 }

@@ -36,7 +36,7 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
             amplitude: column(|entry| entry.terms.amplitude),
             fresnel: column(|entry| entry.terms.fresnel),
             edge: (recipe.terms == StoredTerms::F82)
-                .then(|| edge_spreads(&recipe.brdf, plan.nodes()).into_iter().map(round).collect()),
+                .then(|| edge_spreads(&recipe.brdf, recipe.layout, plan.nodes()).into_iter().map(round).collect()),
         }),
         node_error: entries.iter().map(|entry| round(entry.error)).collect(),
     }

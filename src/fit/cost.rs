@@ -51,7 +51,9 @@ fn lobes(recipe: &Recipe) -> f64 {
     let phi = nodes.phi.len();
     let of_row = |ratio: f64, theta: f64| if ratio == 1.0 || theta == 0.0 { 1 } else { phi };
     let rows = nodes.ratio.iter().flat_map(|ratio| nodes.theta.iter().map(move |theta| (*ratio, *theta)));
-    nodes.alpha.len() as f64 * rows.map(|(ratio, theta)| of_row(ratio, theta)).sum::<usize>() as f64
+    // Each material has one ratio.
+    let alphas = if recipe.layout.is_of_materials() { 1 } else { nodes.alpha.len() };
+    alphas as f64 * rows.map(|(ratio, theta)| of_row(ratio, theta)).sum::<usize>() as f64
 }
 
 #[cfg(test)]

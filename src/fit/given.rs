@@ -1,5 +1,7 @@
 //! Nodes that a recipe gives one by one, in place of a range and a resolution.
 
+use std::collections::BTreeMap;
+
 use serde::{Serialize, Serializer, ser::SerializeMap};
 
 use super::{
@@ -7,10 +9,17 @@ use super::{
     layout::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING},
 };
 
-/// Ascending nodes of some axes; none of an axis whose nodes the layout places. Few recipes have any, so that they are kept
-/// elsewhere.
+/// Ascending nodes of some axes, none of an axis whose nodes the layout places; or materials, which are pairs of alpha and ratio
+/// in any order. Few recipes have any, so that they are kept elsewhere.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct GivenNodes(Option<Box<PerAxis<Vec<f64>>>>);
+pub struct GivenNodes(Option<Box<Given>>);
+
+#[derive(Debug, Clone, PartialEq)]
+struct Given {
+    nodes: PerAxis<Vec<f64>>,
+    /// Whether alpha and ratio are materials.
+    are_materials: bool,
+}
 
 static NONE: PerAxis<Vec<f64>> = PerAxis { alpha: Vec::new(), ratio: Vec::new(), theta: Vec::new(), phi: Vec::new() };
 
@@ -19,7 +28,23 @@ impl GivenNodes {
     #[must_use]
     pub fn new(nodes: PerAxis<Vec<f64>>) -> Self {
         let is_none = nodes.named().iter().all(|(_, nodes)| nodes.is_empty());
-        Self((!is_none).then(|| Box::new(nodes)))
+        Self((!is_none).then(|| Box::new(Given { nodes, are_materials: false })))
+    }
+
+    /// The same nodes of theta and phi, for materials: pairs of alpha and ratio. Domain: at least one pair, both numbers
+    /// within the domain of their axis.
+    #[must_use]
+    pub fn with_materials(self, pairs: &[[f64; 2]]) -> Self {
+        let [alpha, ratio] = [0, 1].map(|axis| pairs.iter().map(|pair| pair[axis]).collect());
+        let PerAxis { theta, phi, .. } = self.axes().clone();
+        Self(Some(Box::new(Given { nodes: PerAxis { alpha, ratio, theta, phi }, are_materials: true })))
+    }
+
+    /// The materials, as pairs of alpha and ratio.
+    #[must_use]
+    pub fn materials(&self) -> Vec<[f64; 2]> {
+        let given = self.0.as_deref().filter(|given| given.are_materials).map(|given| &given.nodes);
+        given.map_or(Vec::new(), |nodes| nodes.alpha.iter().zip(&nodes.ratio).map(|(a, r)| [*a, *r]).collect())
     }
 
     /// Whether no axis has any.
@@ -31,7 +56,7 @@ impl GivenNodes {
     /// The nodes of each axis, empty where the layout places them.
     #[must_use]
     pub fn axes(&self) -> &PerAxis<Vec<f64>> {
-        self.0.as_deref().unwrap_or(&NONE)
+        self.0.as_deref().map_or(&NONE, |given| &given.nodes)
     }
 
     /// The nodes of a table: those given, moved into the limits of the fit, and `placed` on the other axes.
@@ -49,13 +74,26 @@ impl GivenNodes {
     }
 }
 
-/// The axes that have nodes, by their names.
+/// The field `nodes`, with the axes that have some by their names, and the field `materials`; neither where there is nothing in it.
 impl Serialize for GivenNodes {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let given = self.axes().named().into_iter().filter(|(_, nodes)| !nodes.is_empty());
+        #[derive(Serialize)]
+        struct Material {
+            alpha: f64,
+            ratio: f64,
+        }
+        let materials: Vec<Material> =
+            self.materials().into_iter().map(|[alpha, ratio]| Material { alpha, ratio }).collect();
+        let of_view = |name: &str| materials.is_empty() || name == "theta" || name == "phi";
+        let given = self.axes().named().into_iter();
+        let nodes: BTreeMap<&str, &Vec<f64>> =
+            given.filter(|(name, nodes)| !nodes.is_empty() && of_view(name)).collect();
         let mut map = to.serialize_map(None)?;
-        for (name, nodes) in given {
-            map.serialize_entry(name, nodes)?;
+        if !nodes.is_empty() {
+            map.serialize_entry("nodes", &nodes)?;
+        }
+        if !materials.is_empty() {
+            map.serialize_entry("materials", &materials)?;
         }
         map.end()
     }

@@ -43,15 +43,15 @@ pub use entry::{FittedEntry, Fitter};
 pub use expectation::{Expectation, expectation};
 pub use given::GivenNodes;
 pub use layout::{
-    ALPHA_FLOOR, FreeNumbers, Layout, LayoutShader, Precision, RATIO_FLOOR, Reflection, ShaderAxes, ShaderNumbers,
-    ShaderPlace, THETA_CEILING,
+    ALPHA_FLOOR, FreeNumbers, LEAST_THETAS, Layout, LayoutShader, MOST_MATERIALS, Precision, RATIO_FLOOR, Reflection,
+    ShaderAxes, ShaderNumbers, ShaderPlace, THETA_CEILING,
 };
 pub use lobe::LobeModel;
 pub use lobe::ltc::{Clip, Ltc, MAX_VERTICES, Sides, cheap_form_factor, clipped_form_factor};
 pub use measure::{
     Accuracy, Corner, Difference, ErrorMap, Extent, Figures, Floors, Gap, GoOn, MOST_POINTS, Matrices, Moved,
-    POOR_WIDTH, Poor, REPORT_VERSION, Report, ReportPoints, Spread, TermError, Worst, difference, error_map,
-    error_map_while, extremes, figures_of, report, report_points, report_while, width_between,
+    POOR_WIDTH, Poor, REPORT_VERSION, Report, ReportPoints, SecondReport, Spread, TermError, Worst, difference,
+    error_map, error_map_while, extremes, figures_of, report, report_points, report_while, width_between,
 };
 pub use metric::Metric;
 pub use recipe::{FITTER_VERSION, FitSettings, Recipe, StoredTerms};

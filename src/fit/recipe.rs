@@ -110,9 +110,10 @@ pub struct Recipe {
     /// Lowest and highest value on each axis.
     #[doc(hidden)]
     pub range: PerAxis<[f64; 2]>,
-    /// Nodes that are given one by one: range and resolution of their axes are their ends and their number. The canonical
-    /// form names them only where there are some, so that recipes keep their digests.
-    #[serde(rename = "nodes", skip_serializing_if = "GivenNodes::is_none")]
+    /// Nodes that are given one by one, and materials: range and resolution of their axes are their ends and their number; materials
+    /// have one ratio each. The canonical form names them, as `nodes` and `materials`, only where there are some, so that
+    /// recipes keep their digests.
+    #[serde(flatten)]
     #[doc(hidden)]
     pub given: GivenNodes,
     /// Fit settings.
@@ -255,6 +256,16 @@ impl Recipe {
     pub fn entry_numbers(&self) -> u64 {
         let matrices = if self.brdf.fresnel().second().is_some() { 2 } else { 1 };
         9 * matrices + self.terms.count() as u64
+    }
+
+    /// Bytes of the table's matrices and terms, as they lie on a GPU.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let width = match self.precision {
+            Precision::F32 => 4,
+            Precision::F16 => 2,
+        };
+        self.entries().saturating_mul(self.entry_numbers() * width)
     }
 
     /// Entries of the table: the product of the resolutions.

@@ -96,7 +96,7 @@ impl Plan {
     /// fitted. Domain: `index < entries()`.
     #[must_use]
     pub fn place(&self, index: u64) -> PerAxis<f64> {
-        within_limits(self.nodes.node(index as usize))
+        within_limits(self.recipe.layout.node(&self.nodes, index as usize))
     }
 }
 

@@ -25,12 +25,12 @@ pub fn ggx_terms(layout: Layout, axes: &PerAxis<Vec<f64>>) -> Terms {
 /// Domain: nodes that a fit could have, and a model that [is complete](BrdfModel::is_complete).
 #[must_use]
 pub fn terms_of(brdf: &BrdfModel, layout: Layout, axes: &PerAxis<Vec<f64>>) -> Terms {
-    let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
+    let PerAxis { alpha, ratio, theta, phi } = layout.lengths(axes);
     let points: Vec<SquarePoint> = Lattice::new(SAMPLES, [0.0; 2]).points().map(SquarePoint::new).collect();
     let (amplitude, fresnel) = (0..alpha * ratio * theta * phi)
         .into_par_iter()
         .map(|index| {
-            let place = within_limits(axes.node(index));
+            let place = within_limits(layout.node(axes, index));
             let wo = place.view();
             let terms = brdf.surface_at(&place).terms(wo, &points);
             let stored = layout.rules().store_terms(&place, terms);
@@ -45,13 +45,13 @@ pub fn terms_of(brdf: &BrdfModel, layout: Layout, axes: &PerAxis<Vec<f64>>) -> T
 ///
 /// Domain: as [`terms_of`].
 #[must_use]
-pub fn edge_spreads(brdf: &BrdfModel, axes: &PerAxis<Vec<f64>>) -> Vec<f64> {
-    let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
+pub fn edge_spreads(brdf: &BrdfModel, layout: Layout, axes: &PerAxis<Vec<f64>>) -> Vec<f64> {
+    let PerAxis { alpha, ratio, theta, phi } = layout.lengths(axes);
     let points: Vec<SquarePoint> = Lattice::new(SAMPLES, [0.0; 2]).points().map(SquarePoint::new).collect();
     (0..alpha * ratio * theta * phi)
         .into_par_iter()
         .map(|index| {
-            let place = within_limits(axes.node(index));
+            let place = within_limits(layout.node(axes, index));
             edge_spread(&*brdf.surface_at(&place), place.view(), &points)
         })
         .collect()

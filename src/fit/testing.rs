@@ -1,7 +1,7 @@
 //! Tables, BRDFs and polygons whose numbers are known, for tests of the floors above.
 
 pub use super::{
-    brdf::planted_tabulated,
+    brdf::{planted_anisotropic, planted_tabulated},
     lobe::ltc::cases::{self, mirror_like, quadrature as polygon_quadrature, random_cases},
     table::planted_isotropic,
 };

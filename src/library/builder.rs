@@ -146,6 +146,12 @@ impl RecipeBuilder {
         self.set_in("nodes", axis, json!(nodes))
     }
 
+    /// The materials of layout `materials`, which this sets: pairs of alpha and ratio, in the order of their numbers.
+    pub fn surfaces(self, pairs: &[[f64; 2]]) -> Self {
+        let list: Vec<Value> = pairs.iter().map(|[alpha, ratio]| json!({ "alpha": alpha, "ratio": ratio })).collect();
+        self.set("layout", Layout::Materials.name()).set("materials", list)
+    }
+
     /// Isotropic surfaces alone: ratio 1 and one phi.
     pub fn isotropic(self) -> Self {
         self.range("ratio", 1.0, 1.0).range("phi", 0.0, 0.0)

@@ -88,6 +88,20 @@ pub enum LightError {
     /// A tabulated model has no numbers at hand.
     #[error("the BRDF is tabulated, and its file was not read: attach it first")]
     NoBrdfFile,
+    /// A picture needs a rectangle.
+    #[error("the light is no rectangle: a picture is on a light of four corners with right angles")]
+    NoRectangle,
+    /// A picture is lit by tables of LTCs.
+    #[error("the table is one of Gaussians; a picture on a light is read by tables of lobe ltc")]
+    NoLtc,
+    /// The light of a picture's texels does not sum to that of the whole rectangle.
+    #[error(
+        "the lobe is too sharp to be integrated texel by texel: the sum is off by {off}; raise the roughness or move the light"
+    )]
+    NotConverged {
+        /// By how much.
+        off: f64,
+    },
     /// A table's matrix has no inverse.
     #[error("the table's matrix is singular")]
     Singular,

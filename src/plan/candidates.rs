@@ -45,23 +45,11 @@ pub struct Candidate {
 impl Candidate {
     /// The table of some nodes, a number format and an effort, as it is predicted.
     pub(crate) fn of(prediction: &Prediction, nodes: Nodes, precision: Precision, preset: Preset) -> Self {
-        let base = prediction.base();
-        let fit = FitSettings { seed: base.fit.seed, ..preset.fit() };
-        let (resolution, given) = (nodes.resolution, prediction.given(nodes.given));
-        let recipe = Recipe { resolution, given, precision, fit, ..base.clone() };
-        let (error, bytes, seconds) = (prediction.error(&recipe), bytes_of(&recipe), fit_seconds(&recipe));
+        let fit = FitSettings { seed: prediction.base().fit.seed, ..preset.fit() };
+        let recipe = Recipe { precision, fit, ..prediction.recipe(nodes) };
+        let (error, bytes, seconds) = (prediction.error(&recipe), recipe.bytes(), fit_seconds(&recipe));
         Self { recipe, preset, error, bytes, seconds }
     }
-}
-
-/// Bytes of a recipe's matrices and terms.
-#[must_use]
-pub(crate) fn bytes_of(recipe: &Recipe) -> u64 {
-    let width = match recipe.precision {
-        Precision::F32 => 4,
-        Precision::F16 => 2,
-    };
-    recipe.entries() * recipe.entry_numbers() * width
 }
 
 /// The nodes for which none of fewer entries have less error, each with all efforts and number formats.
@@ -87,7 +75,8 @@ pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
     priced.iter().flat_map(of).collect()
 }
 
-/// All nodes that a table may have: one for a single value, else so many evenly spaced ones, or those that are given.
+/// All nodes that a table may have: one for a single value, else so many evenly spaced ones, or those that are given; and the
+/// scene's materials.
 fn choices(prediction: &Prediction) -> Vec<Nodes> {
     let range = &prediction.base().range;
     let counts = |[low, high]: [f64; 2], [from, to]: [u32; 2]| if low < high { from..=to } else { 1..=1 };
@@ -103,9 +92,18 @@ fn choices(prediction: &Prediction) -> Vec<Nodes> {
                 all.extend(counts(range.phi, NODES.phi).map(|phi| Nodes {
                     resolution: PerAxis { alpha, ratio: *ratio, theta, phi },
                     given: [is_alpha_given, *is_ratio_given],
+                    of_materials: false,
                 }));
             }
         }
+    }
+    let materials = prediction.materials().len() as u32;
+    for theta in counts(range.theta, NODES.theta).filter(|_| materials > 0) {
+        all.extend(counts(range.phi, NODES.phi).map(|phi| Nodes {
+            resolution: PerAxis { alpha: materials, ratio: 1, theta, phi },
+            given: [false; 2],
+            of_materials: true,
+        }));
     }
     all
 }

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 
 use crate::{
     candidates::{Budget, Candidate},
+    needs::pair,
     plan::TablePlan,
     scene::{LobeKind, Scene, SceneLobe, SceneMaterial},
 };
@@ -84,8 +85,7 @@ fn row(candidate: &Candidate, chosen: &Candidate) -> Row {
 
 fn table(plan: &TablePlan<'_>) -> Value {
     let TablePlan { needs, budget, is_met, chosen, limit, measured, whole, .. } = plan;
-    let serves: Vec<Value> =
-        needs.lobes().iter().map(|(index, lobe)| json!({ "material": index, "kind": lobe.kind })).collect();
+    let serves: Vec<Value> = needs.lobes().iter().map(|(index, lobe)| served(*index, lobe, &chosen.recipe)).collect();
     let (budget, of) = match budget {
         Budget::Error(most) => (json!(most), "error"),
         Budget::Bytes(most) => (json!(most), "bytes"),
@@ -110,10 +110,20 @@ fn table(plan: &TablePlan<'_>) -> Value {
     })
 }
 
+/// A lobe that a table serves: the number of the scene's material, and those of the table's where it has some.
+fn served(index: usize, lobe: &SceneLobe, recipe: &Recipe) -> Value {
+    let mut value = json!({ "material": index, "kind": lobe.kind });
+    let materials = recipe.given().materials();
+    if !materials.is_empty() {
+        let number = |spot| materials.iter().position(|known| *known == pair(spot));
+        value["table_materials"] = json!(lobe.spots.iter().filter_map(number).collect::<Vec<_>>());
+    }
+    value
+}
+
 /// The summary in words, a line for each thing to know.
 #[must_use]
 pub fn words(scene: &Scene, plans: &[TablePlan<'_>]) -> Vec<String> {
-    let plural = |n: usize, one: &str| if n == 1 { format!("1 {one}") } else { format!("{n} {one}s") };
     let anisotropic =
         scene.materials.iter().filter(|material| material.lobes.iter().any(|lobe| !lobe.is_isotropic())).count();
     let views = match scene.cameras {
@@ -138,7 +148,13 @@ pub fn words(scene: &Scene, plans: &[TablePlan<'_>]) -> Vec<String> {
 
 fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     let TablePlan { chosen, measured, whole, limit, is_met, .. } = plan;
-    let nodes = chosen.recipe.resolution().named().map(|(_, n)| n.to_string()).join(" x ");
+    let [alpha, ratio, theta, phi] = chosen.recipe.resolution().named().map(|(_, n)| *n);
+    let surfaces = if chosen.recipe.layout().is_of_materials() {
+        format!("layout materials, {} x", plural(alpha as usize, "material"))
+    } else {
+        format!("{alpha} x {ratio} x")
+    };
+    let nodes = format!("{surfaces} {theta} x {phi}");
     let is_sheen = plan.needs.lobes().iter().any(|(_, lobe)| lobe.kind == LobeKind::Sheen);
     let of = if is_sheen { "sheen: " } else { "" };
     let measured = measured.map_or_else(String::new, |measured| format!("; measured {:.4}", measured.error));
@@ -177,6 +193,10 @@ fn unmet(plan: &TablePlan<'_>) -> String {
         Budget::Seconds(most) => format!("{most} s are too few: the fastest fit takes {:.3} s", chosen.seconds),
         Budget::Knee => "no table serves it".to_owned(),
     }
+}
+
+fn plural(n: usize, one: &str) -> String {
+    if n == 1 { format!("1 {one}") } else { format!("{n} {one}s") }
 }
 
 fn bytes_in_words(bytes: u64) -> String {

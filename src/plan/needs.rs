@@ -7,7 +7,8 @@ use crate::{
     scene::{LobeKind, Scene, SceneLobe},
 };
 use ltcforge_fit::{
-    ALPHA_FLOOR, BrdfKind, BrdfModel, Configuration, LobeFresnel, PerAxis, RATIO_FLOOR, WeightedF0, math::recurrence4,
+    ALPHA_FLOOR, BrdfKind, BrdfModel, Configuration, LobeFresnel, MOST_MATERIALS, PerAxis, RATIO_FLOOR, WeightedF0,
+    math::recurrence4,
 };
 
 /// Where the sequence of configurations begins.
@@ -91,6 +92,22 @@ impl<'a> Needs<'a> {
         [of(|spot| spot.alpha, ALPHA_FLOOR), of(|spot| spot.ratio, RATIO_FLOOR)]
     }
 
+    /// The different pairs of alpha and ratio, in the order of the lobes; none where they are more than a table of materials has.
+    #[must_use]
+    pub fn pairs(&self) -> Vec<[f64; 2]> {
+        let mut pairs = Vec::new();
+        for (spot, _) in self.spots() {
+            let pair = pair(spot);
+            if !pairs.contains(&pair) {
+                if pairs.len() == MOST_MATERIALS {
+                    return Vec::new();
+                }
+                pairs.push(pair);
+            }
+        }
+        pairs
+    }
+
     /// Configurations as often as the scene has them: by surface, and by the views of it.
     #[must_use]
     pub fn draw(&self, count: usize) -> Vec<Configuration> {
@@ -124,6 +141,11 @@ fn fresnel(lobes: &[(usize, &SceneLobe)]) -> LobeFresnel {
         })
     };
     LobeFresnel::mix([rest, metal].into_iter().filter_map(part).collect()).unwrap_or_default()
+}
+
+/// Alpha and ratio of a spot as recipes have them.
+pub(crate) fn pair(spot: &crate::Spot) -> [f64; 2] {
+    [spot.alpha.max(ALPHA_FLOOR), spot.ratio.max(RATIO_FLOOR)].map(decimal)
 }
 
 /// A number without digits of rounding.

@@ -53,9 +53,14 @@ fn beyond(lobe: &SceneLobe, table: &Table) -> Vec<OutsideAxis> {
     let axes = table.axes();
     let ends = |nodes: &[f64]| [nodes.first(), nodes.last()].map(|end| end.copied().unwrap_or_default());
     let theta = lobe.views.theta().map(|theta| theta.min(THETA_CEILING));
+    let surface = [
+        (around(|spot| spot.alpha.max(ALPHA_FLOOR)), ends(&axes.alpha)),
+        (around(|spot| spot.ratio.max(RATIO_FLOOR)), ends(&axes.ratio)),
+    ];
+    let [alpha, ratio] = farthest(lobe, table).unwrap_or(surface);
     let all = [
-        ("alpha", around(|spot| spot.alpha.max(ALPHA_FLOOR)), ends(&axes.alpha)),
-        ("ratio", around(|spot| spot.ratio.max(RATIO_FLOOR)), ends(&axes.ratio)),
+        ("alpha", alpha.0, alpha.1),
+        ("ratio", ratio.0, ratio.1),
         ("theta", theta, ends(&axes.theta)),
         (
             "phi",
@@ -71,4 +76,16 @@ fn beyond(lobe: &SceneLobe, table: &Table) -> Vec<OutsideAxis> {
         .filter(|(axis, scene, table)| counts(axis) && is_beyond(*scene, *table))
         .map(|(axis, scene, table)| OutsideAxis { axis, scene, table })
         .collect()
+}
+
+/// The ranges of alpha, and of ratio, of the roughness that is farthest from the materials of a table, and of the material
+/// nearest to it; `None` for a table without materials.
+fn farthest(lobe: &SceneLobe, table: &Table) -> Option<[([f64; 2], [f64; 2]); 2]> {
+    let of = |spot: &crate::Spot| {
+        let (alpha, ratio) = (spot.alpha.max(ALPHA_FLOOR), spot.ratio.max(RATIO_FLOOR));
+        let nearest = table.materials().nth(table.material_near(alpha, ratio)?)?;
+        Some([([alpha; 2], [nearest[0]; 2]), ([ratio; 2], [nearest[1]; 2])])
+    };
+    let away = |pairs: &[([f64; 2], [f64; 2]); 2]| pairs.iter().map(|(a, b)| (a[0] - b[0]).abs()).sum::<f64>();
+    lobe.spots.iter().filter_map(of).max_by(|a, b| away(a).total_cmp(&away(b)))
 }

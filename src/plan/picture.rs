@@ -59,10 +59,16 @@ fn write_spots(out: &mut String, plan: &TablePlan<'_>) -> std::fmt::Result {
     let y = |ratio: f64| TOP + PANEL[1] * (1.0 - ratio);
     write_frame(out, left, "Smaller over larger roughness, and the nodes", "perceptual roughness")?;
     let nodes = plan.chosen.recipe.nodes();
-    for alpha in &nodes.alpha {
+    let materials = plan.chosen.recipe.given().materials();
+    for [alpha, ratio] in &materials {
+        let (at, up) = (x(*alpha), y(*ratio));
+        writeln!(out, r#"<path class="node" d="M{:.1} {up:.1}h24M{at:.1} {:.1}v24"/>"#, at - 12.0, up - 12.0)?;
+    }
+    let is_grid = materials.is_empty();
+    for alpha in nodes.alpha.iter().filter(|_| is_grid) {
         writeln!(out, r#"<path class="node" d="M{:.1} {TOP}v{}"/>"#, x(*alpha), PANEL[1])?;
     }
-    for ratio in &nodes.ratio {
+    for ratio in nodes.ratio.iter().filter(|_| is_grid) {
         writeln!(out, r#"<path class="node" d="M{left} {:.1}h{}"/>"#, y(*ratio), PANEL[0])?;
     }
     let spots = || plan.needs.lobes().iter().flat_map(|(_, lobe)| &lobe.spots);

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::without::Beside;
 use crate::{
-    candidates::{Budget, Candidate, bytes_of, candidates, choose},
+    candidates::{Budget, Candidate, candidates, choose},
     needs::Needs,
     prediction::{Nodes, POINTS, Prediction, Stopped, error},
 };
@@ -83,7 +83,7 @@ impl<'a> TablePlan<'a> {
         form: Form,
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, Stopped> {
-        let default = Layout::ALL.iter().copied().find(|layout| layout.takes(needs.brdf().kind()));
+        let default = Layout::ALL.iter().copied().find(|layout| layout.takes(needs.brdf()));
         let layout = form.layout.or(default).unwrap_or(Layout::ALL[0]);
         let prediction = Prediction::new(&needs, layout, form.any_nodes, Preset::Standard.fit(), go_on)?;
         let whole = whole(prediction.base());
@@ -194,5 +194,5 @@ fn whole(base: &Recipe) -> Whole {
         precision: Precision::F32,
         ..base.clone()
     };
-    Whole { bytes: bytes_of(&recipe), recipe, error: None }
+    Whole { bytes: recipe.bytes(), recipe, error: None }
 }

@@ -37,6 +37,8 @@ pub(crate) struct Prediction {
     added: [Vec<[f64; 2]>; 4],
     /// The scene's values of alpha and of ratio, where they are few and may be nodes.
     given: [Vec<f64>; 2],
+    /// The scene's pairs of alpha and ratio, where they are few and a table may have them as materials.
+    materials: Vec<[f64; 2]>,
 }
 
 /// The nodes of a table over the ranges of the coarse one.
@@ -46,12 +48,14 @@ pub(crate) struct Nodes {
     pub(crate) resolution: PerAxis<u32>,
     /// Whether those of alpha, and of ratio, are the scene's values, given one by one.
     pub(crate) given: [bool; 2],
+    /// Whether they are the scene's pairs, a table of layout `materials`.
+    pub(crate) of_materials: bool,
 }
 
 impl Nodes {
     /// Evenly spaced ones.
     pub(crate) fn even(resolution: PerAxis<u32>) -> Self {
-        Self { resolution, given: [false; 2] }
+        Self { resolution, given: [false; 2], of_materials: false }
     }
 
     /// Entries of the table.
@@ -128,7 +132,10 @@ impl Prediction {
         }
         let is_free = any_nodes && layout.only_ranges().is_none();
         let given = if is_free { needs.values().map(|values| few(&values)) } else { [const { Vec::new() }; 2] };
-        Ok(Self { base, of_base, added, given })
+        // Tables of materials have two thetas at least.
+        let has_thetas = range.theta[0] < range.theta[1];
+        let materials = if layout == Layout::Reflected && has_thetas { needs.pairs() } else { Vec::new() };
+        Ok(Self { base, of_base, added, given, materials })
     }
 
     /// The recipe of the coarse table, from which others differ by their resolution, effort and precision.
@@ -154,13 +161,14 @@ impl Prediction {
     pub(crate) fn corrected(&self, factor: f64) -> Self {
         let added =
             self.added.clone().map(|axis| axis.into_iter().map(|[step, error]| [step, factor * error]).collect());
-        Self { base: self.base.clone(), of_base: factor * self.of_base, added, given: self.given.clone() }
+        Self { of_base: factor * self.of_base, added, ..self.clone() }
     }
 
     /// The error that nodes add to that of the coarse table.
     #[must_use]
     pub(crate) fn of_nodes(&self, nodes: Nodes) -> f64 {
-        let Nodes { resolution, given } = nodes;
+        let Nodes { resolution, given, of_materials } = nodes;
+        let given = given.map(|given| given || of_materials);
         self.interpolation(between_given(self.base.layout.steps(&self.base.range, &resolution), given))
     }
 
@@ -170,11 +178,23 @@ impl Prediction {
         &self.given[axis]
     }
 
-    /// The nodes of alpha and of ratio that a recipe gives one by one.
+    /// The scene's pairs of alpha and ratio; none where they are too many, or the layout is another than `materials` is like.
     #[must_use]
-    pub(crate) fn given(&self, is_given: [bool; 2]) -> GivenNodes {
-        let of = |axis: usize| if is_given[axis] { self.given[axis].clone() } else { Vec::new() };
-        GivenNodes::new(PerAxis { alpha: of(0), ratio: of(1), theta: Vec::new(), phi: Vec::new() })
+    pub(crate) fn materials(&self) -> &[[f64; 2]] {
+        &self.materials
+    }
+
+    /// The recipe of a table with some nodes, of the coarse table's effort and number format.
+    #[must_use]
+    pub(crate) fn recipe(&self, nodes: Nodes) -> Recipe {
+        let Nodes { resolution, given, of_materials } = nodes;
+        if of_materials {
+            let given = GivenNodes::default().with_materials(&self.materials);
+            return Recipe { layout: Layout::Materials, resolution, given, ..self.base.clone() };
+        }
+        let of = |axis: usize| if given[axis] { self.given[axis].clone() } else { Vec::new() };
+        let given = GivenNodes::new(PerAxis { alpha: of(0), ratio: of(1), theta: Vec::new(), phi: Vec::new() });
+        Recipe { resolution, given, ..self.base.clone() }
     }
 
     fn interpolation(&self, squared: [f64; 4]) -> f64 {

@@ -5,7 +5,7 @@ use ltcforge_fit::{PerAxis, Table, Terms};
 /// The table with its stored numbers at other nodes within its own, linear between its own. Domain: one lobe an entry, no
 /// edge term, and a layout whose weights are linear in the values of the axes.
 pub(crate) fn resampled(table: &Table, axes: PerAxis<Vec<f64>>) -> Table {
-    let own = table.axes.lengths();
+    let own = table.lengths();
     let between =
         |own: &[f64], nodes: &[f64]| -> Vec<[(usize, f64); 2]> { nodes.iter().map(|x| around(own, *x)).collect() };
     let alpha = between(&table.axes.alpha, &axes.alpha);

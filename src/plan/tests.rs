@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use super::*;
 use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, canonical_json, parse};
-use ltcforge_fit::{PerAxis, Plan, Recipe, Table, fit_plan};
+use ltcforge_fit::{GivenNodes, Layout, PerAxis, Plan, Recipe, Table, fit_plan};
 
 fn fitted(recipe: &Recipe) -> Table {
     fit_plan(&Plan::new(recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
@@ -87,11 +87,32 @@ fn nodes_may_stand_on_the_roughnesses_of_a_scene() {
     let recipe = plan.chosen.recipe.clone();
     assert_eq!(recipe.nodes().alpha, [0.04, 0.25, 0.6]);
     assert_eq!(parse(canonical_json(&recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).as_ref(), Ok(&recipe));
-    let even = planned(&scene, Budget::Bytes(700));
-    assert!(even.chosen.error > plan.chosen.error, "{:?}", even.chosen);
     plan.measure(&fitted(&recipe), None);
     let measured = plan.measured.expect("the prediction was near");
     assert!((0.85..1.15).contains(&measured.off_by), "{measured:?}");
+}
+
+/// Materials far apart in both roughness and ratio: a grid would have most of its nodes where there is none.
+#[test]
+fn materials_far_apart_have_a_table_of_their_own() {
+    let scene = listed(include_str!("../../docs/plan/seven.json"));
+    let whole = planned(&scene, Budget::Knee).whole.bytes;
+    let mut plan = planned(&scene, Budget::Bytes(whole / 8));
+    let recipe = plan.chosen.recipe.clone();
+    assert_eq!((recipe.layout(), recipe.given().materials().len()), (Layout::Materials, 7));
+    assert_eq!(parse(canonical_json(&recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).as_ref(), Ok(&recipe));
+    let table = fitted(&recipe);
+    plan.measure(&table, None);
+    let measured = plan.measured.expect("the prediction was near");
+    println!("{:?} {measured:?} predicted {}", recipe.resolution(), plan.chosen.error);
+    // That of the table of the whole domain is 0.0629.
+    assert!((0.85..1.15).contains(&measured.off_by) && measured.error <= 0.0629, "{measured:?}");
+    assert_eq!(outside(&scene, &table), []);
+    let told = document(&scene, &[plan]);
+    assert_eq!(told["tables"][0]["serves"][6]["table_materials"], serde_json::json!([6]));
+    let moved = listed(&include_str!("../../docs/plan/seven.json").replace("0.36", "0.37"));
+    let beyond = outside(&moved, &table);
+    assert_eq!((beyond.len(), beyond[0].axes.len(), beyond[0].axes[0].table), (1, 2, [0.36, 0.36]), "{beyond:?}");
 }
 
 #[test]
@@ -106,7 +127,12 @@ fn stopping_ends_a_plan() {
 fn a_prediction_that_was_far_off_is_corrected_once() {
     let scene = listed(ISOTROPIC);
     let mut plan = planned(&scene, Budget::Knee);
-    let coarse = Recipe { resolution: PerAxis { alpha: 2, ratio: 1, theta: 2, phi: 1 }, ..plan.chosen.recipe.clone() };
+    let coarse = Recipe {
+        layout: Layout::Reflected,
+        given: GivenNodes::default(),
+        resolution: PerAxis { alpha: 2, ratio: 1, theta: 2, phi: 1 },
+        ..plan.chosen.recipe.clone()
+    };
     let poor = fitted(&coarse);
     plan.measure(&poor, None);
     let is_new = !plan.is_measured();

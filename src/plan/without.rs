@@ -65,7 +65,10 @@ impl Beside {
     pub(crate) fn words(&self) -> Option<String> {
         let without = self.without_table.first()?;
         let cost = |of: Option<GpuCost>| {
-            of.map_or_else(String::new, |of| format!("{} registers, {} instructions", of.registers, of.instructions))
+            of.map_or_else(
+                || "not counted".to_owned(),
+                |of| format!("{} registers, {} instructions", of.registers, of.instructions),
+            )
         };
         let errors = self.light_error.zip(without.light_error);
         let errors = errors

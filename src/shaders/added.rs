@@ -41,7 +41,7 @@ fn compensation(model: LightModel) -> (&'static str, &'static [&'static str]) {
 impl LitBy {
     /// The files of what is added.
     pub(super) fn added_files(self, lights: Lights) -> Vec<&'static str> {
-        let Additions { cut, compensate } = self.additions();
+        let Additions { cut, compensate, .. } = self.additions();
         let cut: &[&str] = match (cut, lights) {
             (false, _) => &[],
             (true, Lights::Polygons) => &["ltc_cut"],
@@ -53,7 +53,7 @@ impl LitBy {
     /// A fragment shader that calls every function of the text to include, named `ltc_included`.
     #[must_use]
     pub fn caller(self, reading: Reading, lights: Lights) -> String {
-        let Additions { cut, compensate } = self.additions();
+        let Additions { cut, compensate, .. } = self.additions();
         let mut calls = match (cut, lights) {
             (false, _) => String::new(),
             (true, Lights::Polygons) => POLYGONS_CUT.to_owned(),
@@ -63,13 +63,17 @@ impl LitBy {
             let call = compensation(self.model()).0.replace("alpha_x, alpha_y, wo", "0.5, 0.5, vec3(0.0, 0.0, 1.0)");
             calls += &["    let factor = ", &call.replace("f0", "vec3(1.0)"), ";\n"].concat();
         }
+        if self.reads_materials() {
+            calls += "    let material = ltc_lookup_material(0u, vec3(0.0, 0.0, 1.0)).fresnel;\n";
+        }
+        calls += &self.textured_call();
         (self.shader().caller)(reading, lights).replacen("    return ", &format!("{calls}    return "), 1)
     }
 
     /// The comment of a text to include with what its additions are, before its last part.
     #[must_use]
     pub fn explained(self, comment: &str, lights: Lights) -> String {
-        let Additions { cut, compensate } = self.additions();
+        let Additions { cut, compensate, .. } = self.additions();
         let mut about = String::new();
         if cut {
             let shapes = if lights == Lights::All { CUT_SHAPES } else { "" };
@@ -78,6 +82,10 @@ impl LitBy {
         }
         if compensate {
             about += &COMPENSATION.replace("{call}", compensation(self.model()).0);
+            about += "\n";
+        }
+        if self.additions().textured.is_some() {
+            about += &self.about_textured();
             about += "\n";
         }
         let end = ["\n// CHECK", "\n// TABLE"].iter().filter_map(|head| comment.rfind(head)).max();

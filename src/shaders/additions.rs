@@ -1,6 +1,7 @@
 //! Functions that a text to include has only where they are chosen.
 
-use ltcforge_light::LightModel;
+use super::textured::has_pictures;
+use ltcforge_light::{LightModel, textured::Readings};
 
 /// What is added to the text of a model of light; nothing by default.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -9,19 +10,33 @@ pub struct Additions {
     pub cut: bool,
     /// The factor by which metals reflect more than one bounce tells.
     pub compensate: bool,
+    /// Rectangles with pictures, each read so often.
+    pub textured: Option<Readings>,
 }
 
 /// Why a model's text has no such addition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("--cut is of model ltc: by model {0} nothing shines through from below the surface")]
-pub struct NothingBelow(pub LightModel);
+pub enum AdditionError {
+    /// Nothing shines through from below.
+    #[error("--cut is of model ltc: by model {0} nothing shines through from below the surface")]
+    NothingBelow(LightModel),
+    /// No kernel of its lobe is known.
+    #[error("--textured is of models normals and ltc: model {0} lights by no pictures")]
+    NoPictures(LightModel),
+}
 
 impl Additions {
     /// Whether the text of a model can have them.
     ///
     /// # Errors
-    /// [`NothingBelow`] for a model that nothing shines through.
-    pub fn check(self, model: LightModel) -> Result<(), NothingBelow> {
-        if self.cut && model != LightModel::Ltc { Err(NothingBelow(model)) } else { Ok(()) }
+    /// [`AdditionError`] for a model that nothing shines through, and for one that lights by no pictures.
+    pub fn check(self, model: LightModel) -> Result<(), AdditionError> {
+        if self.cut && model != LightModel::Ltc {
+            return Err(AdditionError::NothingBelow(model));
+        }
+        if self.textured.is_some() && !has_pictures(model) {
+            return Err(AdditionError::NoPictures(model));
+        }
+        Ok(())
     }
 }

@@ -2,12 +2,13 @@
 
 use super::{
     Bound, Language,
+    bindings::{bindings, included_bindings},
     gaussians_header::{LIGHTS, gaussians_caller},
     golden::{CASES, CORNERS, Case},
-    header::{bindings, bound_table, checked_table, commented, fixed, listed},
+    header::{bound_table, checked_table, commented, fixed, listed},
     stamp::{LICENCE, head},
 };
-use super::{Lights, Namespace, Reading, header::included_bindings, model_shader::ModelShader};
+use super::{Lights, Namespace, Reading, model_shader::ModelShader};
 use ltcforge_fit::Layout;
 use ltcforge_light::Gaussian;
 
@@ -59,7 +60,7 @@ fn about(layout: Layout) -> String {
 
 /// The comment of the program, in lines that begin with `//`.
 fn gaussians_table_header(language: Language, layout: Layout) -> String {
-    let (table, bindings) = (bound_table(Bound::Volumes), bindings(language));
+    let (table, bindings) = (bound_table(Bound::Volumes, layout), bindings(language));
     commented(&format!("{}\n{table}  {bindings}\n\n{EXAMPLE}\n{}", about(layout), check(layout)))
 }
 
@@ -71,7 +72,7 @@ fn gaussians_table_include_header(
     _: Lights,
     namespace: &Namespace,
 ) -> String {
-    let (table, bindings) = (bound_table(reading.bound), included_bindings(language, reading, namespace));
+    let (table, bindings) = (bound_table(reading.bound, layout), included_bindings(language, reading, namespace));
     commented(&format!("{}{USE}\n{table}  {bindings}\n\n{}", about(layout), check(layout)))
 }
 

@@ -70,7 +70,7 @@ const ACROSS: [usize; 4] = [1, 3, 5, 7];
 
 /// The table: number `k` of entry `e`, both from 0 in storage order, is `I[k] + e (k + 1) / 1024`, where `I` is the
 /// identity, an amplitude of 1 and a Fresnel term of 0. Layouts of isotropic tables have one ratio and one phi, and zeros
-/// across the plane of incidence.
+/// across the plane of incidence. Of layout `materials` there are three materials.
 #[must_use]
 pub fn table(layout: Layout) -> Table {
     const START: [f64; 11] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
@@ -82,8 +82,12 @@ pub fn table(layout: Layout) -> Table {
     });
     let is_isotropic = layout.only_ranges().is_some();
     let [ratio, phi] = if is_isotropic { [1, 1] } else { [2, 3] };
-    let axes = layout.nodes(&range, &PerAxis { alpha: 3, ratio, theta: 3, phi });
-    let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
+    let mut axes = layout.nodes(&range, &PerAxis { alpha: 3, ratio, theta: 3, phi });
+    if layout.is_of_materials() {
+        // Exact in 16 bits, too.
+        (axes.alpha, axes.ratio) = (vec![0.5, 0.125, 0.75], vec![0.5, 0.375, 0.25]);
+    }
+    let PerAxis { alpha, ratio, theta, phi } = layout.lengths(&axes);
     let entries = alpha * ratio * theta * phi;
     let step = |k: usize| if is_isotropic && ACROSS.contains(&k) { 0.0 } else { STEP };
     let number = |entry: usize, k: usize| (START[k] + (entry * (k + 1)) as f64 * step(k)) as f32;

@@ -1,12 +1,13 @@
 //! The comment at the top of a translation.
 
+use super::bindings::{bindings, included_bindings};
 use super::model_shader::{ModelShader, caller};
 use super::{
     Bound, Language, Lights,
     golden::{CASES, CORNERS, Case, Golden, SecondGolden, table},
 };
 use super::{
-    Filter, Namespace, Reading,
+    Namespace, Reading,
     stamp::{LICENCE, head},
 };
 use ltcforge_fit::{Layout, PerAxis, ShaderAxes};
@@ -65,6 +66,12 @@ FUNCTIONS
   ltc_lookup(alpha_x, alpha_y, wo)  M, amplitude and fresnel. GGX roughness along x and y; wo is the view direction in
       the tangent frame, normal +z, of unit length. M maps the clamped cosine to the lobe, in that frame.
 {lights}";
+
+/// The functions for tables of materials.
+const MATERIALS: &str = "\x20     That of the material nearest in sqrt(alpha) and ratio, which it searches for.
+  ltc_lookup_material(material, wo)  the same of a material by its number in the recipe's list, without a search. Its
+      larger roughness is along x.
+";
 
 /// The functions for tables with two lobes.
 const TWO_LOBES: &str = "  ltc_lookup_both(alpha_x, alpha_y, wo)  first, as ltc_lookup has it, and second, the matrix of the part that Schlick's
@@ -130,6 +137,12 @@ BINDINGS OF A TABLE
   direction's angles in radians.
 ";
 
+/// The axis of materials.
+const PAIRS: &str = "\
+  Of layout materials the nodes of alpha are the materials, each with one ratio: in place of the 0 after fresnel stand
+  a material's alpha where theta is the first node, its ratio where theta is the second.
+";
+
 /// A table in three textures.
 const VOLUMES: &str = "\
   matrix_a  3D texture, RGBA, 32 or 16 bit float: m00 m01 m02 m10 of each entry; m01 is row 0, column 1
@@ -156,145 +169,29 @@ EXAMPLE
   Result: 4 x vec4 of f32. The columns of M with 0 after each; amplitude, fresnel, covered, 0.
 ";
 
-/// Where the program binds them.
-pub(super) fn bindings(language: Language) -> &'static str {
-    match language {
-        Language::Wgsl => {
-            "\
-  here      group 0: uniform 0, matrix_a 1, matrix_b 2, terms 3, sampler 4
-            group 1, of the example: case 0, result 1
-  The sampler is used where ltc_hardware_filter is true: linear, clamped to the edge, textures filterable. Else the
-  entries are weighed here and it may be any."
-        }
-        Language::Spirv => {
-            "\
-  here      set 0: uniform 0, matrix_a 1, matrix_b 2, terms 3
-            set 1, of the example: case 0, result 1
-  Sampled images, no sampler: the entries are weighed here."
-        }
-        Language::Glsl | Language::Glsl330 | Language::GlslEs => {
-            "\
-  here      uniform block 0, textures: units 0, 1 and 2
-            of the example: uniform block 1, storage block 2
-  The entries are weighed here, texels are fetched: filter and wrap mode do not matter, but set filters without mipmaps."
-        }
-        Language::Hlsl => {
-            "\
-  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
-  here      uniform b0, matrix_a t1, matrix_b t2, terms t3, all of space0
-            of the example: b0 and u1 of space1
-  No sampler: the entries are weighed here."
-        }
-        Language::Msl => {
-            "\
-  here      buffer: uniform 0; textures: matrix_a 0, matrix_b 1, terms 2
-            of the example: buffers 1 and 2
-  No sampler: the entries are weighed here."
-        }
-    }
-}
-
-/// Where a text to include binds them.
-pub(super) fn included_bindings(language: Language, reading: Reading, namespace: &Namespace) -> String {
-    let bound = match reading.bound {
-        Bound::Volumes => bound_volumes(language),
-        Bound::Array => bound_array(language),
-    };
-    let weighed = match (language, reading.filter) {
-        (Language::Wgsl, _) => {
-            "The sampler is used where ltc_hardware_filter is true: linear, clamped to the edge, textures filterable. Else the
-  entries are weighed here and it may be any."
-        }
-        (_, Filter::Exact) => "The entries are weighed here, texels are fetched: filter and wrap mode do not matter.",
-        (_, Filter::Hardware) => "The sampler weighs entries: filter linearly, clamp to the edge, no mipmaps.",
-    };
-    let (opengl, space) = match namespace.group {
-        0 => ("in OpenGL 4.3 textures are units", ""),
-        _ => ("OpenGL has no sets", ", all of space{group}"),
-    };
-    let bound = bound.replace("{opengl}", opengl).replace("{space}", space);
-    format!("{}\n  {weighed}", namespace.numbered(&bound))
-}
-
-/// Where three textures are bound.
-fn bound_volumes(language: Language) -> &'static str {
-    match language {
-        Language::Wgsl => {
-            "\
-  here      group {group}: uniform {0}, matrix_a {1}, matrix_b {2}, terms {3}, sampler {4}"
-        }
-        Language::Glsl => {
-            "\
-  here      uniform block {0}, textures ltc_matrix_a {1}, ltc_matrix_b {2}, ltc_terms {3}: in Vulkan bindings of set
-            {group}, the textures with samplers; {opengl}"
-        }
-        Language::Glsl330 | Language::GlslEs => {
-            "\
-  here      uniforms ltc_table.nodes and .reading, uvec4 each; ltc_table.start, .step, .per_step, .texel, .roughness,
-            .cosines and .azimuths, vec4 each; samplers ltc_matrix_a, ltc_matrix_b, ltc_terms"
-        }
-        Language::Hlsl => {
-            "\
-  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
-  here      uniform b{0}, matrix_a t{1}, matrix_b t{2}, terms t{3}, sampler s{4}{space}"
-        }
-        Language::Msl | Language::Spirv => {
-            "\
-  here      nothing is bound: functions take what they read as arguments, which are called ltc_table,
-            ltc_matrix_a, ltc_matrix_b, ltc_terms and ltc_sampler"
-        }
-    }
-}
-
-/// Where the one array is bound.
-fn bound_array(language: Language) -> &'static str {
-    match language {
-        Language::Wgsl => {
-            "\
-  here      group {group}: uniform {0}, layers {1}, sampler {2}"
-        }
-        Language::Glsl => {
-            "\
-  here      uniform block {0}, texture ltc_layers {1}: in Vulkan bindings of set {group}, the texture with a sampler;
-            {opengl}"
-        }
-        Language::Glsl330 | Language::GlslEs => {
-            "\
-  here      uniforms ltc_table.nodes and .reading, uvec4 each; ltc_table.start, .step, .per_step, .texel, .roughness,
-            .cosines and .azimuths, vec4 each; sampler ltc_layers"
-        }
-        Language::Hlsl => {
-            "\
-  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
-  here      uniform b{0}, layers t{1}, sampler s{2}{space}"
-        }
-        Language::Msl | Language::Spirv => {
-            "\
-  here      nothing is bound: functions take what they read as arguments, which are called ltc_table, ltc_layers and
-            ltc_sampler"
-        }
-    }
-}
-
 /// The table and what it is called.
 fn about(layout: Layout, two_lobes: bool, lights: Lights) -> String {
-    let functions = if two_lobes { TWO_LOBES.to_owned() } else { String::new() } + functions_of(lights);
+    let materials = if layout.is_of_materials() { MATERIALS } else { "" };
+    let two_lobes = if two_lobes { TWO_LOBES } else { "" };
+    let functions = [materials, two_lobes, functions_of(lights)].concat();
     head(LICENCE, REVISION) + &ABOUT.replace("{layout}", layout.name()).replace("{lights}", &functions)
 }
 
-pub(super) fn bound_table(bound: Bound) -> String {
+pub(super) fn bound_table(bound: Bound, layout: Layout) -> String {
     let textures = match bound {
         Bound::Volumes => VOLUMES,
         Bound::Array => ARRAY,
     };
-    let numbers = Layout::ALL.iter().map(|layout| format!("{layout} {}", layout.shader().number));
+    let others = Layout::ALL.iter().filter(|other| !other.is_of_materials() || **other == layout);
+    let numbers = others.map(|layout| format!("{layout} {}", layout.shader().number));
     let text = TABLE.replace("{numbers}", &numbers.collect::<Vec<_>>().join(", "));
-    text.replace("{textures}", textures)
+    let pairs = if layout.is_of_materials() { PAIRS } else { "" };
+    text.replace("{textures}", textures) + pairs
 }
 
 /// The comment of the shader for `layout`, in lines that begin with `//`.
 fn header(language: Language, layout: Layout) -> String {
-    let table = bound_table(Bound::Volumes);
+    let table = bound_table(Bound::Volumes, layout);
     let text = format!(
         "{}{CALLED}\n{table}  {}\n\n{EXAMPLE}\n{}",
         about(layout, false, Lights::All),
@@ -312,7 +209,7 @@ fn table_include_header(
     lights: Lights,
     namespace: &Namespace,
 ) -> String {
-    let table = bound_table(reading.bound);
+    let table = bound_table(reading.bound, layout);
     let bindings = included_bindings(language, reading, namespace);
     commented(&format!(
         "{}{USE}\n{table}  {bindings}\n\n{}",
@@ -361,15 +258,17 @@ fn by_rows(matrix: &[f64; 9]) -> String {
 /// The table that ports are checked with, in words.
 pub(super) fn checked_table(layout: Layout) -> String {
     let axes = table(layout).axes;
-    let PerAxis { ratio: ratios, theta: thetas, phi: phis, .. } = axes.lengths();
+    let PerAxis { ratio: ratios, theta: thetas, phi: phis, .. } = layout.lengths(&axes);
     let ShaderAxes { nodes, start, step, roughness, cosines, azimuths, .. } = layout.shader_axes(&axes);
+    let pairs = table(layout).materials().map(|pair| listed(&pair)).collect::<Vec<_>>().join(", ");
+    let pairs = if pairs.is_empty() { pairs } else { format!("\n  Its materials are, by alpha and ratio, {pairs}.") };
     let across = if ratios == 1 { "\n  Those across the plane of incidence, k = 1 3 5 7, are 0." } else { "" };
     format!(
         "\x20 Of the table with the uniform nodes {}, start {}, step {},
   alpha and ratio {}, cosines {}, azimuths {},
   whose entry number e = ((a * {ratios} + r) * {thetas} + t) * {phis} + p has the numbers I[k] + e * (k + 1) / 1024,
   k = 0 to 10: the nine of the matrix by rows, amplitude, fresnel; I = 1 0 0 0 1 0 0 0 1 1 0. All are exact in
-  16 bits.{across}",
+  16 bits.{across}{pairs}",
         listed(&nodes),
         listed(&start),
         listed(&step),

@@ -9,6 +9,7 @@
 
 mod added;
 mod additions;
+mod bindings;
 mod es_module;
 mod gaussians_header;
 mod gaussians_table_header;
@@ -26,8 +27,9 @@ mod prefilter;
 mod sources;
 mod stamp;
 mod text;
+mod textured;
 
-pub use additions::{Additions, NothingBelow};
+pub use additions::{AdditionError, Additions};
 pub use es_module::{DECLARATIONS, es_module};
 pub use gaussians_header::SG_LIGHT;
 pub use golden::{

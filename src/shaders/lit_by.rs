@@ -1,6 +1,6 @@
 //! Models of light with the layouts of their tables, as shaders know them.
 
-use super::{Additions, NothingBelow};
+use super::{AdditionError, Additions};
 use ltcforge_fit::{Layout, named_list};
 use ltcforge_light::{LightModel, NormalsRule};
 
@@ -91,8 +91,8 @@ impl LitBy {
     /// The same with additions to its text to include.
     ///
     /// # Errors
-    /// [`NothingBelow`].
-    pub fn with(self, additions: Additions) -> Result<Self, NothingBelow> {
+    /// [`AdditionError`].
+    pub fn with(self, additions: Additions) -> Result<Self, AdditionError> {
         additions.check(self.model)?;
         Ok(Self { additions, ..self })
     }
@@ -105,7 +105,8 @@ impl LitBy {
         let kind = kind.map_or(String::new(), |kind| format!(" {kind}"));
         let cut = if self.additions.cut { ", cut" } else { "" };
         let compensated = if self.additions.compensate { ", compensated" } else { "" };
-        format!("{}{kind}{cut}{compensated}", self.model)
+        let textured = self.additions.textured.map_or(String::new(), |number| format!(", textured {number}"));
+        format!("{}{kind}{cut}{compensated}{textured}", self.model)
     }
 
     /// The rule, of a model that has any.
@@ -118,6 +119,11 @@ impl LitBy {
     #[must_use]
     pub fn additions(self) -> Additions {
         self.additions
+    }
+
+    /// Whether its text has a lookup by the number of a material: that of LTCs of layout `materials`.
+    pub(super) fn reads_materials(self) -> bool {
+        self.model == LightModel::Ltc && self.layout.is_some_and(Layout::is_of_materials)
     }
 
     /// The model.

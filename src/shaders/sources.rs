@@ -19,7 +19,7 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 40] = [
+pub const SHADERS: [Shader; 43] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
     Shader { name: "texels_volumes", source: ltcforge_wgsl::TEXELS_VOLUMES },
@@ -48,6 +48,9 @@ pub const SHADERS: [Shader; 40] = [
     Shader { name: "normals_disk", source: ltcforge_wgsl::NORMALS_DISK },
     Shader { name: "gaussians_light", source: ltcforge_wgsl::GAUSSIANS_LIGHT },
     Shader { name: "gaussians_table", source: ltcforge_wgsl::GAUSSIANS_TABLE },
+    Shader { name: "textured", source: ltcforge_wgsl::TEXTURED },
+    Shader { name: "ltc_textured", source: ltcforge_wgsl::LTC_TEXTURED },
+    Shader { name: "normals_textured", source: ltcforge_wgsl::NORMALS_TEXTURED },
     Shader { name: "layers", source: ltcforge_wgsl::LAYERS },
     Shader { name: "prefilter", source: ltcforge_wgsl::PREFILTER },
     Shader { name: "normals_compensation", source: ltcforge_wgsl::NORMALS_COMPENSATION },
@@ -214,7 +217,7 @@ fn texels(bound: Bound) -> &'static str {
 pub fn functions(lit_by: LitBy, reading: Reading, lights: Lights) -> String {
     let reader = ["ltc_quadrant", texels(reading.bound), "ltc_table", "ltc_lookup"];
     let others: &[&str] = if reading.two_lobes && lit_by.model() == LightModel::Ltc { &["ltc_two_lobes"] } else { &[] };
-    assembled(lit_by, reader, lights, others)
+    assembled(lit_by, reader, lights, others) + &lit_by.textured(reading)
 }
 
 /// The functions of a table's light that read no table: `smooth_at` has the coefficients.
@@ -233,6 +236,8 @@ mod tests {
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
     use super::*;
+    use crate::Additions;
+    use ltcforge_light::textured::Readings;
 
     /// Validates the named shaders, joined with the parts of layouts where they read a table.
     fn validate(names: &[&str]) {
@@ -283,6 +288,40 @@ mod tests {
         validate_text(&["preview"], &preview_module());
     }
 
+    /// Every rule and layout, with each number of readings, and its caller. Nothing is left of the names of the shared text.
+    #[test]
+    fn texts_with_pictures_are_valid() {
+        let rules = NormalsRule::SHADED.map(|rule| LitBy::new(LightModel::Normals, None)?.by_rule(Some(rule)));
+        let tables = Layout::ALL.iter().filter_map(|layout| LitBy::new(LightModel::Ltc, Some(*layout)).ok());
+        let mut seen = 0;
+        for lit_by in rules.into_iter().map(|rule| rule.expect("a rule")).chain(tables) {
+            for (number, reading) in Readings::ALL
+                .iter()
+                .flat_map(|number| [Reading::ALL[0], Reading::ALL[1]].map(|reading| (*number, reading)))
+            {
+                for cut in [false, true] {
+                    let additions = Additions { cut, textured: Some(number), ..Additions::default() };
+                    let Ok(lit_by) = lit_by.with(additions) else { continue };
+                    let text = functions(lit_by, reading, Lights::All);
+                    assert!(
+                        text.contains("_textured_rectangle(") && !text.to_lowercase().contains("fn textured_"),
+                        "{text}"
+                    );
+                    assert!(text.contains(&format!("_READINGS: u32 = {number}u")), "{}", lit_by.name());
+                    validate_text(&[&lit_by.name()], &(text + &lit_by.caller(reading, Lights::All)));
+                    seen += 1;
+                }
+            }
+        }
+        assert!(seen > 100, "{seen}");
+        let of = |text: &str| (text.matches("fn normals_mean").count(), text.matches("NormalsTextured").count());
+        let plain = LitBy::new(LightModel::Normals, None).expect("normals");
+        assert_eq!(of(&functions(plain, Reading::default(), Lights::All)), (1, 0));
+        let sg = LitBy::new(LightModel::Sg, None).expect("sg");
+        let refused = sg.with(Additions { textured: Some(Readings::Four), ..Additions::default() });
+        assert!(refused.expect_err("no pictures").to_string().contains("model sg"));
+    }
+
     #[test]
     fn every_file_of_the_folder_is_listed() {
         let folder = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shaders")).expect("the folder");
@@ -312,7 +351,8 @@ mod tests {
     /// A number, or a constant of the text by its name.
     fn is_constant(word: &str) -> bool {
         let is_name = |c: char| c.is_ascii_uppercase() || "_.xyzw".contains(c);
-        word.trim_end_matches('u').parse::<u32>().is_ok() || (word.starts_with("LTC_") && word.chars().all(is_name))
+        word.trim_end_matches('u').parse::<u32>().is_ok()
+            || (["LTC_", "TEXTURED_"].iter().any(|prefix| word.starts_with(prefix)) && word.chars().all(is_name))
     }
 
     /// A loop without a constant bound can keep the compiler of a driver busy for minutes.

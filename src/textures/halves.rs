@@ -53,7 +53,7 @@ pub(super) fn halved(table: &Table) -> (Table, Displacement) {
     let (mut sum, mut max, mut lobes) = (0.0, 0.0_f64, 0);
     for matrices in [Some(&mut halved.matrix), halved.second.as_mut()].into_iter().flatten() {
         for (entry, matrix) in matrices.iter_mut().enumerate() {
-            let decoder = LobeDecoder::of(table.layout, table.axes.node(entry));
+            let decoder = LobeDecoder::of(table.layout, table.node(entry));
             let exact = *matrix;
             *matrix = decoder.nearest_lobe(&exact, &choosing);
             let moved = decoder.displacement(&exact, matrix, &telling).unwrap_or(WITHOUT_LOBE);
@@ -113,7 +113,7 @@ struct LobeDecoder {
 impl LobeDecoder {
     fn of(layout: Layout, mut node: PerAxis<f64>) -> Self {
         (node.alpha, node.theta) = (node.alpha.max(ALPHA_FLOOR), node.theta.min(THETA_CEILING));
-        let before = if layout == Layout::Reflected { Reflection::at(&node).matrix } else { DMat3::IDENTITY };
+        let before = if layout.is_relative() { Reflection::at(&node).matrix } else { DMat3::IDENTITY };
         Self { is_inverse: layout.free_numbers().is_some_and(|free| free.is_inverse), before }
     }
 
@@ -203,7 +203,7 @@ mod tests {
             .map(|entry| {
                 let nearest = round(&table.matrix[entry], Precision::F16).numbers;
                 let nearest: [f32; 9] = nearest.try_into().expect("nine");
-                let decoder = LobeDecoder::of(table.layout, table.axes.node(entry));
+                let decoder = LobeDecoder::of(table.layout, table.node(entry));
                 decoder.displacement(&table.matrix[entry], &nearest, &cosine).unwrap_or(WITHOUT_LOBE)
             })
             .collect();

@@ -10,7 +10,7 @@ use ltcforge_fit::{BrdfKind, Layout, LobeModel, Table};
 pub(super) fn recipe_like(recipe: &str, layout: Layout, takes_two_lobes: bool, table: &Table) -> String {
     let brdf = table.brdf.kind();
     let file = table.brdf.file().map(|file| Digest::from_bytes(*file.digest()).to_string());
-    let takes_brdf = brdf != BrdfKind::ALL[0] && layout.takes(brdf);
+    let takes_brdf = brdf != BrdfKind::ALL[0] && layout.takes(&table.brdf);
     let takes_lobe = table.lobe != LobeModel::ALL[0] && layout.stores(table.lobe);
     let fresnel = table.brdf.fresnel();
     let quoted = |value: String| format!("\"{value}\"");

@@ -9,6 +9,7 @@ use std::{
 
 use clap::{Parser, Subcommand};
 use ltcforge::{
+    Preset,
     light::NormalsRule,
     view::preview::{Adapter, Preview},
 };
@@ -16,9 +17,9 @@ use ltcforge_driver::FAMILY_VARIABLE;
 use ltcforge_studies::{
     albedo, arcs, below, best, costs, expected,
     figures::Figure,
-    glass, gpu_costs, l3, minimax, models,
+    glass, gpu_costs, gpu_times, l3, minimax, models,
     networks::{self, Asked, Numbers},
-    prefilter,
+    prefilter, tabulated, textured,
 };
 
 #[derive(Parser)]
@@ -99,8 +100,18 @@ enum Study {
         #[arg(long, default_value = "navi21")]
         family: String,
     },
+    /// What the texts take on the GPU that is there
+    GpuTimes,
+    /// The tables of docs/textured.md: lights with a picture
+    Textured {
+        /// Lights of a row
+        #[arg(long, default_value_t = 300)]
+        lights: usize,
+    },
     /// The tables of docs/refraction.md: light through rough interfaces
     Glass,
+    /// The table of docs/tabulated.md: what it costs to have a BRDF as numbers
+    Tabulated,
     /// The figures of docs/figures.md
     Figures {
         /// Only this one, once or several times [default: all]
@@ -153,6 +164,8 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::Best { isotropic: true, shipped, .. } => print!("{}", best::isotropic(pair(shipped.as_deref()))?),
         Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),
         Study::L3 { shipped } => print!("{}", l3::tables(pair(shipped.as_deref()))?),
+        Study::Tabulated => print!("{}", tabulated::find(Preset::Paper, 1.0)?.text()),
+        Study::Textured { lights } => print!("{}", textured::tables(lights)?),
         Study::Glass => print!("{}\n{}", glass::errors(), glass::differences()),
         Study::Arcs { lights, seed } => {
             let arcs::Found { bulge: [least, more], seen, held_out } = arcs::find(lights, seed);
@@ -171,6 +184,7 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
             }
             print!("{}", gpu_costs::told()?);
         }
+        Study::GpuTimes => print!("{}", gpu_times::told(&gpu_times::Effort::WHOLE)?),
         Study::Polynomials => {
             for (name, numbers, error) in minimax::told() {
                 println!("{name}: {}; error {error:.1e}", numbers.join(" "));

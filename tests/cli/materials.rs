@@ -95,7 +95,12 @@ fn light_of_a_metal_is_darker_at_its_edge() {
     assert!(by(&fit("")).contains(r#"its recipe needs "terms": "f82""#));
     let cloth = fit(r#", "brdf": "charlie""#);
     let told = by(&cloth);
-    assert!(told.contains("brdf charlie has no Fresnel factor; ") && told.contains("no edge term"), "{told}");
+    let no_fresnel = "--f0: brdf charlie has no Fresnel factor, and energy is all that it reflects: leave it out";
+    assert!(told.contains(no_fresnel) && told.contains("; --f82: ") && told.contains("no edge term"), "{told}");
+    let by_cloth = |options: &[&str]| with(&[&["--model", "ltc", "--table", &cloth], options].concat());
+    let told = by_cloth(&["--f0", "0.04"]).exited(2).stderr.clone();
+    assert!(told.contains(no_fresnel) && !told.contains("--f82"), "{told}");
+    assert_eq!(rows(&by_cloth(&["--truth"]).exited(0).stdout).len(), lights.lines().count());
     assert!(with(&["--f82", "0.5"]).exited(2).stderr.contains("--f0"));
 }
 

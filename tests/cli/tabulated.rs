@@ -103,3 +103,38 @@ fn all_faults_of_recipe_and_file_are_told_at_once_and_nothing_is_fitted() {
     assert!(refused.stderr.contains("reflect more than 1.001 of even light"), "{refused:#?}");
     assert!(!here.join("c.safetensors").exists());
 }
+
+/// GGX as numbers with azimuths and ratios: its table is that of the formula, for roughnesses and views of any quadrant.
+#[test]
+fn an_anisotropic_model_as_numbers_is_fitted_as_the_model_itself() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    let refused = run(here, ["tabulate", "charlie", "--ratio", "0.5,1", "-o", "c.safetensors"]).exited(2);
+    assert!(refused.complaints()[0].contains("--ratio: brdf charlie is isotropic: leave it out"), "{refused:#?}");
+    let nodes = ["--theta", "32", "--phi", "17", "--phi-o", "5"];
+    let made = ["tabulate", "ggx", "--alpha", "0.4,0.8", "--ratio", "0.5,1", "-o", "g.safetensors", "--json"];
+    let made = json(&run(here, made.iter().chain(&nodes)).exited(0).stdout);
+    assert_eq!(made["shape"], serde_json::json!([2, 2, 24, 5, 32, 33]));
+
+    let rest =
+        r#""resolution": {"alpha": 2, "ratio": 2, "theta": 3, "phi": 3}, "fit": {"samples": 256, "directions": 16}}"#;
+    let fit = |model: &str| run_with_stdin(here, ["fit", "-", "-o", "tables"], &format!("{{{model}, {rest}")).exited(0);
+    let fitted = fit(r#""brdf": "tabulated", "tabulated": "g.safetensors""#);
+    assert!(fitted.stderr.contains("% of its largest value, at alpha"), "{fitted:#?}");
+    let table = fitted.last_line();
+    let ranges =
+        r#""layout": "kt2022", "range": {"alpha": [0.4, 0.8], "ratio": [0.5, 1], "theta": [0, 1.4661855412435194]}"#;
+    let own = fit(ranges);
+    let apart = json(&run(here, ["diff", table, own.last_line(), "--json"]).exited(0).stdout);
+    for (of, most) in [("matrix", 0.006), ("amplitude", 0.006), ("fresnel", 0.001)] {
+        let mean = apart["difference"][of]["mean"].as_f64().expect("a number");
+        assert!(mean < most && mean > 0.0, "{of}: {mean}");
+    }
+
+    let told = json(&run(here, ["report", table, "--json"]).exited(0).stdout);
+    let asymmetry = &told["asymmetry"];
+    assert!(asymmetry["ratio"].is_number() && asymmetry["phi_o"].is_number(), "{told:#}");
+    let picture = ["preview", table, "-o", "strip.png", "--mode", "strip", "--size", "64", "--spp", "64"];
+    let shown = run(here, picture.iter().chain(&["--alpha-x", "0.4", "--alpha-y", "0.8"])).exited(0);
+    assert!(shown.stderr.contains("adapter: cpu"), "{shown:#?}");
+}

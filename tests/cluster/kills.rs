@@ -7,37 +7,13 @@ use crate::{
         command::run_with_stdin,
         eventually,
         server::{Server, text},
+        soak::{Random, four_shards, rounds},
     },
     throwaway,
 };
 
 /// Two kills take about a second.
 const KILLS: usize = 50;
-
-fn kills() -> usize {
-    match std::env::var("LTCFORGE_TEST_KILLS") {
-        Ok(number) => number.parse().expect("LTCFORGE_TEST_KILLS is a number"),
-        Err(_) => KILLS,
-    }
-}
-
-/// Numbers that are the same each time.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        usize::try_from(self.0 >> 33).unwrap_or(0) % limit
-    }
-}
-
-/// A recipe of four shards that was not fitted before, some hundredths of a second long.
-fn recipe(number: usize) -> String {
-    format!(
-        r#"{{"preset":"draft","resolution":{{"alpha":4,"ratio":4,"theta":4,"phi":4}},
-        "fit":{{"samples":64,"directions":4,"steps":5,"seed":{number}}}}}"#
-    )
-}
 
 #[test]
 fn kills_lose_nothing_that_was_acknowledged() {
@@ -61,11 +37,11 @@ fn kills_lose_nothing_that_was_acknowledged() {
     let mut workers: Vec<Option<Worker>> = (0..2).map(|_| Some(worker())).collect();
     let mut random = Random(1);
     let mut acknowledged = Vec::new();
-    let kills = kills();
+    let kills = rounds("LTCFORGE_TEST_KILLS", KILLS);
     for kill in 0..kills {
         // A process that is killed is started again before the next kill; sometimes all are killed at once.
         let hit = random.below(5);
-        let submitted = recipe(kill);
+        let submitted = four_shards(kill);
         if let Some(server) = replicas.iter().flatten().next() {
             acknowledged.push((submitted.clone(), text(&server.submit(&submitted).json()["id"]).to_owned()));
         }

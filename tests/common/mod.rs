@@ -5,6 +5,7 @@ pub(crate) mod browser;
 pub(crate) mod command;
 pub(crate) mod openapi;
 pub(crate) mod server;
+pub(crate) mod soak;
 
 use std::{
     io::{Write as _, stderr},

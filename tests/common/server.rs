@@ -4,6 +4,7 @@ use std::{
     io::{BufRead as _, BufReader, Read as _},
     path::Path,
     process::{Child, Command, Stdio},
+    sync::mpsc,
     thread::{self, JoinHandle},
 };
 
@@ -93,8 +94,21 @@ impl Server {
         Self::of(command, folder)
     }
 
+    /// Starts a service on the store in `data` if it does not refuse to.
+    pub(crate) fn attempt(data: &Path, args: &[&str]) -> Result<Self, Run> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let data = data.to_str().expect("a path in UTF-8");
+        let command = ltcforge(folder.path(), ["serve", "--listen", "127.0.0.1:0", "--data", data].iter().chain(args));
+        Self::try_of(command, folder)
+    }
+
     /// Runs `command`, a service, in `folder`.
-    fn of(mut command: Command, folder: TempDir) -> Self {
+    #[track_caller]
+    fn of(command: Command, folder: TempDir) -> Self {
+        Self::try_of(command, folder).unwrap_or_else(|run| panic!("the service did not start: {run:#?}"))
+    }
+
+    fn try_of(mut command: Command, folder: TempDir) -> Result<Self, Run> {
         let mut child = command.spawn().expect("the binary runs");
         let mut pipe = child.stderr.take().expect("a pipe");
         let stderr = thread::spawn(move || {
@@ -103,12 +117,24 @@ impl Server {
             let _ = pipe.read_to_string(&mut text);
             text
         });
-        let mut line = String::new();
-        BufReader::new(child.stdout.take().expect("a pipe")).read_line(&mut line).expect("a line on stdout");
+        let mut pipe = child.stdout.take().expect("a pipe");
+        let (told, line) = mpsc::channel();
+        thread::spawn(move || {
+            let mut line = String::new();
+            // A service that ends tells nothing.
+            let _ = BufReader::new(&mut pipe).read_line(&mut line);
+            let _ = told.send(line);
+        });
+        let line = line.recv_timeout(DEADLINE).unwrap_or_else(|_| {
+            // It hangs.
+            let _ = child.kill();
+            "nothing in time".to_owned()
+        });
         let Some(url) = line.trim().strip_prefix("listening on ") else {
-            panic!("the service did not start: {line:?}; {}", stderr.join().expect("its stderr"));
+            let (code, stderr) = (child.wait().expect("its end").code(), stderr.join().expect("its stderr"));
+            return Err(Run { code, stdout: line, stderr });
         };
-        Self { url: url.to_owned(), child, stderr: Some(stderr), agent: agent(), _folder: folder }
+        Ok(Self { url: url.to_owned(), child, stderr: Some(stderr), agent: agent(), _folder: folder })
     }
 
     /// The stream of a job's events.
@@ -212,6 +238,13 @@ impl Server {
     pub(crate) fn kill(mut self) {
         self.child.kill().expect("a running service");
         self.child.wait().expect("its end");
+    }
+
+    /// As [`Self::kill`]; returns what it had logged.
+    pub(crate) fn kill_and_read(mut self) -> String {
+        self.child.kill().expect("a running service");
+        self.child.wait().expect("its end");
+        self.stderr.take().map(|thread| thread.join().expect("its stderr")).unwrap_or_default()
     }
 
     /// Seconds that the processor has worked for it; it may have ended, if nobody has waited for its end.

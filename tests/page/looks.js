@@ -58,7 +58,7 @@ await withWorld( async ( { service, open } ) => {
 			// All is there: the answers, the pictures, and in the viewer a whole reference where pictures are drawn.
 			await page.locator( READY[ name ] ).first().waitFor();
 			await page.waitForFunction( ( samples ) => [ ...document.images ].every( ( { src, complete } ) => src && complete )
-				&& [ ...document.querySelectorAll( 'canvas' ) ].every( ( { dataset } ) => Number( dataset.samples ) >= samples ), PICTURES ? 1024 : 0 );
+				&& [ ...document.querySelectorAll( '.stage canvas' ) ].every( ( { dataset } ) => Number( dataset.samples ) >= samples ), PICTURES ? 1024 : 0 );
 			const at = `${ name }, ${ width }, ${ colorScheme }`;
 			if ( await page.evaluate( () => document.documentElement.scrollWidth > window.innerWidth ) ) wide.push( at );
 			looked ++;

@@ -1,4 +1,4 @@
-// The viewer's pixels beside those of previews, which the service's CPU renders, and its link.
+// The viewer's pixels beside those of previews, which the service's CPU renders.
 
 import { withWorld } from './world.js';
 
@@ -13,24 +13,54 @@ const PLACES = Array.from( { length: 20 }, ( _, i ) => {
 
 } );
 
-/** The names of previews for a scene of the viewer. */
-function preview( { surface, table, ...scene } ) {
+/** The names of previews for a scene of the viewer, under its first light. */
+function preview( { surface, table, metal, light_shape, light_width = 0.7, light_height = 0.45, ...scene } ) {
 
-	const light = { light_centre: '-1.3,1.4,1.2', light_half_size: '0.7,0.45' };
+	const light = { light: light_shape || 'rectangle', light_centre: '-1.3,1.4,1.2', light_half_size: `${ light_width },${ light_height }` };
 	const camera = { camera_distance: 9, camera_elevation: 0.2, field_of_view: 0.5 };
-	return new URLSearchParams( { scene: surface === 'floor' ? 'brushed_floor' : 'sphere', ...light, ...camera, ...( table ? { table } : { model: 'normals' } ), alpha_x: 0.5, alpha_y: 0.1, size: SIZE, ...scene } );
+	const f0 = metal ? { f0: { plastic: '0.04,0.04,0.04', white: '1,1,1' }[ metal ] } : {};
+	return new URLSearchParams( { scene: surface === 'floor' ? 'brushed_floor' : 'sphere', ...light, ...camera, ...( table ? { table } : { model: 'normals' } ), ...f0, alpha_x: 0.5, alpha_y: 0.1, size: SIZE, ...scene } );
 
 }
+
+/** The radiance behind a byte of a picture, and back. */
+const linear = ( byte ) => {
+
+	const v = byte / 255;
+	return - Math.log( Math.max( 1e-3, 1 - ( v <= 0.04045 ? v / 12.92 : ( ( v + 0.055 ) / 1.055 ) ** 2.4 ) ) );
+
+};
+
+const shownAs = ( radiance ) => {
+
+	const y = 1 - Math.exp( - radiance );
+	return 255 * ( y <= 0.0031308 ? 12.92 * y : 1.055 * y ** ( 1 / 2.4 ) - 0.055 );
+
+};
 
 await withWorld( async ( { service, open } ) => {
 
 	const reflected = await service.fit( { preset: 'draft' } );
 	const round = await service.fit( { preset: 'draft', layout: 'ltc2017' } );
+	const twoLobes = await service.fit( { preset: 'draft', fresnel: 'two_lobes' } );
+	const blended = await service.fit( { preset: 'draft', fresnel: 'blended_lobes' } );
+	const sheen = await service.fit( { preset: 'draft', brdf: 'charlie' } );
 	const scenes = {
 		normals: { rotation: 0.6, exposure: 2 },
 		floor: { surface: 'floor', alpha_x: 0.2, alpha_y: 0.4 },
 		reflected: { table: reflected, rotation: 0.6, camera_azimuth: 0.4 },
 		round: { table: round, alpha_x: 0.3, alpha_y: 0.3 },
+		plastic: { table: twoLobes, metal: 'plastic', alpha_x: 0.3, alpha_y: 0.2, exposure: 8 },
+		blended: { table: blended, metal: 'plastic', alpha_x: 0.3, alpha_y: 0.2, exposure: 8 },
+		sheen: { table: sheen, metal: 'white', alpha_x: 0.4, alpha_y: 0.4, exposure: 4 },
+		disk: { table: reflected, light_shape: 'disk' },
+		sphere: { table: reflected, light_shape: 'sphere', light_width: 0.4 },
+		tube: { table: reflected, light_shape: 'tube', light_height: 0.1 },
+		line: { table: reflected, light_shape: 'line', light_height: 0.05, exposure: 4 },
+		hexagon: { table: reflected, light_shape: 'hexagon' },
+		disk_by_normals: { light_shape: 'disk' },
+		tube_by_normals: { light_shape: 'tube', light_height: 0.1 },
+		line_by_normals: { light_shape: 'line', light_height: 0.05, exposure: 4 },
 	};
 	const page = await open( 'tables' );
 	// Pixels of the picture in the page and of the service's, by places.
@@ -48,9 +78,13 @@ await withWorld( async ( { service, open } ) => {
 	const shown = async ( scene ) => {
 
 		await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?${ new URLSearchParams( scene ) }` );
-		await page.locator( '.stage polygon[points]' ).waitFor( { state: 'attached' } );
+		// A picture that is drawn has its figures.
+		await page.locator( '.page-viewer .facts' ).waitFor();
 
 	};
+
+	/** Waits for so many samples of the reference. */
+	const sampled = ( samples ) => page.waitForFunction( ( samples ) => Number( document.querySelector( '.stage canvas' ).dataset.samples ) >= samples, samples );
 
 	const off = {};
 	const bright = {};
@@ -63,39 +97,40 @@ await withWorld( async ( { service, open } ) => {
 
 	}
 
-	// The reference once it is still, over a grid.
+	// Two lights are as bright as each by itself.
+	const [ first, second ] = [ { light_shape: 'disk' }, { light_x: 1.5, light_y: 1.2, light_z: 1, light_shape: 'tube', light_height: 0.1 } ];
+	await shown( { table: reflected, show: 'model', lights: 2, ...first, ...Object.fromEntries( Object.entries( second ).map( ( [ name, value ] ) => [ name.replace( 'light', 'light2' ), value ] ) ) } );
+	const both = await pixels( null, PLACES );
+	const alone = [ await pixels( `v1/preview?${ preview( { table: reflected, ...first } ) }`, PLACES ), await pixels( `v1/preview?${ preview( { table: reflected, light_shape: 'tube', light_height: 0.1, light_centre: '1.5,1.2,1' } ) }`, PLACES ) ];
+	off.two_lights = apart( both, alone[ 0 ].map( ( pixel, i ) => pixel.map( ( byte, c ) => shownAs( linear( byte ) + linear( alone[ 1 ][ i ][ c ] ) ) ) ) );
+	bright.two_lights = Math.max( ...both.flat() );
+
+	// References over a grid.
 	const grid = Array.from( { length: 400 }, ( _, i ) => [ 20 + 24 * ( i % 20 ), 20 + 24 * Math.floor( i / 20 ) ] );
-	await shown( { show: 'reference', rotation: 0.3 } );
-	await page.waitForFunction( () => Number( document.querySelector( '.stage canvas' ).dataset.samples ) >= 1024 );
 	const sum = ( pixels ) => pixels.flat().reduce( ( a, b ) => a + b, 0 );
-	const [ ours, theirs ] = [ sum( await pixels( null, grid ) ), sum( await pixels( `v1/preview?${ preview( { rotation: 0.3, mode: 'reference', spp: 1024 } ) }`, grid ) ) ];
+	const reference = {};
+	for ( const [ name, scene, spp ] of [ [ 'rectangle', { rotation: 0.3 }, 1024 ], [ 'disk', { light_shape: 'disk' }, 128 ], [ 'tube', { light_shape: 'tube', light_height: 0.1 }, 128 ], [ 'sheen', { table: sheen, metal: 'white', alpha_x: 0.4, alpha_y: 0.4, exposure: 4 }, 128 ] ] ) {
 
-	// The light is dragged and the camera turned; a page that is loaded again shows the same.
-	const stage = await page.locator( '.stage svg' ).boundingBox();
-	const drag = async ( x, y ) => {
+		await shown( { show: 'reference', ...scene } );
+		await sampled( spp );
+		reference[ name ] = sum( await pixels( null, grid ) ) / sum( await pixels( `v1/preview?${ preview( { ...scene, mode: 'reference', spp } ) }`, grid ) ) - 1;
 
-		await page.mouse.move( stage.x + x, stage.y + y );
-		await page.mouse.down();
-		await page.mouse.move( stage.x + x + 60, stage.y + y + 30, { steps: 3 } );
-		await page.mouse.up();
+	}
 
-	};
+	// What engines ship is near the truth of a round surface, and not of one with a direction.
+	const engines = {};
+	for ( const [ name, scene ] of [ [ 'round', { alpha_y: 0.4 } ], [ 'sphere', { alpha_y: 0.4, light_shape: 'sphere' } ], [ 'brushed', { alpha_y: 0.1 } ] ] ) {
 
-	await drag( stage.width / 2, stage.height * 0.9 );
-	await page.waitForFunction( () => location.hash.includes( 'camera_azimuth' ) );
-	const before = await page.locator( '.stage polygon' ).getAttribute( 'points' );
-	const middle = before.split( ' ' ).map( ( pair ) => pair.split( ',' ).map( Number ) ).reduce( ( [ a, b ], [ x, y ] ) => [ a + x / 4, b + y / 4 ], [ 0, 0 ] );
-	await drag( ( middle[ 0 ] + 1 ) / 2 * stage.width, ( middle[ 1 ] + 1 ) / 2 * stage.height );
-	await page.waitForFunction( () => location.hash.includes( 'light_x' ) );
-	const hash = await page.evaluate( () => location.hash );
-	const value = await page.locator( '#view-light_x' ).inputValue();
-	await page.reload();
-	await page.locator( '#view-light_x' ).waitFor();
-	const kept = await page.locator( '#view-light_x' ).inputValue() === value && await page.evaluate( () => location.hash ) === hash;
-	// A table that the reference is not of.
-	const sheen = await service.fit( { preset: 'draft', brdf: 'charlie' } );
-	await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?table=${ sheen }` );
-	const refused = await page.locator( '.page-viewer .notice' ).textContent();
-	return { off, bright, reference: ours / theirs - 1, kept, refused };
+		await shown( { table: 'engines', show: 'model', alpha_x: 0.4, ...scene } );
+		const [ ours, theirs ] = [ await pixels( null, grid ), await pixels( `v1/preview?${ preview( { table: reflected, alpha_x: 0.4, ...scene } ) }`, grid ) ];
+		engines[ name ] = ours.flat().reduce( ( off, byte, i ) => off + Math.abs( byte - theirs.flat()[ i ] ), 0 ) / ours.flat().length;
+
+	}
+
+	// Another model in place of the reference: the same on both sides makes no difference.
+	await shown( { table: reflected, against: reflected, show: 'difference' } );
+	const same = Math.max( ...( await pixels( null, PLACES ) ).flat() );
+	return { off, bright, reference, engines, same };
+
 
 }, [ '--adapter', 'cpu' ] );

@@ -19,8 +19,8 @@ export const PICTURES = values.pictures;
 /** WebGL2 by Mesa's rasterizer on the processor. */
 const FLAGS = [ '--no-sandbox', '--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist' ];
 
-/** Milliseconds after which a script is taken to hang. A run takes up to a minute; one that draws pictures waits for whole references. */
-const DEADLINE = PICTURES ? 600_000 : 120_000;
+/** Milliseconds after which a script is taken to hang. A run takes up to a minute on a machine that has nothing else to do; one that draws pictures waits for whole references. */
+const DEADLINE = PICTURES ? 600_000 : 240_000;
 
 /** Sixteen entries that take milliseconds. */
 export const SMALL = { preset: 'draft', resolution: { alpha: 2, ratio: 2, theta: 2, phi: 2 }, fit: { samples: 64, directions: 4, steps: 5 } };

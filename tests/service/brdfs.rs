@@ -47,6 +47,14 @@ fn a_file_that_was_sent_is_fitted_and_survives_a_kill() {
     server.request("POST", "/v1/brdfs", &[OCTETS], Some(&bytes)).with_status(200);
     assert_eq!(server.get(&format!("/v1/brdfs/{digest}")).with_status(200).body, bytes);
 
+    let azimuths =
+        ["tabulate", "ggx", "--alpha", "0.5", "--ratio", "0.5", "--theta", "16", "--phi", "9", "-o", "a.safetensors"];
+    run(here, azimuths).exited(0);
+    let anisotropic = fs::read(here.join("a.safetensors")).expect("the file");
+    let stored = server.request("POST", "/v1/brdfs", &[OCTETS], Some(&anisotropic)).with_status(201).json();
+    assert_eq!(stored["shape"], serde_json::json!([1, 1, 12, 9, 16, 17]), "{stored:#}");
+    assert!(stored["asymmetry"]["phi_o"].is_number() && stored["asymmetry"]["ratio"] == 0.5, "{stored:#}");
+
     let table = server.fit(&recipe(&digest));
     let manifest = server.get(&format!("/v1/tables/{table}/manifest")).with_status(200).json();
     assert_eq!(text(&manifest["tabulated"]["file"]), digest);

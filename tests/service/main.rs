@@ -3,20 +3,25 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod access;
 mod bad_input;
 mod brdfs;
 mod clients;
 mod crash;
 mod crowds;
+mod damage;
 mod damaged_blob;
 mod disk_full;
 mod exports;
 mod fsck;
 mod jobs;
+mod kills;
 mod light_textures;
 mod limits;
+mod materials;
 mod openapi;
 mod page;
 mod plans;
 mod recipes;
+mod schemathesis;
 mod stopping;

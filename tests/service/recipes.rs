@@ -26,6 +26,11 @@ fn a_recipe_is_foreseen_as_it_is_submitted() {
     // The worker may have measured its speed before the job is shown.
     assert!(before["expected"]["seconds"].as_f64().is_some_and(|seconds| seconds > 0.0), "{before:#}");
     let done = server.finished(text(&job["id"]));
+    // What a file of safetensors has behind its header are matrices and terms.
+    let file = server.get(&format!("/v1/tables/{}", text(&done["table"]))).with_status(200).body;
+    let (length, rest) = file.split_at(8);
+    let header = u64::from_le_bytes(length.try_into().expect("eight bytes"));
+    assert_eq!(before["expected"]["bytes"].as_u64(), Some(rest.len() as u64 - header), "{before:#}");
     assert_eq!(foresee(SMALL)["table"], done["table"]);
 }
 

@@ -45,6 +45,10 @@ pub struct Cli {
     /// Server of the commands `jobs`, `lock` and `pull` [default: <http://127.0.0.1:8317>]
     #[arg(long, global = true, env = "LTCFORGE_SERVER", value_name = "URL")]
     pub server: Option<String>,
+    /// Token for one server, `URL TOKEN`, and of others behind `;`; others see flags of this machine's processes, so put it into
+    /// the environment
+    #[arg(long, global = true, env = "LTCFORGE_TOKEN", hide_env_values = true, value_name = "URL TOKEN")]
+    pub token: Option<String>,
     /// Print JSON, one document a line
     #[arg(long, global = true)]
     pub json: bool,

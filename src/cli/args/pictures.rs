@@ -9,7 +9,7 @@ use clap::{
 
 use super::{TableFolder, Threads, named::named};
 use ltcforge_fit::Layout;
-use ltcforge_light::{LightModel, NormalsRule};
+use ltcforge_light::{LightModel, NormalsRule, textured::Readings};
 use ltcforge_shaders::{Language, Lights, Prefix};
 use ltcforge_view::{
     plots::{Azimuth, IsotropicFigure, Ratio},
@@ -247,6 +247,10 @@ pub struct AdditionArgs {
     /// Add the factor, in a text to include, by which facets of metals lose no light to each other
     #[arg(long)]
     pub compensate: bool,
+    /// Add rectangles with pictures, in a text of model normals or ltc to include, and read a picture so often for a light:
+    /// 4, 1, 2 or 6
+    #[arg(long, value_name = "READINGS", value_parser = named(Readings::ALL, Readings::name), conflicts_with = "without_textures")]
+    pub textured: Option<Readings>,
 }
 
 /// The form of a shader.

@@ -48,6 +48,10 @@ pub struct LookupArgs {
     /// CSV with `alpha_x,alpha_y,theta,phi` on each line, angles in radians; `-` for stdin
     #[arg(long, value_name = "CSV")]
     pub points: PathBuf,
+    /// Look up this material of a table of layout `materials`, by its place in the recipe's list, from 0; the CSV then has
+    /// `theta,phi` on each line
+    #[arg(long, value_name = "N")]
+    pub material: Option<u32>,
 }
 
 /// `report`.

@@ -2,9 +2,11 @@
 
 mod args;
 mod cluster;
+mod doors;
 mod fsck;
 mod serve;
 mod settings;
+mod token;
 
 use clap::Subcommand;
 
@@ -12,6 +14,7 @@ use super::{CommandFailure, Context, Exit, print};
 use args::{FsckArgs, GcArgs, MigrateArgs, WorkArgs};
 use settings::ServeArgs;
 pub(super) use settings::ServeSettings;
+use token::TokenCommand;
 
 #[derive(Debug, Subcommand)]
 pub enum ServiceCommand {
@@ -23,6 +26,9 @@ pub enum ServiceCommand {
     Gc(GcArgs),
     /// Take the tables and jobs of a data folder along into a shared database and store
     Migrate(MigrateArgs),
+    /// Make a token for a service, which keeps only its hash
+    #[command(subcommand)]
+    Token(TokenCommand),
     /// Check the data folder of a service that is not running, and tell what its next start would mend
     Fsck(FsckArgs),
 }
@@ -39,6 +45,7 @@ pub(super) fn run(
         ServiceCommand::Work(args) => cluster::work(args, &file, json, context),
         ServiceCommand::Gc(args) => cluster::gc(args, &file, json, context),
         ServiceCommand::Migrate(args) => cluster::migrate(args, &file, json, context),
+        ServiceCommand::Token(command) => token::run(&command, json, context),
         ServiceCommand::Fsck(args) => fsck::run(args, file, json, context),
     }
 }

@@ -13,7 +13,8 @@ use ltcforge_server::{http, service::Service};
 
 /// Runs the service until it is interrupted.
 pub(super) fn run(settings: &ServeSettings, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    let (listen, config, options) = (settings.listen, settings.config(), settings.http(raise_descriptor_limit()));
+    let (listen, config) = (settings.listen, settings.config());
+    let options = http::Options { tokens: Arc::new(settings.tokens()?), ..settings.http(raise_descriptor_limit()) };
     let open = {
         let replica = &settings.replica;
         let (shared, works, seconds) = (super::cluster::replica(replica), !replica.no_workers, replica.lease_seconds);

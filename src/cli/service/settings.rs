@@ -8,6 +8,7 @@ use std::{
     num::{NonZeroU64, NonZeroUsize},
     path::PathBuf,
     str::FromStr,
+    sync::Arc,
     time::Duration,
 };
 
@@ -103,6 +104,15 @@ pub(crate) struct ServeSettings {
     #[arg(long, env = "LTCFORGE_ALLOW_ORIGIN", value_name = "ORIGIN", value_delimiter = ',')]
     #[serde(deserialize_with = "from_texts")]
     pub allow_origin: Vec<AllowedOrigin>,
+    /// File of tokens, of which each request then needs one; read again when it changes
+    #[arg(long, env = "LTCFORGE_TOKENS", value_name = "FILE")]
+    pub tokens: Option<PathBuf>,
+    /// Tokens beside those of the file, with `;` between, as `ltcforge token new` prints them for the service
+    #[arg(long, env = "LTCFORGE_TOKEN_LIST", hide_env_values = true, value_name = "TOKENS")]
+    pub token_list: Option<String>,
+    /// Without tokens, serve anyone who reaches an address that is not of this machine alone
+    #[arg(long, env = "LTCFORGE_ALLOW_ANYONE", num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL")]
+    pub allow_anyone: Option<bool>,
     /// Connections open at the same time; fewer if the process may not open as many files [default: 1024]
     #[arg(long, env = "LTCFORGE_CONNECTIONS", value_name = "N")]
     pub connections: Option<NonZeroUsize>,
@@ -139,6 +149,9 @@ impl Default for ServeSettings {
             picture_memory: (pictures.memory_bytes >> 20) as u32,
             allow_host: Vec::new(),
             allow_origin: Vec::new(),
+            tokens: None,
+            token_list: None,
+            allow_anyone: None,
             connections: None,
             connections_per_address: None,
             client_seconds: WaitSeconds::clamped(connections.client.as_secs()),
@@ -221,7 +234,7 @@ impl ServeSettings {
         }
     }
 
-    /// The settings of the HTTP interface. `descriptors` is the number of file descriptors that the process may have,
+    /// The settings of the HTTP interface without its tokens. `descriptors` is the number of file descriptors that the process may have,
     /// `None` if there is no limit.
     pub(super) fn http(&self, descriptors: Option<u64>) -> http::Options {
         let default = ConnectionLimits { client: self.client_seconds.duration(), ..ConnectionLimits::default() };
@@ -237,6 +250,7 @@ impl ServeSettings {
         http::Options {
             limits: ConnectionLimits { per_address: per_address.min(connections), ..limits },
             origins: OriginPolicy { hosts: self.allow_host.clone(), origins: self.allow_origin.clone() },
+            tokens: Arc::default(),
             redirects: self.replica.redirect,
         }
     }
@@ -257,14 +271,14 @@ pub(super) fn raise_descriptor_limit() -> Option<u64> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use clap::Parser as _;
 
     use super::*;
     use crate::{Cli, Command as CliCommand, service::ServiceCommand};
 
     /// The settings of a file and of flags.
-    fn settings(file: &str, flags: &[&str]) -> ServeSettings {
+    pub(in crate::service) fn settings(file: &str, flags: &[&str]) -> ServeSettings {
         let line = ["ltcforge", "serve"].iter().chain(flags);
         let command = Cli::try_parse_from(line).expect("good flags").command;
         let CliCommand::Service(ServiceCommand::Serve(args)) = command else { panic!() };
@@ -290,7 +304,8 @@ mod tests {
         let file = "listen = '[::1]:80'\ndata = 'd'\nworkers = 3\nqueue_limit = 4\nentry_limit = 5\njob_seconds = 6\n\
                     job_days = 7\nexport_bytes = 8\nadapter = 'gpu'\npicture_seconds = 9\npicture_queue = 10\n\
                     picture_memory = 11\nallow_host = ['h']\nallow_origin = ['https://o']\nconnections = 12\n\
-                    connections_per_address = 13\nclient_seconds = 14\nbrdf_limit = 15\nlight_texture_limit = 16";
+                    connections_per_address = 13\nclient_seconds = 14\nbrdf_limit = 15\nlight_texture_limit = 16\n\
+                    tokens = 't'\ntoken_list = 'l'\nallow_anyone = true";
         let flags: Vec<String> = file
             .lines()
             .map(|line| {

@@ -7,6 +7,8 @@
 //! | `amplitude`, `fresnel` (when the recipe has terms), `edge` (those of F82), `node_error` | as `matrix` | alpha, ratio, theta, phi |
 //! | `axis_alpha`, `axis_ratio`, `axis_theta`, `axis_phi` | f64 | nodes |
 //!
+//! Of layout `materials` there is one ratio for each alpha: `axis_ratio` is as long as `axis_alpha`, and the shape has 1 for it.
+//!
 //! Equal recipe and table give equal bytes, and no other bytes decode to them.
 
 use safetensors::{Dtype, SafeTensors, serialize, tensor::Metadata};
@@ -100,7 +102,7 @@ fn tensor<'a>(precision: Precision, shape: &[usize], values: impl IntoIterator<I
 /// # Errors
 /// When the table's vectors are not as long as its axes say.
 pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError> {
-    let shape = table.axes.lengths().named().map(|(_, n)| *n);
+    let shape = table.lengths().named().map(|(_, n)| *n);
     let matrix_shape: Vec<usize> = shape.into_iter().chain([3, 3]).collect();
     let precision = recipe.precision;
     let mut tensors = vec![
@@ -150,15 +152,14 @@ pub fn stated_length(beginning: &[u8]) -> Result<u64, TableFileError> {
     })?;
     let header: Metadata = serde_json::from_slice(header).map_err(|error| refused(error.to_string()))?;
     let recipe = recipe_of(&header)?;
-    let lengths = recipe.nodes().lengths().named().map(|(_, n)| *n);
+    let nodes = recipe.nodes().lengths().named().iter().map(|(_, n)| **n).sum::<usize>() as u64;
     let number = match recipe.precision {
         Precision::F32 => 4,
         Precision::F16 => 2,
     };
     // With the error at the node.
     let numbers = recipe.entry_numbers() + 1;
-    let entries = lengths.iter().product::<usize>() as u64;
-    Ok(8 + length + entries * numbers * number + 8 * lengths.iter().sum::<usize>() as u64)
+    Ok(8 + length + recipe.entries() * numbers * number + 8 * nodes)
 }
 
 fn has_second(recipe: &Recipe) -> bool {
@@ -183,7 +184,7 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
     let file = SafeTensors::deserialize(bytes).map_err(container)?;
     let recipe = recipe_of(&header)?;
     let axes = recipe.nodes();
-    let shape = axes.lengths().named().map(|(_, n)| *n);
+    let shape = recipe.layout.lengths(&axes).named().map(|(_, n)| *n);
     let matrix_shape: Vec<usize> = shape.into_iter().chain([3, 3]).collect();
     for (name, nodes) in axes.named() {
         if numbers::<8>(&file, &format!("axis_{name}"), Dtype::F64, &[nodes.len()])?

@@ -23,6 +23,10 @@ pub(super) fn read_nodes(root: &Object, layout: Layout, faults: &mut Faults) -> 
     let mut axis = |name: &str, [low, high]: [f64; 2]| -> Vec<f64> {
         let Some(value) = object.get(name) else { return Vec::new() };
         let mut note = |detail: String| faults.note(object.pointer(name), detail);
+        if layout.is_of_materials() && (name == "alpha" || name == "ratio") {
+            note(format!("layout \"{layout}\" has them in the field materials, as pairs; leave this field out"));
+            return Vec::new();
+        }
         if layout.only_ranges().is_some() {
             note(format!("layout \"{layout}\" has nodes of its own: its readers take no others; leave this field out"));
             return Vec::new();
@@ -55,9 +59,10 @@ fn given_on<'a>(given: &'a GivenNodes, axis: &str) -> &'a [f64] {
     given.axes().named().into_iter().find(|(name, _)| *name == axis).map_or(&[], |(_, nodes)| nodes)
 }
 
-/// The first and the last of them.
+/// The least and the greatest of them.
 pub(super) fn ends_of(given: &GivenNodes, axis: &str) -> Option<[f64; 2]> {
-    given_on(given, axis).first().zip(given_on(given, axis).last()).map(|(first, last)| [*first, *last])
+    let nodes = given_on(given, axis).iter().copied();
+    nodes.clone().reduce(f64::min).zip(nodes.reduce(f64::max)).map(|(low, high)| [low, high])
 }
 
 /// A range that is a single value takes one node, any other at least two; nodes that are given are as many as they are.
@@ -71,7 +76,11 @@ pub(super) fn read_resolution(
     let object = root.object("resolution", &AXES, faults);
     let default = layout.default_resolution();
     let mut axis = |name: &str, default: u32, [low, high]: [f64; 2]| {
-        let given = given_on(given, name).len() as u32;
+        let given = match name {
+            // Each material has one.
+            "ratio" if layout.is_of_materials() => 1,
+            _ => given_on(given, name).len() as u32,
+        };
         if given > 0 {
             return object.integer32(name, given, given, given, faults);
         }

@@ -8,6 +8,7 @@ use super::{
     axes::{AXES, DOMAIN, ISOTROPIC, ends_of, read_nodes, read_resolution},
     fault::Fault,
     fresnel::{check_second, read_fresnel},
+    materials::{check_thetas, read_materials},
     preset::Preset,
     reader::{Faults, Object, echo, listed},
     terms::read_terms,
@@ -21,7 +22,7 @@ use ltcforge_fit::{
 /// Entries that a table may have unless the caller sets another limit.
 pub const DEFAULT_ENTRY_LIMIT: u64 = 2_000_000;
 
-const FIELDS: [&str; 13] = [
+const FIELDS: [&str; 14] = [
     "preset",
     "fitter",
     "brdf",
@@ -32,6 +33,7 @@ const FIELDS: [&str; 13] = [
     "resolution",
     "range",
     "nodes",
+    "materials",
     "fit",
     "terms",
     "precision",
@@ -67,20 +69,26 @@ pub(super) fn read(
     let model = model.with_fresnel(fresnel);
     let brdf = model.kind();
     let lobe = root.choice("lobe", &named(LobeModel::ALL, LobeModel::name), LobeModel::ALL[0], &mut faults);
-    let layout = read_layout(&root, brdf, lobe, &mut faults);
+    let layout = read_layout(&root, &model, lobe, &mut faults);
     let precision = root.choice("precision", &named(Precision::ALL, Precision::name), Precision::ALL[0], &mut faults);
     let terms = read_terms(&root, brdf, lobe, &mut faults);
     let fitter = read_fitter(&root, fitters, &mut faults);
     let fit = read_fit(&root, preset, &mut faults);
     check_lobe(&root, lobe, &fit, terms, &mut faults);
     check_second(&root, model.fresnel(), lobe, terms.any(), &mut faults);
-    let given = read_nodes(&root, layout, &mut faults);
+    let mut given = read_nodes(&root, layout, &mut faults);
+    let materials = read_materials(&root, layout, brdf, &mut faults);
+    if !materials.is_empty() {
+        given = given.with_materials(&materials);
+    }
     let range = read_range(&root, &model, layout, &given, &mut faults);
-    check_ratio(&range, &fit, &mut faults);
+    check_ratio(&model, &range, &fit, &mut faults);
+    check_azimuth(&model, &range, &mut faults);
     let resolution = read_resolution(&root, layout, &range, &given, &mut faults);
     let recipe = Recipe { fitter, brdf: model, lobe, layout, resolution, range, fit, terms, precision, given };
     check_entries(&recipe, entry_limit, &mut faults);
     check_nodes(&recipe, &mut faults);
+    check_thetas(&recipe, &mut faults);
     if faults.0.is_empty() { Ok(recipe) } else { Err(faults.0) }
 }
 
@@ -133,16 +141,36 @@ fn read_simplex(object: &Object, solver: Solver, faults: &mut Faults) -> Option<
 }
 
 /// Some solvers fit lobes that are symmetric in the plane of incidence only.
-fn check_ratio(range: &PerAxis<[f64; 2]>, fit: &FitSettings, faults: &mut Faults) {
+fn check_ratio(model: &BrdfModel, range: &PerAxis<[f64; 2]>, fit: &FitSettings, faults: &mut Faults) {
     let solver = fit.solver;
-    if solver.is_isotropic() && range.ratio != ISOTROPIC.ratio {
+    let others = || listed(Solver::ALL, |other| !other.is_isotropic());
+    if solver.is_isotropic() && model.has_azimuths() {
+        let detail = format!(
+            "solver \"{solver}\" fits isotropic surfaces only, and the file of the tabulated BRDF has azimuths of the view, \
+             phi_o: choose {}",
+            others()
+        );
+        faults.note("/fit/solver", detail);
+    } else if solver.is_isotropic() && range.ratio != ISOTROPIC.ratio {
         let [low, high] = range.ratio;
-        let others = listed(Solver::ALL, |other| !other.is_isotropic());
+        let others = others();
         let detail = format!(
             "[{low}, {high}] has anisotropic surfaces, and solver \"{solver}\" fits isotropic ones only: set the range to \
              [1, 1], or /fit/solver to {others}"
         );
         faults.note("/range/ratio", detail);
+    }
+}
+
+/// A table of one ratio, 1, and of one azimuth is read as isotropic: its lobes turn with the view.
+fn check_azimuth(model: &BrdfModel, range: &PerAxis<[f64; 2]>, faults: &mut Faults) {
+    if model.has_azimuths() && range.ratio == ISOTROPIC.ratio && range.phi[0] == range.phi[1] {
+        let detail = format!(
+            "a table of ratio 1 and of the single value {} is read as isotropic, and the file of the tabulated BRDF has \
+             azimuths of the view, phi_o: give phi a range",
+            range.phi[0]
+        );
+        faults.note("/range/phi", detail);
     }
 }
 
@@ -167,7 +195,7 @@ fn read_brdf(root: &Object, find: &FindBrdf<'_>, faults: &mut Faults) -> BrdfMod
 }
 
 /// The default is the first layout that takes the lobes of the scattering model.
-fn read_layout(root: &Object, brdf: BrdfKind, lobe: LobeModel, faults: &mut Faults) -> Layout {
+fn read_layout(root: &Object, brdf: &BrdfModel, lobe: LobeModel, faults: &mut Faults) -> Layout {
     let takes = |layout: &Layout| layout.takes(brdf) && layout.stores(lobe);
     let default = Layout::ALL.iter().copied().find(takes).unwrap_or(Layout::ALL[0]);
     let layout = root.choice("layout", &named(Layout::ALL, Layout::name), default, faults);
@@ -177,6 +205,11 @@ fn read_layout(root: &Object, brdf: BrdfKind, lobe: LobeModel, faults: &mut Faul
     let others = listed(Layout::ALL, |layout| takes(&layout));
     let detail = if layout.takes(brdf) {
         format!("layout \"{layout}\" is for readers of LTCs, not for lobe \"{lobe}\"; layouts for it are {others}")
+    } else if layout.only_ranges().is_some() {
+        format!(
+            "layout \"{layout}\" is of isotropic surfaces, and the file of the tabulated BRDF has azimuths of the view, phi_o; \
+             layouts for it are {others}"
+        )
     } else {
         format!(
             "layout \"{layout}\" stores lobes relative to a reflection, which those of brdf \"{brdf}\" do not follow; layouts \
@@ -222,20 +255,26 @@ fn read_range(
     let of_file = |nodes: fn(&TabulatedAxes) -> &Vec<f64>| {
         axes.and_then(|axes| nodes(axes).first().zip(nodes(axes).last())).map(|(low, high)| [*low, *high])
     };
-    let (alphas, thetas) = (of_file(|axes| &axes.alpha), of_file(|axes| &axes.theta_o));
-    let default = only.unwrap_or(match (axes, brdf.is_isotropic()) {
-        // A surface without roughness is one entry, as rough as can be.
-        (Some(_), _) => {
-            PerAxis { alpha: alphas.unwrap_or([1.0; 2]), theta: thetas.unwrap_or(DOMAIN.theta), ..ISOTROPIC }
-        }
-        (None, true) => ISOTROPIC,
-        (None, false) => DOMAIN,
+    let [alphas, ratios, thetas] =
+        [of_file(|axes| &axes.alpha), of_file(|axes| &axes.ratio), of_file(|axes| &axes.theta_o)];
+    let of_model = if brdf.is_isotropic() && !model.has_azimuths() { ISOTROPIC } else { DOMAIN };
+    let default = only.unwrap_or(match axes {
+        // A surface without roughness is one entry, as rough as can be and of equal roughnesses.
+        Some(_) => PerAxis {
+            alpha: alphas.unwrap_or([1.0; 2]),
+            ratio: ratios.unwrap_or(ISOTROPIC.ratio),
+            theta: thetas.unwrap_or(DOMAIN.theta),
+            ..of_model
+        },
+        None => of_model,
     });
     let mut axis = |name, domain, default: [f64; 2]| {
         let ends = ends_of(given, name);
         let range = object.range(name, domain, ends.unwrap_or(default), faults);
         if let Some([first, last]) = ends.filter(|ends| *ends != range) {
-            let detail = format!("the nodes that /nodes/{name} gives go from {first} to {last}: leave this field out");
+            let listed = layout.is_of_materials() && (name == "alpha" || name == "ratio");
+            let field = if listed { "/materials".to_owned() } else { format!("/nodes/{name}") };
+            let detail = format!("the nodes that {field} gives go from {first} to {last}: leave this field out");
             faults.note(object.pointer(name), detail);
             return [first, last];
         }
@@ -245,16 +284,20 @@ fn read_range(
             faults.note(object.pointer(name), detail);
             return default;
         }
-        if name == "ratio" && brdf.is_isotropic() && range != ISOTROPIC.ratio {
+        if name == "ratio" && model.is_isotropic() && range != ISOTROPIC.ratio {
             let detail = format!("brdf \"{brdf}\" has the ratio [1, 1] only: its surfaces are isotropic");
             faults.note(object.pointer(name), detail);
             return default;
         }
-        let of_file = if name == "alpha" { alphas } else { thetas.filter(|_| name == "theta") };
+        let (axis, of_file) = match name {
+            "alpha" => (name, alphas),
+            "ratio" => (name, ratios),
+            "theta" => ("theta_o", thetas),
+            _ => (name, None),
+        };
         if let Some([low, high]) = of_file
             && (range[0] < low - FILE_TOLERANCE || range[1] > high + FILE_TOLERANCE)
         {
-            let axis = if name == "alpha" { name } else { "theta_o" };
             let file = format!("the file of the tabulated BRDF has {axis} [{low}, {high}]");
             let given = format!("[{}, {}]", range[0], range[1]);
             if only.is_some() {
@@ -289,7 +332,9 @@ fn check_nodes(recipe: &Recipe, faults: &mut Faults) {
     let axes = recipe.nodes();
     let ranges = recipe.range.named();
     for ((name, nodes), (_, range)) in axes.named().into_iter().zip(ranges) {
-        if nodes.windows(2).any(|pair| pair[0] >= pair[1]) {
+        // Materials may be in any order.
+        let is_listed = recipe.layout.is_of_materials() && (name == "alpha" || name == "ratio");
+        if !is_listed && nodes.windows(2).any(|pair| pair[0] >= pair[1]) {
             let detail = format!(
                 "[{}, {}] is too narrow for {} nodes: alpha and ratio are fitted from 1e-4 up, theta up to 0.9999 pi/2",
                 range[0],

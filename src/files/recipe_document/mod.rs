@@ -5,6 +5,7 @@ mod axes;
 mod document;
 mod fault;
 mod fresnel;
+mod materials;
 mod preset;
 mod reader;
 mod strict;

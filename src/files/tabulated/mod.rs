@@ -3,8 +3,10 @@
 //! | tensor | type | shape |
 //! |---|---|---|
 //! | `alpha`, may be absent | f32 or f64 | roughnesses |
+//! | `ratio`, may be absent | f32 or f64 | ratios of roughnesses, of anisotropic surfaces |
 //! | `theta_o`, `theta_i`, `phi` | f32 or f64 | angles in radians |
-//! | `value` | f32 or f64 | `alpha` (where there is one), `theta_o`, `theta_i`, `phi` |
+//! | `phi_o`, of anisotropic surfaces | f32 or f64 | angles in radians |
+//! | `value` | f32 or f64 | `alpha`, `ratio`, `theta_o`, `phi_o`, `theta_i`, `phi`, those there are |
 //!
 //! Metadata is ignored. [`TabulatedBrdf`] documents the meaning of the numbers and their bounds.
 
@@ -25,13 +27,15 @@ pub use find::{FindBrdf, Located, kept_name, locate, no_files};
 /// The longest file of a tabulated BRDF that is read: twice the size of the most numbers allowed.
 pub const TABULATED_LIMIT_BYTES: u64 = 64 << 20;
 
-/// The longest header of one: five tensors take some hundred bytes.
+/// The longest header of one: seven tensors take some hundred bytes.
 pub const TABULATED_HEADER_LIMIT_BYTES: u64 = 64 << 10;
 
 /// Letters of an unknown tensor's name in a message.
 const LONGEST_ECHO: usize = 100;
 
 const VALUE: &str = "value";
+/// Axes that a file may lack.
+const OPTIONAL: [&str; 3] = ["alpha", "ratio", "phi_o"];
 
 /// Why bytes are no tabulated BRDF: every fault.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -96,21 +100,25 @@ fn read(bytes: &[u8]) -> Result<TabulatedBrdf, Vec<String>> {
         };
         (tensor.shape().to_vec(), numbers)
     };
-    let [alpha, theta_o, theta_i, phi] = names.map(|name| tensor(name, name != names[0]));
+    let axes = names.map(|name| (name, tensor(name, !OPTIONAL.contains(&name))));
     let (shape, values) = tensor(VALUE, true);
-    let axes = [(names[0], &alpha), (names[1], &theta_o), (names[2], &theta_i), (names[3], &phi)];
     for (name, (shape, _)) in axes.iter().filter(|(_, (shape, _))| shape.len() > 1) {
         faults.push(format!("tensor «{name}»: shape {shape:?}; allowed: one axis"));
     }
-    let has_alpha = file.tensor(names[0]).is_ok();
-    if has_alpha && alpha.1.is_empty() {
-        faults.push(format!("tensor «{}»: no roughness; leave it out for a surface that has none", names[0]));
+    let is_left_out = |name: &str| OPTIONAL.contains(&name) && file.tensor(name).is_err();
+    for (name, _) in
+        axes.iter().filter(|(name, (_, nodes))| OPTIONAL.contains(name) && nodes.is_empty() && !is_left_out(name))
+    {
+        let what = if *name == OPTIONAL[0] { "roughness" } else { "nodes" };
+        faults.push(format!("tensor «{name}»: no {what}; leave it out for a surface that has none"));
     }
-    let wanted: Vec<usize> = axes[usize::from(!has_alpha)..].iter().map(|(_, (_, nodes))| nodes.len()).collect();
+    let there = axes.iter().filter(|(name, _)| !is_left_out(name));
+    let wanted: Vec<usize> = there.map(|(_, (_, nodes))| nodes.len()).collect();
     if !shape.is_empty() && shape != wanted {
         faults.push(format!("tensor «{VALUE}»: shape {shape:?}; the axes have {wanted:?}"));
     }
-    let axes = TabulatedAxes { alpha: alpha.1, theta_o: theta_o.1, theta_i: theta_i.1, phi: phi.1 };
+    let [alpha, ratio, theta_o, phi_o, theta_i, phi] = axes.map(|(_, (_, nodes))| nodes);
+    let axes = TabulatedAxes { alpha, ratio, theta_o, phi_o, theta_i, phi };
     // A shape that does not fit the axes is told above, in more words.
     let told = |tensor: &str| faults.iter().any(|fault| fault.starts_with(&format!("tensor «{tensor}»:")));
     match TabulatedBrdf::new(axes, values) {

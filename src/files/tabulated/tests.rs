@@ -11,6 +11,12 @@ fn planted(alpha: &[f64]) -> Vec<u8> {
     encode(&brdf.expect("a BRDF")).expect("a file")
 }
 
+/// GGX of few nodes, of the ratios 0.5 and 1 or, without `ratio`, of none.
+fn planted_anisotropic(ratio: &[f64]) -> Vec<u8> {
+    let axes = TabulatedAxes::spread(vec![0.6, 1.0], 12, 7).with_azimuths(ratio.to_vec(), 3);
+    encode(&TabulatedBrdf::tabulate(BrdfKind::Ggx, axes).expect("a BRDF")).expect("a file")
+}
+
 /// Tensors of f32 by name, shape and number.
 fn file(tensors: &[(&str, Vec<usize>, f32)]) -> Vec<u8> {
     let tensors: HashMap<String, Tensor> = tensors
@@ -33,6 +39,19 @@ fn a_file_reads_back_as_itself() {
         let data = file.data().expect("its numbers");
         assert_eq!(data.axes().alpha, alpha);
         assert_eq!(encode(data).expect("a file"), bytes);
+    }
+}
+
+#[test]
+fn an_anisotropic_file_reads_back_as_itself() {
+    for (ratio, axes) in [(vec![0.5, 1.0], 6), (vec![], 5)] {
+        let bytes = planted_anisotropic(&ratio);
+        let file = decode(&bytes).expect("a BRDF");
+        let data = file.data().expect("its numbers");
+        assert_eq!((&data.axes().ratio, data.axes().phi_o.len()), (&ratio, 3));
+        assert_eq!(data.axes().named().iter().filter(|(_, nodes)| !nodes.is_empty()).count(), axes);
+        assert_eq!(encode(data).expect("a file"), bytes);
+        assert!(is_tabulated(&bytes[..8 + u64::from_le_bytes(*bytes.first_chunk().expect("a header")) as usize]));
     }
 }
 
@@ -65,7 +84,7 @@ fn every_fault_of_a_container_is_told_at_once() {
     ]);
     let told = told(&wrong);
     let wanted = [
-        "tensor «roughness»: unknown; known here are alpha, theta_o, theta_i, phi, value",
+        "tensor «roughness»: unknown; known here are alpha, ratio, theta_o, phi_o, theta_i, phi, value",
         "tensor «theta_i»: missing",
         "tensor «theta_o»: shape [2, 1]; allowed: one axis",
         "tensor «value»: shape [2, 3]; the axes have [2, 0, 2]",
@@ -74,6 +93,28 @@ fn every_fault_of_a_container_is_told_at_once() {
         "tensor «value»: 5 of 6 numbers are negative; the first is -1, at element 1",
     ];
     assert_eq!(told, wanted);
+}
+
+/// Azimuths are a whole turn with those of the view alone, and an axis that is there has nodes.
+#[test]
+fn every_fault_of_azimuths_is_told_at_once() {
+    let told = decode(&file(&[
+        ("alpha", vec![0], 1.0),
+        ("ratio", vec![0], 1.0),
+        ("theta_o", vec![2], 1.0),
+        ("phi_o", vec![2], 1.0),
+        ("theta_i", vec![2], std::f32::consts::FRAC_PI_2),
+        ("phi", vec![3], std::f32::consts::FRAC_PI_2),
+        ("value", vec![2, 2, 2, 3], 0.0),
+    ]));
+    let wanted = [
+        "tensor «alpha»: no roughness; leave it out for a surface that has none",
+        "tensor «ratio»: no nodes; leave it out for a surface that has none",
+        "tensor «value»: shape [2, 2, 2, 3]; the axes have [0, 0, 2, 2, 2, 3]",
+        "tensor «phi_o»: it goes from 0 to 1; allowed: from 0 to 1.5707963267948966, all of it",
+        "tensor «phi»: it goes from 0 to 3.1415927410125732; allowed: from 0 to 6.283185307179586, all of it",
+    ];
+    assert_eq!(told.expect_err("faults").0, wanted);
 }
 
 fn recipe(document: &str, bytes: &[u8]) -> Result<Recipe, RecipeError> {
@@ -146,6 +187,43 @@ fn a_recipe_that_does_not_fit_its_file_says_what_to_change() {
     assert_eq!(both.iter().map(|(pointer, _)| &**pointer).collect::<Vec<_>>(), ["/layout", "/range/ratio"]);
 }
 
+/// A file with azimuths has the table's azimuths, and ratios where it has them; one that was not read takes what a stored recipe
+/// says.
+#[test]
+fn a_recipe_is_as_anisotropic_as_its_file() {
+    let document = r#"{"brdf": "tabulated", "tabulated": "gold"}"#;
+    let quarter = [0.0, std::f64::consts::FRAC_PI_2];
+    for (ratio, wanted, ratios) in [(&[0.5, 1.0][..], [0.5, 1.0], 8), (&[], [1.0, 1.0], 1)] {
+        let whole = recipe(document, &planted_anisotropic(ratio)).expect("a recipe");
+        assert_eq!((whole.range().alpha, whole.range().ratio, whole.range().phi), ([0.6, 1.0], wanted, quarter));
+        assert_eq!((whole.resolution().ratio, whole.resolution().phi), (ratios, 8));
+        assert!(!whole.model().is_isotropic() && whole.model().has_azimuths());
+        let stored = parse_stored(canonical_json(&whole).as_bytes()).expect("the same");
+        assert_eq!((digest(&stored), &stored), (digest(&whole), &whole));
+    }
+    let told = |fields: &str, ratio: &[f64]| {
+        let document = format!(r#"{{"brdf": "tabulated", "tabulated": "gold", {fields}}}"#);
+        match recipe(&document, &planted_anisotropic(ratio)) {
+            Err(RecipeError::Faults(faults)) => {
+                faults.into_iter().map(|fault| format!("{}: {}", fault.pointer, fault.detail)).collect::<Vec<_>>()
+            }
+            other => panic!("{document} gave {other:?}"),
+        }
+    };
+    let wanted = [
+        "/layout: layout \"ltc2017\" is of isotropic surfaces, and the file of the tabulated BRDF has azimuths of the view, phi_o; \
+         layouts for it are \"kt2022\"",
+        "/range/ratio: [0.4, 1] goes beyond it: the file of the tabulated BRDF has ratio [0.5, 1]",
+        "/fit/solver: solver \"nelder_mead\" fits isotropic surfaces only, and the file of the tabulated BRDF has azimuths of the \
+         view, phi_o: choose \"bfgs\", \"sgd\"",
+    ];
+    let fields = r#""layout": "ltc2017", "range": {"ratio": [0.4, 1]}, "fit": {"solver": "nelder_mead"}"#;
+    assert_eq!(told(fields, &[0.5, 1.0]), wanted);
+    let wanted = "/range/phi: a table of ratio 1 and of the single value 0 is read as isotropic, and the file of the tabulated BRDF has \
+                  azimuths of the view, phi_o: give phi a range";
+    assert_eq!(told(r#""range": {"phi": [0, 0]}"#, &[]), [wanted]);
+}
+
 #[test]
 fn a_digest_is_found_where_tables_are() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -177,8 +255,9 @@ proptest! {
     fn hostile_bytes_are_refused_or_work(
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..6),
         keep in 0.0..1.2_f64,
+        is_anisotropic: bool,
     ) {
-        let mut bytes = planted(&[0.5, 0.75]);
+        let mut bytes = if is_anisotropic { planted_anisotropic(&[0.5, 1.0]) } else { planted(&[0.5, 0.75]) };
         for (at, byte) in changes {
             let at = at.index(bytes.len());
             bytes[at] = byte;

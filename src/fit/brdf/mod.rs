@@ -33,7 +33,7 @@ pub(crate) use scattering::BrdfRules;
 pub use scattering::{Bends, Brdf, BrdfSample, LobeTerms, cos_theta_d};
 pub use symmetry::Mirrors;
 #[cfg(any(test, feature = "testing"))]
-pub use tabulated::planted::planted as planted_tabulated;
+pub use tabulated::planted::{planted as planted_tabulated, planted_anisotropic};
 pub use tabulated::{Asymmetry, MOST_ALBEDO, MOST_VALUES, TabulatedAxes, TabulatedBrdf, TabulatedFault};
 
 use super::{axes::PerAxis, named_list};
@@ -55,7 +55,7 @@ named_list! {
         OrenNayar = "oren_nayar" => oren_nayar::OrenNayarRules,
         /// Sheen of a volume of fibres [Zeltner, Burley and Chiang 2022], which is an LTC itself.
         Fuzz = "fuzz" => fuzz::FuzzRules,
-        /// An isotropic BRDF given as numbers in a file.
+        /// A BRDF given as numbers in a file.
         Tabulated = "tabulated" => tabulated::TabulatedRules,
     }
 }
@@ -85,7 +85,8 @@ impl BrdfKind {
         self.rules().needs_file()
     }
 
-    /// Whether its surfaces are the same in all azimuths, so that a table has a ratio of one only.
+    /// Whether its surfaces are the same in all azimuths, so that a table has a ratio of one only. Files may have others:
+    /// see [`BrdfModel::is_isotropic`].
     #[must_use]
     pub fn is_isotropic(self) -> bool {
         self.rules().is_isotropic()

@@ -74,7 +74,7 @@ impl BrdfModel {
             return self.kind.surface(roughness);
         }
         let data = self.data().expect("a tabulated model is evaluated with its file attached");
-        Box::new(data.surface(roughness[0].max(roughness[1])))
+        Box::new(data.surface(roughness))
     }
 
     /// The surface whose lobe for `wo` is fitted: with the Fresnel factor of [`BrdfModel::fresnel`]. Domain: as
@@ -112,6 +112,22 @@ impl BrdfModel {
     #[must_use]
     pub fn surface_at(&self, place: &PerAxis<f64>) -> Box<dyn Brdf> {
         self.surface(place.roughness())
+    }
+
+    /// As [`BrdfKind::is_isotropic`]; a file tells itself, and one that was not read may be of either.
+    #[must_use]
+    pub fn is_isotropic(&self) -> bool {
+        match &self.file {
+            Some(file) => file.data.as_ref().is_some_and(|data| data.axes().is_isotropic()),
+            None => self.kind.is_isotropic(),
+        }
+    }
+
+    /// Whether its surfaces differ in azimuths whatever their ratio of roughnesses: those of a file with azimuths of the view,
+    /// where that was read.
+    #[must_use]
+    pub fn has_azimuths(&self) -> bool {
+        self.data().is_some_and(|data| !data.axes().is_isotropic())
     }
 
     /// As [`BrdfKind::follows_reflection`].

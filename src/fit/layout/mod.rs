@@ -6,6 +6,7 @@
 
 mod isotropic;
 mod kt2022;
+mod materials;
 mod precision;
 mod reflected;
 mod reflection;
@@ -14,6 +15,8 @@ mod shader_axes;
 mod smooth;
 mod spacing;
 
+pub(crate) use materials::nearest_material;
+pub use materials::{LEAST_THETAS, MOST_MATERIALS};
 pub use precision::Precision;
 pub use reflection::Reflection;
 pub use rules::{FreeNumbers, LayoutShader, ShaderNumbers};
@@ -25,7 +28,7 @@ pub(crate) use spacing::{Spacing, within_limits};
 
 use glam::Vec3;
 
-use super::{axes::PerAxis, brdf::BrdfKind, lobe::LobeModel, named_list};
+use super::{axes::PerAxis, brdf::BrdfModel, lobe::LobeModel, named_list};
 
 named_list! {
     /// How configurations map to entries, and how a stored matrix maps to `M`.
@@ -47,6 +50,8 @@ named_list! {
         Inverse = "inverse" => isotropic::INVERSE,
         /// Isotropic: `M` over its last element, on the nodes of `ltc2017`.
         Matrix33 = "matrix33" => isotropic::MATRIX33,
+        /// The numbers of `reflected` for a list of pairs of alpha and ratio, with nothing interpolated between them.
+        Materials = "materials" => materials::Materials,
     }
 }
 
@@ -57,6 +62,42 @@ impl Layout {
         self.rules().nodes(range, resolution)
     }
 
+    /// Whether alpha and ratio are one axis, whose nodes are pairs: the materials that a recipe lists. A table then has as many
+    /// ratios as alphas, in the order of the list.
+    #[must_use]
+    pub fn is_of_materials(self) -> bool {
+        self.rules().is_of_materials()
+    }
+
+    /// Whether matrices are stored relative to the [`Reflection`] at their place.
+    #[must_use]
+    pub fn is_relative(self) -> bool {
+        self.rules().is_relative()
+    }
+
+    /// Nodes on each axis of a table: of [materials](Layout::is_of_materials) as many as alpha has, each with one ratio.
+    #[must_use]
+    pub fn lengths(self, axes: &PerAxis<Vec<f64>>) -> PerAxis<usize> {
+        let lengths = axes.lengths();
+        if self.is_of_materials() { PerAxis { ratio: 1, ..lengths } } else { lengths }
+    }
+
+    /// The node at `index` in storage order. Domain: `index` below the product of [`Layout::lengths`].
+    #[must_use]
+    pub fn node(self, axes: &PerAxis<Vec<f64>>, index: usize) -> PerAxis<f64> {
+        if !self.is_of_materials() {
+            return axes.node(index);
+        }
+        let row = index / axes.phi.len();
+        let material = row / axes.theta.len();
+        PerAxis {
+            alpha: axes.alpha[material],
+            ratio: axes.ratio[material],
+            theta: axes.theta[row % axes.theta.len()],
+            phi: axes.phi[index % axes.phi.len()],
+        }
+    }
+
     /// The only ranges that the layout has, if its readers take no others.
     #[must_use]
     pub fn only_ranges(self) -> Option<PerAxis<[f64; 2]>> {
@@ -64,10 +105,11 @@ impl Layout {
     }
 
     /// Whether the layout can store the lobes of a scattering model: those that lie around a reflection, if it stores
-    /// them relative to one.
+    /// them relative to one, and no others than isotropic ones, if it has no other surfaces.
     #[must_use]
-    pub fn takes(self, brdf: BrdfKind) -> bool {
-        brdf.follows_reflection() || !self.rules().is_relative()
+    pub fn takes(self, brdf: &BrdfModel) -> bool {
+        (brdf.follows_reflection() || !self.rules().is_relative())
+            && (self.only_ranges().is_none() || !brdf.has_azimuths())
     }
 
     /// Whether the layout can store a lobe model: those of isotropic tables have matrices of LTCs.
@@ -92,7 +134,13 @@ impl Layout {
     /// The axes of a table of one lobe as shaders read them. Domain: nodes of this layout, as [`Layout::nodes`] has them.
     #[must_use]
     pub fn shader_axes(self, axes: &PerAxis<Vec<f64>>) -> ShaderAxes {
-        ShaderAxes::new(self.shader().number, self.rules().spacing(), axes)
+        let number = self.shader().number;
+        if !self.is_of_materials() {
+            return ShaderAxes::new(number, self.rules().spacing(), axes);
+        }
+        let materials = (0..axes.alpha.len()).map(|material| material as f64).collect();
+        let numbered = PerAxis { alpha: materials, ratio: vec![0.0], ..axes.clone() };
+        ShaderAxes::new(number, self.rules().spacing(), &numbered).of_materials(axes)
     }
 
     /// Whether nodes are evenly spaced as [`Layout::shader_axes`] takes them to be. Where values themselves are evenly
@@ -101,8 +149,9 @@ impl Layout {
     pub fn is_even(self, axes: &PerAxis<Vec<f64>>) -> bool {
         let PerAxis { alpha, ratio, theta, phi } = self.rules().spacing();
         let of_surface = [(&axes.alpha, alpha), (&axes.ratio, ratio)];
+        let of_surface = if self.is_of_materials() { &[][..] } else { &of_surface[..] };
         let of_view = [(&axes.theta, theta), (&axes.phi, phi)];
-        of_surface.into_iter().all(|(nodes, spacing)| spacing.is_even(nodes, matches!(spacing, Spacing::Even)))
+        of_surface.iter().all(|(nodes, spacing)| spacing.is_even(nodes, matches!(spacing, Spacing::Even)))
             && of_view.into_iter().all(|(nodes, spacing)| spacing.is_even(nodes, false))
     }
 
@@ -113,7 +162,8 @@ impl Layout {
     }
 
     /// Twin of the layout's part of the shader: where a configuration lies among a table's nodes, for larger roughness,
-    /// ratio and view direction within the table's ranges, `wo` in the first quadrant.
+    /// ratio and view direction within the table's ranges, `wo` in the first quadrant. Of [materials](Layout::is_of_materials)
+    /// `alpha` is the number of one.
     #[must_use]
     pub fn place_in_shader(self, axes: &ShaderAxes, alpha: f32, ratio: f32, wo: Vec3) -> ShaderPlace {
         self.rules().place_in_shader(axes, alpha, ratio, wo)

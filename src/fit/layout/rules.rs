@@ -84,6 +84,11 @@ pub(crate) trait LayoutRules: Sync {
         None
     }
 
+    /// Whether alpha and ratio are one axis of pairs.
+    fn is_of_materials(&self) -> bool {
+        false
+    }
+
     /// Whether lobes are stored relative to GGX's reflection, so that they have to lie around it.
     fn is_relative(&self) -> bool {
         false

@@ -79,6 +79,21 @@ impl ShaderAxes {
         Self { reading: [number, turns, self.nodes[0], 0], texel: [0.5 * per_layer, x, y, z], ..self }
     }
 
+    /// The same, of a numbered axis of materials, with the extents of their roughnesses in these axes.
+    pub(super) fn of_materials(self, axes: &PerAxis<Vec<f64>>) -> Self {
+        let [number, _, z, w] = self.reading;
+        let extent = |nodes: &[f64]| {
+            nodes.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
+        };
+        let [alpha, ratio] = [extent(&axes.alpha), extent(&axes.ratio)];
+        let turns = ratio == [1.0; 2] && axes.phi.len() == 1;
+        Self {
+            reading: [number, u32::from(turns), z, w],
+            roughness: [alpha[0], alpha[1], ratio[0], ratio[1]].map(|x| x as f32),
+            ..self
+        }
+    }
+
     /// The words of the uniform, in its order.
     #[must_use]
     pub fn words(&self) -> [u32; 36] {

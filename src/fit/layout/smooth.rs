@@ -43,14 +43,14 @@ const SHARP: f64 = 0.002;
 impl Layout {
     /// The factor on the last row of a lobe at a roughness.
     fn row_scale(self, alpha: f64) -> f64 {
-        if self == Self::Reflected { 1.0 } else { alpha / (alpha + SHARP) }
+        if self.is_relative() { 1.0 } else { alpha / (alpha + SHARP) }
     }
 
     /// The smooth numbers of an entry that this layout stores at a node. They are not finite where the stored matrix
     /// has no inverse or the amplitude is zero.
     pub(crate) fn to_smooth(self, node: &PerAxis<f64>, stored: &LobeNumbers) -> [f64; SMOOTH_NUMBERS] {
         let place = within_limits(*node);
-        let LobeNumbers { matrix, terms } = if self == Self::Reflected {
+        let LobeNumbers { matrix, terms } = if self.is_relative() {
             *stored
         } else {
             let lobe = self.rules().restore(&place, stored);
@@ -104,7 +104,7 @@ impl Layout {
             matrix: turned(rotation_from_z(DVec3::new(x, y, z)) * local),
             terms: LobeTerms { amplitude: amplitude.max(0.0), fresnel },
         };
-        if self == Self::Reflected {
+        if self.is_relative() {
             return reflected;
         }
         let reflection = Reflection::at(&place);

@@ -46,13 +46,22 @@ pub struct Gap {
 #[must_use]
 pub fn difference(a: &Table, b: &Table, points: usize) -> Option<Difference> {
     let common = common(a, b)?;
+    let of_materials: Vec<&Table> = [a, b].into_iter().filter(|table| table.layout.is_of_materials()).collect();
     let covered = |at: &Configuration| {
         let within = |(x, nodes): (&f64, &Vec<f64>)| nodes.iter().any(|n| n <= x) && nodes.iter().any(|n| n >= x);
         let folded = at.folded();
-        folded.named().iter().map(|(_, x)| *x).zip(common.named().map(|(_, nodes)| nodes)).all(within)
+        let is_in_ranges =
+            folded.named().iter().map(|(_, x)| *x).zip(common.named().map(|(_, nodes)| nodes)).all(within);
+        is_in_ranges && of_materials.iter().all(|table| has_material(table, &folded))
     };
-    let nodes = [a, b].map(|table| places::nodes(&table.axes, points));
-    let places = nodes.into_iter().flatten().filter(covered).chain(places::between(&common, points));
+    let nodes = [a, b].map(|table| places::nodes(table.layout, &table.axes, points)).into_iter().flatten();
+    // Tables of materials are compared at those alone.
+    let between = if of_materials.is_empty() {
+        places::between(&common, points)
+    } else {
+        of_materials.iter().flat_map(|table| places::within(table, points)).filter(covered).collect()
+    };
+    let places = nodes.filter(covered).chain(between);
     let (mut matrix, mut amplitude, mut fresnel) = (Sum::default(), Sum::default(), Sum::default());
     for at in places {
         let [a, b] = [a, b].map(|table| table.lookup(&at));
@@ -70,10 +79,17 @@ pub fn difference(a: &Table, b: &Table, points: usize) -> Option<Difference> {
     Some(Difference { places, matrix: matrix.gap()?, amplitude, fresnel })
 }
 
+/// Whether a place is of one of a table's materials, up to rounding.
+fn has_material(table: &Table, place: &PerAxis<f64>) -> bool {
+    let is_it = |[alpha, ratio]: [f64; 2]| (alpha - place.alpha).abs() + (ratio - place.ratio).abs() < 1e-9;
+    table.materials().any(is_it)
+}
+
 /// The ranges that the axes of both tables cover. One phi that serves every phi is no bound.
 fn common(a: &Table, b: &Table) -> Option<PerAxis<Vec<f64>>> {
     let ends = |a: &[f64], b: &[f64]| {
-        let (low, high) = (a.first()?.max(*b.first()?), a.last()?.min(*b.last()?));
+        let [[a_low, a_high], [b_low, b_high]] = [a, b].map(places::extent);
+        let (low, high) = (a_low.max(b_low), a_high.min(b_high));
         (low <= high).then(|| vec![low, high])
     };
     let phi = match (a.serves_every_phi(), b.serves_every_phi()) {

@@ -49,8 +49,21 @@ pub(super) fn all(table: &Table, places: &[Configuration]) -> Vec<Figures> {
 
 /// The figures at each place, in order; `None` when `go_on`, which is asked before each place, says no.
 pub(super) fn all_while(go_on: &GoOn, table: &Table, places: &[Configuration]) -> Option<Vec<Figures>> {
+    found_while(go_on, &table.brdf, table.lobe, places, |at| table.lookup(at))
+}
+
+/// The same of numbers that are found at each place.
+pub(super) fn found_while(
+    go_on: &GoOn,
+    brdf: &BrdfModel,
+    lobe: LobeModel,
+    places: &[Configuration],
+    found: impl Fn(&Configuration) -> LookedUp + Sync,
+) -> Option<Vec<Figures>> {
     let probe = Probe::new();
-    let measure = |work: &mut Workspace, at: &Configuration| go_on().then(|| one(table, at, &probe, work));
+    let measure = |work: &mut Workspace, at: &Configuration| {
+        go_on().then(|| of_numbers(brdf, lobe, at, &found(at), &probe, work))
+    };
     places.par_iter().with_max_len(4).map_init(Workspace::default, measure).collect()
 }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::{ALPHA_FLOOR, LEAST_ALPHA, PerAxis, RATIO_FLOOR, THETA_CEILING};
+use crate::{ALPHA_FLOOR, LEAST_ALPHA, Layout, PerAxis, RATIO_FLOOR, THETA_CEILING};
 
 /// The limits of a table's axes and the nodes that they moved.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -29,9 +29,11 @@ pub struct Moved {
 }
 
 impl Floors {
-    /// The floors of a table with these axes, of a recipe that asked for `range`.
-    pub(super) fn of(axes: &PerAxis<Vec<f64>>, range: &PerAxis<[f64; 2]>) -> Self {
-        let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
+    /// The floors of a table with these axes, of a recipe that asked for `range`. Each material counts as a node of alpha
+    /// and of ratio.
+    pub(super) fn of(layout: Layout, axes: &PerAxis<Vec<f64>>, range: &PerAxis<[f64; 2]>) -> Self {
+        let PerAxis { alpha, ratio, theta, phi } = layout.lengths(axes);
+        let is_of_materials = layout.is_of_materials();
         let moved =
             |floor: f64, nodes: usize, entries_each: usize| Moved { floor, nodes, entries: nodes * entries_each };
         // A range that reaches past the limit has its last node on it, or past it where a layout's readers need it
@@ -39,7 +41,9 @@ impl Floors {
         let at_limit = |nodes: &[f64], is_at: &dyn Fn(f64) -> bool, reaches_past: bool| {
             if reaches_past { nodes.iter().filter(|node| is_at(**node)).count() } else { 0 }
         };
-        let pairs = axes.alpha.iter().flat_map(|a| axes.ratio.iter().map(move |r| a * r));
+        // Along theta and phi, the first entries of each surface are its node.
+        let surfaces = (0..alpha * ratio).map(|surface| layout.node(axes, surface * theta * phi));
+        let pairs = surfaces.map(|node| node.alpha * node.ratio);
         Self {
             alpha: moved(
                 ALPHA_FLOOR,
@@ -49,7 +53,7 @@ impl Floors {
             ratio: moved(
                 RATIO_FLOOR,
                 at_limit(&axes.ratio, &|node| node <= RATIO_FLOOR, range.ratio[0] < RATIO_FLOOR),
-                alpha * theta * phi,
+                if is_of_materials { theta * phi } else { alpha * theta * phi },
             ),
             alpha_y: moved(LEAST_ALPHA, pairs.filter(|alpha_y| *alpha_y < LEAST_ALPHA).count(), theta * phi),
             theta: moved(
@@ -76,7 +80,7 @@ mod tests {
             phi: vec![0.0, 0.3, 0.6, 0.9, 1.2],
         };
         let whole = PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, 1.2] };
-        let found = Floors::of(&axes, &whole);
+        let found = Floors::of(Layout::Kt2022, &axes, &whole);
         let counts = |moved: Moved| (moved.nodes, moved.entries);
         assert_eq!(counts(found.alpha), (1, 40));
         assert_eq!(counts(found.ratio), (1, 60));
@@ -91,7 +95,7 @@ mod tests {
             theta: [0.0, THETA_CEILING],
             phi: [0.0, 1.2],
         };
-        let found = Floors::of(&axes, &exact);
+        let found = Floors::of(Layout::Kt2022, &axes, &exact);
         assert_eq!([found.alpha, found.ratio, found.theta].map(|moved| moved.nodes), [0; 3]);
     }
 }

@@ -54,7 +54,10 @@ impl ErrorMap {
 /// The configurations of a map, and the map without its errors.
 fn places_of_map(table: &Table, ratio: f64, phi: f64, cells: usize) -> (Vec<Configuration>, ErrorMap) {
     let axes = &table.axes;
-    let within = |x: f64, nodes: &[f64]| x.clamp(nodes[0], nodes[nodes.len() - 1]);
+    let within = |x: f64, nodes: &[f64]| {
+        let [low, high] = places::extent(nodes);
+        x.clamp(low, high)
+    };
     let ratio = within(ratio, &axes.ratio);
     // Lobes of phi, -phi and pi - phi are mirror images of each other.
     let turned = phi.rem_euclid(PI);

@@ -39,7 +39,7 @@ impl Matrices {
         let found: Vec<Option<[f64; 2]>> = (0..entries)
             .into_par_iter()
             .map(|index| {
-                let m = from_row_major(&table.lookup(&places::node(&table.axes, index)).matrix);
+                let m = from_row_major(&table.lookup(&places::node(table.layout, &table.axes, index)).matrix);
                 let m = m * (1.0 / m.z_axis.length());
                 let inverse = m.inverse();
                 let (determinant, condition) = (m.determinant(), frobenius(&m) * frobenius(&inverse));

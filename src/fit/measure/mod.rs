@@ -16,6 +16,7 @@ mod map;
 mod matrices;
 mod places;
 mod poor;
+mod second;
 mod sequence;
 mod steps;
 
@@ -30,11 +31,12 @@ pub use floors::{Floors, Moved};
 pub use map::{ErrorMap, error_map, error_map_while};
 pub use matrices::{Extent, Matrices};
 pub use poor::{POOR_WIDTH, Poor};
+pub use second::SecondReport;
 
 use crate::{Configuration, PerAxis, Table};
 
 /// Version of the report. Raised whenever the same table gets another report.
-pub const REPORT_VERSION: u32 = 6;
+pub const REPORT_VERSION: u32 = 7;
 
 /// How good a table is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -51,16 +53,22 @@ pub struct Report {
     pub matrices: Matrices,
     /// Nodes that were asked for beyond the limits of the fit.
     pub floors: Floors,
+    /// The second lobes, where entries have two.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second: Option<SecondReport>,
 }
 
 /// Measures a table at up to as many nodes, and at as many configurations between them, as `points` says.
 ///
 /// `range` is the range that was asked for on each axis; floors may have moved the table's nodes. Runs on the current
 /// rayon pool; its size changes nothing. Domain: a table with at least one node on each axis, finite numbers.
+///
+/// # Panics
+/// Never: nothing stops the measurement.
 #[must_use]
 pub fn report(table: &Table, range: &PerAxis<[f64; 2]>, points: impl Into<ReportPoints>) -> Report {
-    let places = Places::of(table, points.into());
-    places.report(&figures::all(table, &places.all), table, range)
+    let report = report_while(&|| true, table, range, points);
+    report.expect("a measurement that nothing stops comes to its end")
 }
 
 /// As [`report`]; `None` as soon as `go_on`, which is asked every few milliseconds, says no.
@@ -72,14 +80,16 @@ pub fn report_while(
     points: impl Into<ReportPoints>,
 ) -> Option<Report> {
     let places = Places::of(table, points.into());
-    Some(places.report(&figures::all_while(go_on, table, &places.all)?, table, range))
+    let measured = figures::all_while(go_on, table, &places.all)?;
+    let second = SecondReport::of(go_on, table, &places.all[places.nodes..])?;
+    Some(places.report(&measured, second, table, range))
 }
 
 /// The errors at `points` configurations between nodes alone, as parts of the lobe's width: `between.width` of a
 /// [`report`] with as many. Domain: as of [`report`], and at least one point.
 #[must_use]
 pub fn width_between(table: &Table, points: usize) -> Spread {
-    Accuracy::of(&figures::all(table, &places::between(&table.axes, points))).width
+    Accuracy::of(&figures::all(table, &places::within(table, points))).width
 }
 
 /// Nodes, and after them configurations between nodes: both are measured in one run, so that threads are busy to the
@@ -91,13 +101,19 @@ struct Places {
 
 impl Places {
     fn of(table: &Table, points: ReportPoints) -> Self {
-        let mut all = places::nodes(&table.axes, points.nodes);
+        let mut all = places::nodes(table.layout, &table.axes, points.nodes);
         let nodes = all.len();
-        all.extend(places::between(&table.axes, points.between));
+        all.extend(places::within(table, points.between));
         Self { all, nodes }
     }
 
-    fn report(&self, measured: &[Figures], table: &Table, range: &PerAxis<[f64; 2]>) -> Report {
+    fn report(
+        &self,
+        measured: &[Figures],
+        second: Option<SecondReport>,
+        table: &Table,
+        range: &PerAxis<[f64; 2]>,
+    ) -> Report {
         let (at_nodes, between) = measured.split_at(self.nodes);
         Report {
             version: REPORT_VERSION,
@@ -105,7 +121,8 @@ impl Places {
             between: Accuracy::of(between),
             poor: Poor::of(at_nodes),
             matrices: Matrices::of(table),
-            floors: Floors::of(&table.axes, range),
+            floors: Floors::of(table.layout, &table.axes, range),
+            second,
         }
     }
 }

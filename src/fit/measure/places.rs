@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::{ALPHA_FLOOR, Configuration, LEAST_ALPHA, PerAxis, THETA_CEILING, math::recurrence4};
+use crate::{ALPHA_FLOOR, Configuration, LEAST_ALPHA, Layout, PerAxis, THETA_CEILING, Table, math::recurrence4};
 
 /// How far towards the horizon a table is measured between its nodes: 89 degrees. Beyond that angle most of a lobe lies
 /// below the horizon, and a picture shows nothing of the lobe.
@@ -16,8 +16,8 @@ const GOLDEN_STEP: f64 = 0.618_033_988_749_894_9;
 ///
 /// The indices are `k stride mod n`, for a stride near n / golden ratio that shares no divisor with n. No node comes
 /// twice, and every node of each axis is among them.
-pub(super) fn nodes(axes: &PerAxis<Vec<f64>>, most: usize) -> Vec<Configuration> {
-    let reached = reached(axes);
+pub(super) fn nodes(layout: Layout, axes: &PerAxis<Vec<f64>>, most: usize) -> Vec<Configuration> {
+    let reached = reached(layout, axes);
     let n = reached.len();
     if n <= most {
         return reached;
@@ -31,9 +31,9 @@ pub(super) fn nodes(axes: &PerAxis<Vec<f64>>, most: usize) -> Vec<Configuration>
 
 /// The nodes in storage order, without those whose smaller roughness is below [`LEAST_ALPHA`]: a lookup raises it, and
 /// with it the ratio, so that it lands between other nodes. All nodes where there are no others.
-fn reached(axes: &PerAxis<Vec<f64>>) -> Vec<Configuration> {
-    let entries = axes.lengths().named().iter().map(|(_, n)| **n).product::<usize>();
-    let nodes = || (0..entries).map(|index| node(axes, index));
+fn reached(layout: Layout, axes: &PerAxis<Vec<f64>>) -> Vec<Configuration> {
+    let entries = layout.lengths(axes).named().iter().map(|(_, n)| **n).product::<usize>();
+    let nodes = || (0..entries).map(|index| node(layout, axes, index));
     let reached: Vec<Configuration> = nodes().filter(|node| node.alpha_y >= LEAST_ALPHA).collect();
     if reached.is_empty() { nodes().collect() } else { reached }
 }
@@ -44,11 +44,9 @@ fn common_divisor(a: usize, b: usize) -> usize {
 
 /// The configuration of the entry `index` in storage order: phi varies fastest. A node at the horizon, where no light
 /// is reflected, stands for the most grazing view that is fitted.
-pub(super) fn node(axes: &PerAxis<Vec<f64>>, index: usize) -> Configuration {
-    let (rest, phi) = (index / axes.phi.len(), index % axes.phi.len());
-    let (rest, theta) = (rest / axes.theta.len(), rest % axes.theta.len());
-    let (alpha, ratio) = (rest / axes.ratio.len(), rest % axes.ratio.len());
-    configuration(axes.alpha[alpha], axes.ratio[ratio], axes.theta[theta].min(THETA_CEILING), axes.phi[phi])
+pub(super) fn node(layout: Layout, axes: &PerAxis<Vec<f64>>, index: usize) -> Configuration {
+    let PerAxis { alpha, ratio, theta, phi } = layout.node(axes, index);
+    configuration(alpha, ratio, theta.min(THETA_CEILING), phi)
 }
 
 /// `count` configurations within the axes as artists set them: evenly in perceptual roughness, the square root of
@@ -66,14 +64,34 @@ pub(super) fn between(axes: &PerAxis<Vec<f64>>, count: usize) -> Vec<Configurati
         .collect()
 }
 
+/// `count` configurations of a table: of [materials](crate::Layout::is_of_materials) all alike, and between the nodes of the view; of others [`between`]
+/// their nodes.
+pub(super) fn within(table: &Table, count: usize) -> Vec<Configuration> {
+    let pairs: Vec<[f64; 2]> = table.materials().collect();
+    let mut places = between(&table.axes, count);
+    if !pairs.is_empty() {
+        for (i, place) in places.iter_mut().enumerate() {
+            let [u, ..] = recurrence4(i, SHIFT);
+            let [alpha, ratio] = pairs[((u * pairs.len() as f64) as usize).min(pairs.len() - 1)];
+            (place.alpha_x, place.alpha_y) = (alpha, alpha * ratio);
+        }
+    }
+    places
+}
+
 /// Lowest and highest perceptual roughness and theta at which a table is measured between its nodes.
 pub(super) fn roughness_and_theta(axes: &PerAxis<Vec<f64>>) -> ([f64; 2], [f64; 2]) {
     let [low, high] = ends(&axes.theta);
-    (ends(&axes.alpha).map(|alpha| alpha.max(ALPHA_FLOOR).sqrt()), [low, high.min(STEEPEST).max(low)])
+    (extent(&axes.alpha).map(|alpha| alpha.max(ALPHA_FLOOR).sqrt()), [low, high.min(STEEPEST).max(low)])
 }
 
 fn ends(nodes: &[f64]) -> [f64; 2] {
     [nodes[0], nodes[nodes.len() - 1]]
+}
+
+/// The least and the greatest of some nodes.
+pub(super) fn extent(nodes: &[f64]) -> [f64; 2] {
+    nodes.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
 }
 
 pub(super) fn configuration(alpha: f64, ratio: f64, theta: f64, phi: f64) -> Configuration {
@@ -95,7 +113,7 @@ mod tests {
 
     #[test]
     fn a_few_nodes_are_spread_over_every_axis_and_none_comes_twice() {
-        let (all, some) = (nodes(&axes(), 180), nodes(&axes(), 40));
+        let (all, some) = (nodes(Layout::Kt2022, &axes(), 180), nodes(Layout::Kt2022, &axes(), 40));
         assert_eq!((all.len(), some.len()), (180, 40));
         assert_eq!(all[179], configuration(1.0, 1.0, 1.570_639, FRAC_PI_2));
         for (i, place) in some.iter().enumerate() {
@@ -114,12 +132,12 @@ mod tests {
     fn nodes_that_no_lookup_reaches_are_left_out_unless_there_are_no_others() {
         // Only 1e-4 times 0.01 is below 1e-5: 15 of 180 nodes.
         let sharp = PerAxis { alpha: vec![1e-4, 0.1, 0.5, 1.0], ratio: vec![0.01, 0.5, 1.0], ..axes() };
-        let found = nodes(&sharp, 180);
+        let found = nodes(Layout::Kt2022, &sharp, 180);
         assert_eq!(found.len(), 165);
         assert!(found.iter().all(|place| place.alpha_y >= LEAST_ALPHA));
         assert!(found.contains(&configuration(1e-4, 0.5, 0.0, 0.0)));
         let sharpest = PerAxis { alpha: vec![1e-4], ratio: vec![0.01], ..axes() };
-        assert_eq!(nodes(&sharpest, 180).len(), 15);
+        assert_eq!(nodes(Layout::Kt2022, &sharpest, 180).len(), 15);
     }
 
     #[test]
@@ -140,6 +158,6 @@ mod tests {
         let only = Configuration { alpha_x: 0.3, alpha_y: 0.3, theta: 1.57, phi: 0.0 };
         let places = between(&single, 3);
         assert!(places.iter().all(|place| (place.alpha_x - 0.3).abs() < 1e-15 && place.theta == 1.57), "{places:?}");
-        assert_eq!(nodes(&single, 32), [only]);
+        assert_eq!(nodes(Layout::Kt2022, &single, 32), [only]);
     }
 }

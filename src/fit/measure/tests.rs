@@ -6,8 +6,8 @@ use std::{
 
 use super::*;
 use crate::{
-    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, Plan, Precision, Recipe,
-    Solver, StoredTerms, assemble, brdf::Ggx, fit_shard,
+    BrdfKind, BrdfModel, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, LobeFresnel, LobeModel, Metric,
+    Plan, Precision, Recipe, SecondLobe, Solver, StoredTerms, WeightedF0, assemble, brdf::Ggx, fit_shard,
 };
 
 fn recipe([alpha, ratio, theta, phi]: [u32; 4], samples: u32, directions: u32, solver: Solver) -> Recipe {
@@ -28,7 +28,12 @@ fn recipe([alpha, ratio, theta, phi]: [u32; 4], samples: u32, directions: u32, s
 
 /// A table of rough and smooth surfaces, and its recipe.
 fn small() -> (Recipe, Table) {
+    of_brdf(BrdfKind::Ggx.into())
+}
+
+fn of_brdf(brdf: BrdfModel) -> (Recipe, Table) {
     let recipe = Recipe {
+        brdf,
         range: PerAxis { alpha: [0.2, 1.0], ratio: [0.3, 1.0], theta: [0.0, 1.4], phi: [0.0, FRAC_PI_2] },
         ..recipe([2, 2, 3, 2], 256, 16, Solver::Bfgs)
     };
@@ -64,7 +69,7 @@ fn a_good_table_is_good_at_its_nodes_and_worse_between() {
 fn the_error_at_nodes_is_that_of_a_finer_fitter() {
     let (recipe, table) = small();
     let mut finer = Fitter::new(&FitSettings { samples: 2048, directions: 48, ..recipe.fit });
-    let places = places::nodes(&table.axes, 24);
+    let places = places::nodes(table.layout, &table.axes, 24);
     let errors = places.iter().map(|at| {
         let m = crate::math::from_row_major(&table.lookup(at).matrix);
         let wo = crate::math::direction(at.theta, at.phi);
@@ -80,7 +85,7 @@ fn a_spoiled_entry_is_named_as_the_worst() {
     let (recipe, mut table) = small();
     // Alpha 0.2, ratio 0.3, theta 0.7, phi pi/2.
     let spoiled = 3;
-    let at = places::node(&table.axes, spoiled);
+    let at = places::node(table.layout, &table.axes, spoiled);
     assert_eq!(at, Configuration { alpha_x: 0.2, alpha_y: 0.06, theta: 0.7, phi: FRAC_PI_2 });
     for (matrix, farthest) in [([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0], false), ([0.0; 9], true)] {
         table.matrix[spoiled] = matrix;
@@ -99,6 +104,25 @@ fn a_table_without_terms_has_no_error_of_terms() {
     let (recipe, table) = small();
     let found = report_of(&recipe, &Table { terms: None, ..table });
     assert_eq!((found.nodes.amplitude, found.between.fresnel), (None, None));
+}
+
+/// The second lobe by itself is measured as a table of it would be, the blend as the lobe of plastic, which the first lobe
+/// alone is not.
+#[test]
+fn second_lobes_are_measured_as_they_are_used() {
+    let of = |second| of_brdf(BrdfModel::from(BrdfKind::Ggx).with_fresnel(LobeFresnel::Two(second)));
+    let (recipe, table) = of(SecondLobe::Integrated);
+    let second = report_of(&recipe, &table).second.expect("two lobes");
+    let alone = report_of(&recipe, &table.of_second().expect("a second lobe")).between;
+    assert_eq!((second.f0, second.between.width, second.between.light), (1e-3, alone.width, alone.light));
+
+    let (recipe, table) = of(SecondLobe::Blended);
+    let blend = report_of(&recipe, &table).second.expect("two lobes");
+    let (_, mut first) = small();
+    first.brdf = first.brdf.with_fresnel(LobeFresnel::mix(vec![WeightedF0 { f0: 0.04, weight: 1.0 }]).expect("a mix"));
+    let first = report_of(&recipe, &first).between.light.mean;
+    assert!(blend.f0 == 0.04 && blend.between.light.mean < 0.8 * first, "{blend:?} {first}");
+    assert_eq!(report_of(&recipe, &small().1).second, None);
 }
 
 #[test]

@@ -98,7 +98,8 @@ fn bytes_round_trip_and_other_lengths_are_refused() {
 #[test]
 fn stored_matrices_are_upright_and_normalised_as_the_layout_says() {
     for &layout in Layout::ALL {
-        for m in &table(layout, SMALL).matrix {
+        let small = if layout.is_of_materials() { [3, 1, 4, 3] } else { SMALL };
+        for m in &table(layout, small).matrix {
             let m = from_row_major(&m.map(f64::from));
             // Where no number is fixed, the scale of entries is chosen between nodes with the other numbers.
             let has_free_scale = [Layout::Godot, Layout::Inverse].contains(&layout);

@@ -6,7 +6,7 @@ use super::{Configuration, Table, Terms, fold::Folded};
 use crate::{
     axes::PerAxis,
     brdf::{LobeTerms, edge_of_parts},
-    layout::{LobeNumbers, Spacing},
+    layout::{LobeNumbers, Spacing, nearest_material},
     math::{from_row_major, row_major, turned_about_z},
 };
 
@@ -51,19 +51,17 @@ impl Bracket {
     }
 }
 
-/// The value within an axis's nodes that is nearest to `x`.
+/// The value within an axis's nodes that is nearest to `x`. Those of materials do not ascend.
 fn clamped(x: f64, nodes: &[f64]) -> f64 {
-    match nodes {
-        [first, .., last] => x.clamp(*first, *last),
-        [only] => *only,
-        [] => x,
-    }
+    let least = nodes.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = nodes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if least <= most { x.clamp(least, most) } else { x }
 }
 
 impl Table {
     /// The numbers of the table at a configuration. Phi may lie in any quadrant, and either roughness may be the larger
     /// one. Outside the table's ranges the nearest configuration inside answers. Between nodes, weights are linear
-    /// along each axis.
+    /// along each axis. A table of [materials](crate::Layout::is_of_materials) answers with the nearest one.
     ///
     /// Domain: finite numbers, and a table with at least one node on each axis.
     #[must_use]
@@ -90,11 +88,25 @@ impl Table {
         LookedUp { matrix: unfolded(lobe.matrix), second, amplitude, fresnel, edge }
     }
 
+    /// The numbers of a table of [materials](crate::Layout::is_of_materials) for the one of this number, whose larger roughness is along x;
+    /// `None` where there is none.
+    #[must_use]
+    pub fn lookup_material(&self, material: usize, theta: f64, phi: f64) -> Option<LookedUp> {
+        let [alpha, ratio] = self.materials().nth(material)?;
+        Some(self.lookup(&Configuration { alpha_x: alpha, alpha_y: alpha * ratio, theta, phi }))
+    }
+
+    /// The number of the material that a lookup at a roughness finds; `None` in a table without materials.
+    #[must_use]
+    pub fn material_near(&self, alpha: f64, ratio: f64) -> Option<usize> {
+        self.layout.is_of_materials().then(|| nearest_material(self.materials(), alpha, ratio))
+    }
+
     /// Whether this is a table of isotropic surfaces with one phi, which serves every phi: the lobe turns with the
     /// view.
     #[must_use]
     pub fn serves_every_phi(&self) -> bool {
-        self.axes.ratio == [1.0] && self.axes.phi.len() == 1
+        self.axes.ratio.iter().all(|ratio| *ratio == 1.0) && self.axes.phi.len() == 1
     }
 
     /// The edge's spread at a place within the nodes, which every layout stores as it is.
@@ -107,9 +119,18 @@ impl Table {
     fn brackets(&self, place: &PerAxis<f64>) -> PerAxis<Bracket> {
         let axes = &self.axes;
         let spacing = self.layout.rules().weights();
+        let [alpha, ratio] = if self.layout.is_of_materials() {
+            let material = self.material_near(place.alpha, place.ratio).unwrap_or_default();
+            [material, 0].map(|lower| Bracket { lower, weight: 0.0 })
+        } else {
+            [
+                Bracket::find(&axes.alpha, place.alpha, spacing.alpha),
+                Bracket::find(&axes.ratio, place.ratio, spacing.ratio),
+            ]
+        };
         PerAxis {
-            alpha: Bracket::find(&axes.alpha, place.alpha, spacing.alpha),
-            ratio: Bracket::find(&axes.ratio, place.ratio, spacing.ratio),
+            alpha,
+            ratio,
             theta: Bracket::find(&axes.theta, place.theta, spacing.theta),
             phi: Bracket::find(&axes.phi, place.phi, spacing.phi),
         }
@@ -134,7 +155,7 @@ impl Table {
 
     /// The entries around a place, with weights whose sum is one.
     fn corners(&self, place: &PerAxis<Bracket>) -> impl Iterator<Item = (usize, f64)> {
-        let PerAxis { ratio, theta, phi, .. } = self.axes.lengths();
+        let PerAxis { ratio, theta, phi, .. } = self.lengths();
         let place = *place;
         place.alpha.corners().flat_map(move |(a, wa)| {
             place.ratio.corners().flat_map(move |(r, wr)| {

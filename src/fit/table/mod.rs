@@ -95,6 +95,40 @@ impl Table {
         &self.axes
     }
 
+    /// Nodes on each axis, whose product is the number of entries: of [materials](Layout::is_of_materials) as many as alpha
+    /// has, each with one ratio.
+    #[must_use]
+    pub fn lengths(&self) -> PerAxis<usize> {
+        self.layout.lengths(&self.axes)
+    }
+
+    /// The node of an entry. Domain: `entry` below the number of entries.
+    #[must_use]
+    pub fn node(&self, entry: usize) -> PerAxis<f64> {
+        self.layout.node(&self.axes, entry)
+    }
+
+    /// The pairs of alpha and ratio of a table of [materials](Layout::is_of_materials), by their numbers; none of others.
+    pub fn materials(&self) -> impl Iterator<Item = [f64; 2]> + Clone {
+        let pairs = self.axes.alpha.iter().zip(&self.axes.ratio).map(|(alpha, ratio)| [*alpha, *ratio]);
+        pairs.take(if self.layout.is_of_materials() { usize::MAX } else { 0 })
+    }
+
+    /// The number that textures have beside the terms of an entry: of materials alpha at the first theta, the ratio at the
+    /// second; else zero.
+    #[must_use]
+    pub fn beside_terms(&self, entry: usize) -> f32 {
+        if !self.layout.is_of_materials() {
+            return 0.0;
+        }
+        let PerAxis { alpha, ratio, .. } = self.node(entry);
+        match entry / self.axes.phi.len() % self.axes.theta.len() {
+            0 => alpha as f32,
+            1 => ratio as f32,
+            _ => 0.0,
+        }
+    }
+
     /// Stored matrices, row-major, one for each entry.
     #[must_use]
     pub fn matrices(&self) -> &[[f32; 9]] {
@@ -145,7 +179,7 @@ impl Table {
     /// The place of an entry in words, for messages.
     #[must_use]
     pub fn place_of(&self, entry: usize) -> String {
-        self.axes.node(entry).named().map(|(axis, x)| format!("{axis} {x:.4}")).join(", ")
+        self.node(entry).named().map(|(axis, x)| format!("{axis} {x:.4}")).join(", ")
     }
 
     /// Terms, where the table has them.

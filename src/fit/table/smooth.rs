@@ -18,7 +18,7 @@ impl Table {
             let (amplitude, fresnel) = terms.map_or((1.0, 0.0), |(a, f)| (f64::from(a), f64::from(f)));
             let matrix = from_row_major(&matrix.map(f64::from));
             let stored = LobeNumbers { matrix, terms: LobeTerms { amplitude, fresnel } };
-            let mut numbers = self.layout.to_smooth(&self.axes.node(index), &stored);
+            let mut numbers = self.layout.to_smooth(&self.node(index), &stored);
             if self.terms.is_none() {
                 numbers[SMOOTH_NUMBERS - 2..].fill(0.0);
             }
@@ -35,8 +35,11 @@ impl Table {
         numbers: &[[f64; SMOOTH_NUMBERS]],
         has_terms: bool,
     ) -> Self {
-        let stored: Vec<LobeNumbers> =
-            numbers.iter().enumerate().map(|(index, numbers)| layout.of_smooth(&axes.node(index), numbers)).collect();
+        let stored: Vec<LobeNumbers> = numbers
+            .iter()
+            .enumerate()
+            .map(|(index, numbers)| layout.of_smooth(&layout.node(&axes, index), numbers))
+            .collect();
         let terms = has_terms.then(|| Terms {
             amplitude: stored.iter().map(|entry| entry.terms.amplitude as f32).collect(),
             fresnel: stored.iter().map(|entry| entry.terms.fresnel as f32).collect(),

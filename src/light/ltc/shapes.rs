@@ -89,11 +89,14 @@ impl<T: Scalar> CosineSpace<T> {
     #[must_use]
     pub fn line<V: Into<Triple<T>>>(&self, ends: [V; 2], width: T) -> T {
         let [a, b] = ends.map(V::into);
-        let lit = cross(a, b);
+        // Of a line that points at the origin, normals and distance are rounding: taken from the difference of its ends, and
+        // once for both of them, they cancel.
+        let (middle, along) = (scaled(plus(a, b), T::of(0.5)), minus(b, a));
+        let lit = cross(middle, along);
         let (mut p, mut q) = (self.of(a), self.of(b));
-        let normal = cross(p, q);
+        let along = self.of(along);
+        let normal = cross(self.of(middle), along);
         let area2 = dot(normal, normal);
-        let along = minus(q, p);
         let length = dot(along, along).sqrt();
         let seen = (dot(lit, lit).sqrt() * self.determinant).abs() * length / area2.max(T::SHORTEST * T::SHORTEST);
         if !(area2 > T::SHORTEST * T::SHORTEST) || (p[2] <= T::ZERO && q[2] <= T::ZERO) {
@@ -108,7 +111,8 @@ impl<T: Scalar> CosineSpace<T> {
         } else if q[2] < T::ZERO {
             q = crossing();
         }
-        let ([cos_0, sin_0], [cos_1, sin_1]) = (place(p, o, t), place(q, o, t));
+        let distance = area2.sqrt() / length;
+        let [[cos_0, sin_0], [cos_1, sin_1]] = [p, q].map(|end| unit2([distance, dot(end, t)]));
         let turn = [cos_0 * cos_1 + sin_0 * sin_1, cos_0 * sin_1 - sin_0 * cos_1];
         let angle = T::atan2_upper(turn[1].abs(), turn[0]);
         let cos_sum = cos_0 * cos_1 - sin_0 * sin_1;
@@ -165,9 +169,8 @@ impl<T: Scalar> CosineSpace<T> {
     }
 }
 
-/// Cosine and sine of the angle of `p` from `o` towards `t`.
-fn place<T: Scalar>(p: Triple<T>, o: Triple<T>, t: Triple<T>) -> [T; 2] {
-    let (x, y) = (dot(p, o), dot(p, t));
+/// A vector's direction.
+fn unit2<T: Scalar>([x, y]: [T; 2]) -> [T; 2] {
     let length = (x * x + y * y).sqrt().max(T::SHORTEST);
     [x / length, y / length]
 }

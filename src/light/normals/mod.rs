@@ -34,6 +34,7 @@ mod outline;
 mod view;
 
 pub(super) use self::model::NormalsModel;
+pub(crate) use self::view::View;
 pub use self::{
     arcs::BULGE,
     mean::{INPUTS, OUTPUTS, Region},
@@ -43,7 +44,6 @@ pub use self::{
 use self::{
     arcs::{AnglePerSine, CLOSE, four_arcs},
     outline::Outline,
-    view::View,
 };
 pub(super) use exact::cos_of_third;
 use ltcforge_fit::{
@@ -102,6 +102,8 @@ impl NormalsRule {
 pub struct Regions<T> {
     /// V: the part of the visible normals that reflect the light.
     pub visible: T,
+    /// The integral of `c x dc` around the image: along the mean normal of the region.
+    pub flux: Triple<T>,
     /// The regions.
     pub regions: Vec<Region<T>>,
 }
@@ -192,7 +194,7 @@ pub fn regions<T: Scalar>(
     } else {
         vec![mean::whole(&view, vertices, flux, visible)]
     };
-    Some(Regions { visible, regions })
+    Some(Regions { visible, flux, regions })
 }
 
 /// V: the part of the visible normals at which a polygon's light is reflected, by the exact integrals of its edges;

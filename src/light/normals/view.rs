@@ -4,14 +4,14 @@ use ltcforge_fit::math::{Scalar, Triple, dot, minus, scaled};
 
 /// A surface of GGX seen from a direction.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct View<T> {
+pub(crate) struct View<T> {
     /// Roughness along x and y: A is `diag(alpha_x, alpha_y, 1)`.
-    pub(super) alpha: [T; 2],
+    pub(crate) alpha: [T; 2],
     /// The view direction.
-    pub(super) wo: Triple<T>,
+    pub(crate) wo: Triple<T>,
     /// `A wo`, and its length.
-    pub(super) stretched: Triple<T>,
-    pub(super) length: T,
+    pub(crate) stretched: Triple<T>,
+    pub(crate) length: T,
     /// The view's rise, see [`View::rise`].
     pub(super) rise: T,
 }
@@ -26,15 +26,21 @@ pub(super) struct Weighted<T> {
 }
 
 impl<T: Scalar> View<T> {
-    pub(super) fn new([alpha_x, alpha_y]: [T; 2], wo: Triple<T>) -> Self {
+    pub(crate) fn new([alpha_x, alpha_y]: [T; 2], wo: Triple<T>) -> Self {
         let stretched = [alpha_x * wo[0], alpha_y * wo[1], wo[2]];
         let length = dot(stretched, stretched).sqrt();
         Self { alpha: [alpha_x, alpha_y], wo, stretched, length, rise: wo[2] / length }
     }
 
     /// `A^-1 h`.
-    pub(super) fn image(&self, h: Triple<T>) -> Triple<T> {
+    pub(crate) fn image(&self, h: Triple<T>) -> Triple<T> {
         [h[0] / self.alpha[0], h[1] / self.alpha[1], h[2]]
+    }
+
+    /// Where the normal `h = A c` reflects the view, for `c` of any length and either side; of any length.
+    pub(crate) fn reflected(&self, c: Triple<T>) -> Triple<T> {
+        let h = [self.alpha[0] * c[0], self.alpha[1] * c[1], c[2]];
+        minus(scaled(h, T::of(2.0) * dot(self.wo, h)), scaled(self.wo, dot(h, h)))
     }
 
     /// How high a direction is above the surface, in the space where the surface is as rough as can be:

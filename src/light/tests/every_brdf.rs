@@ -18,12 +18,13 @@ use crate::{
 use ltcforge_fit::{
     BrdfKind, BrdfModel, Configuration, PerAxis, Sides, TabulatedAxes, TabulatedBrdf, TabulatedFile,
     math::{Lattice, direction},
-    testing::planted_tabulated,
+    testing::{planted_anisotropic, planted_tabulated},
 };
 
-/// Every model but GGX, a planted file among them.
+/// Every model but GGX, planted files among them.
 fn models() -> impl Iterator<Item = BrdfModel> {
-    BrdfKind::formulas().filter(|kind| *kind != BrdfKind::Ggx).map(BrdfModel::from).chain([planted_tabulated()])
+    let files = [planted_tabulated(), planted_anisotropic()];
+    BrdfKind::formulas().filter(|kind| *kind != BrdfKind::Ggx).map(BrdfModel::from).chain(files)
 }
 
 fn to(tolerance: f64, brdf: &BrdfModel, lit: &Lit) -> ReflectedLight {
@@ -202,7 +203,7 @@ const RANGE: PerAxis<[f64; 2]> =
 /// Lambert's reflection as numbers.
 fn lambert() -> BrdfModel {
     let axes = TabulatedAxes::spread(vec![], 9, 5);
-    let count = axes.lengths().iter().product();
+    let count = axes.shape().iter().product();
     let brdf = TabulatedBrdf::new(axes, vec![0.8 / PI; count]).expect("a BRDF");
     BrdfModel::tabulated(TabulatedFile::new([8; 32], Arc::new(brdf)))
 }

@@ -12,7 +12,7 @@ const HALVINGS: u32 = 36;
 
 /// The largest change of a function over an interval in [0, 1] that is as good as a point: halves of the three of a
 /// hundred intervals over which it changes most, each time the half over which it changes more.
-pub(super) fn jump(of: impl Fn(f64) -> f64) -> f64 {
+pub(crate) fn jump(of: impl Fn(f64) -> f64) -> f64 {
     let mut steps: Vec<[f64; 2]> = (0..100).map(|i| [i, i + 1].map(|i| f64::from(i) / 100.0)).collect();
     let change = |[from, to]: [f64; 2]| (of(to) - of(from)).abs();
     steps.sort_by_cached_key(|step| std::cmp::Reverse((change(*step) * 1e12) as u64));

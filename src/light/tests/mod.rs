@@ -15,3 +15,5 @@ mod small_lights;
 mod strips;
 mod true_light;
 mod walls;
+
+pub(crate) use jumps::jump;

@@ -1,12 +1,28 @@
-//! Rectangle lights with a picture: the image, and what a prefilter makes of it.
+//! Rectangle lights with a picture: the image, what a prefilter makes of it, and where a lobe reads it.
+//!
+//! On the plane of a light a lobe is close to a bump `(1 + Q)^-2` with Q quadratic (`bump.rs`), whose middle and axes are
+//! those of the lobe's inverse root: exactly for an LTC (`cosine.rs`), by an expansion for GGX (`ggx.rs`). A few readings of
+//! the prefiltered picture along its longer axis stand for it (`readings.rs`). `docs/textured.md` derives all of it.
 
+mod bump;
+mod cosine;
+mod engines;
 mod filters;
+mod ggx;
 mod image;
+#[cfg(test)]
+mod kernel_tests;
+mod light;
 mod pyramid;
+mod readings;
+mod rectangle;
 mod rows;
 mod square;
 #[cfg(test)]
 mod tests;
 
+pub use engines::engines_reading;
 pub use image::{ImageError, LightImage};
+pub use light::{TexturedLight, TexturedReflection, ltc_readings, normals_readings};
 pub use pyramid::{LightPyramid, OWN_PARTS};
+pub use readings::{Reading, Readings, colour};

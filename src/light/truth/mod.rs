@@ -23,6 +23,7 @@ mod quadrature;
 mod space;
 #[cfg(test)]
 mod tests;
+mod texels;
 
 use self::{
     directions::Directions,
@@ -34,6 +35,7 @@ use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, Sides};
 
 #[cfg(test)]
 pub(super) use self::quadrature::integral;
+pub(super) use self::texels::texel_lights;
 
 /// How exact [`truth`] is, for each part of an edge.
 pub const TRUTH_TOLERANCE: f64 = 1e-9;

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use axum::{
-    Json,
+    Extension, Json,
     extract::State,
     http::{HeaderMap, HeaderValue, StatusCode, header},
     response::{IntoResponse, Response},
@@ -11,6 +11,7 @@ use axum::{
 use serde::Deserialize;
 
 use super::{
+    access::Caller,
     api::Api,
     conditional::check_untagged,
     extract::{NoParameters, PageLimit, PathOf, QueryOf, RecipeBody},
@@ -39,12 +40,13 @@ pub(super) struct ListParameters {
 pub(super) async fn submit(
     State(api): State<Api>,
     _: QueryOf<NoParameters>,
+    caller: Option<Extension<Caller>>,
     headers: HeaderMap,
     RecipeBody(document): RecipeBody,
 ) -> Result<Response, Problem> {
     check_untagged(&headers)?;
     let submit = move |service: &Service| {
-        let (status, job) = match service.submit(&document)? {
+        let (status, job) = match service.submit(&document, name(caller.as_ref()))? {
             SubmitReply::InFlight { job, .. } => (StatusCode::ACCEPTED, job),
             SubmitReply::Ready { job, .. } => (StatusCode::OK, job),
         };
@@ -82,14 +84,21 @@ pub(super) async fn cancel(
     State(api): State<Api>,
     _: QueryOf<NoParameters>,
     PathOf(id): PathOf<JobId>,
+    caller: Option<Extension<Caller>>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     if let Err(problem) = check_untagged(&headers) {
         // A condition on a job that does not exist is ignored.
         return Err(api.call(move |service| service.job(id)).await?.map_or_else(|| unknown(id), |_| problem));
     }
-    let snapshot = api.call(move |service| service.cancel(id)).await?.ok_or_else(|| unknown(id))?;
+    let snapshot =
+        api.call(move |service| service.cancel(id, name(caller.as_ref()))).await?.ok_or_else(|| unknown(id))?;
     answer(&snapshot)
+}
+
+/// The name of the caller's token; `None` where none is needed.
+fn name(caller: Option<&Extension<Caller>>) -> Option<&str> {
+    caller.map(|Extension(Caller(name))| &**name)
 }
 
 /// The problem of an id that no job has.

@@ -56,6 +56,8 @@ problem_kinds! {
     BadParameter: BAD_REQUEST, "bad-parameter", "A parameter is malformed";
     BadScene: UNPROCESSABLE_ENTITY, "bad-scene", "The scene has faults";
     BadPlot: UNPROCESSABLE_ENTITY, "bad-plot", "The plot has faults";
+    NoToken: UNAUTHORIZED, "no-token", "The request needs a token";
+    OutOfScope: FORBIDDEN, "out-of-scope", "The token does not allow this";
     ForeignOrigin: FORBIDDEN, "foreign-origin", "The page is of another site";
     NoSuchPath: NOT_FOUND, "no-such-path", "There is no such path";
     UnknownJob: NOT_FOUND, "unknown-job", "There is no such job";

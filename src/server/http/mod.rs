@@ -1,8 +1,10 @@
 //! The HTTP interface: routes, conditional downloads, event streams, problem documents.
 //!
 //! Invariant: `http` translates and has no logic that [`crate::service`] could have. Every call into the
-//! service runs on a blocking thread, so that a slow disk does not delay other connections.
+//! service runs on a blocking thread, so that a slow disk does not delay other connections; but for one that looks at the
+//! metadata of a file, [`crate::service::Service::known`].
 
+mod access;
 mod api;
 mod brdfs;
 mod conditional;
@@ -24,10 +26,12 @@ mod plans;
 mod problem;
 mod recipes;
 mod routes;
+mod security_fields;
 mod serve;
 mod tables;
 mod views;
 
+pub use access::{KeptToken, Scope, TOKEN_BYTES, TokenFileError, Tokens, WatchedTokens};
 pub use extract::BODY_LIMIT_BYTES;
 pub use limits::ConnectionLimits;
 pub use origin_policy::{AllowedHost, AllowedOrigin, OriginPolicy};

@@ -8,7 +8,7 @@ use std::{fmt, net::IpAddr, str::FromStr, sync::Arc};
 
 use axum::{
     extract::{Request, State},
-    http::{HeaderMap, Version, header, uri::Authority},
+    http::{HeaderMap, HeaderValue, Version, header, uri::Authority},
     middleware::Next,
     response::{IntoResponse as _, Response},
 };
@@ -122,6 +122,16 @@ impl OriginPolicy {
         let detail = "pages of another site may link to this service, but not embed what it makes; \
                       `ltcforge serve --allow-origin` allows an origin";
         Err(Problem::new(ProblemKind::ForeignOrigin, detail))
+    }
+
+    /// Whether pages of any other origin may send requests.
+    pub(super) fn allows_any(&self) -> bool {
+        !self.origins.is_empty()
+    }
+
+    /// Whether pages of this origin may send requests although the service has not served them.
+    pub(super) fn allows(&self, origin: &HeaderValue) -> bool {
+        self.origins.iter().any(|allowed| allowed.0.as_bytes().eq_ignore_ascii_case(origin.as_bytes()))
     }
 
     fn check_host(&self, host: &AllowedHost, local: Option<LocalAddress>) -> Result<(), Problem> {

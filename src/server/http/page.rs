@@ -54,43 +54,60 @@ macro_rules! page_files {
 page_files![
     "api.js",
     "compare.js",
+    "controls.js",
     "device.js",
     "dom.js",
     "downloads.js",
+    "errors.js",
     "fields.js",
     "follow.js",
     "format.js",
+    "glsl_lights.js",
+    "glsl_models.js",
+    "glsl_reference.js",
+    "glsl_surface.js",
+    "gltf.js",
     "icon.svg",
     "index.html",
     "inputs.js",
     "job.js",
     "jobs.js",
+    "lights.js",
+    "ltc2017_1.dds",
+    "ltc2017_2.dds",
+    "ltc2017_LICENSE.txt",
     "main.js",
+    "models.js",
     "new.js",
     "pictures.js",
+    "plan.js",
     "progress.js",
     "report.js",
     "scene.js",
-    "shading.js",
     "style.css",
     "table.js",
     "tables.js",
+    "token.js",
+    "tradeoff.js",
     "viewer.js",
 ];
 
-/// The name of a text for WebGL 2 after which the viewer asks: `normals.glsl`, or that of a table's layout.
-fn shader(name: &str) -> Option<LitBy> {
+/// The name of a text for WebGL 2 after which the viewer asks: `normals.glsl`, or that of a table's layout, `ltc-kt2022.glsl`,
+/// with the second lobe of tables of two `ltc-kt2022-two-lobes.glsl`.
+fn shader(name: &str) -> Option<(LitBy, Reading)> {
     let name = name.strip_suffix(".glsl")?;
     if name == "normals" {
-        return LitBy::new(LightModel::Normals, None).ok();
+        return Some((LitBy::new(LightModel::Normals, None).ok()?, Reading::default()));
     }
-    let layout = name.strip_prefix("ltc-")?;
-    Layout::ALL.iter().find(|known| known.name() == layout).map(|known| LitBy::from(*known))
+    let table = name.strip_prefix("ltc-")?;
+    let (layout, two_lobes) = table.strip_suffix("-two-lobes").map_or((table, false), |layout| (layout, true));
+    let layout = Layout::ALL.iter().find(|known| known.name() == layout)?;
+    Some((LitBy::from(*layout), Reading { two_lobes, ..Reading::default() }))
 }
 
-/// The text to include that `ltcforge shader --language glsl-es --lights polygons` writes.
-fn shader_file(name: &'static str, lit_by: LitBy) -> Result<PageFile, Problem> {
-    let text = include(Language::GlslEs, lit_by, Reading::default(), Lights::Polygons, &Namespace::default());
+/// The text to include that `ltcforge shader --language glsl-es` writes.
+fn shader_file(name: &'static str, (lit_by, reading): (LitBy, Reading)) -> Result<PageFile, Problem> {
+    let text = include(Language::GlslEs, lit_by, reading, Lights::All, &Namespace::default());
     text.map(|text| PageFile::new(name, text.as_bytes())).map_err(|error| error::internal(&error))
 }
 
@@ -145,7 +162,8 @@ fn media_type(name: &str) -> Option<&'static str> {
         "css" => Some("text/css; charset=utf-8"),
         "js" => Some("text/javascript; charset=utf-8"),
         "svg" => Some("image/svg+xml"),
-        "glsl" => Some("text/plain; charset=utf-8"),
+        "glsl" | "txt" => Some("text/plain; charset=utf-8"),
+        "dds" => Some("image/vnd-ms.dds"),
         _ => None,
     }
 }
@@ -170,7 +188,7 @@ mod tests {
 
     #[test]
     fn there_is_a_shader_for_every_layout_and_for_none() {
-        let names = Layout::ALL.iter().map(|layout| format!("ltc-{}.glsl", layout.name()));
+        let names = Layout::ALL.iter().flat_map(|layout| ["", "-two-lobes"].map(|of| format!("ltc-{layout}{of}.glsl")));
         for name in names.chain(["normals.glsl".to_owned()]) {
             let answer = respond(&name, &Method::GET, &HeaderMap::new()).expect(&name);
             assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; charset=utf-8", "{name}");

@@ -21,7 +21,7 @@ use crate::service::{PictureReply, Subject};
 use ltcforge_files::digest::Digest;
 use ltcforge_view::{
     parameters::{ParameterFault, read_pairs},
-    plots::Plot,
+    plots::{ErrorSlice, Plot},
     preview::{Choices, Scene},
 };
 
@@ -50,6 +50,17 @@ pub(super) async fn error_plot(
     plot(&api, digest, Plot::error_from(query.iter()), headers).await
 }
 
+/// `GET /v1/tables/{digest}/plots/error.json`: what the picture shows, as numbers.
+pub(super) async fn error_numbers(
+    State(api): State<Api>,
+    PathOf(digest): PathOf<Digest>,
+    query: QueryPairs,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let slice = ErrorSlice::from_pairs(query.iter()).map_err(|faults| bad_parameters(ProblemKind::BadPlot, faults))?;
+    answer(&api, Some(digest), Subject::Errors(slice), headers).await
+}
+
 /// `GET /v1/tables/{digest}/plots/matrix.png`.
 pub(super) async fn matrix_plot(
     State(api): State<Api>,
@@ -73,6 +84,7 @@ async fn plot(
 /// The picture, or 304 if the client has it.
 async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: HeaderMap) -> Result<Response, Problem> {
     let caching = if table.is_none() && subject.needs_table() { REVALIDATE } else { ONE_DAY };
+    let media_type = subject.media_type();
     let conditions = headers.clone();
     let is_known = move |tag: Digest| EntityTag::strong(tag).is_known_to(&conditions);
     let file = match api.call(move |service| service.picture(table, subject, is_known)).await? {
@@ -94,8 +106,8 @@ async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: Hea
     if entity_tag.is_known_to(&headers) {
         return unchanged(file.tag, &file.adapter, caching);
     }
-    let head = head(StatusCode::OK, file.tag, &file.adapter, caching).header(header::CONTENT_TYPE, "image/png");
-    finish(head, Body::from(Bytes::from_owner(Png(file.png))))
+    let head = head(StatusCode::OK, file.tag, &file.adapter, caching).header(header::CONTENT_TYPE, media_type);
+    finish(head, Body::from(Bytes::from_owner(Shared(file.bytes))))
 }
 
 /// Table and scene of a preview's query, or all its faults.
@@ -135,9 +147,9 @@ fn finish(head: Builder, body: Body) -> Result<Response, Problem> {
 }
 
 /// Shares the service's copy of a picture with the response.
-struct Png(Arc<Vec<u8>>);
+struct Shared(Arc<Vec<u8>>);
 
-impl AsRef<[u8]> for Png {
+impl AsRef<[u8]> for Shared {
     fn as_ref(&self) -> &[u8] {
         &self.0
     }

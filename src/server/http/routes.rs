@@ -45,6 +45,7 @@ pub static ROUTES: &[Route] = &[
     route(Method::GET, "/v1/tables/{digest}/exports/{export}", |on| on.get(exports::show)),
     route(Method::GET, "/v1/tables/{digest}/exports/{export}/{file}", |on| on.get(exports::file)),
     route(Method::GET, "/v1/tables/{digest}/exports/{export}/{folder}/{file}", |on| on.get(exports::file)),
+    route(Method::GET, "/v1/tables/{digest}/plots/error.json", |on| on.get(pictures::error_numbers)),
     route(Method::GET, "/v1/tables/{digest}/plots/error.png", |on| on.get(pictures::error_plot)),
     route(Method::GET, "/v1/tables/{digest}/plots/matrix.png", |on| on.get(pictures::matrix_plot)),
     route(Method::GET, "/v1/preview", |on| on.get(pictures::preview)),

@@ -15,22 +15,25 @@ use tower_http::trace::{DefaultMakeSpan, DefaultOnFailure, DefaultOnResponse, Tr
 use tracing::Level;
 
 use super::{
+    access::{self, WatchedTokens},
     api::{Api, READS},
     conditional, connection,
     extract::{BODY_LIMIT_BYTES, UPLOADS},
     limits::ConnectionLimits,
     origin_policy::{self, OriginPolicy},
-    routes,
+    routes, security_fields,
 };
 use crate::service::Service;
 
 /// Settings of the HTTP interface.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default)]
 pub struct Options {
     /// The limits of connections.
     pub limits: ConnectionLimits,
     /// Names and origins that are served beyond the service's own.
     pub origins: OriginPolicy,
+    /// Who may call; without a token, anyone.
+    pub tokens: Arc<WatchedTokens>,
     /// Whether clients that download a table are sent to the store of blobs, where it gives URLs for that.
     pub redirects: bool,
 }
@@ -53,17 +56,19 @@ pub async fn serve(
         reads: Arc::new(Semaphore::new(READS)),
         redirects: options.redirects,
     };
-    let served = connection::serve(listener, router(api, options.origins), limits, stopping);
+    let watched = Arc::clone(&options.tokens).watch(stopping.clone());
+    let served = connection::serve(listener, router(api, options.origins, options.tokens), limits, stopping);
     let stopped = async {
         shutdown.await;
         stop.send_replace(true);
     };
-    tokio::join!(served, stopped);
+    tokio::join!(served, stopped, watched);
 }
 
 /// The routes with the layers that every request passes. A line for each request is logged at level `debug`: at the
 /// default level the log tells of the service, not of its clients.
-fn router(api: Api, origins: OriginPolicy) -> Router {
+fn router(api: Api, origins: OriginPolicy, tokens: Arc<WatchedTokens>) -> Router {
+    let origins = Arc::new(origins);
     let trace = TraceLayer::new_for_http()
         .make_span_with(DefaultMakeSpan::new().level(Level::INFO))
         .on_response(DefaultOnResponse::new().level(Level::DEBUG))
@@ -72,7 +77,9 @@ fn router(api: Api, origins: OriginPolicy) -> Router {
         .fallback(routes::no_such_path)
         .layer(DefaultBodyLimit::max(BODY_LIMIT_BYTES))
         .layer(from_fn(conditional::require_if_match))
-        .layer(from_fn_with_state(Arc::new(origins), origin_policy::check))
+        .layer(from_fn_with_state(tokens, access::check))
+        .layer(from_fn_with_state(Arc::clone(&origins), origin_policy::check))
+        .layer(from_fn_with_state(origins, security_fields::add))
         .layer(trace)
         .with_state(api)
 }

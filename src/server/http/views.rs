@@ -27,6 +27,10 @@ pub(super) struct JobView {
     created_at: Timestamp,
     started_at: Option<Timestamp>,
     finished_at: Option<Timestamp>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    submitted_by: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cancelled_by: Option<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -92,6 +96,8 @@ impl JobView {
             created_at: job.created_at,
             started_at: job.started_at,
             finished_at: job.finished_at,
+            submitted_by: job.submitted_by.clone(),
+            cancelled_by: job.cancelled_by.clone(),
         })
     }
 
@@ -170,6 +176,8 @@ pub(super) mod samples {
             created_at: Timestamp::UNIX_EPOCH,
             started_at: None,
             finished_at: None,
+            submitted_by: None,
+            cancelled_by: None,
         }
     }
 }

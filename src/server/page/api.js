@@ -1,5 +1,7 @@
 // Calls of the service, by addresses relative to the page's own.
 
+import { anotherThan, authorization, hasToken } from './token.js';
+
 const BASE = new URL( '.', document.baseURI );
 
 /** How often a service that does not answer is asked again, in milliseconds. */
@@ -27,14 +29,38 @@ export class Problem extends Error {
 /** The service did not answer. */
 export class Unreachable extends Error {}
 
-/** The JSON that a call answers with. */
-export async function call( path, { method = 'GET', body, signal } = {} ) {
+/** The answer to a request; where the service wants a token, the visitor is asked for one until it is the right one. */
+export async function reach( path, { headers = {}, ...init } = {} ) {
 
-	const headers = body === undefined ? {} : { 'content-type': 'application/json' };
+	for ( ;; ) {
+
+		const token = authorization();
+		const response = await fetch( address( path ), { ...init, headers: { ...headers, ...token } } );
+		if ( response.status !== 401 ) return response;
+		await anotherThan( token );
+		init.signal?.throwIfAborted();
+
+	}
+
+}
+
+/** The address of a picture; with a token it is fetched first, since a browser sends none for pictures. */
+export async function pictureFrom( path ) {
+
+	if ( ! hasToken() ) return address( path );
+	const response = await reach( path );
+	return response.ok ? URL.createObjectURL( await response.blob() ) : address( path );
+
+}
+
+/** The JSON that a call answers with. `body` is sent as JSON, `raw` as it is under its media type. */
+export async function call( path, { method = 'GET', body, raw, type = 'application/json', signal } = {} ) {
+
+	const sent = raw ?? ( body === undefined ? undefined : JSON.stringify( body ) );
 	let response;
 	try {
 
-		response = await fetch( address( path ), { method, headers, signal, body: body === undefined ? undefined : JSON.stringify( body ) } );
+		response = await reach( path, { method, headers: sent === undefined ? {} : { 'content-type': type }, signal, body: sent } );
 
 	} catch ( error ) {
 

@@ -1,6 +1,6 @@
 // Two or three tables side by side: figures, with the best of each row, pictures and plots.
 
-import { address, call, manifest } from './api.js';
+import { call, manifest } from './api.js';
 import { el, fill } from './dom.js';
 import { bytes, isIsotropic, number, percent, short, title } from './format.js';
 import { load, previewOf } from './pictures.js';
@@ -81,8 +81,8 @@ export async function show( root, rest, parameters, signal ) {
 			el( 'tr', {}, el( 'td' ), cells( 'td', ( table ) => el( 'a', { href: `#/tables/${ table.table }` }, title( table.recipe ) ) ) ) ),
 		el( 'tbody', {}, body,
 			el( 'tr', {}, el( 'th', { scope: 'row' }, 'Picture' ), cells( 'td', ( table, i ) => picture( previewOf( table.recipe, table.table, 512 ), `A sphere lit by table ${ i + 1 }`, 256 ) ) ),
-			el( 'tr', {}, el( 'th', { scope: 'row' }, 'Errors' ), cells( 'td', ( table, i ) => picture( address( `/v1/tables/${ table.table }/plots/error.png${ at( table ) }` ), `Errors of table ${ i + 1 }`, 320 ) ) ),
-			el( 'tr', {}, el( 'th', { scope: 'row' }, 'Numbers' ), cells( 'td', ( table, i ) => picture( address( `/v1/tables/${ table.table }/plots/matrix.png` ), `Stored numbers of table ${ i + 1 }`, 320 ) ) ) ) ) ) );
+			el( 'tr', {}, el( 'th', { scope: 'row' }, 'Errors' ), cells( 'td', ( table, i ) => picture( `/v1/tables/${ table.table }/plots/error.png${ at( table ) }`, `Errors of table ${ i + 1 }`, 320 ) ) ),
+			el( 'tr', {}, el( 'th', { scope: 'row' }, 'Numbers' ), cells( 'td', ( table, i ) => picture( `/v1/tables/${ table.table }/plots/matrix.png`, `Stored numbers of table ${ i + 1 }`, 320 ) ) ) ) ) ) );
 	later.forEach( ( [ image, from ] ) => load( image, from, signal ) );
 	return () => {};
 

@@ -1,12 +1,17 @@
-// WebGL 2: programs, textures of a table, and the sum of the reference's samples.
+// WebGL 2: what a pixel shows, the light of models there, the sum of the reference's samples, and the picture of them.
 
-import { address, call } from './api.js';
-import { displayShader, REFERENCE_SHADER, VERTEX } from './shading.js';
+import { modelShader } from './glsl_models.js';
+import { referenceShader } from './glsl_reference.js';
+import { DISPLAY_SHADER, MESH_SHADER, MESH_VERTEX, SURFACE_SHADER, VERTEX } from './glsl_surface.js';
 
-function program( gl, fragment ) {
+/** Textures of a pixel, as the programs that read them call them. */
+const SEEN = [ 'seen_place', 'seen_tangent', 'seen_normal', 'seen_f0' ];
+
+/** A program with what sets its uniforms, by their names without `[0]`. */
+function program( gl, fragment, vertex = VERTEX ) {
 
 	const made = gl.createProgram();
-	for ( const [ type, text ] of [ [ gl.VERTEX_SHADER, VERTEX ], [ gl.FRAGMENT_SHADER, fragment ] ] ) {
+	for ( const [ type, text ] of [ [ gl.VERTEX_SHADER, vertex ], [ gl.FRAGMENT_SHADER, fragment ] ] ) {
 
 		const shader = gl.createShader( type );
 		gl.shaderSource( shader, text );
@@ -18,121 +23,179 @@ function program( gl, fragment ) {
 
 	gl.linkProgram( made );
 	if ( ! gl.getProgramParameter( made, gl.LINK_STATUS ) ) throw new Error( gl.getProgramInfoLog( made ) || 'the context was lost' );
-	return made;
+	const setters = { [ gl.FLOAT ]: 'uniform1fv', [ gl.FLOAT_VEC3 ]: 'uniform3fv', [ gl.FLOAT_VEC4 ]: 'uniform4fv', [ gl.INT ]: 'uniform1iv', [ gl.UNSIGNED_INT_VEC4 ]: 'uniform4uiv' };
+	const uniforms = new Map();
+	for ( let i = 0; i < gl.getProgramParameter( made, gl.ACTIVE_UNIFORMS ); i ++ ) {
+
+		const { name, type } = gl.getActiveUniform( made, i );
+		// What has no setter here is a sampler.
+		uniforms.set( name.replace( '[0]', '' ), { at: gl.getUniformLocation( made, name ), setter: setters[ type ] || 'uniform1iv' } );
+
+	}
+
+	return { made, uniforms };
 
 }
 
-async function text( path ) {
+/** A texture of a model: of a table a volume of 32-bit numbers that the shader interpolates, of engines' one that the sampler does. */
+function uploaded( gl, { name, width, height, depth, numbers, halves } ) {
 
-	const response = await fetch( address( path ) );
-	if ( ! response.ok ) throw new Error( `${ path }: the answer was ${ response.status }` );
-	return response.text();
-
-}
-
-/** The texels of a KTX2 file of 32-bit numbers without levels: their bytes and the extents. */
-function texels( buffer ) {
-
-	const view = new DataView( buffer );
-	const word = ( at ) => view.getUint32( at, true );
-	// The header is that of section 3 of the KTX 2.0 specification; format 109 is R32G32B32A32_SFLOAT.
-	if ( word( 12 ) !== 109 || word( 44 ) !== 0 ) throw new Error( 'the texture is not of 32-bit numbers' );
-	const [ width, height, depth ] = [ word( 20 ), word( 24 ), Math.max( word( 28 ), 1 ) ];
-	return { width, height, depth, numbers: new Float32Array( buffer.slice( word( 80 ), word( 80 ) + 16 * width * height * depth ) ) };
+	const [ target, filter, texture ] = [ halves ? gl.TEXTURE_2D : gl.TEXTURE_3D, halves ? gl.LINEAR : gl.NEAREST, gl.createTexture() ];
+	gl.bindTexture( target, texture );
+	if ( halves ) gl.texImage2D( target, 0, gl.RGBA16F, width, height, 0, gl.RGBA, gl.HALF_FLOAT, halves );
+	else gl.texImage3D( target, 0, gl.RGBA32F, width, height, depth, 0, gl.RGBA, gl.FLOAT, numbers );
+	for ( const parameter of [ gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER ] ) gl.texParameteri( target, parameter, filter );
+	for ( const parameter of [ gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T ] ) gl.texParameteri( target, parameter, gl.CLAMP_TO_EDGE );
+	return { name, target, texture };
 
 }
 
-/** The textures and uniforms of a table, as `ltcforge export --for wgpu` makes them. */
-async function tableOf( gl, digest ) {
+/** The corners of a mesh on the graphics card: place, normal, tangent with its side. */
+function buffered( gl, numbers ) {
 
-	const at = `/v1/tables/${ digest }/exports/wgpu`;
-	const { ltc_table: uniforms, textures: files } = await call( `${ at }/ltc.json` );
-	const textures = await Promise.all( files.map( async ( file ) => {
+	const array = gl.createVertexArray();
+	gl.bindVertexArray( array );
+	gl.bindBuffer( gl.ARRAY_BUFFER, gl.createBuffer() );
+	gl.bufferData( gl.ARRAY_BUFFER, numbers, gl.STATIC_DRAW );
+	[ [ 3, 0 ], [ 3, 12 ], [ 4, 24 ] ].forEach( ( [ width, offset ], i ) => {
 
-		const { width, height, depth, numbers } = texels( await ( await fetch( address( `${ at }/${ file }` ) ) ).arrayBuffer() );
-		const texture = gl.createTexture();
-		gl.bindTexture( gl.TEXTURE_3D, texture );
-		gl.texImage3D( gl.TEXTURE_3D, 0, gl.RGBA32F, width, height, depth, 0, gl.RGBA, gl.FLOAT, numbers );
-		for ( const filter of [ gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER ] ) gl.texParameteri( gl.TEXTURE_3D, filter, gl.NEAREST );
-		return { name: file.replace( '.ktx2', '' ), texture };
+		gl.enableVertexAttribArray( i );
+		gl.vertexAttribPointer( i, width, gl.FLOAT, false, 40, offset );
 
-	} ) );
-	return { uniforms, textures };
+	} );
+	return array;
 
 }
 
-/** What draws a scene on a canvas by a model of light; `table` and its layout, or neither for model normals. */
-export async function device( canvas, table, layout ) {
+/** What draws scenes on a canvas. Models are those of `models.js`. */
+export function device( canvas ) {
 
 	const gl = canvas.getContext( 'webgl2', { alpha: false, antialias: false, preserveDrawingBuffer: true } );
 	if ( ! gl ) throw new Error( 'this browser has no WebGL 2' );
 	if ( ! gl.getExtension( 'EXT_color_buffer_float' ) ) throw new Error( 'this graphics card does not draw 32-bit numbers' );
-	const source = await text( table ? `/page/ltc-${ layout }.glsl` : '/page/normals.glsl' );
-	const [ display, reference ] = [ program( gl, displayShader( source, Boolean( table ) ) ), program( gl, REFERENCE_SHADER ) ];
-	const bound = table ? await tableOf( gl, table ) : { uniforms: {}, textures: [] };
-	const sums = [ 0, 1 ].map( () => {
 
-		const [ texture, target ] = [ gl.createTexture(), gl.createFramebuffer() ];
-		gl.bindTexture( gl.TEXTURE_2D, texture );
-		gl.texStorage2D( gl.TEXTURE_2D, 1, gl.RGBA32F, canvas.width, canvas.height );
-		for ( const filter of [ gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER ] ) gl.texParameteri( gl.TEXTURE_2D, filter, gl.NEAREST );
-		gl.bindFramebuffer( gl.FRAMEBUFFER, target );
-		gl.framebufferTexture2D( gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0 );
-		return { texture, target };
+	/** Textures to draw to, and the framebuffer that has them. */
+	function target( formats ) {
 
-	} );
-	gl.bindVertexArray( gl.createVertexArray() );
-	gl.viewport( 0, 0, canvas.width, canvas.height );
+		const framebuffer = gl.createFramebuffer();
+		gl.bindFramebuffer( gl.FRAMEBUFFER, framebuffer );
+		const textures = formats.map( ( format, i ) => {
 
-	/** Runs a program over the picture. Whole numbers are told from others by the uniforms' own types. */
-	function run( made, target, uniforms ) {
-
-		gl.useProgram( made );
-		gl.bindFramebuffer( gl.FRAMEBUFFER, target );
-		gl.activeTexture( gl.TEXTURE0 );
-		gl.bindTexture( gl.TEXTURE_2D, sums[ 0 ].texture );
-		bound.textures.forEach( ( { name, texture }, i ) => {
-
-			gl.activeTexture( gl.TEXTURE1 + i );
-			gl.bindTexture( gl.TEXTURE_3D, texture );
-			gl.uniform1i( gl.getUniformLocation( made, name ), 1 + i );
+			const texture = gl.createTexture();
+			gl.bindTexture( gl.TEXTURE_2D, texture );
+			gl.texStorage2D( gl.TEXTURE_2D, 1, format, canvas.width, canvas.height );
+			for ( const filter of [ gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER ] ) gl.texParameteri( gl.TEXTURE_2D, filter, gl.NEAREST );
+			gl.framebufferTexture2D( gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0 + i, gl.TEXTURE_2D, texture, 0 );
+			return texture;
 
 		} );
-		for ( const [ member, value ] of Object.entries( bound.uniforms ) ) set( `ltc_table.${ member }`, value );
-		for ( const [ name, value ] of Object.entries( uniforms ) ) set( name, value );
-		function set( name, value ) {
-
-			const at = gl.getUniformLocation( made, name );
-			if ( ! at ) return;
-			const numbers = [ value ].flat( 2 );
-			if ( name.endsWith( '.nodes' ) || name.endsWith( '.reading' ) ) gl.uniform4uiv( at, numbers );
-			else if ( [ 'size', 'surface', 'show', 'samples', 'first' ].includes( name ) ) gl.uniform1i( at, numbers[ 0 ] );
-			else if ( numbers.length === 1 ) gl.uniform1f( at, numbers[ 0 ] );
-			else if ( numbers.length === 4 ) gl.uniform4fv( at, numbers );
-			else gl.uniform3fv( at, numbers );
-
-		}
-
-		gl.drawArrays( gl.TRIANGLES, 0, 3 );
+		gl.drawBuffers( formats.map( ( _, i ) => gl.COLOR_ATTACHMENT0 + i ) );
+		return { framebuffer, textures };
 
 	}
 
-	return {
-		/** Adds samples to the sum, of which `first` is the number before. */
-		sample( uniforms, first, samples ) {
+	const seen = target( SEEN.map( () => gl.RGBA32F ) );
+	const depth = gl.createRenderbuffer();
+	gl.bindRenderbuffer( gl.RENDERBUFFER, depth );
+	gl.renderbufferStorage( gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, canvas.width, canvas.height );
+	gl.framebufferRenderbuffer( gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth );
+	const [ left, right, ...sums ] = Array.from( { length: 4 }, () => target( [ gl.RG32F ] ) );
+	const [ surface, display ] = [ program( gl, SURFACE_SHADER ), program( gl, DISPLAY_SHADER ) ];
+	const programs = new Map();
+	const textures = new Map();
+	/** The vertices of a mesh, and those of no mesh. */
+	const vertices = new Map();
+	const none = gl.createVertexArray();
+	gl.bindVertexArray( none );
+	gl.viewport( 0, 0, canvas.width, canvas.height );
 
-			run( reference, sums[ 1 ].target, { ...uniforms, first, samples } );
+	/** A program that is compiled when it is first asked for. */
+	function known( key, make, vertex ) {
+
+		if ( ! programs.has( key ) ) programs.set( key, program( gl, make(), vertex ) );
+		return programs.get( key );
+
+	}
+
+	/** Runs a program over the picture, or over the triangles of so many corners. */
+	function run( { made, uniforms }, to, values, bound, corners = 3 ) {
+
+		gl.useProgram( made );
+		gl.bindFramebuffer( gl.FRAMEBUFFER, to && to.framebuffer );
+		const set = ( name, value ) => {
+
+			const found = uniforms.get( name );
+			if ( found ) gl[ found.setter ]( found.at, [ value ].flat( 2 ) );
+
+		};
+
+		bound.forEach( ( { name, target = gl.TEXTURE_2D, texture }, i ) => {
+
+			gl.activeTexture( gl.TEXTURE0 + i );
+			gl.bindTexture( target, texture );
+			set( name, i );
+
+		} );
+		for ( const [ name, value ] of Object.entries( values ) ) set( name, value );
+		gl.drawArrays( gl.TRIANGLES, 0, corners );
+
+	}
+
+	const pixel = () => SEEN.map( ( name, i ) => ( { name, texture: seen.textures[ i ] } ) );
+
+	return {
+		/** Finds what each pixel shows of a sphere or floor. */
+		see( uniforms ) {
+
+			run( surface, seen, uniforms, [] );
+
+		},
+		/** Finds what each pixel shows of meshes, each with its numbers of ten a corner and the uniforms of its material. */
+		seeMeshes( uniforms, meshes ) {
+
+			const shader = known( 'mesh', () => MESH_SHADER, MESH_VERTEX );
+			gl.bindFramebuffer( gl.FRAMEBUFFER, seen.framebuffer );
+			SEEN.forEach( ( _, i ) => gl.clearBufferfv( gl.COLOR, i, [ 0, 0, 0, 0 ] ) );
+			gl.clear( gl.DEPTH_BUFFER_BIT );
+			gl.enable( gl.DEPTH_TEST );
+			for ( const { numbers, ofMaterial } of meshes ) {
+
+				if ( ! vertices.has( numbers ) ) vertices.set( numbers, buffered( gl, numbers ) );
+				gl.bindVertexArray( vertices.get( numbers ) );
+				run( shader, seen, { ...uniforms, ...ofMaterial }, [], numbers.length / 10 );
+
+			}
+
+			gl.disable( gl.DEPTH_TEST );
+			gl.bindVertexArray( none );
+
+		},
+		/** Lights it by a model, on the left or the right side; `shapes` has a bit for each shape of the lights. */
+		light( side, model, uniforms, shapes ) {
+
+			if ( ! textures.has( model ) ) textures.set( model, model.textures.map( ( texture ) => uploaded( gl, texture ) ) );
+			const shader = known( `${ model.kind } ${ shapes } ${ model.text }`, () => modelShader( model.kind, model.text, shapes ) );
+			run( shader, side === 'left' ? left : right, { ...uniforms, ...model.uniforms }, [ ...pixel(), ...textures.get( model ) ] );
+
+		},
+		/** Adds samples of a scattering model to the sum, of which `first` is the number before. */
+		sample( brdf, uniforms, shapes, first, samples ) {
+
+			run( known( `${ brdf } ${ shapes }`, () => referenceShader( brdf, shapes ) ), sums[ 1 ], { ...uniforms, first, samples }, [ ...pixel(), { name: 'reference_sum', texture: sums[ 0 ].textures[ 0 ] } ] );
 			sums.reverse();
 
 		},
-		/** Draws the scene with the reference of so many samples. */
-		draw( uniforms, samples ) {
+		/** Shows both sides; the right one is a model's, or the reference of so many samples. */
+		display( uniforms, samples ) {
 
-			run( display, null, { ...uniforms, samples } );
+			const other = samples === null ? right : sums[ 0 ];
+			run( display, null, { ...uniforms, left_weight: 1, right_weight: 1 / Math.max( samples ?? 1, 1 ) }, [ ...pixel(), { name: 'left_parts', texture: left.textures[ 0 ] }, { name: 'right_parts', texture: other.textures[ 0 ] } ] );
 			// So that the time of a frame is that of its drawing.
 			gl.readPixels( 0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array( 4 ) );
 
 		},
+		/** Whether the context is lost, so that nothing is drawn until it is restored. */
+		isLost: () => gl.isContextLost(),
 		release() {
 
 			gl.getExtension( 'WEBGL_lose_context' )?.loseContext();

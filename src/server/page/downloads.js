@@ -1,8 +1,9 @@
 // The files of a table for each engine, and where they go.
 
-import { address, call } from './api.js';
+import { address, call, reach } from './api.js';
 import { el, fill, notice } from './dom.js';
 import { bytes, short } from './format.js';
+import { hasToken } from './token.js';
 
 /** Exports whose files are of an engine, by the names that their makers write. */
 const ENGINES = { three: 'three.js', babylon: 'Babylon.js', playcanvas: 'PlayCanvas', bevy: 'Bevy', godot: 'Godot', o3de: 'O3DE', hdrp: 'Unity HDRP', wgpu: 'wgpu, your own renderer' };
@@ -13,6 +14,22 @@ function named( name ) {
 	if ( ENGINES[ name ] ) return ENGINES[ name ];
 	const [ layout, format, numbers ] = name.split( '.' );
 	return format ? `${ layout }, ${ format }, ${ numbers === 'f16' ? '16' : '32' } bits` : layout.replace( 'compact-', 'compact, with decoder in ' );
+
+}
+
+/** Saves what a link leads to, at its click: with a token, which a browser does not send for links, by the page itself. */
+export async function save( event ) {
+
+	if ( ! hasToken() ) return;
+	event.preventDefault();
+	const link = event.currentTarget;
+	const response = await reach( link.href );
+	if ( ! response.ok ) return link.after( notice( `the answer was ${ response.status }` ) );
+	const [ , given ] = /filename="([^"]+)"/.exec( response.headers.get( 'content-disposition' ) || '' ) || [];
+	const saved = el( 'a', { href: URL.createObjectURL( await response.blob() ), download: given || link.pathname.split( '/' ).pop() } );
+	saved.click();
+	// The browser has read it by then.
+	setTimeout( () => URL.revokeObjectURL( saved.href ), 60_000 );
 
 }
 
@@ -31,7 +48,7 @@ function files( digest, name, signal ) {
 			const made = await call( `/v1/tables/${ digest }/exports/${ name }`, { signal } );
 			fill( inside,
 				el( 'table', { class: 'files' }, el( 'tbody', {}, made.files.map( ( file ) => el( 'tr', {},
-					el( 'th', { scope: 'row' }, el( 'a', { href: address( file.url ), download: true }, file.path ) ),
+					el( 'th', { scope: 'row' }, el( 'a', { href: address( file.url ), download: true, onclick: save }, file.path ) ),
 					el( 'td', { class: 'number' }, bytes( file.bytes ) ),
 					el( 'td', {}, el( 'code', { class: 'muted', title: file.digest }, short( file.digest ) ) ) ) ) ) ),
 				made.steps.length ? el( 'ol', { class: 'steps' }, made.steps.map( ( step ) => el( 'li', {}, step ) ) ) : null );

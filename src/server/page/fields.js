@@ -35,6 +35,15 @@ export const GROUPS = [
 /** Presets, from the quickest. */
 export const PRESETS = [ 'draft', 'standard', 'paper', 'best' ];
 
+/** Recipes to begin with, by what they are for. */
+export const STARTS = {
+	'metal and dielectrics, of any direction': { preset: 'standard', fresnel: 'two_lobes' },
+	'brushed metal on phones': { preset: 'paper', precision: 'f16', range: { alpha: [ 0.05, 0.4 ], ratio: [ 0.2, 1 ] }, resolution: { alpha: 7, ratio: 5, theta: 8, phi: 6 } },
+	'round surfaces, as engines load it': { preset: 'standard', layout: 'ltc2017' },
+	'round surfaces in a kilobyte': { preset: 'paper', precision: 'f16', range: { ratio: [ 1, 1 ], phi: [ 0, 0 ] }, resolution: { alpha: 9, ratio: 1, theta: 8, phi: 1 } },
+	'sheen of glTF': { preset: 'paper', brdf: 'charlie_neubelt', range: { alpha: [ 0.0049, 1 ] }, resolution: { alpha: 24, theta: 32 }, precision: 'f16' },
+};
+
 /** Members that a canonical recipe leaves out, and what they are then. */
 export const LEFT_OUT = { '/lobe': 'ltc', '/fresnel': 'one' };
 

@@ -1,11 +1,30 @@
 // A job as it changes, by Server-Sent Events.
 
-import { address, awaitService } from './api.js';
+import { awaitService, reach } from './api.js';
 
 /** Whether a job may still change. */
 export function isActive( { state } ) {
 
 	return state === 'queued' || state === 'running';
+
+}
+
+/** Calls `onEvent` with the type and the data of each event of a stream until its end. EventSource cannot send a token. */
+async function events( body, onEvent ) {
+
+	const reader = body.pipeThrough( new TextDecoderStream() ).getReader();
+	for ( let [ text, chunk ] = [ '', await reader.read() ]; ! chunk.done; chunk = await reader.read() ) {
+
+		const blocks = ( text + chunk.value ).split( '\n\n' );
+		text = blocks.pop();
+		for ( const block of blocks ) {
+
+			const field = ( name ) => block.split( '\n' ).filter( ( line ) => line.startsWith( `${ name }:` ) ).map( ( line ) => line.slice( name.length + 1 ).trimStart() ).join( '\n' );
+			if ( field( 'data' ) ) onEvent( field( 'event' ), field( 'data' ) );
+
+		}
+
+	}
 
 }
 
@@ -15,15 +34,15 @@ export function isActive( { state } ) {
  */
 export function follow( id, signal, onJob ) {
 
-	let source = null;
+	let stream = null;
 	const close = () => {
 
-		if ( source ) source.close();
-		source = null;
+		stream?.abort();
+		stream = null;
 
 	};
 
-	const receive = ( { data } ) => {
+	const receive = ( data ) => {
 
 		const job = JSON.parse( data );
 		if ( ! isActive( job ) ) end();
@@ -31,21 +50,27 @@ export function follow( id, signal, onJob ) {
 
 	};
 
-	const open = () => {
+	async function open() {
 
-		if ( source || document.hidden ) return;
-		source = new EventSource( address( `/v1/jobs/${ id }/events` ) );
-		source.addEventListener( 'state', receive );
-		source.addEventListener( 'progress', receive );
-		source.addEventListener( 'error', () => {
+		if ( stream || document.hidden ) return;
+		const own = stream = new AbortController();
+		try {
 
-			// The service stopped, or a proxy did: the window is told once it answers.
-			close();
-			awaitService();
+			const { body, ok } = await reach( `/v1/jobs/${ id }/events`, { signal: own.signal } );
+			if ( ok ) await events( body, ( type, data ) => own === stream && ( type === 'state' || type === 'progress' ) && receive( data ) );
 
-		} );
+		} catch {
 
-	};
+			// The stream broke off, or it was closed here.
+
+		}
+
+		if ( own !== stream ) return;
+		// The service stopped, or a proxy did: the window is told once it answers.
+		close();
+		awaitService();
+
+	}
 
 	const seen = () => document.hidden ? close() : open();
 	function end() {

@@ -59,16 +59,24 @@ function interval( field, id, changed ) {
 
 }
 
+/** A material from its text: an F0, or an F0 and its weight, `0.04 × 4`. */
+function material( text ) {
+
+	const [ f0, weight ] = text.split( /[×x*]/ ).map( ( part ) => part.trim() === '' ? null : Number( part ) );
+	return weight === undefined ? { f0 } : { f0, weight };
+
+}
+
 function materials( field, id, changed ) {
 
 	const named = [ 'one', 'two_lobes', 'blended_lobes' ];
 	const select = el( 'select', { id, onchange: () => changed( read() ) }, [ ...named, 'by F0' ].map( ( option ) => el( 'option', {}, option ) ) );
-	const list = el( 'input', { type: 'text', 'aria-label': 'F0 of the materials, with commas between', value: '0.04', hidden: true, oninput: () => changed( read() ) } );
+	const list = el( 'input', { type: 'text', 'aria-label': 'F0 of the materials, each with its weight where it is not 1, with commas between', placeholder: '1, 0.04 × 4', value: '0.04', hidden: true, oninput: () => changed( read() ) } );
 	const read = () => {
 
 		const isList = select.selectedIndex === named.length;
 		list.hidden = ! isList;
-		return isList ? list.value.split( ',' ).map( ( text ) => ( { f0: text.trim() === '' ? null : Number( text ) } ) ) : named[ select.selectedIndex ];
+		return isList ? list.value.split( ',' ).map( material ) : named[ select.selectedIndex ];
 
 	};
 
@@ -78,7 +86,7 @@ function materials( field, id, changed ) {
 		const isList = Array.isArray( value );
 		select.selectedIndex = isList ? named.length : named.indexOf( value );
 		list.hidden = ! isList;
-		if ( isList ) list.value = value.map( ( { f0 } ) => f0 ).join( ', ' );
+		if ( isList ) list.value = value.map( ( { f0, weight = 1 } ) => weight === 1 ? f0 : `${ f0 } × ${ weight }` ).join( ', ' );
 
 	};
 

@@ -5,9 +5,11 @@
 
 import { address, call } from './api.js';
 import { copyButton, el, facts, fill, notice } from './dom.js';
-import { get, GROUPS, LEFT_OUT, PRESETS, set } from './fields.js';
-import { json as jsonText, percent, short, span } from './format.js';
+import { get, GROUPS, LEFT_OUT, PRESETS, set, STARTS } from './fields.js';
+import { bytes, json as jsonText, percent, short, span } from './format.js';
 import { input } from './inputs.js';
+import { planner } from './plan.js';
+import { tradeoff } from './tradeoff.js';
 
 /** How long a change waits for the next one before the service is asked, in milliseconds. */
 const PAUSE = 120;
@@ -28,21 +30,34 @@ export async function show( root, rest, parameters, signal ) {
 	const reset = el( 'button', { type: 'button', class: 'quiet', onclick: clear }, 'Back to the preset' );
 	const answer = el( 'div' );
 
+	const starts = el( 'select', { id: 'start', onchange: () => take( { ...STARTS[ starts.value ] } ) }, el( 'option', { value: '', disabled: true, selected: true }, 'Choose…' ), Object.keys( STARTS ).map( ( name ) => el( 'option', {}, name ) ) );
+	const chart = tradeoff( signal );
+
 	const groups = GROUPS.map( ( { name, fields } ) => el( 'fieldset', {}, el( 'legend', {}, name ), inputs.filter( ( { field } ) => fields.includes( field ) ).map( ( { row } ) => row ) ) );
 	fill( root,
 		el( 'h1', {}, 'New table' ),
 		el( 'div', { class: 'form' },
 			el( 'form', { novalidate: true, onsubmit: send },
-				el( 'fieldset', { class: 'presets' }, el( 'legend', {}, 'Preset' ), presets ), groups,
+				el( 'fieldset', { class: 'single' }, el( 'legend', {}, 'From a scene' ), planner( signal, take ) ),
+				el( 'fieldset', { class: 'single' }, el( 'legend', {}, 'Preset' ), el( 'div', { class: 'presets' }, presets, el( 'label', { for: 'start', class: 'start' }, el( 'span', {}, 'or for' ), starts ) ) ), groups,
 				answer, el( 'p', { class: 'actions' }, submit, reset ) ),
 			el( 'aside', { 'aria-label': 'What it would take' },
-				el( 'h2', {}, 'Forecast' ), expected, others,
+				el( 'h2', {}, 'Forecast' ), expected, others, el( 'div', { class: 'charts' }, chart.charts ),
 				el( 'div', { class: 'bar' }, el( 'h2', {}, 'Recipe' ), copyButton( 'Copy', () => json.textContent ) ), json,
 				el( 'div', { class: 'bar' }, el( 'h2', {}, 'The same by curl' ), copyButton( 'Copy', () => curl.textContent ) ), curl ) ) );
 
 	function change( pointer, value ) {
 
 		set( recipe, pointer, value );
+		changed();
+
+	}
+
+	/** Takes another recipe in place of what was entered. */
+	function take( other ) {
+
+		recipe = other;
+		for ( const radio of root.querySelectorAll( '[name=preset]' ) ) radio.checked = radio.value === recipe.preset;
 		changed();
 
 	}
@@ -110,10 +125,12 @@ export async function show( root, rest, parameters, signal ) {
 		const rest = faults.filter( ( fault ) => ! placed.has( fault ) ).map( ( { pointer, detail } ) => `${ pointer || 'the document' }: ${ detail }` );
 		fill( others, problem && ! faults.length ? notice( problem.detail ) : null, rest.map( notice ) );
 		submit.disabled = Boolean( problem );
+		chart.show( forecast );
 		fill( submit, table ? 'Open the table' : 'Submit' );
 		fill( expected, complete ? facts( [
 			[ 'Time', table ? 'fitted already' : forecast ? span( forecast.seconds ) : '–' ],
 			[ 'Error', forecast ? percent( forecast.error ) : '–' ],
+			[ 'Size', forecast ? bytes( forecast.bytes ) : '–' ],
 			[ 'Entries', entries.toLocaleString( 'en' ) ],
 			[ 'Digest', el( 'code', {}, short( recipe_digest ) ) ],
 		] ) : el( 'p', { class: 'muted' }, problem.detail ) );

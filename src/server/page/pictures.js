@@ -1,6 +1,6 @@
 // Pictures that the service renders. It renders one at a time and lets a few wait, so they are asked for in turn.
 
-import { address } from './api.js';
+import { pictureFrom } from './api.js';
 import { isIsotropic } from './format.js';
 
 /** Pictures that are asked for at the same time. */
@@ -14,7 +14,7 @@ export function previewOf( recipe, table, size, mode = 'ltc' ) {
 
 	const roughness = isIsotropic( recipe ) ? { alpha_x: 0.2, alpha_y: 0.2 } : { alpha_x: 0.5, alpha_y: 0.1, rotation: 0.6 };
 	const colour = recipe.brdf === 'ggx' || recipe.brdf === 'beckmann' ? {} : { f0: '1,1,1' };
-	return address( `/v1/preview?${ new URLSearchParams( { table, mode, size, ...roughness, ...colour } ) }` );
+	return `/v1/preview?${ new URLSearchParams( { table, mode, size, ...roughness, ...colour } ) }`;
 
 }
 
@@ -33,9 +33,10 @@ async function next() {
 	asked ++;
 	if ( ! signal.aborted ) {
 
-		image.src = from;
+		image.src = await pictureFrom( from );
 		// A picture that fails leaves its text in its place.
 		await image.decode().catch( () => {} );
+		if ( image.src.startsWith( 'blob:' ) ) URL.revokeObjectURL( image.src );
 
 	}
 

@@ -1,7 +1,7 @@
 // A table's report in words, and its plots.
 
-import { address } from './api.js';
 import { el, facts } from './dom.js';
+import { errorMaps } from './errors.js';
 import { isIsotropic, number, percent } from './format.js';
 import { load } from './pictures.js';
 
@@ -51,22 +51,20 @@ function slider( id, label, max, value, oninput ) {
 /** The plots of errors and of the stored numbers, at a ratio and an azimuth where the table has several. */
 export function plots( digest, recipe, signal ) {
 
-	const errors = el( 'img', { alt: 'Errors at nodes and between them, over view angle and roughness' } );
+	const errors = errorMaps( digest, signal );
 	const numbers = el( 'img', { alt: 'Every stored number of the table, a tile for each ratio and azimuth' } );
-	const plot = ( file ) => address( `/v1/tables/${ digest }/plots/${ file }` );
 	const ratio = slider( 'plot-ratio', 'Ratio of roughnesses', 1, 0.25, draw );
 	const phi = slider( 'plot-phi', 'Azimuth', 1.57, 0.7, draw );
 	function draw() {
 
-		const at = isIsotropic( recipe ) ? '' : `?ratio=${ ratio.input.value }&phi=${ phi.input.value }`;
-		load( errors, plot( `error.png${ at }` ), signal );
+		errors.show( isIsotropic( recipe ) ? '' : `?ratio=${ ratio.input.value }&phi=${ phi.input.value }` );
 
 	}
 
 	draw();
-	load( numbers, plot( 'matrix.png' ), signal );
-	return el( 'section', { 'aria-labelledby': 'plots' }, el( 'h2', { id: 'plots' }, 'Plots' ),
+	load( numbers, `/v1/tables/${ digest }/plots/matrix.png`, signal );
+	return el( 'section', { 'aria-labelledby': 'plots' }, el( 'h2', { id: 'plots' }, 'Errors and numbers' ),
 		isIsotropic( recipe ) ? null : el( 'div', { class: 'sliders' }, ratio.row, phi.row ),
-		el( 'div', { class: 'plots' }, errors, numbers ) );
+		el( 'div', { class: 'plots' }, errors.root, numbers ) );
 
 }

@@ -2,7 +2,7 @@
 
 import { address, call, manifest } from './api.js';
 import { copyLine, el, facts, fill } from './dom.js';
-import { downloads } from './downloads.js';
+import { downloads, save } from './downloads.js';
 import { bytes, json, short, title } from './format.js';
 import { load, previewOf } from './pictures.js';
 import { inWords, plots } from './report.js';
@@ -27,7 +27,7 @@ export async function show( root, digest, parameters, signal ) {
 					[ 'Size', bytes( about.bytes ) ], [ 'Entries', about.entries.toLocaleString( 'en' ) ],
 					[ 'Recipe', el( 'code', {}, short( recipe_digest ) ) ], [ 'Fitter', recipe.fitter ],
 				] ),
-				el( 'p', {}, el( 'a', { class: 'button primary', href: address( `/v1/tables/${ digest }` ), download: true }, `Download .safetensors, ${ bytes( about.bytes ) }` ) ) ),
+				el( 'p', {}, el( 'a', { class: 'button primary', href: address( `/v1/tables/${ digest }` ), download: true, onclick: save }, `Download .safetensors, ${ bytes( about.bytes ) }` ) ) ),
 			el( 'section', { class: 'shown' }, picture ) ),
 		el( 'section', { 'aria-labelledby': 'quality' }, el( 'h2', { id: 'quality' }, 'Quality' ), inWords( report ) ),
 		plots( digest, recipe, signal ),

@@ -1,10 +1,13 @@
-// What a table or model normals does, on the visitor's own GPU, beside the truth.
+// What a table, model normals or the shading of engines does, on the visitor's own GPU, beside the truth or each other.
 
-import { call, manifest } from './api.js';
+import { call } from './api.js';
+import { choice, drag, slider } from './controls.js';
 import { copyButton, el, facts, fill, notice } from './dom.js';
 import { device } from './device.js';
-import { number, short } from './format.js';
-import { camera, CHOICES, light, link, METALS, moved, PARAMETERS, read, seen } from './scene.js';
+import { short } from './format.js';
+import { lightsPanel } from './lights.js';
+import { ENGINES, modelOf } from './models.js';
+import { camera, CHOICES, link, METALS, moved, outline, PARAMETERS, placed, read, seen, uniformsOf } from './scene.js';
 
 /** Pixels a side. */
 const SIZE = 512;
@@ -12,89 +15,153 @@ const SIZE = 512;
 const [ PER_FRAME, MOST ] = [ 8, 1024 ];
 /** The difference, in radiance, at the end of the colours. */
 const DIFFERENCE = 0.2;
+/** What only how the picture is shown depends on, so that samples stay. */
+const SHOWN = [ 'show', 'split', 'exposure' ];
 
 const SVG = 'http://www.w3.org/2000/svg';
 
 export async function show( root, rest, parameters, signal ) {
 
 	const scene = read( parameters );
-	const canvas = el( 'canvas', { width: SIZE, height: SIZE, role: 'img', 'aria-label': 'The surface under the light' } );
+	const canvas = el( 'canvas', { width: SIZE, height: SIZE, role: 'img', 'aria-label': 'The surface under the lights' } );
 	const overlay = document.createElementNS( SVG, 'svg' );
 	overlay.setAttribute( 'viewBox', '-1 -1 2 2' );
 	overlay.setAttribute( 'aria-hidden', 'true' );
 	const border = overlay.appendChild( document.createElementNS( SVG, 'line' ) );
-	const outline = overlay.appendChild( document.createElementNS( SVG, 'polygon' ) );
+	const outlines = [];
 	const figures = el( 'div' );
 	const { items } = await call( '/v1/tables?limit=200', { signal } );
-	const known = [ ...new Set( [ ...( scene.table ? [ scene.table ] : [] ), ...items.map( ( { digest } ) => digest ) ] ) ];
-	const model = el( 'select', { id: 'model', onchange: () => location.hash = `#/viewer?${ link( { ...scene, table: model.value } ) }` },
-		el( 'option', { value: '' }, 'normals, without a table' ), known.map( ( digest ) => el( 'option', { value: digest, selected: digest === scene.table }, `table ${ short( digest ) }` ) ) );
-	const sliders = new Map( PARAMETERS.map( ( field ) => [ field.name, slider( field ) ] ) );
-	const split = slider( { name: 'split', label: 'Split at', min: 0, max: 1, step: 0.01 } );
-
-	function slider( { name, label, min, max, step } ) {
-
-		const output = el( 'output', { for: `view-${ name }` } );
-		const input = el( 'input', { type: 'range', id: `view-${ name }`, min, max, step, oninput: () => change( name, Number( input.value ) ) } );
-		const tell = () => {
-
-			input.value = scene[ name ];
-			output.textContent = number( scene[ name ] );
-
-		};
-
-		tell();
-		return { tell, row: el( 'div', { class: 'slider' }, el( 'label', { for: `view-${ name }` }, label ), input, output ) };
-
-	}
-
-	const choice = ( name, label ) => {
-
-		const select = el( 'select', { id: `view-${ name }`, onchange: () => change( name, select.value ) }, CHOICES[ name ].map( ( option ) => el( 'option', { selected: option === scene[ name ] }, option ) ) );
-		return el( 'div', { class: 'field' }, el( 'label', { for: `view-${ name }` }, label ), select );
-
-	};
+	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && name !== ENGINES );
+	const models = [ [ ENGINES, 'engines, the table of 2017' ], ...known.map( ( digest ) => [ digest, `table ${ short( digest ) }` ] ) ];
+	const table = choice( 'model', 'Lit by', [ [ '', 'normals, without a table' ], ...models ], scene.table, ( name ) => change( 'table', name ) );
+	const against = choice( 'against', 'Beside', [ [ '', 'Monte Carlo integration' ], [ 'normals', 'normals, without a table' ], ...models ], scene.against, ( name ) => change( 'against', name ) );
+	const choices = Object.fromEntries( [ [ 'surface', 'Surface' ], [ 'metal', 'Material' ], [ 'show', 'Shown' ] ].map( ( [ name, label ] ) => [ name, choice( `view-${ name }`, label, name === 'show' ? SIDES : CHOICES[ name ], scene[ name ], ( value ) => change( name, value ) ) ] ) );
+	const sliders = PARAMETERS.map( ( field ) => slider( field, '', change ) );
+	const split = slider( { name: 'split', label: 'Split at', min: 0, max: 1, step: 0.01 }, '', change );
+	const files = el( 'input', { type: 'file', id: 'mesh', accept: '.glb,.gltf', class: 'hidden', onchange: () => open( files.files[ 0 ] ) } );
+	const opened = el( 'div', { role: 'status' } );
+	const group = ( legend, ...rows ) => el( 'fieldset', {}, el( 'legend', {}, legend ), rows );
+	const rows = ( ...names ) => sliders.filter( ( { name } ) => names.some( ( begin ) => name.startsWith( begin ) ) ).map( ( { row } ) => row );
+	const ofSurface = el( 'div', { class: 'controls' }, choices.metal.row, rows( 'alpha', 'rotation' ) );
+	const lights = lightsPanel( scene, () => change( 'lights', scene.lights ) );
 
 	fill( root,
 		el( 'div', { class: 'bar' }, el( 'h1', {}, 'Viewer' ), el( 'span', { class: 'grow' } ), copyButton( 'Copy link', () => location.href ) ),
 		el( 'div', { class: 'view' },
 			el( 'div', {}, el( 'div', { class: 'stage' }, canvas, overlay ),
-				el( 'p', { class: 'muted' }, 'Drag to orbit, drag the light to move it. Left of the split is the model, right of it Monte Carlo integration of GGX.' ), figures ),
-			el( 'form', { class: 'controls' },
-				el( 'div', { class: 'field' }, el( 'label', { for: 'model' }, 'Lit by' ), model ),
-				choice( 'surface', 'Surface' ), choice( 'metal', 'Material' ), choice( 'show', 'Shown' ), split.row, [ ...sliders.values() ].map( ( { row } ) => row ) ) ) );
+				el( 'p', { class: 'muted' }, 'Drag to orbit. Drag a light to move it, with Shift nearer and farther.' ), figures ),
+			el( 'form', { class: 'controls', onsubmit: ( event ) => event.preventDefault() },
+				group( 'Compared', table.row, against.row, choices.show.row, split.row ),
+				group( 'Surface', choices.surface.row, el( 'div', { class: 'field' }, el( 'label', { for: 'mesh' }, 'glTF' ), el( 'div', { class: 'file' }, files, el( 'label', { for: 'mesh', class: 'button quiet' }, 'Open or drop a file' ) ) ), opened, ofSurface ),
+				group( 'Lights', lights.row ),
+				group( 'Camera', rows( 'camera', 'exposure' ) ) ) ) );
 
-	const recipe = scene.table ? ( await manifest( scene.table ) ).recipe : null;
-	const refused = recipe && unfit( recipe );
-	if ( refused ) return fill( figures, notice( refused ) ) && null;
-	const drawn = await device( canvas, scene.table, recipe?.layout ).catch( ( error ) => fill( figures, notice( error.message ) ) && null );
-	if ( ! drawn ) return null;
+	let drawn = null;
+	try {
+
+		drawn = device( canvas );
+
+	} catch ( error ) {
+
+		fill( figures, notice( error.message ) );
+		return null;
+
+	}
+
 	signal.addEventListener( 'abort', () => drawn.release() );
+	// Without this a lost context never comes back.
+	canvas.addEventListener( 'webglcontextlost', ( event ) => signal.aborted || event.preventDefault() );
+	canvas.addEventListener( 'webglcontextrestored', () => {
 
+		drawn = device( canvas );
+		begin();
+
+	} );
+
+	/** The models of both sides, null where the right one is the reference. */
+	let sides = null;
+	let asked = 0;
 	let samples = 0;
+	let isSeen = false;
 	let isWaiting = false;
-	/** What the shaders read. Samples stay while only how they are shown changes. */
-	function uniforms() {
 
-		const { eye, right, up, forward, half } = camera( scene );
-		const { normal, area, corners } = light( scene );
-		const turn = scene.rotation;
-		return {
-			size: SIZE, surface: CHOICES.surface.indexOf( scene.surface ), eye, right, up, forward, pixel_width: 2 * half / SIZE,
-			f0: METALS[ scene.metal ], 'corners': corners, light_normal: normal, light_area: area, radiance: scene.light_intensity,
-			material: [ scene.alpha_x, scene.alpha_y, Math.cos( turn ), Math.sin( turn ) ], exposure: scene.exposure,
-			split: scene.split, show: CHOICES.show.indexOf( scene.show ), difference_scale: DIFFERENCE,
-		};
+	/** Asks for the models that the scene names; a failure is told in place of the figures. */
+	async function choose() {
+
+		const turn = ++ asked;
+		sides = null;
+		try {
+
+			const found = await Promise.all( [ modelOf( scene.table ), scene.against ? modelOf( scene.against === 'normals' ? '' : scene.against ) : null ] );
+			if ( turn !== asked || signal.aborted ) return;
+			sides = found;
+			begin();
+
+		} catch ( error ) {
+
+			if ( turn === asked && ! signal.aborted ) fill( figures, notice( error.message ) );
+
+		}
+
+	}
+
+	/** The meshes of a glTF file that was opened; they are no part of the link. */
+	let mesh = null;
+
+	async function open( file ) {
+
+		if ( ! file ) return;
+		try {
+
+			const { readGltf } = await import( './gltf.js' );
+			const { meshes, triangles, notes } = readGltf( await file.arrayBuffer() );
+			if ( signal.aborted ) return;
+			mesh = meshes;
+			choices.surface.offer( [ ...CHOICES.surface, [ 'mesh', file.name ] ], 'mesh' );
+			fill( opened, el( 'p', { class: 'muted' }, [ `${ triangles.toLocaleString( 'en' ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes ].join( '; ' ) ) );
+			change( 'surface', 'mesh' );
+
+		} catch ( error ) {
+
+			fill( opened, notice( `${ file.name }: ${ error.message }` ) );
+
+		}
+
+	}
+
+	for ( const kind of [ 'dragover', 'drop' ] ) canvas.parentElement.addEventListener( kind, ( event ) => {
+
+		event.preventDefault();
+		if ( kind === 'drop' ) open( event.dataTransfer.files[ 0 ] );
+
+	} );
+
+	/** Shows the scene anew. */
+	function begin() {
+
+		samples = 0;
+		isSeen = false;
+		later();
 
 	}
 
 	function change( name, value ) {
 
 		scene[ name ] = value;
-		if ( ! [ 'show', 'split', 'exposure', 'metal' ].includes( name ) ) samples = 0;
-		( name === 'split' ? split : sliders.get( name ) )?.tell();
 		history.replaceState( null, '', `#/viewer?${ link( scene ) }` );
-		later();
+		tell();
+		if ( name === 'table' || name === 'against' ) choose();
+		else if ( SHOWN.includes( name ) ) later();
+		else begin();
+
+	}
+
+	function tell() {
+
+		for ( const control of [ split, ...sliders ] ) control.tell( scene );
+		lights.tell();
+		// A mesh has its own materials.
+		ofSurface.hidden = scene.surface === 'mesh';
 
 	}
 
@@ -109,25 +176,95 @@ export async function show( root, rest, parameters, signal ) {
 	function frame() {
 
 		isWaiting = false;
-		if ( signal.aborted ) return;
+		outlineLights();
+		if ( signal.aborted || ! sides || drawn.isLost() ) return;
 		const start = performance.now();
-		const numbers = uniforms();
-		const isCompared = scene.show !== 'model';
-		if ( isCompared && samples < MOST ) {
+		let calls = 0;
+		try {
 
-			drawn.sample( numbers, samples, PER_FRAME );
-			samples += PER_FRAME;
+			calls = draw();
+
+		} catch ( error ) {
+
+			return fill( figures, notice( error.message ) );
 
 		}
 
-		drawn.draw( numbers, samples );
-		const seenAt = light( scene ).corners.map( ( corner ) => seen( camera( scene ), corner ) );
-		outline.setAttribute( 'points', seenAt.every( Boolean ) ? seenAt.map( ( { x, y } ) => `${ x },${ - y }` ).join( ' ' ) : '' );
+		const isReference = ! sides[ 1 ] && scene.show !== 'model';
+		canvas.dataset.samples = sides[ 1 ] ? MOST : samples;
+		fill( figures, facts( [ [ 'Samples', isReference ? samples : '–' ], [ 'Frame', `${ ( performance.now() - start ).toFixed( 1 ) } ms` ], [ 'Draw calls', calls ], scene.show === 'difference' && [ 'Red is', `${ DIFFERENCE } of radiance` ] ] ) );
+		if ( isReference && samples < MOST ) later();
+
+	}
+
+	/** Draws what changed since the last frame, and tells by how many calls. */
+	function draw() {
+
+		const { eye, right, up, forward, half } = camera( scene );
+		const { uniforms, shapes } = uniformsOf( scene.lights );
+		const numbers = { ...uniforms, eye, size: SIZE };
+		const [ left, other ] = sides;
+		let calls = 1;
+		if ( ! isSeen ) {
+
+			const colour = ( f0 ) => left.brdf === 'ggx' ? f0 : METALS.white;
+			const ofMaterial = ( { alpha_x, alpha_y, rotation, f0 } ) => ( { f0: colour( f0 ), material: [ alpha_x, alpha_y, Math.cos( rotation ), Math.sin( rotation ) ] } );
+			const view = { ...numbers, right, up, forward };
+			if ( scene.surface === 'mesh' ) drawn.seeMeshes( view, mesh.map( ( { numbers, material } ) => ( { numbers, ofMaterial: ofMaterial( material ) } ) ) );
+			else drawn.see( { ...view, ...ofMaterial( { ...scene, f0: METALS[ scene.metal ] } ), pixel_width: 2 * half / SIZE, surface: CHOICES.surface.indexOf( scene.surface ) } );
+			drawn.light( 'left', left, numbers, shapes );
+			if ( other ) drawn.light( 'right', other, numbers, shapes );
+			calls += ( scene.surface === 'mesh' ? mesh.length : 1 ) + ( other ? 2 : 1 );
+			isSeen = true;
+
+		}
+
+		if ( ! other && scene.show !== 'model' && samples < MOST ) {
+
+			drawn.sample( left.brdf, numbers, shapes, samples, PER_FRAME );
+			samples += PER_FRAME;
+			calls ++;
+
+		}
+
+		drawn.display( { size: SIZE, exposure: scene.exposure, split: scene.split, show: CHOICES.show.indexOf( scene.show ), difference_scale: DIFFERENCE }, other ? null : samples );
+		return calls;
+
+	}
+
+	/** The lights' outlines over the picture, which are dragged. */
+	function outlineLights() {
+
+		const from = camera( scene );
+		while ( outlines.length > scene.lights.length ) outlines.pop().remove();
+		while ( outlines.length < scene.lights.length ) outlines.push( dragged( outlines.length ) );
+		outlines.forEach( ( polygon, i ) => {
+
+			const seenAt = outline( scene.lights[ i ], from.eye ).map( ( corner ) => seen( from, corner ) );
+			polygon.setAttribute( 'points', seenAt.every( Boolean ) ? seenAt.map( ( { x, y } ) => `${ x },${ - y }` ).join( ' ' ) : '' );
+			polygon.classList.toggle( 'other', i !== lights.chosen() );
+
+		} );
 		const at = scene.show === 'split' ? 2 * scene.split - 1 : 2;
 		for ( const [ name, value ] of Object.entries( { x1: at, x2: at, y1: - 1, y2: 1 } ) ) border.setAttribute( name, value );
-		canvas.dataset.samples = samples;
-		fill( figures, facts( [ [ 'Samples', isCompared ? samples : '–' ], [ 'Frame', `${ ( performance.now() - start ).toFixed( 1 ) } ms` ], [ 'Draw calls', isCompared && samples < MOST ? 2 : 1 ], scene.show === 'difference' && [ 'Red is', `${ DIFFERENCE } of radiance` ] ] ) );
-		if ( isCompared && samples < MOST ) later();
+
+	}
+
+	function dragged( i ) {
+
+		const polygon = overlay.appendChild( document.createElementNS( SVG, 'polygon' ) );
+		drag( polygon, ( x, y, isNear ) => {
+
+			const light = scene.lights[ i ];
+			const from = camera( scene );
+			const distance = seen( from, placed( light ).centre )?.distance || 0;
+			const way = isNear ? from.forward.map( ( part ) => 2 * y * part ) : moved( from, distance, x, y );
+			lights.choose( i );
+			[ 'x', 'y', 'z' ].forEach( ( name, axis ) => light[ name ] = Number( ( light[ name ] + way[ axis ] ).toFixed( 3 ) ) );
+			change( 'lights', scene.lights );
+
+		} );
+		return polygon;
 
 	}
 
@@ -137,52 +274,13 @@ export async function show( root, rest, parameters, signal ) {
 		change( 'camera_elevation', Math.min( 1.5, Math.max( - 1.5, scene.camera_elevation - 2 * y ) ) );
 
 	} );
-	drag( outline, ( x, y ) => {
-
-		const { centre } = light( scene );
-		const from = camera( scene );
-		const way = moved( from, seen( from, centre )?.distance || 0, x, y );
-		[ 'light_x', 'light_y', 'light_z' ].forEach( ( name, i ) => change( name, Number( ( centre[ i ] + way[ i ] ).toFixed( 3 ) ) ) );
-
-	} );
-	later();
+	tell();
+	choose();
 	return () => {};
 
 }
 
-/** Why a table is not shown: the reference beside it is of GGX, and the text reads one LTC an entry. */
-function unfit( { brdf, lobe, fresnel } ) {
-
-	if ( brdf !== 'ggx' ) return `The reference here is of GGX, and this table is of ${ brdf }; its page has a picture beside its own.`;
-	if ( lobe ) return `This table is of lobe ${ lobe }, and the shader here reads LTCs.`;
-	return typeof fresnel === 'string' ? 'This table has two lobes an entry, and the shader here reads one.' : '';
-
-}
+/** What is shown of both sides, by its names in a link. */
+const SIDES = [ [ 'split', 'both' ], [ 'model', 'left' ], [ 'reference', 'right' ], [ 'difference', 'difference' ] ];
 
 const wrapped = ( angle ) => angle - 2 * Math.PI * Math.round( angle / ( 2 * Math.PI ) );
-
-/** Tells how far a pointer is dragged over an element, in halves of the picture, y upwards. */
-function drag( element, onMove ) {
-
-	element.addEventListener( 'pointerdown', ( event ) => {
-
-		event.stopPropagation();
-		event.preventDefault();
-		element.setPointerCapture( event.pointerId );
-		const half = ( element.ownerSVGElement || element ).getBoundingClientRect().width / 2;
-		let [ x, y ] = [ event.clientX, event.clientY ];
-		const move = ( to ) => {
-
-			onMove( ( to.clientX - x ) / half, ( y - to.clientY ) / half );
-			[ x, y ] = [ to.clientX, to.clientY ];
-
-		};
-
-		const end = () => element.removeEventListener( 'pointermove', move );
-		element.addEventListener( 'pointermove', move );
-		element.addEventListener( 'pointerup', end, { once: true } );
-		element.addEventListener( 'pointercancel', end, { once: true } );
-
-	} );
-
-}

@@ -31,11 +31,11 @@ pub trait Queue: Send + Sync + Debug {
     fn adopt(&self, done: Job) -> Result<Job, StoreError>;
 
     /// Cancels a job, durably when this returns, and voids its leases. A job in a final state stays as it is. Returns
-    /// the job as it is afterwards.
+    /// the job as it is afterwards. `by` is who cancels it.
     ///
     /// # Errors
     /// When it cannot be stored; then nothing has changed.
-    fn cancel(&self, id: JobId) -> Result<Option<Job>, StoreError>;
+    fn cancel(&self, id: JobId, by: Option<&str>) -> Result<Option<Job>, StoreError>;
 
     /// Leases up to `most` waiting tasks, each of the job that has the fewest leased, and of such jobs the one that was
     /// served longest ago: jobs share the workers evenly, and a new one is served next. Of the tasks during which

@@ -13,6 +13,8 @@ pub struct NewJob {
     pub recipe_digest: Digest,
     /// Entries of each shard. Equal recipes have equal shards.
     pub shard_entries: Vec<u32>,
+    /// Who submits it: the name of a token; `None` where none is needed.
+    pub by: Option<String>,
 }
 
 impl NewJob {

@@ -245,6 +245,8 @@ pub struct Expected {
     pub seconds: f64,
     /// Mean error between nodes, as a part of the lobe's width.
     pub error: f64,
+    /// Bytes of the table's matrices and terms.
+    pub bytes: u64,
 }
 
 /// A job at one moment. `sequence` grows with each change.

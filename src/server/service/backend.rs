@@ -224,7 +224,7 @@ impl Backend for FitBackend {
         let plan = Plan::new(&parsed);
         let shard_entries = (0..plan.shards()).map(|n| u32::try_from(entries(&plan, n)).unwrap_or(u32::MAX)).collect();
         let text = recipe_document::canonical_json(&parsed);
-        Ok(NewJob { recipe_digest: Digest::of(text.as_bytes()), recipe: text, shard_entries })
+        Ok(NewJob { recipe_digest: Digest::of(text.as_bytes()), recipe: text, shard_entries, by: None })
     }
 
     fn load(&self, recipe: StoredRecipe<'_>) -> Result<Arc<dyn PlannedFit>, PlanError> {

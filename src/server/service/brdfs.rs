@@ -19,8 +19,9 @@ pub struct StoredBrdf {
     pub digest: Digest,
     /// Its size.
     pub bytes: usize,
-    /// Nodes of alpha, `theta_o`, `theta_i` and phi.
-    pub shape: [usize; 4],
+    /// Nodes of alpha, `theta_o`, `theta_i` and phi; of an anisotropic one those of ratio after alpha, and of `phi_o` after
+    /// `theta_o`.
+    pub shape: Vec<usize>,
     /// The most that it reflects of even light.
     pub albedo: f64,
     /// How far it is from reciprocity.
@@ -70,7 +71,7 @@ fn stored(bytes: &[u8], file: &TabulatedFile) -> StoredBrdf {
     StoredBrdf {
         digest: Digest::from_bytes(*file.digest()),
         bytes: bytes.len(),
-        shape: data.map(|data| data.axes().lengths()).unwrap_or_default(),
+        shape: data.map(|data| data.axes().shape()).unwrap_or_default(),
         albedo: albedos.iter().copied().fold(0.0, f64::max),
         asymmetry: data.and_then(|data| data.asymmetry()),
     }

@@ -253,7 +253,7 @@ mod tests {
         age(&other.1);
         let recipe =
             format!(r#"{{"brdf": "tabulated", "tabulated": "{}", "resolution": {{"alpha": 2, "theta": 3}}}}"#, named.0);
-        service.submit(recipe.as_bytes()).unwrap();
+        service.submit(recipe.as_bytes(), None).unwrap();
         let stored_at = |file| fs::metadata(file).unwrap().modified().unwrap();
         assert!(stored_at(&named.1) > stored_at(&other.1), "it is put again once the job is known");
         age(&named.1);

@@ -27,7 +27,7 @@ impl Forecast {
     pub(super) fn of(&self, recipe: StoredRecipe<'_>) -> Option<Expected> {
         let (solver, model) = self.backend.expect(recipe)?;
         let seconds = model.seconds * self.speed(solver)?.ratio();
-        Some(Expected { seconds: seconds / self.workers.get() as f64, error: model.error })
+        Some(Expected { seconds: seconds / self.workers.get() as f64, error: model.error, bytes: model.bytes })
     }
 
     /// Takes a measurement into account: a worker fitted `part` of a recipe's entries in `seconds`.

@@ -192,7 +192,7 @@ mod tests {
         let queue = EmbeddedQueue::open(Arc::new(MemoryRows::default()), limits, Clock::system()).unwrap();
         for (name, shards) in jobs {
             let recipe_digest = Digest::of(name.as_bytes());
-            let new = NewJob { recipe: (*name).to_owned(), recipe_digest, shard_entries: vec![1; *shards] };
+            let new = NewJob { recipe: (*name).to_owned(), recipe_digest, shard_entries: vec![1; *shards], by: None };
             queue.submit(new, &|_| false).unwrap();
         }
         queue

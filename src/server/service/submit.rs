@@ -22,12 +22,13 @@ impl Service {
     ///
     /// # Errors
     /// See [`SubmitError`].
-    pub fn submit(&self, document: &[u8]) -> Result<SubmitReply, SubmitError> {
+    pub fn submit(&self, document: &[u8], by: Option<&str>) -> Result<SubmitReply, SubmitError> {
         if self.state.is_stopping() {
             return Err(SubmitError::Stopping);
         }
         let _naming = self.state.naming.read().unwrap_or_else(PoisonError::into_inner);
         let new = self.state.backend.plan(document, self.state.config.entry_limit)?;
+        let new = NewJob { by: by.map(str::to_owned), ..new };
         let file = self.state.old_file(&new.recipe)?;
         let submission = self.state.submit(new);
         self.state.scheduler.wake();
@@ -91,8 +92,8 @@ impl Service {
     ///
     /// # Errors
     /// When the store fails.
-    pub fn cancel(&self, id: JobId) -> Result<Option<JobSnapshot>, ServiceError> {
-        let job = self.state.queue.cancel(id)?;
+    pub fn cancel(&self, id: JobId, by: Option<&str>) -> Result<Option<JobSnapshot>, ServiceError> {
+        let job = self.state.queue.cancel(id, by)?;
         self.state.publish_changes();
         Ok(job.map(|job| self.state.hub.snapshot(job)))
     }
@@ -163,6 +164,8 @@ impl ServiceState {
             created_at: stored_at,
             started_at: None,
             finished_at: Some(stored_at),
+            submitted_by: None,
+            cancelled_by: None,
         }
     }
 

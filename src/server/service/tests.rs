@@ -58,7 +58,7 @@ fn end_of(service: &Service, id: JobId) -> JobState {
 }
 
 fn submit(service: &Service, recipe: &str) -> (JobId, bool) {
-    match service.submit(recipe.as_bytes()).unwrap() {
+    match service.submit(recipe.as_bytes(), None).unwrap() {
         SubmitReply::InFlight { job, joined } => (job.id, joined),
         SubmitReply::Ready { .. } => panic!("{recipe} is not to be ready yet"),
     }
@@ -78,11 +78,11 @@ fn a_recipe_becomes_a_table_once() {
     let shared = Arc::new(Shared::default());
     let service = start(dir.path(), &shared);
     assert_eq!(service.fault(), None);
-    assert!(matches!(service.submit(b"nonsense"), Err(SubmitError::Recipe(_))));
+    assert!(matches!(service.submit(b"nonsense", None), Err(SubmitError::Recipe(_))));
     let table = fitted(&service, "gold 5");
     assert_eq!(service.table(table).unwrap().unwrap().as_slice(), b"TABLE gold 5 0 1 2 3 4");
     assert!(service.table(Digest::of(b"unknown")).unwrap().is_none());
-    match service.submit(b"gold 5").unwrap() {
+    match service.submit(b"gold 5", None).unwrap() {
         SubmitReply::Ready { job, table: again } => {
             assert_eq!((again, job.entries_done, job.entries_total), (table, 20, 20));
             assert!(job.started_at.is_some() && job.finished_at.is_some());
@@ -108,7 +108,7 @@ fn equal_recipes_share_a_job_and_the_queue_has_a_limit() {
     assert!(!joined);
     assert_eq!(submit(&service, "gold 3"), (id, true));
     submit(&service, "silver 1");
-    assert!(matches!(service.submit(b"copper 1"), Err(SubmitError::QueueFull { limit: 2, .. })));
+    assert!(matches!(service.submit(b"copper 1", None), Err(SubmitError::QueueFull { limit: 2, .. })));
     shared.wait_for_begun(2);
     let running = service.job(id).unwrap().unwrap().job;
     assert_eq!(running.state, JobState::Running);
@@ -137,7 +137,7 @@ fn a_cancelled_job_stops_and_can_be_submitted_again() {
     let (id, _) = submit(&service, "gold 8");
     shared.wait_for_begun(2);
     let mut receiver = service.watch(id).unwrap().unwrap();
-    assert_eq!(service.cancel(id).unwrap().unwrap().job.state, JobState::Cancelled);
+    assert_eq!(service.cancel(id, None).unwrap().unwrap().job.state, JobState::Cancelled);
     let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
     let notified = runtime.block_on(receiver.wait_for(|snapshot| snapshot.job.state == JobState::Cancelled));
     assert!(notified.is_ok(), "its followers are notified");
@@ -146,7 +146,7 @@ fn a_cancelled_job_stops_and_can_be_submitted_again() {
     fitted(&service, "silver 1");
     assert_eq!(shared.begun(), 3, "no other shard of the cancelled job was begun");
     fitted(&service, "gold 8");
-    assert!(service.cancel(id).unwrap().unwrap().job.finished_at.is_some(), "a finished job stays");
+    assert!(service.cancel(id, None).unwrap().unwrap().job.finished_at.is_some(), "a finished job stays");
     assert!(matches!(service.job(id).unwrap().unwrap().job.state, JobState::Done { .. }));
 }
 
@@ -189,7 +189,7 @@ fn stopping_gives_back_and_the_next_start_goes_on_where_it_was() {
     }
     shared.set(|b| b.held = false);
     stopper.join().unwrap();
-    assert!(matches!(service.submit(b"copper 1"), Err(SubmitError::Stopping)));
+    assert!(matches!(service.submit(b"copper 1", None), Err(SubmitError::Stopping)));
     let job = service.job(id).unwrap().unwrap().job;
     assert_eq!((job.state, job.entries_done), (JobState::Running, 0));
     assert_eq!(service.metrics().unwrap().shard_failures, 0, "giving back is no failure");
@@ -262,7 +262,7 @@ fn a_small_job_leased_behind_a_long_shard_is_done() {
     let behaviour = || shared.behaviour.lock().unwrap();
     let begun = behaviour().order.iter().filter(|begun| *begun == "long 4").count();
     assert_eq!((begun, behaviour().gave_up), (1, 0), "{:?}", behaviour().order);
-    assert_eq!(service.cancel(long).unwrap().unwrap().job.state, JobState::Cancelled);
+    assert_eq!(service.cancel(long, None).unwrap().unwrap().job.state, JobState::Cancelled);
     fitted(&service, "other 3");
     shared.set(|b| b.endless = None);
     fitted(&service, "long 4");
@@ -314,7 +314,7 @@ fn a_job_that_would_take_too_long_is_refused_with_the_prediction() {
     let config = |job_seconds| Config { job_seconds, ..config(dir.path()) };
     let service = Service::open_with(config(3), Store::open(dir.path()).unwrap(), backend()).unwrap();
     // Two workers share the eight seconds that the backend expects.
-    let refused = service.submit(b"gold 2").unwrap_err();
+    let refused = service.submit(b"gold 2", None).unwrap_err();
     assert!(matches!(refused, SubmitError::TooExpensive { predicted: 4.0, limit: 3 }), "{refused}");
     assert!(refused.to_string().contains("4 s") && refused.to_string().contains("--job-seconds"), "{refused}");
     drop(service);

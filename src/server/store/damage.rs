@@ -13,7 +13,7 @@ pub struct Damage {
     pub damaged_rows: usize,
     /// Damaged lines of the journal.
     pub damaged_journal_entries: usize,
-    /// The journal is missing, empty or cut short.
+    /// The journal is missing, empty, cut short or something else.
     pub journal_is_incomplete: bool,
     /// Ids of jobs that damaged lines name and that no later line has.
     pub lost_jobs: Vec<String>,
@@ -42,7 +42,8 @@ impl Damage {
             ));
         }
         if self.journal_is_incomplete {
-            messages.push("the journal of jobs is missing, empty or cut short: jobs are lost".to_owned());
+            messages
+                .push("the journal of jobs is missing, empty, cut short or something else: jobs are lost".to_owned());
         }
         if !self.lost_jobs.is_empty() {
             messages.push(format!("jobs whose last change is lost: {}", listed(&self.lost_jobs)));

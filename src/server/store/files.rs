@@ -94,6 +94,14 @@ pub(super) fn read_part(path: &Path, from: u64, length: usize) -> io::Result<Vec
     Ok(bytes)
 }
 
+/// Refuses what stands in the place of a file and is none, or leads to none: opening a FIFO may wait for ever.
+pub(super) fn refuse_irregular(path: &Path) -> io::Result<()> {
+    match fs::metadata(path) {
+        Ok(found) if !found.is_file() => Err(io::Error::other(format!("{} is not a regular file", path.display()))),
+        _ => Ok(()),
+    }
+}
+
 /// The length of a regular file.
 pub(super) fn regular_length(path: &Path) -> io::Result<u64> {
     regular_metadata(path).map(|metadata| metadata.len())

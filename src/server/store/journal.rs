@@ -137,20 +137,22 @@ struct Contents {
     damaged: usize,
     /// Keys in damaged lines that no later line has.
     lost: BTreeSet<Vec<u8>>,
-    /// Whether there are fewer lines than there were at first.
+    /// Whether there are fewer lines than there were at first, or none that can be read.
     is_cut_short: bool,
 }
 
 /// Reads the journal at `path`; a missing one has no jobs.
 fn read(path: &Path) -> Result<Contents, StoreError> {
-    let bytes = match fs::read(path) {
+    let bytes = match files::refuse_irregular(path).and_then(|()| fs::read(path)) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
         read => read.map_err(|source| StoreError::of_io(path, source))?,
     };
     let mut contents = Contents::default();
-    let (mut lines, mut lines_at_first) = (0, 0);
+    let (mut lines, mut lines_at_first, mut is_journal) = (0, 0, bytes.is_empty());
     for line in bytes.split(|byte| *byte == b'\n').filter(|line| !line.is_empty()) {
-        match read_line(line) {
+        let line_read = read_line(line);
+        is_journal |= line_read.is_some();
+        match line_read {
             Some(Line::Head(count)) => lines_at_first = count,
             Some(Line::Changes(changes)) => {
                 lines += 1;
@@ -166,7 +168,7 @@ fn read(path: &Path) -> Result<Contents, StoreError> {
             }
         }
     }
-    contents.is_cut_short = lines < lines_at_first;
+    contents.is_cut_short = lines < lines_at_first || !is_journal;
     Ok(contents)
 }
 

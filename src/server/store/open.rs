@@ -131,6 +131,7 @@ impl Store {
 }
 
 pub(super) fn lock(path: &Path) -> Result<File, StoreOpenError> {
+    files::refuse_irregular(path).map_err(StoreOpenError::Unusable)?;
     let file = File::options().create(true).truncate(false).write(true).open(path).map_err(StoreOpenError::Unusable)?;
     match file.try_lock() {
         Ok(()) => Ok(file),
@@ -142,7 +143,12 @@ pub(super) fn lock(path: &Path) -> Result<File, StoreOpenError> {
 /// Opens the database of `folder`. One that does not open or cannot be read is copied to `quarantine` and replaced by
 /// an empty one.
 fn open_database(folder: &Path, quarantine: &Path, damage: &mut Damage) -> Result<SledRows, StoreOpenError> {
-    let open = || SledRows::open(folder, Arc::new(File::sync_all));
+    let open = || {
+        // What sled reads of its folder.
+        let regular = ["db", "conf"].into_iter().try_for_each(|name| files::refuse_irregular(&folder.join(name)));
+        regular.map_err(|error| SledOpenError::Damaged(error.to_string()))?;
+        SledRows::open(folder, Arc::new(File::sync_all))
+    };
     files::make_folder(folder)?;
     let reason = match open() {
         Err(SledOpenError::Damaged(reason)) => reason,

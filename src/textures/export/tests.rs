@@ -176,6 +176,9 @@ fn our_shader_finds_every_number_of_a_table_of_every_layout() {
     for &layout in Layout::ALL {
         let sides = match layout.only_ranges() {
             Some(_) => r#"{"alpha":3,"theta":2}"#,
+            None if layout.is_of_materials() => {
+                r#"{"theta":2,"phi":3},"materials":[{"alpha":0.5,"ratio":0.1},{"alpha":0.2},{"alpha":0.7}]"#
+            }
             None => r#"{"alpha":3,"ratio":2,"theta":2,"phi":3}"#,
         };
         let fit = r#""fit":{"samples":64,"directions":4,"steps":5}"#;
@@ -183,7 +186,7 @@ fn our_shader_finds_every_number_of_a_table_of_every_layout() {
         let bundle = Export::Engine(Engine::Wgpu).bundle(&table, About::default()).expect("textures");
         let [a, b, terms] =
             ["ltc_matrix_a", "ltc_matrix_b", "ltc_terms"].map(|name| texels(&bundle, &format!("{name}.ktx2")));
-        let counts = table.axes.lengths();
+        let counts = table.lengths();
         assert_eq!(a.0, [counts.phi, counts.ratio * counts.theta, counts.alpha], "{layout}");
         assert!(a.0 == b.0 && a.0 == terms.0, "{layout}");
         // As the shader does: texel (p, r * theta_nodes + t, a).
@@ -199,6 +202,8 @@ fn our_shader_finds_every_number_of_a_table_of_every_layout() {
                     let [a, b, terms] = [&a, &b, &terms].map(|texture| at(texture, [phi, row, alpha]));
                     assert_eq!([&a[..], &b[..], &terms[..1]].concat(), table.matrix[entry], "{layout}, {entry}");
                     assert_eq!(terms[1..3], [own.amplitude()[entry], own.fresnel()[entry]], "{layout}, {entry}");
+                    let pair = table.materials().nth(alpha).map_or(0.0, |pair| pair[row] as f32);
+                    assert_eq!(terms[3], pair, "{layout}, {entry}");
                     entry += 1;
                 }
             }
@@ -236,14 +241,18 @@ fn a_refusal_names_a_recipe_or_an_export_only_if_it_is_taken() {
     }) {
         let file = if brdf == BrdfKind::Tabulated { &file } else { "" };
         for has_terms in [true, false] {
+            let list = if layout.is_of_materials() { r#""materials":[{"alpha":0.5},{"alpha":1}],"# } else { "" };
             let document = format!(
-                r#"{{"brdf":"{brdf}",{file}"layout":"{layout}","lobe":"{lobe}","terms":{has_terms},"resolution":{{"alpha":2,"theta":2}}}}"#
+                r#"{{"brdf":"{brdf}",{file}{list}"layout":"{layout}","lobe":"{lobe}","terms":{has_terms},"resolution":{{"alpha":2,"theta":2}}}}"#
             );
             let recipe = match recipe_document::parse_stored(document.as_bytes()) {
                 Ok(recipe) => recipe,
                 Err(error) => {
                     let lacks_terms = !has_terms && lobe.gaussian().is_some();
-                    assert!(!layout.takes(brdf) || !layout.stores(lobe) || lacks_terms, "{document}: {error:?}");
+                    assert!(
+                        !layout.takes(&brdf.into()) || !layout.stores(lobe) || lacks_terms,
+                        "{document}: {error:?}"
+                    );
                     continue;
                 }
             };

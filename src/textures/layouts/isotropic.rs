@@ -141,7 +141,7 @@ impl TextureRules for EngineTextures {
     }
 
     fn textures(&self, table: &Table) -> Result<Vec<Texture>, NoTextures> {
-        let counts = table.axes.lengths();
+        let counts = table.lengths();
         let (width, height) = (counts.alpha, counts.theta);
         let along = |i: usize, n: usize| i as f64 / (n.max(2) - 1) as f64;
         let number = |number: Number, x: usize, y: usize| {

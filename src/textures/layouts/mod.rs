@@ -55,6 +55,10 @@ named_list! {
         InverseIn3d = "inverse-3d" => volumes::INVERSE,
         /// The same of layout `matrix33`, which has no other textures.
         Matrix33In3d = "matrix33-3d" => volumes::MATRIX33,
+        /// Three 3D textures of layout `materials`, one slice for each material.
+        Materials = "materials" => volumes::MATERIALS,
+        /// The same as one 2D array.
+        MaterialsArray = "materials-array" => volumes::MATERIALS_ARRAY,
     }
 }
 
@@ -79,6 +83,7 @@ impl TextureLayout {
     pub fn of_shader(layout: Layout) -> Self {
         match layout {
             Layout::Reflected => Self::Reflected,
+            Layout::Materials => Self::Materials,
             Layout::Kt2022 => Self::Kt2022,
             Layout::Ltc2017 => Self::Ltc2017In3d,
             Layout::Ltc2016 => Self::Ltc2016In3d,

@@ -40,7 +40,7 @@ impl TextureRules for Kt2022Volume {
         let whole = PerAxis { alpha: one, ratio: one, theta: quarter, phi: quarter };
         let nodes = PerAxis { alpha: NODES, ratio: NODES, theta: NODES, phi: NODES };
         let is_whole = table.axes == Layout::Kt2022.nodes(&whole, &nodes);
-        let counts = table.axes.lengths().named().map(|(_, n)| n.to_string()).join(" x ");
+        let counts = table.lengths().named().map(|(_, n)| n.to_string()).join(" x ");
         (!is_whole).then(|| format!("8 x 8 x 8 x 8 nodes over the whole domain; the table has {counts} over its own"))
     }
 
@@ -50,7 +50,7 @@ impl TextureRules for Kt2022Volume {
     }
 
     fn textures(&self, table: &Table) -> Result<Vec<Texture>, NoTextures> {
-        let counts = table.axes.lengths();
+        let counts = table.lengths();
         let slice = counts.theta * counts.phi;
         let slices = counts.alpha * counts.ratio;
         let texel = |row: usize, entry: usize| {

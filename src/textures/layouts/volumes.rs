@@ -53,6 +53,12 @@ pub(super) const REFLECTED: ShaderTextures = ShaderTextures {
 };
 pub(super) const KT2022: ShaderTextures =
     ShaderTextures { table: Layout::Kt2022, recipe: r#"{"layout": "kt2022"}"#, ..REFLECTED };
+pub(super) const MATERIALS: ShaderTextures = ShaderTextures {
+    table: Layout::Materials,
+    recipe: r#"{"layout": "materials", "materials": [{"alpha": 0.3, "ratio": 0.5}]}"#,
+    ..REFLECTED
+};
+pub(super) const MATERIALS_ARRAY: ShaderTextures = ShaderTextures { is_array: true, ..MATERIALS };
 pub(super) const LTC2017: ShaderTextures = of(&isotropic::LTC2017);
 pub(super) const LTC2016: ShaderTextures = of(&isotropic::LTC2016);
 pub(super) const GODOT: ShaderTextures = of(&isotropic::GODOT);
@@ -101,7 +107,7 @@ impl TextureRules for ShaderTextures {
     }
 
     fn textures(&self, table: &Table) -> Result<Vec<Texture>, NoTextures> {
-        let counts = table.axes.lengths();
+        let counts = table.lengths();
         let (width, height) = (counts.phi, counts.ratio.saturating_mul(counts.theta));
         let lobes: Vec<&[[f32; 9]]> = [Some(table.matrices()), table.second_matrices()].into_iter().flatten().collect();
         let layers = lobes.len() * counts.alpha;
@@ -125,7 +131,7 @@ fn texels(table: &Table, lobe: &[[f32; 9]], part: usize) -> Vec<f32> {
         1 => [m[4], m[5], m[6], m[7]],
         _ => {
             let [amplitude, fresnel] = terms(i);
-            [m[8], amplitude, fresnel, 0.0]
+            [m[8], amplitude, fresnel, table.beside_terms(i)]
         }
     };
     lobe.iter().enumerate().flat_map(texel).collect()

@@ -90,11 +90,11 @@ fn sources() -> Vec<(LitBy, String)> {
     let rules = NormalsRule::SHADED.map(|rule| lit_by(LightModel::Normals, None).by_rule(Some(rule)).expect("a rule"));
     let models =
         rules.into_iter().chain([lit_by(LightModel::Asg, None), lit_by(LightModel::Asg, Some(Layout::Kt2022))]);
-    let cut = Additions { cut: true, compensate: true };
+    let cut = Additions { cut: true, compensate: true, textured: None };
     let cut = LitBy::from(Layout::Reflected).with(cut).expect("a table of LTCs");
     let compensated = [(LightModel::Normals, None), (LightModel::Sg, None), (LightModel::Sg, Some(Layout::Kt2022))];
     let compensated = compensated.map(|(model, layout)| {
-        lit_by(model, layout).with(Additions { cut: false, compensate: true }).expect("a model")
+        lit_by(model, layout).with(Additions { cut: false, compensate: true, textured: None }).expect("a model")
     });
     let layouts = Layout::ALL.iter().map(|layout| (*layout).into()).chain([cut]).chain(compensated);
     let mut sources = Vec::new();

@@ -7,7 +7,7 @@ use super::*;
 /// An addition is there where it is chosen and explained there, and the rest of the code is as it was.
 #[test]
 fn a_text_that_cuts_lights_at_the_surface_has_all_the_others_too() {
-    let cut = Additions { cut: true, compensate: false };
+    let cut = Additions { cut: true, compensate: false, textured: None };
     let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
     for (language, lights) in Language::ALL
         .iter()
@@ -59,7 +59,7 @@ fn a_text_that_compensates_has_a_factor_more() {
     for language in Language::ALL.iter().copied().filter(|language| language.has_includes()) {
         for (model, layout, function) in models {
             let text = |compensate| {
-                let additions = Additions { cut: false, compensate };
+                let additions = Additions { cut: false, compensate, textured: None };
                 let lit_by = lit_by(model, layout).with(additions).expect("a model");
                 include(language, lit_by, Reading::default(), Lights::All, &Namespace::default()).expect("a text")
             };
@@ -68,6 +68,61 @@ fn a_text_that_compensates_has_a_factor_more() {
             assert!(with.contains("// ENERGY") && with.contains(&format!("//   {function}(")), "{function}");
             assert!(!without.contains("compensation") && !without.contains("_albedo("), "{function}");
             println!("{} {model}: {} bytes more", language.name(), with.len() - without.len());
+        }
+    }
+}
+
+/// Pictures on lights are read in every language, by names and bindings beside those of a table; the rest of the text is as it
+/// was.
+#[test]
+fn a_text_with_pictures_binds_and_reads_them() {
+    let readings = [
+        (LightModel::Normals, None, Reading::default(), [0, 1]),
+        (LightModel::Ltc, Some(Layout::Reflected), Reading::default(), [5, 6]),
+        (LightModel::Ltc, Some(Layout::Ltc2017), Reading { bound: Bound::Array, ..Reading::default() }, [3, 4]),
+    ];
+    for language in Language::ALL.iter().copied().filter(|language| language.has_includes()) {
+        for (model, layout, reading, [picture, sampler]) in readings {
+            let text = |textured| {
+                let additions = Additions { textured, ..Additions::default() };
+                let lit_by = lit_by(model, layout).with(additions).expect("a model");
+                include(language, lit_by, reading, Lights::Polygons, &Namespace::default()).expect("a text")
+            };
+            let name = language.name();
+            let (with, without) = (text(Some(Readings::Six)), text(None));
+            let own = if model == LightModel::Ltc { "ltc" } else { "normals" };
+            let function = format!("{own}_textured_rectangle(");
+            assert!(code(&with).contains(&function) && !without.contains("textured"), "{name}: {function}");
+            assert!(with.contains("// PICTURES ON LIGHTS") && with.contains(&format!("//   {function}")), "{name}");
+            let explained =
+                with.lines().skip_while(|line| *line != "// PICTURES ON LIGHTS").take_while(|line| *line != "//");
+            let lengths: Vec<usize> = explained.map(str::len).collect();
+            assert!(lengths.len() == 8 && lengths.iter().all(|length| *length <= 130), "{name}: {lengths:?}");
+            let lines: BTreeSet<&str> = with.lines().collect();
+            let missing = code(&without).lines().filter(|line| !lines.contains(line)).count();
+            // Functions of MSL take what they read as arguments.
+            assert!(missing == 0 || language == Language::Msl, "{name}: {missing}");
+            let bound = match language {
+                Language::Wgsl => [
+                    format!("@group(0) @binding({picture}) var {own}_pictures: texture_2d_array<f32>;"),
+                    format!("@group(0) @binding({sampler}) var {own}_picture_sampler: sampler;"),
+                ],
+                Language::Glsl => [
+                    format!("layout(binding = {picture}) uniform sampler2DArray {own}_pictures;"),
+                    "textureLod(".to_owned(),
+                ],
+                Language::Glsl330 | Language::GlslEs => {
+                    [format!("sampler2DArray {own}_pictures;"), "textureLod(".to_owned()]
+                }
+                Language::Hlsl => [
+                    format!("Texture2DArray<float4> {own}_pictures : register(t{picture});"),
+                    format!("SamplerState {own}_picture_sampler : register(s{sampler});"),
+                ],
+                Language::Msl => [format!("{own}_pictures"), format!("{own}_picture_sampler")],
+                Language::Spirv => unreachable!("it has no text"),
+            };
+            assert!(bound.iter().all(|line| with.contains(line.as_str())), "{name}: {bound:?}\n{with}");
+            println!("{name} {model}: {} bytes more", with.len() - without.len());
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Errors of a table over theta and alpha, at one ratio and phi.
 
+use serde_json::json;
+
 use super::{ErrorSlice, chart::Chart};
 use crate::picture::{Panel, Picture, bar, colour, grid, headed, number};
 use ltcforge_fit::{ErrorMap, GoOn, Table, error_map, error_map_while};
@@ -17,6 +19,26 @@ pub(super) fn draw(table: &Table, name: &str, slice: ErrorSlice) -> Picture {
 /// The same; `None` as soon as `go_on` says no.
 pub(super) fn draw_while(go_on: &GoOn, table: &Table, name: &str, slice: ErrorSlice) -> Option<Picture> {
     Some(shown(&error_map_while(go_on, table, slice.ratio, slice.phi, CELLS)?, table, name))
+}
+
+/// The errors of a table at one ratio and phi as JSON: `alpha` and `theta` of 40 rows and columns, `width` and `light` row by row
+/// from the smoothest surface. `None` as soon as `go_on`, which is asked before each configuration, says no.
+#[must_use]
+pub fn error_numbers_while(go_on: &GoOn, table: &Table, slice: ErrorSlice) -> Option<String> {
+    let map = error_map_while(go_on, table, slice.ratio, slice.phi, CELLS)?;
+    let middles = |[low, high]: [f64; 2]| {
+        (0..map.cells).map(|i| low + (high - low) * (i as f64 + 0.5) / map.cells as f64).collect::<Vec<_>>()
+    };
+    // Eight digits are more than a measurement has.
+    let rows = |errors: &[f64]| -> Vec<Vec<f32>> {
+        errors.chunks(map.cells).map(|row| row.iter().map(|error| *error as f32).collect()).collect()
+    };
+    let alpha: Vec<f64> = middles(map.roughness).iter().map(|root| root * root).collect();
+    let numbers = json!({
+        "ratio": map.ratio, "phi": map.phi, "alpha": alpha, "theta": middles(map.theta),
+        "width": rows(&map.width), "light": rows(&map.light),
+    });
+    Some(numbers.to_string())
 }
 
 fn shown(map: &ErrorMap, table: &Table, name: &str) -> Picture {

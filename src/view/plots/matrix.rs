@@ -29,7 +29,7 @@ const OF_ONE_LOBE: usize = 4;
 
 /// Every panel, each over its own range of numbers.
 pub(super) fn draw(table: &Table, name: &str) -> Picture {
-    let tiling = Tiling::new(table.axes.lengths());
+    let tiling = Tiling::new(table.lengths());
     let width = tiling.width().max(SIDE) as u32;
     let columns = if table.second_matrices().is_some() { NAMES[0].len() } else { OF_ONE_LOBE };
     let places = (0..).zip(NAMES).flat_map(|(row, names)| {

@@ -18,6 +18,7 @@ mod slice;
 #[cfg(test)]
 mod tests;
 
+pub use error::error_numbers_while;
 pub use gaussians::gaussian_plots;
 pub use glass::{FrostedGlass, GlassError, frosted_glass};
 pub use isotropic::IsotropicFigure;

@@ -45,12 +45,12 @@ impl ErrorSlice {
     }
 }
 
-impl Plot {
-    /// The error plot that the parameters `ratio` and `phi` describe, each optional.
+impl ErrorSlice {
+    /// The slice that the parameters `ratio` and `phi` describe, each optional.
     ///
     /// # Errors
     /// Every parameter that is unknown, repeated, malformed or out of bounds.
-    pub fn error_from<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> Result<Self, Vec<ParameterFault>> {
+    pub fn from_pairs<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> Result<Self, Vec<ParameterFault>> {
         let (mut ratio, mut phi) = (None, None);
         let faults = read_pairs(pairs, |name, text| {
             match name {
@@ -60,7 +60,17 @@ impl Plot {
             }
             Ok(())
         });
-        if faults.is_empty() { Ok(Self::Error(ErrorSlice::new(ratio, phi))) } else { Err(faults) }
+        if faults.is_empty() { Ok(Self::new(ratio, phi)) } else { Err(faults) }
+    }
+}
+
+impl Plot {
+    /// The error plot of [`ErrorSlice::from_pairs`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn error_from<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> Result<Self, Vec<ParameterFault>> {
+        ErrorSlice::from_pairs(pairs).map(Self::Error)
     }
 
     /// The matrix plot, which takes no parameters.

@@ -68,7 +68,7 @@ impl ShaderTable {
             let m = &lobe[index];
             let terms = table.terms.as_ref();
             let (amplitude, fresnel) = terms.map_or((1.0, 0.0), |t| (t.amplitude[index], t.fresnel[index]));
-            [[m[0], m[1], m[2], m[3]], [m[4], m[5], m[6], m[7]], [m[8], amplitude, fresnel, 0.0]]
+            [[m[0], m[1], m[2], m[3]], [m[4], m[5], m[6], m[7]], [m[8], amplitude, fresnel, table.beside_terms(index)]]
                 .map(|texel| texel.map(rounded))
         };
         let lobes: Vec<(&[[f32; 9]], usize)> = [Some(table.matrices()), table.second_matrices()]

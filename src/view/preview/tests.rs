@@ -12,6 +12,7 @@ mod ported;
 mod prefilter;
 mod printed;
 mod shapes;
+mod textured;
 mod truth;
 mod twins;
 mod without_textures;

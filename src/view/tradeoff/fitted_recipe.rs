@@ -105,7 +105,7 @@ fn is_base(base: &Recipe, row: &FittedRecipe) -> bool {
 }
 
 fn row(base: &Recipe, recipe: &Recipe, measured: &Measurement, threads: usize) -> FittedRecipe {
-    let Expectation { seconds, error } = expectation(recipe);
+    let Expectation { seconds, error, .. } = expectation(recipe);
     let effort = |of: &ltcforge_fit::FitSettings| (of.samples, of.directions, of.steps);
     let has_effort = |preset: &Preset| effort(&preset.fit()) == effort(&recipe.fit);
     let number_bytes = match recipe.precision {

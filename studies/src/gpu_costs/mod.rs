@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 use ltcforge::{
     fit::Layout,
-    light::{LightModel, NormalsRule, engines::EngineWay},
+    light::{LightModel, NormalsRule, engines::EngineWay, textured::Readings},
     shaders::{Additions, Lights, LitBy, Reading, functions},
 };
 use ltcforge_driver::{Driver, DriverError, Figures, Resource};
@@ -21,10 +21,12 @@ use naga::{
 const SURFACE: &str = include_str!("surface.wgsl");
 const ISOTROPIC: &str = include_str!("ltc_isotropic.wgsl");
 
-/// A text, and the program that calls it.
-struct Program {
-    name: String,
-    wgsl: String,
+/// A text, and the function `lit` that calls it for one rectangle.
+pub(crate) struct Program {
+    pub(crate) name: String,
+    pub(crate) wgsl: String,
+    /// The layout of the table that it reads, and whether that has two lobes an entry.
+    pub(crate) table: Option<(Layout, bool)>,
 }
 
 /// Why a text was not measured.
@@ -62,7 +64,7 @@ pub fn told() -> Result<String, CostError> {
     Ok(out)
 }
 
-fn programs() -> Vec<Program> {
+pub(crate) fn programs() -> Vec<Program> {
     let tables = [LightModel::Ltc, LightModel::Sg, LightModel::Asg];
     let by_table = tables.iter().flat_map(|model| Layout::ALL.iter().map(|layout| LitBy::new(*model, Some(*layout))));
     let by_formula = [LightModel::Sg, LightModel::Asg].map(|model| LitBy::new(model, None));
@@ -72,7 +74,7 @@ fn programs() -> Vec<Program> {
     let two =
         [Layout::Reflected, Layout::Ltc2017].into_iter().flat_map(|layout| TWO_LOBES.map(|way| of_two(layout, way)));
     let ways = EngineWay::ALL.iter().map(|way| of_way(*way));
-    texts.chain(two).chain(by_choice()).chain(compensated()).chain(ways).collect()
+    texts.chain(two).chain(by_choice()).chain(compensated()).chain(textured()).chain(ways).collect()
 }
 
 /// Tables' texts by what may be chosen of them: cut at the surface, the horizon by the cheap fit, both.
@@ -81,7 +83,7 @@ fn by_choice() -> impl Iterator<Item = Program> {
     let choices = [(true, false), (false, true), (true, true)];
     layouts.into_iter().flat_map(move |layout| choices.map(|choice| (layout, choice))).filter_map(
         |(layout, (cut, is_cheap))| {
-            let text = of_text(LitBy::from(layout).with(Additions { cut, compensate: false }).ok()?);
+            let text = of_text(LitBy::from(layout).with(Additions { cut, compensate: false, textured: None }).ok()?);
             Some(if is_cheap { with_cheap_horizon(text) } else { text })
         },
     )
@@ -90,15 +92,27 @@ fn by_choice() -> impl Iterator<Item = Program> {
 /// Texts with the factor for metals.
 fn compensated() -> impl Iterator<Item = Program> {
     let models = [(LightModel::Ltc, Some(Layout::Reflected)), (LightModel::Normals, None), (LightModel::Asg, None)];
-    let additions = Additions { cut: false, compensate: true };
+    let additions = Additions { cut: false, compensate: true, textured: None };
     models
         .into_iter()
         .filter_map(move |(model, layout)| Some(of_text(LitBy::new(model, layout).ok()?.with(additions).ok()?)))
 }
 
-fn with_cheap_horizon(Program { name, wgsl }: Program) -> Program {
+/// Texts with pictures on lights.
+fn textured() -> impl Iterator<Item = Program> {
+    let normals = NormalsRule::SHADED
+        .into_iter()
+        .filter_map(|rule| LitBy::new(LightModel::Normals, None).ok()?.by_rule(Some(rule)).ok());
+    let first = normals.clone().take(1).flat_map(|lit_by| Readings::ALL.iter().map(move |number| (lit_by, *number)));
+    let others = normals.skip(1).chain([LitBy::from(Layout::Reflected)]).map(|lit_by| (lit_by, Readings::Four));
+    first.chain(others).filter_map(|(lit_by, number)| {
+        Some(of_text(lit_by.with(Additions { textured: Some(number), ..Additions::default() }).ok()?))
+    })
+}
+
+fn with_cheap_horizon(Program { name, wgsl, table }: Program) -> Program {
     let [exact, cheap] = [false, true].map(|is_cheap| format!("const LTC_CHEAP_HORIZON: bool = {is_cheap};"));
-    Program { name: format!("{name}, cheap horizon"), wgsl: wgsl.replacen(&exact, &cheap, 1) }
+    Program { name: format!("{name}, cheap horizon"), wgsl: wgsl.replacen(&exact, &cheap, 1), table }
 }
 
 fn of_text(lit_by: LitBy) -> Program {
@@ -122,6 +136,7 @@ fn of_text(lit_by: LitBy) -> Program {
             )
         }
     };
+    let calls = if lit_by.additions().textured.is_some() { textured_calls(lit_by.model()).to_owned() } else { calls };
     let factor = match lit_by.model() {
         LightModel::Ltc => "ltc_compensation(lobe, vec3(0.9, 0.8, 0.7))",
         LightModel::Normals => "normals_compensation(view, vec3(0.9, 0.8, 0.7))",
@@ -134,7 +149,23 @@ fn of_text(lit_by: LitBy) -> Program {
     };
     let text = functions(lit_by, Reading::default(), Lights::Polygons);
     let lit = format!("fn lit(alpha: vec2<f32>, seen: Seen) -> vec4<f32> {{\n    {calls}\n}}\n");
-    program(lit_by.name(), &[&text, &lit])
+    program(lit_by.name(), &[&text, &lit], lit_by.layout().map(|layout| (layout, false)))
+}
+
+/// One rectangle with a picture; the layer is one that no compiler knows.
+fn textured_calls(model: LightModel) -> &'static str {
+    match model {
+        LightModel::Ltc => {
+            "let lobe = ltc_lookup(alpha.x, alpha.y, seen.wo);
+    let textured = ltc_textured_rectangle(ltc_inverse(lobe.m), seen.corners, false, u32(alpha.x * 8.0), 8.0);
+    return vec4(textured.colour * textured.covered * lobe.amplitude, lobe.fresnel);"
+        }
+        _ => {
+            "let view = normals_view(alpha.x, alpha.y, seen.wo);
+    let textured = normals_textured_rectangle(view, seen.corners, false, u32(alpha.x * 8.0), 8.0);
+    return vec4(textured.colour * textured.parts.x, textured.parts.y);"
+        }
+    }
 }
 
 /// The ways to use two lobes, and the code that returns what is reflected. Alpha stands for an F0 that no compiler knows.
@@ -159,7 +190,7 @@ fn of_two(layout: Layout, (way, calls): (&str, &str)) -> Program {
         "fn lit(alpha: vec2<f32>, seen: Seen) -> vec4<f32> {{
     let lobes = ltc_lookup_both(alpha.x, alpha.y, seen.wo);\n    {calls}\n}}\n"
     );
-    program(format!("{}, {way}", lit_by.name()), &[&text, &lit])
+    program(format!("{}, {way}", lit_by.name()), &[&text, &lit], Some((layout, true)))
 }
 
 fn of_way(way: EngineWay) -> Program {
@@ -169,10 +200,15 @@ fn of_way(way: EngineWay) -> Program {
         EngineWay::Anisotropic => &[include_str!("anisotropic.wgsl")],
         EngineWay::RepresentativePoint => &[include_str!("representative_point.wgsl")],
     };
-    program(way.name().to_owned(), texts)
+    program(way.name().to_owned(), texts, None)
 }
 
-fn program(name: String, texts: &[&str]) -> Program {
+fn program(name: String, texts: &[&str], table: Option<(Layout, bool)>) -> Program {
+    Program { name, wgsl: format!("{SURFACE}\n{}", texts.concat()), table }
+}
+
+fn figures(driver: &Driver, Program { name, wgsl, .. }: &Program) -> Result<Figures, CostError> {
+    let refused = |reason: String| CostError::Text { name: name.clone(), reason };
     let main = "
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -180,11 +216,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     reflected[id.x] = lit(surface.alpha, seen_from(surface));
 }
 ";
-    Program { name, wgsl: format!("{SURFACE}\n{}{main}", texts.concat()) }
-}
-
-fn figures(driver: &Driver, Program { name, wgsl }: &Program) -> Result<Figures, CostError> {
-    let refused = |reason: String| CostError::Text { name: name.clone(), reason };
+    let wgsl = &format!("{wgsl}{main}");
     let module = naga::front::wgsl::parse_str(wgsl).map_err(|error| refused(error.emit_to_string(wgsl)))?;
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
     let info = validator.validate(&module).map_err(|error| refused(error.emit_to_string(wgsl)))?;

@@ -1,6 +1,6 @@
 //! The axes of a tabulated BRDF.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::TabulatedFault;
 
@@ -12,47 +12,99 @@ const TOLERANCE: f64 = 1e-6;
 pub struct TabulatedAxes {
     /// Roughness, the alpha of tables, in [0, 1]. Empty for a surface that has no roughness.
     pub alpha: Vec<f64>,
+    /// Smaller over larger roughness, in [0, 1]. Empty for surfaces of one ratio, and where `phi_o` is.
+    pub ratio: Vec<f64>,
     /// Polar angle of the view direction, radians, within [0, pi/2]; two nodes at least.
     pub theta_o: Vec<f64>,
+    /// Azimuth of the view direction from the axis of larger roughness, radians, from 0 to pi/2. Empty for isotropic
+    /// surfaces.
+    pub phi_o: Vec<f64>,
     /// Polar angle of the light direction, radians, from 0 to pi/2.
     pub theta_i: Vec<f64>,
-    /// Difference of the azimuths of light and view, radians, from 0 (both on one side) to pi.
+    /// Azimuth of the light less that of the view, radians, from 0 (both on one side) to pi; where there is `phi_o`, in
+    /// the sense in which that grows, a whole turn from 0 to 2 pi, its nodes alike on both sides of pi.
     pub phi: Vec<f64>,
 }
 
 impl TabulatedAxes {
     /// The axes with their names, in storage order.
     #[must_use]
-    pub fn named(&self) -> [(&'static str, &[f64]); 4] {
-        [("alpha", &self.alpha), ("theta_o", &self.theta_o), ("theta_i", &self.theta_i), ("phi", &self.phi)]
+    pub fn named(&self) -> [(&'static str, &[f64]); 6] {
+        let Self { alpha, ratio, theta_o, phi_o, theta_i, phi } = self;
+        [("alpha", alpha), ("ratio", ratio), ("theta_o", theta_o), ("phi_o", phi_o), ("theta_i", theta_i), ("phi", phi)]
     }
 
-    /// Nodes on each axis; an axis without nodes counts as one.
+    /// Whether surfaces are the same in all azimuths: there are none of the view.
     #[must_use]
-    pub fn lengths(&self) -> [usize; 4] {
-        self.named().map(|(_, nodes)| nodes.len().max(1))
+    pub fn is_isotropic(&self) -> bool {
+        self.phi_o.is_empty()
+    }
+
+    /// How many times the light of all `phi` is that of the axis: isotropic surfaces have two sides alike.
+    pub(super) fn sides(&self) -> f64 {
+        if self.is_isotropic() { 2.0 } else { 1.0 }
+    }
+
+    /// Nodes on each axis of the values, an axis without nodes as one: of alpha, `theta_o`, `theta_i` and phi for
+    /// isotropic surfaces, of all six for others.
+    #[must_use]
+    pub fn shape(&self) -> Vec<usize> {
+        let is_whole = !self.is_isotropic() || !self.ratio.is_empty();
+        let told = |name: &str| is_whole || !matches!(name, "ratio" | "phi_o");
+        self.named().iter().filter(|(name, _)| told(name)).map(|(_, nodes)| nodes.len().max(1)).collect()
     }
 
     /// Notes the faults of each axis, and moves ends that are meant for quarter turns there.
     pub(super) fn check(&mut self, faults: &mut Vec<TabulatedFault>) {
         let whole = |end: f64| Some([0.0, end]);
+        let (views, turn) = if self.is_isotropic() { (0, PI) } else { (2, TAU) };
         check_axis("alpha", &mut self.alpha, [0.0, 1.0], 0, None, faults);
+        check_axis("ratio", &mut self.ratio, [0.0, 1.0], 0, None, faults);
+        if self.is_isotropic() && !self.ratio.is_empty() {
+            let detail =
+                "there is no phi_o: surfaces of other ratios than 1 change with the azimuth of the view".to_owned();
+            faults.push(TabulatedFault { tensor: "ratio", detail });
+        }
         check_axis("theta_o", &mut self.theta_o, [0.0, FRAC_PI_2], 2, None, faults);
+        check_axis("phi_o", &mut self.phi_o, [0.0, FRAC_PI_2], views, whole(FRAC_PI_2), faults);
         check_axis("theta_i", &mut self.theta_i, [0.0, FRAC_PI_2], 2, whole(FRAC_PI_2), faults);
-        check_axis("phi", &mut self.phi, [0.0, PI], 2, whole(PI), faults);
+        check_axis("phi", &mut self.phi, [0.0, turn], 2, whole(turn), faults);
+        // Ends that are missing have been told.
+        if [self.phi.first(), self.phi.last()] == [Some(&0.0), Some(&TAU)] {
+            faults.extend(self.phi_fault());
+        }
+    }
+
+    /// A node of a whole turn of phi that has no mirror image at `2 pi - phi`.
+    fn phi_fault(&self) -> Option<TabulatedFault> {
+        let pairs = self.phi.iter().zip(self.phi.iter().rev());
+        let (at, (node, image)) = pairs.enumerate().find(|(_, (a, b))| (*a + *b - TAU).abs() > 2.0 * TOLERANCE)?;
+        let detail = format!(
+            "node {at} is {node}, and its counterpart from the end {image}; allowed: nodes alike on both sides of pi, phi \
+             and 2 pi - phi"
+        );
+        Some(TabulatedFault { tensor: "phi", detail })
     }
 
     /// The node at an index of the values, for messages.
-    pub(super) fn place(&self, mut index: usize) -> String {
-        let mut named = self.named().map(|(name, nodes)| (name, nodes, 0));
-        for (_, nodes, at) in named.iter_mut().rev() {
-            let length = nodes.len().max(1);
-            *at = index % length;
-            index /= length;
-        }
-        let known = named.iter().filter(|(_, nodes, _)| !nodes.is_empty());
-        known.map(|(name, nodes, at)| format!("{name} {:.4}", nodes[*at])).collect::<Vec<_>>().join(", ")
+    pub(super) fn place(&self, index: usize) -> String {
+        place_among(&self.named(), index)
     }
+
+    /// The node at an index of surface and view, for messages.
+    pub(super) fn place_of_view(&self, index: usize) -> String {
+        place_among(&self.named()[..4], index)
+    }
+}
+
+fn place_among(axes: &[(&str, &[f64])], mut index: usize) -> String {
+    let mut told = Vec::new();
+    for (name, nodes) in axes.iter().rev().filter(|(_, nodes)| !nodes.is_empty()) {
+        told.push(format!("{name} {:.4}", nodes[index % nodes.len()]));
+        index /= nodes.len();
+    }
+    told.reverse();
+    told.join(", ")
 }
 
 fn check_axis(

@@ -8,6 +8,9 @@ pub const MOST_ALBEDO: f64 = 1.001;
 pub const MOST_VALUES: usize = 1 << 22;
 /// The least that it may reflect: a lobe without light has no shape.
 const LEAST_ALBEDO: f64 = 1e-12;
+/// How far two values that are one by the symmetry of azimuths may be apart, as a part of the view's largest: more than
+/// what a computation in f32 leaves, and less than what a table tells of.
+const SAME: f64 = 1e-3;
 
 impl TabulatedBrdf {
     /// The BRDF of these values, row by row of the last axis: per steradian and without the cosine.
@@ -15,22 +18,23 @@ impl TabulatedBrdf {
     /// # Errors
     /// All faults at once: axes that do not ascend, lie outside their ranges or do not span the hemisphere; values that
     /// are too many, too few, negative or no numbers; and, where axes and number of values are right, more than
-    /// [`MOST_ALBEDO`] or nothing at all of even light reflected. Values that are negative or no numbers count as zero
-    /// there.
+    /// [`MOST_ALBEDO`] or nothing at all of even light reflected, or other values where the symmetry of an anisotropic
+    /// surface has the same. Values that are negative or no numbers count as zero for the light, and for no symmetry.
     pub fn new(mut axes: TabulatedAxes, mut values: Vec<f64>) -> Result<Self, Vec<TabulatedFault>> {
         let mut faults = Vec::new();
         axes.check(&mut faults);
         let axes_are_right = faults.is_empty();
-        let lengths = axes.lengths();
+        let lengths = axes.shape();
+        let shape = lengths.iter().map(ToString::to_string).collect::<Vec<_>>().join(" x ");
         let count = lengths.iter().try_fold(1_usize, |product, n| product.checked_mul(*n));
         let mut note = |detail: String| faults.push(TabulatedFault { tensor: "value", detail });
         let fits = count == Some(values.len());
         let is_too_large = count.is_none_or(|count| count > MOST_VALUES);
         if is_too_large {
-            note(format!("{} numbers; allowed: at most {MOST_VALUES}", shape(lengths)));
+            note(format!("{shape} numbers; allowed: at most {MOST_VALUES}"));
         }
         if !fits {
-            note(format!("{} numbers{COUNT}{}", values.len(), shape(lengths)));
+            note(format!("{} numbers{COUNT}{shape}", values.len()));
         }
         let mut refuse = |what: &str, wrong: fn(&f64) -> bool| {
             let mut found = values.iter().enumerate().filter(|(_, x)| wrong(x));
@@ -46,6 +50,7 @@ impl TabulatedBrdf {
         if !axes_are_right || !fits || is_too_large {
             return Err(faults);
         }
+        faults.extend(azimuth_faults(&axes, &values));
         values.iter_mut().filter(|x| is_wrong(x)).for_each(|x| *x = 0.0);
         let grid = Self::of_checked(axes, values);
         faults.extend(grid.energy_faults(any_is_wrong));
@@ -54,12 +59,7 @@ impl TabulatedBrdf {
 
     /// Views for which it reflects too much, or nothing; too much alone if some of its values were wrong.
     fn energy_faults(&self, any_was_wrong: bool) -> Vec<TabulatedFault> {
-        let views = self.axes().theta_o.len();
-        let place = |node: usize| {
-            let theta = format!("theta_o {:.4}", self.axes().theta_o[node % views]);
-            let alpha = self.axes().alpha.get(node / views);
-            alpha.map_or(theta.clone(), |alpha| format!("alpha {alpha:.4}, {theta}"))
-        };
+        let place = |node: usize| self.axes().place_of_view(node);
         let mut faults = Vec::new();
         let mut note = |detail: String| faults.push(TabulatedFault { tensor: "value", detail });
         let albedos = self.albedos();
@@ -81,6 +81,59 @@ impl TabulatedBrdf {
     }
 }
 
-fn shape(lengths: [usize; 4]) -> String {
-    lengths.map(|n| n.to_string()).join(" x ")
+/// Values of anisotropic surfaces that differ where they are one: at both ends of a turn of `phi`, and at `phi` and
+/// `2 pi - phi` for views along an axis of the surface. Domain: axes that are right, and as many values.
+fn azimuth_faults(axes: &TabulatedAxes, values: &[f64]) -> Vec<TabulatedFault> {
+    let (azimuths, phis) = (axes.phi_o.len(), axes.phi.len());
+    if axes.is_isotropic() {
+        return Vec::new();
+    }
+    let (mut turn, mut mirror) = (Apart::default(), Apart::default());
+    let of_view = axes.theta_i.len() * phis;
+    for (view, of_lights) in values.chunks_exact(of_view).enumerate() {
+        let most = of_lights.iter().copied().filter(|x| x.is_finite()).fold(0.0, f64::max);
+        let is_along_an_axis = [0, azimuths - 1].contains(&(view % azimuths));
+        for (i, row) in of_lights.chunks_exact(phis).enumerate() {
+            let first = view * of_view + i * phis;
+            turn.compare([row[phis - 1], row[0]], most, first + phis - 1);
+            for p in (1..phis / 2).filter(|_| is_along_an_axis) {
+                mirror.compare([row[p], row[phis - 1 - p]], most, first + p);
+            }
+        }
+    }
+    let told = [
+        (turn, "differ at phi 0 and 2 pi, which are one azimuth"),
+        (mirror, "differ at phi and 2 pi - phi where phi_o is 0 or pi/2; the surface is its own mirror image there"),
+    ];
+    told.into_iter().filter_map(|(apart, what)| apart.fault(what, axes)).collect()
+}
+
+/// Pairs of values that should be one and are not.
+#[derive(Default)]
+struct Apart {
+    pairs: usize,
+    /// The largest difference, as a part of the view's largest value, and the index of its first value.
+    largest: (f64, usize),
+}
+
+impl Apart {
+    fn compare(&mut self, pair: [f64; 2], most: f64, index: usize) {
+        let apart = (pair[0] - pair[1]).abs() / most;
+        // Values that are wrong are told of by themselves.
+        if pair.iter().all(|x| x.is_finite() && *x >= 0.0) && apart > SAME {
+            self.pairs += 1;
+            if apart > self.largest.0 {
+                self.largest = (apart, index);
+            }
+        }
+    }
+
+    fn fault(self, what: &str, axes: &TabulatedAxes) -> Option<TabulatedFault> {
+        let Self { pairs, largest: (most, index) } = self;
+        let place = axes.place(index);
+        let detail = format!(
+            "{pairs} pairs of numbers {what}; allowed: {SAME} of the view's largest number, and the most is {most:.4}, at {place}"
+        );
+        (pairs > 0).then_some(TabulatedFault { tensor: "value", detail })
+    }
 }

@@ -12,12 +12,20 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
 ];
 
-/// An isotropic BRDF on a grid, linear in each of its axes between the nodes and constant beyond their ends.
+/// A BRDF on a grid, linear in each of its axes between the nodes and constant beyond their ends.
 ///
 /// ```text
-/// f(alpha, theta_o, theta_i, phi)      per steradian, without the cosine; as much at -phi
+/// f(alpha, theta_o, theta_i, phi)      per steradian, without the cosine; isotropic, as much at -phi
 /// E(alpha, theta_o) = 2 int_0^(pi/2) int_0^pi f dphi cos(theta_i) sin(theta_i) dtheta_i
+///
+/// f(alpha, ratio, theta_o, phi_o, theta_i, phi)      anisotropic
+/// E(alpha, ratio, theta_o, phi_o) = int_0^(pi/2) int_0^(2 pi) f dphi cos(theta_i) sin(theta_i) dtheta_i
 /// ```
+///
+/// An anisotropic surface is its own mirror image in the planes of its axes, so that `f` is the same at
+/// `(-phi_o, -phi)` and `(pi - phi_o, -phi)`: views of one quadrant tell all others, and at its ends `f` is as much at
+/// `-phi`. With the difference of azimuths as an axis a lobe stays where it is while the view turns, which a linear
+/// interpolation between azimuths of the view needs.
 ///
 /// The integral over `phi` of a linear interpolation is the trapezoid rule's, that over `theta_i` one of
 /// `(a + b x) sin(2 x)`: both are exact, so samples are drawn from the interpolated function itself.
@@ -31,28 +39,21 @@ pub struct TabulatedBrdf {
     /// For each interval of `theta_i`, of which `x` is the part from its lower end: the integrals of `(1 - x) sin cos`
     /// and of `x sin cos`.
     pub(super) moments: Vec<[f64; 2]>,
-    /// `E` at the nodes of `alpha` and `theta_o`.
+    /// `E` at the nodes of surface and view.
     albedo: Vec<f64>,
 }
 
-/// How far a BRDF is from reciprocity, `f(o, i) = f(i, o)`.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Asymmetry {
-    /// The largest difference of two values that should be equal, as a part of the largest value at the same alpha.
-    pub largest: f64,
-    /// Where: `alpha`, if the file has any.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub alpha: Option<f64>,
-    /// The polar angle of the view there, radians.
-    pub theta_o: f64,
-    /// The polar angle of the light, radians.
-    pub theta_i: f64,
-    /// The difference of their azimuths, radians.
-    pub phi: f64,
+/// A place on the axes of surface and view.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Place {
+    pub(super) alpha: Cell,
+    pub(super) ratio: Cell,
+    pub(super) theta_o: Cell,
+    pub(super) phi_o: Cell,
 }
 
 /// A place between two neighbouring nodes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Cell {
     /// The lower node.
     pub(super) node: usize,
@@ -63,10 +64,15 @@ pub(super) struct Cell {
 }
 
 impl Cell {
+    /// A node.
+    pub(super) fn at(node: usize) -> Self {
+        Self { node, next: node, part: 0.0 }
+    }
+
     /// The place of `x`, moved to the nearer end where it lies beyond.
     pub(super) fn of(nodes: &[f64], x: f64) -> Self {
         if nodes.len() < 2 {
-            return Self { node: 0, next: 0, part: 0.0 };
+            return Self::at(0);
         }
         let next = nodes.partition_point(|node| *node <= x).clamp(1, nodes.len() - 1);
         let [low, high] = [nodes[next - 1], nodes[next]];
@@ -76,6 +82,11 @@ impl Cell {
     /// Both nodes with their weights.
     pub(super) fn ends(self) -> [(usize, f64); 2] {
         [(self.node, 1.0 - self.part), (self.next, self.part)]
+    }
+
+    /// The nodes that have any weight.
+    fn corners(self) -> impl Iterator<Item = (usize, f64)> {
+        self.ends().into_iter().filter(|(_, weight)| *weight > 0.0)
     }
 }
 
@@ -94,7 +105,7 @@ impl TabulatedBrdf {
         }
         let moments: Vec<[f64; 2]> = axes.theta_i.windows(2).map(|ends| moments(ends[0], ends[1])).collect();
         let rings: Vec<f64> = below.chunks_exact(phis).map(|row| row[phis - 1]).collect();
-        let view = |rings: &[f64]| 2.0 * masses(rings, &moments).sum::<f64>();
+        let view = |rings: &[f64]| axes.sides() * masses(rings, &moments).sum::<f64>();
         let albedo = rings.chunks_exact(axes.theta_i.len()).map(view).collect();
         Self { axes, values, below, moments, albedo }
     }
@@ -111,69 +122,48 @@ impl TabulatedBrdf {
         &self.values
     }
 
-    /// The albedo under uniform light, at the nodes of `alpha` and `theta_o`.
+    /// The albedo under uniform light, at the nodes of `alpha`, `ratio`, `theta_o` and `phi_o`.
     #[must_use]
     pub fn albedos(&self) -> &[f64] {
         &self.albedo
     }
 
     /// The same between nodes, which is linear there too.
-    pub(super) fn albedo(&self, alpha: Cell, theta_o: Cell) -> f64 {
-        let views = self.axes.theta_o.len();
-        let corners = alpha.ends().into_iter().flat_map(|a| theta_o.ends().map(|o| (a, o)));
-        corners.map(|((a, of_a), (o, of_o))| of_a * of_o * self.albedo[a * views + o]).sum()
+    pub(super) fn albedo(&self, place: Place) -> f64 {
+        self.views(place).map(|(view, weight)| weight * self.albedo[view]).sum()
     }
 
-    /// The first value of a row along `phi`.
-    pub(super) fn row(&self, alpha: usize, theta_o: usize, theta_i: usize) -> usize {
-        ((alpha * self.axes.theta_o.len() + theta_o) * self.axes.theta_i.len() + theta_i) * self.axes.phi.len()
+    /// The nodes of surface and view around a place, in storage order, with their weights.
+    pub(super) fn views(&self, place: Place) -> impl Iterator<Item = (usize, f64)> {
+        let [ratios, views, azimuths] =
+            [&self.axes.ratio, &self.axes.theta_o, &self.axes.phi_o].map(|nodes| nodes.len().max(1));
+        let Place { alpha, ratio, theta_o, phi_o } = place;
+        alpha.corners().flat_map(move |(a, of_a)| {
+            ratio.corners().flat_map(move |(r, of_r)| {
+                theta_o.corners().flat_map(move |(o, of_o)| {
+                    let node = move |v: usize| ((a * ratios + r) * views + o) * azimuths + v;
+                    phi_o.corners().map(move |(v, of_v)| (node(v), of_a * of_r * of_o * of_v))
+                })
+            })
+        })
+    }
+
+    /// The first value of a row along `phi`, for a node of surface and view.
+    pub(super) fn row(&self, view: usize, theta_i: usize) -> usize {
+        (view * self.axes.theta_i.len() + theta_i) * self.axes.phi.len()
     }
 
     /// `f` at a place.
-    pub(super) fn value(&self, alpha: Cell, theta_o: Cell, theta_i: Cell, phi: Cell) -> f64 {
+    pub(super) fn value(&self, place: Place, theta_i: Cell, phi: Cell) -> f64 {
         let mut sum = 0.0;
-        for (a, of_a) in alpha.ends() {
-            for (o, of_o) in theta_o.ends() {
-                for (i, of_i) in theta_i.ends() {
-                    let row = self.row(a, o, i);
-                    let along = self.values[row + phi.node] * (1.0 - phi.part) + self.values[row + phi.next] * phi.part;
-                    sum += of_a * of_o * of_i * along;
-                }
+        for (view, weight) in self.views(place) {
+            for (i, of_i) in theta_i.ends() {
+                let row = self.row(view, i);
+                let along = self.values[row + phi.node] * (1.0 - phi.part) + self.values[row + phi.next] * phi.part;
+                sum += weight * of_i * along;
             }
         }
         sum
-    }
-
-    /// How far the values at nodes are from those with view and light exchanged, interpolated. Lights beyond the last
-    /// view have none to compare with. `None` where nothing can be compared.
-    #[must_use]
-    pub fn asymmetry(&self) -> Option<Asymmetry> {
-        let axes = &self.axes;
-        let [alphas, _, _, _] = axes.lengths();
-        let [first, last] = [axes.theta_o.first()?, axes.theta_o.last()?].map(|end| *end);
-        let mut found: Option<Asymmetry> = None;
-        for a in 0..alphas {
-            let of_alpha = &self.values[self.row(a, 0, 0)..self.row(a + 1, 0, 0)];
-            let most = of_alpha.iter().copied().fold(0.0, f64::max);
-            let alpha = Cell { node: a, next: a, part: 0.0 };
-            for (o, theta_o) in axes.theta_o.iter().enumerate() {
-                let compared = axes.theta_i.iter().enumerate().filter(|(_, theta_i)| (first..=last).contains(theta_i));
-                for (i, theta_i) in compared {
-                    let swapped = [Cell::of(&axes.theta_o, *theta_i), Cell::of(&axes.theta_i, *theta_o)];
-                    for (p, phi) in axes.phi.iter().enumerate() {
-                        let at = Cell { node: p, next: p, part: 0.0 };
-                        let value = self.values[self.row(a, o, i) + p];
-                        let largest = (value - self.value(alpha, swapped[0], swapped[1], at)).abs() / most;
-                        if found.is_none_or(|found| largest > found.largest) {
-                            let alpha = axes.alpha.get(a).copied();
-                            let (theta_o, theta_i, phi) = (*theta_o, *theta_i, *phi);
-                            found = Some(Asymmetry { largest, alpha, theta_o, theta_i, phi });
-                        }
-                    }
-                }
-            }
-        }
-        found
     }
 }
 

@@ -1,5 +1,6 @@
 //! A BRDF given as numbers: measured, or computed elsewhere.
 
+mod asymmetry;
 mod axes;
 mod check;
 mod fault;
@@ -11,10 +12,11 @@ mod tabulate;
 #[cfg(test)]
 mod tests;
 
+pub use asymmetry::Asymmetry;
 pub use axes::TabulatedAxes;
 pub use check::{MOST_ALBEDO, MOST_VALUES};
 pub use fault::TabulatedFault;
-pub use grid::{Asymmetry, TabulatedBrdf};
+pub use grid::TabulatedBrdf;
 
 use super::scattering::{Brdf, BrdfRules, PredictionFactors};
 
@@ -26,6 +28,7 @@ impl BrdfRules for TabulatedRules {
         panic!("a tabulated model has surfaces with its file alone")
     }
 
+    /// But for files with azimuths of the view: see [`super::BrdfModel::is_isotropic`].
     fn is_isotropic(&self) -> bool {
         true
     }

@@ -1,14 +1,18 @@
 //! A tabulated BRDF at one roughness, sampled by its own inverse.
 
-use std::{f64::consts::PI, sync::Arc};
+use std::{
+    f64::consts::{PI, TAU},
+    sync::Arc,
+};
 
-use glam::DVec3;
+use glam::{DVec2, DVec3, Vec3Swizzles as _};
 
 use super::{
     TabulatedAxes, TabulatedBrdf,
-    grid::{Cell, mass_below, masses},
+    grid::{Cell, Place, mass_below, masses},
 };
 use crate::{
+    axes::LEAST_ALPHA,
     brdf::scattering::{Bends, Brdf, BrdfSample, cos_theta_d},
     math::{SquarePoint, atan2, sin_cos},
 };
@@ -23,12 +27,23 @@ const SHORT_STEP: f64 = 1e-13;
 pub(crate) struct TabulatedSurface {
     data: Arc<TabulatedBrdf>,
     alpha: Cell,
+    ratio: Cell,
+    /// Whether its larger roughness, along which files have their x, is that along y.
+    is_swapped: bool,
 }
 
 impl TabulatedBrdf {
-    /// The surface of this roughness, or of the nearest that the file has.
-    pub(crate) fn surface(self: &Arc<Self>, alpha: f64) -> TabulatedSurface {
-        TabulatedSurface { alpha: Cell::of(&self.axes().alpha, alpha), data: Arc::clone(self) }
+    /// The surface of these roughnesses along x and y, or of the nearest that the file has.
+    pub(crate) fn surface(self: &Arc<Self>, [alpha_x, alpha_y]: [f64; 2]) -> TabulatedSurface {
+        let axes = self.axes();
+        let larger = alpha_x.max(alpha_y);
+        let ratio = alpha_x.min(alpha_y) / larger.max(LEAST_ALPHA);
+        TabulatedSurface {
+            alpha: Cell::of(&axes.alpha, larger),
+            ratio: Cell::of(&axes.ratio, ratio),
+            is_swapped: !axes.is_isotropic() && alpha_y > alpha_x,
+            data: Arc::clone(self),
+        }
     }
 }
 
@@ -37,10 +52,62 @@ fn polar(w: DVec3) -> f64 {
     atan2((w.x * w.x + w.y * w.y).sqrt(), w.z)
 }
 
-impl TabulatedSurface {
-    fn view(&self, wo: DVec3) -> Cell {
-        Cell::of(&self.data.axes().theta_o, polar(wo))
+/// The mirrors that bring a view of an anisotropic surface to the quadrant of the file's views.
+#[derive(Debug, Clone, Copy)]
+struct Mirrored {
+    is_swapped: bool,
+    signs: DVec3,
+}
+
+impl Mirrored {
+    /// A direction as the file has it.
+    fn to_file(self, w: DVec3) -> DVec3 {
+        (if self.is_swapped { w.yxz() } else { w }) * self.signs
     }
+
+    /// A direction of the file as the surface has it.
+    fn to_surface(self, w: DVec3) -> DVec3 {
+        let w = w * self.signs;
+        if self.is_swapped { w.yxz() } else { w }
+    }
+}
+
+impl TabulatedSurface {
+    /// The mirrors of a view, which isotropic surfaces need none of.
+    fn mirrored(&self, wo: DVec3) -> Mirrored {
+        let Self { is_swapped, .. } = *self;
+        if self.data.axes().is_isotropic() {
+            return Mirrored { is_swapped, signs: DVec3::ONE };
+        }
+        let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
+        let wo = if is_swapped { wo.yxz() } else { wo };
+        Mirrored { is_swapped, signs: DVec3::new(sign(wo.x), sign(wo.y), 1.0) }
+    }
+
+    /// The place of a view as the file has it.
+    fn place(&self, wo: DVec3) -> Place {
+        let axes = self.data.axes();
+        // A view from the pole may have a zero that is negative.
+        let azimuth = || atan2(wo.y.abs(), wo.x.abs());
+        let phi_o = if axes.is_isotropic() { Cell::at(0) } else { Cell::of(&axes.phi_o, azimuth()) };
+        Place { alpha: self.alpha, ratio: self.ratio, theta_o: Cell::of(&axes.theta_o, polar(wo)), phi_o }
+    }
+
+    /// The azimuth of a light from that of a view, as the file has both.
+    fn azimuth(&self, wo: DVec3, wi: DVec3) -> f64 {
+        if self.data.axes().is_isotropic() {
+            return atan2((wo.x * wi.y - wo.y * wi.x).abs(), wo.x * wi.x + wo.y * wi.y);
+        }
+        let along = along(wo);
+        let apart = atan2(along.perp_dot(wi.xy()), along.dot(wi.xy()));
+        if apart < 0.0 { apart + TAU } else { apart }
+    }
+}
+
+/// The azimuth of a view as a direction of the plane: x from the pole.
+fn along(wo: DVec3) -> DVec2 {
+    let along = (wo.x * wo.x + wo.y * wo.y).sqrt();
+    if along > 0.0 { DVec2::new(wo.x / along, wo.y / along) } else { DVec2::X }
 }
 
 impl Brdf for TabulatedSurface {
@@ -48,16 +115,18 @@ impl Brdf for TabulatedSurface {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return 0.0;
         }
-        let apart = atan2((wo.x * wi.y - wo.y * wi.x).abs(), wo.x * wi.x + wo.y * wi.y);
+        let mirrored = self.mirrored(wo);
+        let [wo, wi] = [wo, wi].map(|w| mirrored.to_file(w));
         let axes = self.data.axes();
-        let (theta_i, phi) = (Cell::of(&axes.theta_i, polar(wi)), Cell::of(&axes.phi, apart));
-        self.data.value(self.alpha, self.view(wo), theta_i, phi) * wi.z
+        let (theta_i, phi) = (Cell::of(&axes.theta_i, polar(wi)), Cell::of(&axes.phi, self.azimuth(wo, wi)));
+        self.data.value(self.place(wo), theta_i, phi) * wi.z
     }
 
-    /// At every node.
+    /// At every node; those of a whole turn lie alike on either side.
     fn bends(&self, _: DVec3) -> Bends {
         let TabulatedAxes { theta_i, phi, .. } = self.data.axes();
-        Bends { theta_i: theta_i[1..theta_i.len() - 1].to_vec(), phi: phi.clone() }
+        let half = phi.iter().copied().filter(|phi| *phi <= PI);
+        Bends { theta_i: theta_i[1..theta_i.len() - 1].to_vec(), phi: half.collect() }
     }
 
     fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample {
@@ -71,7 +140,7 @@ impl Brdf for TabulatedSurface {
 
     /// `f cos / E`: samples are in proportion to the reflected light.
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let albedo = self.data.albedo(self.alpha, self.view(wo));
+        let albedo = self.data.albedo(self.place(self.mirrored(wo).to_file(wo)));
         if albedo > 0.0 { self.eval_cos(wo, wi) / albedo } else { 0.0 }
     }
 }
@@ -80,22 +149,21 @@ impl Brdf for TabulatedSurface {
 struct Inverse<'a> {
     data: &'a TabulatedBrdf,
     wo: DVec3,
-    /// The rows for the four nodes around roughness and view, with their weights: the first of `theta_i`.
-    corners: [(usize, f64); 4],
+    mirrored: Mirrored,
+    /// The rows for the nodes around surface and view, with their weights: the first of `theta_i`.
+    corners: Vec<(usize, f64)>,
     /// The integral over `phi` at each node of `theta_i`.
     rings: Vec<f64>,
-    /// The light reflected below each node of `theta_i`, on one side.
+    /// The light reflected below each node of `theta_i`, on one side where both are alike.
     below: Vec<f64>,
 }
 
 impl<'a> Inverse<'a> {
     fn new(surface: &'a TabulatedSurface, wo: DVec3) -> Self {
         let data = &*surface.data;
-        let ends = [surface.alpha.ends(), surface.view(wo).ends()];
-        let corners = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(a, o)| {
-            let ((alpha, of_alpha), (theta_o, of_view)) = (ends[0][a], ends[1][o]);
-            (data.row(alpha, theta_o, 0), of_alpha * of_view)
-        });
+        let mirrored = surface.mirrored(wo);
+        let place = surface.place(mirrored.to_file(wo));
+        let corners: Vec<(usize, f64)> = data.views(place).map(|(view, weight)| (data.row(view, 0), weight)).collect();
         let phis = data.axes().phi.len();
         let ring = |i: usize| corners.iter().map(|(row, weight)| weight * data.below[row + (i + 1) * phis - 1]).sum();
         let rings: Vec<f64> = (0..data.axes().theta_i.len()).map(ring).collect();
@@ -105,21 +173,25 @@ impl<'a> Inverse<'a> {
             *sum += mass;
             Some(*sum)
         }));
-        Self { data, wo, corners, rings, below }
+        Self { data, wo, mirrored, corners, rings, below }
     }
 
     fn sample(&self, u: [f64; 2]) -> BrdfSample {
         let total = self.below[self.below.len() - 1];
         let (theta, cell) = self.polar_angle(u[1] * total);
-        // Both sides alike: a full turn of `u` goes from 0 to pi and back.
-        let turn = 2.0 * u[0];
-        let azimuth = if turn < 1.0 { self.azimuth(turn, cell) } else { -self.azimuth(2.0 - turn, cell) };
+        let azimuth = if self.data.axes().is_isotropic() {
+            // Both sides alike: a full turn of `u` goes from 0 to pi and back.
+            let turn = 2.0 * u[0];
+            if turn < 1.0 { self.azimuth(turn, cell) } else { -self.azimuth(2.0 - turn, cell) }
+        } else {
+            self.azimuth(u[0], cell)
+        };
         let ((sin_theta, cos_theta), (sin_phi, cos_phi)) = (sin_cos(theta), sin_cos(azimuth));
-        let along = (self.wo.x * self.wo.x + self.wo.y * self.wo.y).sqrt();
-        let (x, y) = if along > 0.0 { (self.wo.x / along, self.wo.y / along) } else { (1.0, 0.0) };
-        let wi =
+        let DVec2 { x, y } = along(self.mirrored.to_file(self.wo));
+        let of_file =
             DVec3::new(sin_theta * (x * cos_phi - y * sin_phi), sin_theta * (y * cos_phi + x * sin_phi), cos_theta);
-        let weight = if cos_theta > 0.0 { 2.0 * total } else { 0.0 };
+        let wi = self.mirrored.to_surface(of_file);
+        let weight = if cos_theta > 0.0 { self.data.axes().sides() * total } else { 0.0 };
         BrdfSample { wi, weight, cos_theta_d: cos_theta_d(self.wo, wi) }
     }
 
@@ -155,7 +227,7 @@ impl<'a> Inverse<'a> {
         (low + x, Cell { node, next, part: x / width })
     }
 
-    /// The azimuth from the view's, in [0, pi], below which a part of the ring's light is.
+    /// The azimuth from the view's, on the axis of `phi`, below which a part of the ring's light is.
     fn azimuth(&self, part: f64, theta_i: Cell) -> f64 {
         let phi = &self.data.axes().phi;
         let blend = |numbers: &[f64], p: usize| -> f64 {
@@ -174,7 +246,7 @@ impl<'a> Inverse<'a> {
         }
         let (low, width) = (phi[node], phi[node + 1] - phi[node]);
         let ends = [blend(&self.data.values, node), blend(&self.data.values, node + 1)];
-        (low + linear_inverse(ends[0], ends[1], width, wanted - below(node))).min(PI)
+        (low + linear_inverse(ends[0], ends[1], width, wanted - below(node))).min(phi[phi.len() - 1])
     }
 }
 

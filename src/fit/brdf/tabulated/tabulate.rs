@@ -1,6 +1,6 @@
 //! Another scattering model as numbers: a template of the format, and a test of it.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::{TabulatedAxes, TabulatedBrdf, TabulatedFault};
 use crate::{axes::LEAST_ALPHA, brdf::BrdfKind, math::direction};
@@ -20,25 +20,42 @@ impl TabulatedAxes {
         let even = |n: u16| (0..n).map(move |i| f64::from(i) / f64::from(n - 1));
         let theta_i: Vec<f64> = even(thetas).map(|u| FRAC_PI_2 * (1.0 - (1.0 - u) * (1.0 - u))).collect();
         let theta_o = theta_i.iter().copied().filter(|theta| *theta <= LAST_VIEW).collect();
-        Self { alpha, theta_o, theta_i, phi: even(phis).map(|u| PI * u).collect() }
+        Self { alpha, theta_o, theta_i, phi: even(phis).map(|u| PI * u).collect(), ..Self::default() }
+    }
+
+    /// The same for anisotropic surfaces of these ratios: `views` even azimuths of the view, and as many of the light on either
+    /// side as these axes have, `1 - (1 - u)^2` of the way to pi: lobes are narrow in azimuth across from a grazing view.
+    /// Domain: isotropic axes, and two azimuths at least.
+    #[must_use]
+    pub fn with_azimuths(self, ratio: Vec<f64>, views: u16) -> Self {
+        let phi_o = (0..views).map(|i| FRAC_PI_2 * f64::from(i) / f64::from(views - 1)).collect();
+        let closer = |phi: &f64| PI * (1.0 - (1.0 - phi / PI) * (1.0 - phi / PI));
+        let side: Vec<f64> = self.phi.iter().map(closer).collect();
+        let mirrored = side.iter().rev().skip(1).map(|phi| TAU - phi);
+        let phi = side.iter().copied().chain(mirrored).collect();
+        Self { ratio, phi_o, phi, ..self }
     }
 }
 
 impl TabulatedBrdf {
-    /// A model of formulas at these nodes. Domain: as [`BrdfKind::surface`]; of an anisotropic model, its surfaces of
-    /// equal roughnesses. A file without `alpha` has the roughest surface.
+    /// A model of formulas at these nodes. Domain: as [`BrdfKind::surface`]; of an anisotropic model, without `ratio` its
+    /// surfaces of equal roughnesses. A file without `alpha` has the roughest surface.
     ///
     /// # Errors
     /// As [`TabulatedBrdf::new`]: linear interpolation between few nodes reflects more light than a sharp lobe does.
     pub fn tabulate(kind: BrdfKind, axes: TabulatedAxes) -> Result<Self, Vec<TabulatedFault>> {
         const HORIZON: f64 = FRAC_PI_2 - FROM_HORIZON;
-        let alphas = if axes.alpha.is_empty() { vec![1.0] } else { axes.alpha.clone() };
-        let mut values = Vec::with_capacity(axes.lengths().iter().product());
-        for alpha in alphas {
-            let surface = kind.surface([alpha.max(LEAST_ALPHA); 2]);
-            for wo in axes.theta_o.iter().map(|theta| direction(theta.min(HORIZON), 0.0)) {
+        let or = |nodes: &[f64], only: f64| if nodes.is_empty() { vec![only] } else { nodes.to_vec() };
+        let (alphas, ratios, azimuths) = (or(&axes.alpha, 1.0), or(&axes.ratio, 1.0), or(&axes.phi_o, 0.0));
+        let mut values = Vec::with_capacity(axes.shape().iter().product());
+        for (alpha, ratio) in alphas.iter().flat_map(|alpha| ratios.iter().map(move |ratio| (alpha, ratio))) {
+            let surface = kind.surface([*alpha, alpha * ratio].map(|alpha| alpha.max(LEAST_ALPHA)));
+            let views =
+                axes.theta_o.iter().flat_map(|theta| azimuths.iter().map(move |phi| (theta.min(HORIZON), *phi)));
+            for (theta_o, phi_o) in views {
+                let wo = direction(theta_o, phi_o);
                 for theta_i in axes.theta_i.iter().map(|theta| theta.min(HORIZON)) {
-                    for wi in axes.phi.iter().map(|phi| direction(theta_i, *phi)) {
+                    for wi in axes.phi.iter().map(|phi| direction(theta_i, phi_o + phi)) {
                         values.push(surface.eval_cos(wo, wi) / wi.z);
                     }
                 }

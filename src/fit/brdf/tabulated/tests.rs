@@ -3,6 +3,8 @@ use std::{
     sync::Arc,
 };
 
+mod anisotropic;
+
 use super::*;
 use crate::{
     brdf::BrdfKind,
@@ -15,12 +17,18 @@ fn even(n: usize, end: f64) -> Vec<f64> {
 
 fn axes(alpha: &[f64], thetas: usize, phis: usize) -> TabulatedAxes {
     let theta = even(thetas, FRAC_PI_2);
-    TabulatedAxes { alpha: alpha.to_vec(), theta_o: theta.clone(), theta_i: theta, phi: even(phis, PI) }
+    TabulatedAxes {
+        alpha: alpha.to_vec(),
+        theta_o: theta.clone(),
+        theta_i: theta,
+        phi: even(phis, PI),
+        ..TabulatedAxes::default()
+    }
 }
 
 /// A constant for all directions; `1 / pi` is Lambert's reflection.
 fn lambert(axes: TabulatedAxes, value: f64) -> Result<TabulatedBrdf, Vec<TabulatedFault>> {
-    let count = axes.lengths().iter().product();
+    let count = axes.shape().iter().product();
     TabulatedBrdf::new(axes, vec![value; count])
 }
 
@@ -35,10 +43,11 @@ fn a_constant_reflects_pi_times_itself_however_its_nodes_lie() {
         theta_o: vec![0.0, 0.1, 1.5],
         theta_i: vec![0.0, 1e-4, 0.3, 1.57, FRAC_PI_2],
         phi: vec![0.0, 3.0, PI],
+        ..TabulatedAxes::default()
     };
     let brdf = Arc::new(lambert(uneven, 0.25 / PI).expect("a BRDF"));
     assert!(brdf.albedos().iter().all(|albedo| (albedo - 0.25).abs() < 1e-15), "{:?}", brdf.albedos());
-    let (surface, wo) = (brdf.surface(0.5), direction(0.8, 2.0));
+    let (surface, wo) = (brdf.surface([0.5; 2]), direction(0.8, 2.0));
     for u in Lattice::new(256, [0.2, 0.6]).points() {
         let sample = surface.sample(wo, u);
         assert!((sample.weight - 0.25).abs() < 1e-15);
@@ -52,7 +61,7 @@ fn a_constant_reflects_pi_times_itself_however_its_nodes_lie() {
 #[test]
 fn a_sample_has_the_part_of_light_below_that_drew_it() {
     let brdf = TabulatedBrdf::tabulate(BrdfKind::Ggx, TabulatedAxes::spread(vec![0.5], 32, 32)).expect("a BRDF");
-    let surface = Arc::new(brdf).surface(0.5);
+    let surface = Arc::new(brdf).surface([0.5; 2]);
     let wo = direction(0.9, 0.0);
     let n = 400;
     let reflected = |theta_end: f64, phi: [f64; 2]| {
@@ -93,7 +102,7 @@ fn nodes_have_the_models_values_and_roughness_is_interpolated() {
     let exact = [0.2, 0.6].map(|alpha| BrdfKind::OrenNayar.surface([alpha; 2]).eval_cos(wo, wi));
     for (alpha, part) in [(0.01, 0.0), (0.2, 0.0), (0.3, 0.25), (0.6, 1.0), (1.0, 1.0)] {
         let wanted = exact[0] * (1.0 - part) + exact[1] * part;
-        let found = brdf.surface(alpha).eval_cos(wo, wi);
+        let found = brdf.surface([alpha; 2]).eval_cos(wo, wi);
         assert!((found - wanted).abs() < 1e-12, "{alpha}: {found} {wanted}");
     }
 }
@@ -107,6 +116,7 @@ fn every_fault_is_told_at_once() {
         theta_o: vec![0.0, 0.5, 0.5, 1.6],
         theta_i: vec![0.1, 0.5, 1.0, FRAC_PI_2],
         phi: vec![0.0, f64::NAN, PI],
+        ..TabulatedAxes::default()
     };
     (values[5], values[7], values[40]) = (-1.0, f64::NAN, -2.0);
     let told = faults(bad, values.clone());
@@ -162,6 +172,7 @@ fn ends_in_f32_are_quarter_turns() {
         theta_o: vec![0.0, single(FRAC_PI_2)],
         theta_i: vec![0.0, single(FRAC_PI_2)],
         phi: vec![0.0, single(PI)],
+        ..TabulatedAxes::default()
     };
     let brdf = lambert(rounded, 0.3).expect("a BRDF");
     assert_eq!((brdf.axes().theta_i[1], brdf.axes().theta_o[1], brdf.axes().phi[1]), (FRAC_PI_2, FRAC_PI_2, PI));

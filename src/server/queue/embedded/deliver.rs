@@ -155,7 +155,7 @@ mod tests {
 
     fn submit(queue: &EmbeddedQueue, shards: usize) -> JobId {
         let recipe_digest = Digest::of(b"recipe");
-        let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1; shards] };
+        let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1; shards], by: None };
         assert!(matches!(queue.submit(new, &|_| false), Ok(Submitted::Queued(_))));
         JobId::of_recipe(&recipe_digest)
     }
@@ -220,13 +220,13 @@ mod tests {
         let slow = Slow::new();
         let id = submit(&slow.queue, 2);
         let first = task(&slow.queue);
-        slow.meanwhile(move |queue| assert!(queue.cancel(id).unwrap().is_some()));
+        slow.meanwhile(move |queue| assert!(queue.cancel(id, None).unwrap().is_some()));
         assert_eq!(slow.complete(&first), Err(StaleLease));
         assert_eq!((slow.rows.len(Tree::Shards), slow.rows.len(Tree::Results)), (0, 0));
         submit(&slow.queue, 2);
         let again = task(&slow.queue);
         slow.meanwhile(move |queue| {
-            assert!(queue.cancel(id).unwrap().is_some());
+            assert!(queue.cancel(id, None).unwrap().is_some());
             submit(queue, 2);
         });
         assert_eq!(slow.complete(&again), Err(StaleLease), "it is of another submission");

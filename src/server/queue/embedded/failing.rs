@@ -120,7 +120,7 @@ mod tests {
             Limits { jobs: 1, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };
         let queue = EmbeddedQueue::open(Arc::new(MemoryRows::default()), limits, clock).unwrap();
         let recipe_digest = Digest::of(b"recipe");
-        let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1, 1] };
+        let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1, 1], by: None };
         queue.submit(new, &|_| false).unwrap();
         let [first, second] = [lease(&queue).lease, lease(&queue).lease];
         for seconds in [1_700_000_120, 1_700_000_240, 1_700_000_360, 4_000_000_000, -4_000_000_000, 0] {
@@ -139,7 +139,7 @@ mod tests {
         let limits = Limits { jobs: 1, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None };
         let queue = EmbeddedQueue::open(Arc::new(MemoryRows::default()), limits, Clock::system()).unwrap();
         let recipe_digest = Digest::of(b"recipe");
-        let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1] };
+        let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1], by: None };
         queue.submit(new, &|_| false).unwrap();
         let first = lease(&queue).lease;
         queue.fail(&first, "no luck").unwrap();

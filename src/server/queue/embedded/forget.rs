@@ -141,7 +141,7 @@ mod tests {
 
     fn submit(queue: &EmbeddedQueue) -> Job {
         let recipe_digest = Digest::of(b"recipe");
-        let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1; SHARDS] };
+        let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1; SHARDS], by: None };
         match queue.submit(new, &|_| false) {
             Ok(Submitted::Queued(job)) => job,
             other => panic!("{other:?}"),
@@ -231,13 +231,15 @@ mod tests {
         let open = || EmbeddedQueue::open(Arc::clone(&rows) as Arc<dyn Rows>, limits, clock.clone()).unwrap();
         let queue = open();
         let old = submit(&queue).id;
-        queue.cancel(old).unwrap();
+        queue.cancel(old, None).unwrap();
         let mut looks = 0;
         let mut look = |queue: &EmbeddedQueue| {
             looks += 1;
             steady.fetch_add(3600, Ordering::Relaxed);
             let recipe_digest = Digest::of(&[looks]);
-            queue.submit(NewJob { recipe: String::new(), recipe_digest, shard_entries: vec![1] }, &|_| false).unwrap();
+            queue
+                .submit(NewJob { recipe: String::new(), recipe_digest, shard_entries: vec![1], by: None }, &|_| false)
+                .unwrap();
             queue.job(old).unwrap().is_some()
         };
         for jump in [1000 * DAY, -100_000 * DAY] {
@@ -256,7 +258,7 @@ mod tests {
         let rows = Arc::new(MemoryRows::default());
         let queue = open(&rows);
         let job = fitted(&queue);
-        queue.cancel(job.id).unwrap();
+        queue.cancel(job.id, None).unwrap();
         let there = left(&rows);
         assert_eq!(submit(&queue).id, job.id);
         let again = lease(&queue, SHARDS);

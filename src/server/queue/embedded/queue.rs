@@ -23,10 +23,11 @@ impl Queue for EmbeddedQueue {
         self.adopt_job(done)
     }
 
-    fn cancel(&self, id: JobId) -> Result<Option<Job>, StoreError> {
+    fn cancel(&self, id: JobId, by: Option<&str>) -> Result<Option<Job>, StoreError> {
         let mut state = self.lock();
         let Some(active) = state.active_job(id) else { return Ok(state.job(id)) };
-        let record = active.concluded(JobState::Cancelled, self.now());
+        let mut record = active.concluded(JobState::Cancelled, self.now());
+        record.job.cancelled_by = by.map(str::to_owned);
         self.conclude(&mut state, record, Batch::default())?;
         Ok(state.job(id))
     }

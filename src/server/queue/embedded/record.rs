@@ -130,6 +130,8 @@ mod tests {
                 created_at: Timestamp::UNIX_EPOCH,
                 started_at: None,
                 finished_at: Some(Timestamp::MAX),
+                submitted_by: Some("farm".to_owned()),
+                cancelled_by: None,
             };
             let record = JobRecord { submission: 7, shard_entries: vec![2, 1], job };
             assert_eq!(serde_json::from_slice::<JobRecord>(&encode(&record).unwrap()).unwrap(), record);

@@ -98,7 +98,7 @@ mod tests {
 
     fn submit(queue: &EmbeddedQueue) -> JobId {
         let recipe_digest = Digest::of(b"recipe");
-        let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1; 3] };
+        let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1; 3], by: None };
         assert!(matches!(queue.submit(new, &|_| false), Ok(Submitted::Queued(_))));
         JobId::of_recipe(&recipe_digest)
     }
@@ -182,7 +182,7 @@ mod tests {
 
     fn submit_one(queue: &EmbeddedQueue, name: &str) -> JobId {
         let recipe_digest = Digest::of(name.as_bytes());
-        let new = NewJob { recipe: name.to_owned(), recipe_digest, shard_entries: vec![1] };
+        let new = NewJob { recipe: name.to_owned(), recipe_digest, shard_entries: vec![1], by: None };
         queue.submit(new, &|_| false).unwrap();
         JobId::of_recipe(&recipe_digest)
     }

@@ -61,6 +61,8 @@ impl EmbeddedQueue {
             created_at: (self.clock.wall)(),
             started_at: None,
             finished_at: None,
+            submitted_by: new.by,
+            cancelled_by: None,
         };
         JobRecord { submission, shard_entries: new.shard_entries, job }
     }

@@ -36,14 +36,16 @@ pub(super) const COLUMNS: &str = concat!(
             WHERE t.submission = jobs.submission AND t.state = 'leased'), 0))) AS entries_now,
         coalesce(attempts, ",
     highest_attempt!(),
-    ") AS attempts_now, created_at, started_at, finished_at, (SELECT ltcforge.clock()) AS now
+    ") AS attempts_now, created_at, started_at, finished_at, submitted_by, cancelled_by, (SELECT ltcforge.clock()) AS now
     FROM ltcforge.jobs"
 );
 
 const INSERT: &str = "
     INSERT INTO ltcforge.jobs (submission, id, recipe_digest, recipe, fitter, shards, shards_digest, entries_total,
-        state, table_digest, failure, entries_done, attempts, created_at, started_at, finished_at)
-    VALUES (nextval('ltcforge.submissions'), $1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15)
+        state, table_digest, failure, entries_done, attempts, created_at, started_at, finished_at,
+        submitted_by, cancelled_by)
+    VALUES (nextval('ltcforge.submissions'), $1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15,
+        $16, $17)
     ON CONFLICT (recipe_digest) DO NOTHING RETURNING submission";
 
 const END: &str = concat!(
@@ -96,6 +98,8 @@ pub(super) fn job(row: &Row) -> Result<Job, StoreError> {
         created_at: row.get::<_, Timestamp>("created_at"),
         started_at: row.get("started_at"),
         finished_at: row.get("finished_at"),
+        submitted_by: row.get("submitted_by"),
+        cancelled_by: row.get("cancelled_by"),
     })
 }
 
@@ -155,6 +159,8 @@ pub(super) async fn insert(
                 &job.created_at,
                 &job.started_at,
                 &job.finished_at,
+                &job.submitted_by,
+                &job.cancelled_by,
             ],
         )
         .await?;

@@ -176,8 +176,8 @@ impl Queue for PostgresQueue {
         self.adopt_job(&done)
     }
 
-    fn cancel(&self, id: JobId) -> Result<Option<Job>, StoreError> {
-        self.cancel_job(id)
+    fn cancel(&self, id: JobId, by: Option<&str>) -> Result<Option<Job>, StoreError> {
+        self.cancel_job(id, by)
     }
 
     fn lease(&self, demand: Demand, most: NonZeroUsize) -> Offer {

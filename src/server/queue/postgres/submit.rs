@@ -132,6 +132,8 @@ impl PostgresQueue {
             created_at: now.get(1),
             started_at: None,
             finished_at: None,
+            submitted_by: new.by.clone(),
+            cancelled_by: None,
         };
         let mut before = None;
         if let Some((submission, _)) = former {
@@ -170,7 +172,7 @@ impl PostgresQueue {
         Ok(adopted)
     }
 
-    pub(super) fn cancel_job(&self, id: JobId) -> Result<Option<Job>, StoreError> {
+    pub(super) fn cancel_job(&self, id: JobId, by: Option<&str>) -> Result<Option<Job>, StoreError> {
         let cancelled = self.database.run(async |client| {
             let transaction = client.transaction().await?;
             let Some((submission, job)) = lock(&transaction, id).await? else { return Ok(None) };
@@ -178,6 +180,8 @@ impl PostgresQueue {
                 return Ok(None);
             }
             jobs::end(&transaction, submission, id, &JobState::Cancelled).await?;
+            let who = "UPDATE ltcforge.jobs SET cancelled_by = $2 WHERE submission = $1";
+            transaction.execute(who, &[&submission, &by]).await?;
             transaction.commit().await?;
             Ok(Some(submission))
         })?;

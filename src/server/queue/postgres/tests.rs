@@ -48,7 +48,12 @@ fn queues(processes: usize, lease_ttl: Duration) -> Option<Vec<PostgresQueue>> {
 }
 
 fn new(name: &str, shards: usize) -> NewJob {
-    NewJob { recipe: name.to_owned(), recipe_digest: Digest::of(name.as_bytes()), shard_entries: vec![1; shards] }
+    NewJob {
+        recipe: name.to_owned(),
+        recipe_digest: Digest::of(name.as_bytes()),
+        shard_entries: vec![1; shards],
+        by: None,
+    }
 }
 
 fn lease(queue: &PostgresQueue) -> Option<LeasedTask> {
@@ -112,7 +117,7 @@ fn a_worker_that_reports_keeps_its_lease_and_hears_of_a_cancel_elsewhere() {
         thread::sleep(Duration::from_millis(20));
     }
     assert_eq!(other.job(task.job).unwrap().unwrap().entries_done, 1);
-    other.cancel(task.job).unwrap();
+    other.cancel(task.job, None).unwrap();
     eventually(|| worker.progress(&task.lease, 1).err());
     assert!(worker.take_changed().contains(&task.job));
     assert_eq!(worker.complete(&[(task.lease, b"late")]).unwrap(), [Err(StaleLease)]);

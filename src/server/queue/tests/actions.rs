@@ -9,12 +9,24 @@ pub(super) const LEASE_SECONDS: i64 = 10;
 pub(super) const SHARDS: u32 = 3;
 
 pub(super) fn recipe(n: u8) -> NewJob {
-    NewJob { recipe: format!("recipe {n}"), recipe_digest: Digest::of(&[n]), shard_entries: vec![2; SHARDS as usize] }
+    NewJob {
+        recipe: format!("recipe {n}"),
+        recipe_digest: Digest::of(&[n]),
+        shard_entries: vec![2; SHARDS as usize],
+        by: None,
+    }
 }
 
 /// The result of a shard.
 pub(super) fn result(leased: &LeasedTask) -> String {
     format!("{}/{:?}", leased.recipe, leased.kind)
+}
+
+/// Why nothing can be written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Fault {
+    DiskFull,
+    NoDescriptors,
 }
 
 #[derive(Debug, Clone)]
@@ -38,8 +50,10 @@ pub(super) enum Action {
     PowerCut,
     /// The process ends, and the system writes all that reached the database.
     Kill,
-    /// The disk is full for the next action.
-    DiskFull(Box<Action>),
+    /// What is written during the next action meets a fault.
+    Faulty(Fault, Box<Action>),
+    /// Another process of those that share the queue acts from here on.
+    Turn,
 }
 
 pub(super) fn action() -> impl Strategy<Value = Action> {
@@ -59,11 +73,13 @@ pub(super) fn action() -> impl Strategy<Value = Action> {
         25 => step.clone(),
         1 => Just(Action::PowerCut),
         2 => Just(Action::Kill),
+        2 => Just(Action::Turn),
     ];
     prop_oneof![
         27 => plain.clone(),
         // Seldom, because each needs a thread, which waits where others work.
         1 => (index(), step).prop_map(|(index, other)| Action::DeliverWhile(index, Box::new(other))),
-        3 => plain.prop_map(|action| Action::DiskFull(Box::new(action))),
+        3 => plain.clone().prop_map(|action| Action::Faulty(Fault::DiskFull, Box::new(action))),
+        1 => plain.prop_map(|action| Action::Faulty(Fault::NoDescriptors, Box::new(action))),
     ]
 }

@@ -14,7 +14,7 @@ fn keeping(keep_ended: Option<Duration>) -> Limits {
 /// Jobs that were cancelled, failed with one finished shard, and are running.
 fn one_of_each(queue: &dyn Queue) -> [JobId; 3] {
     let cancelled = submit(queue, "cancelled", 2);
-    queue.cancel(cancelled).unwrap();
+    queue.cancel(cancelled, None).unwrap();
     let failed = submit(queue, "failed", 2);
     complete(queue, &task(queue));
     let error = Failure { kind: FailureKind::Attempts, detail: "no luck".to_owned() };

@@ -1,7 +1,9 @@
 //! Tests that every queue has to pass, whatever it is built on.
 
 mod actions;
+mod callers;
 mod forgetting;
+mod histories;
 mod model;
 mod sharing;
 pub(super) mod world;
@@ -28,9 +30,10 @@ macro_rules! every_queue {
 }
 
 every_queue!(
+    callers::a_job_tells_who_submitted_and_who_cancelled_it,
     forgetting::a_start_forgets_too_and_without_a_limit_nothing_is_forgotten,
     forgetting::jobs_that_ended_long_ago_are_forgotten_with_all_their_rows,
-    model::every_history_agrees_with_the_model,
+    histories::every_history_agrees_with_the_model,
     sharing::a_new_job_gets_all_until_it_has_as_many,
     sharing::a_job_without_workers_is_told_from_others,
     sharing::jobs_share_the_workers_evenly_and_a_new_one_is_next,

@@ -12,6 +12,7 @@ use std::{
 
 use jiff::Timestamp;
 
+use super::actions::Fault;
 use crate::{
     queue::postgres::PostgresQueue,
     store::{Database, test_database},
@@ -33,8 +34,10 @@ pub(super) type Arrive = Box<dyn FnOnce() -> Result<Result<(), StaleLease>, Stor
 
 /// A queue of its own, empty at first.
 pub(super) trait World: Sized {
-    /// Random histories that the model is compared with.
-    const HISTORIES: u32;
+    /// Random histories that the model is compared with in every run of the tests.
+    const HISTORIES: u64;
+    /// The part of `LTCFORGE_TEST_HISTORIES` that is for this world.
+    const PART: u64;
     /// Whether leases outlive the process.
     const LEASES_SURVIVE: bool;
 
@@ -56,8 +59,11 @@ pub(super) trait World: Sized {
     /// The process ends without warning, and another one opens its data.
     fn reopen(&mut self, limits: Limits);
 
-    /// While full, nothing can be written, as far as this can be had.
-    fn set_full(&self, full: bool);
+    /// While there is a fault, nothing can be written, as far as this can be had.
+    fn set_fault(&self, fault: Option<Fault>);
+
+    /// The next of the processes that share the queue acts from here on.
+    fn turn(&mut self) {}
 
     /// Number of stored results.
     fn results(&self) -> usize;
@@ -88,7 +94,8 @@ impl EmbeddedWorld {
 }
 
 impl World for EmbeddedWorld {
-    const HISTORIES: u32 = 2000;
+    const HISTORIES: u64 = 2000;
+    const PART: u64 = 1;
     const LEASES_SURVIVE: bool = false;
 
     fn new(limits: Limits) -> Option<Self> {
@@ -134,8 +141,9 @@ impl World for EmbeddedWorld {
         self.queue = Self::open(&self.rows, limits, &self.seconds);
     }
 
-    fn set_full(&self, full: bool) {
-        self.rows.full.store(full, Ordering::Relaxed);
+    fn set_fault(&self, fault: Option<Fault>) {
+        self.rows.full.store(fault == Some(Fault::DiskFull), Ordering::Relaxed);
+        self.rows.without_descriptors.store(fault == Some(Fault::NoDescriptors), Ordering::Relaxed);
     }
 
     fn results(&self) -> usize {
@@ -147,7 +155,7 @@ impl World for EmbeddedWorld {
 #[track_caller]
 pub(super) fn submit(queue: &dyn Queue, name: &str, shards: usize) -> JobId {
     let recipe_digest = Digest::of(name.as_bytes());
-    let new = NewJob { recipe: name.to_owned(), recipe_digest, shard_entries: vec![1; shards] };
+    let new = NewJob { recipe: name.to_owned(), recipe_digest, shard_entries: vec![1; shards], by: None };
     assert!(matches!(queue.submit(new, &|_| false), Ok(Submitted::Queued(_))));
     JobId::of_recipe(&recipe_digest)
 }
@@ -184,7 +192,8 @@ pub(super) fn complete(queue: &dyn Queue, task: &LeasedTask) {
 /// The queue in PostgreSQL, in a database of its own for each thread.
 pub(super) struct PostgresWorld {
     database: Arc<Database>,
-    queue: PostgresQueue,
+    /// Of two processes; the first acts.
+    queues: [PostgresQueue; 2],
 }
 
 impl PostgresWorld {
@@ -199,13 +208,14 @@ thread_local! {
 }
 
 impl World for PostgresWorld {
-    const HISTORIES: u32 = 48;
+    const HISTORIES: u64 = 48;
+    const PART: u64 = 10;
     const LEASES_SURVIVE: bool = true;
 
     fn new(limits: Limits) -> Option<Self> {
         let database = DATABASE.with(|database| database.get_or_init(test_database::database).clone())?;
-        let queue = PostgresQueue::open_eager(Arc::clone(&database), limits);
-        let world = Self { database, queue };
+        let queues = [(); 2].map(|()| PostgresQueue::open_eager(Arc::clone(&database), limits));
+        let world = Self { database, queues };
         world.execute(
             "CREATE TABLE IF NOT EXISTS test_clock (seconds bigint NOT NULL);
             TRUNCATE test_clock, ltcforge.jobs, ltcforge.tasks, ltcforge.blocks, ltcforge.serving, ltcforge.finished_entries, ltcforge.rows;
@@ -217,7 +227,11 @@ impl World for PostgresWorld {
     }
 
     fn queue(&self) -> &dyn Queue {
-        &self.queue
+        &self.queues[0]
+    }
+
+    fn turn(&mut self) {
+        self.queues.swap(0, 1);
     }
 
     fn hand_over(&self, _lease: Lease, _result: String) -> Option<Arrive> {
@@ -234,10 +248,10 @@ impl World for PostgresWorld {
     }
 
     fn reopen(&mut self, limits: Limits) {
-        self.queue = PostgresQueue::open_eager(Arc::clone(&self.database), limits);
+        self.queues[0] = PostgresQueue::open_eager(Arc::clone(&self.database), limits);
     }
 
-    fn set_full(&self, _full: bool) {
+    fn set_fault(&self, _fault: Option<Fault>) {
         // The server's disk is not this process's.
     }
 

@@ -55,7 +55,7 @@ impl Pictures {
     ) -> Result<PictureReply, PictureError> {
         let subject = match subject {
             Subject::Scene(scene) => Subject::Scene(Box::new(scene.canonical())),
-            plot @ Subject::Plot(_) => plot,
+            of_table @ (Subject::Plot(_) | Subject::Errors(_)) => of_table,
         };
         let table = match table {
             Some(table) if !self.tables.contains(table).map_err(ServiceError::from)? => {
@@ -70,7 +70,7 @@ impl Pictures {
         }
         let adapter = match &subject {
             Subject::Scene(_) => self.queue.state().adapter.clone(),
-            Subject::Plot(_) => Some(CPU.into()),
+            Subject::Plot(_) | Subject::Errors(_) => Some(CPU.into()),
         };
         if let Some(adapter) = adapter {
             let tag = tag(&subject, table, Some(&adapter))?;

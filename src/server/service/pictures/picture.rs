@@ -7,7 +7,10 @@ use serde_json::json;
 
 use crate::service::ServiceError;
 use ltcforge_files::digest::Digest;
-use ltcforge_view::{plots::Plot, preview::Scene};
+use ltcforge_view::{
+    plots::{ErrorSlice, Plot},
+    preview::Scene,
+};
 
 /// The adapter that plots name: they are always drawn on the CPU.
 pub(super) const CPU: &str = "cpu";
@@ -32,14 +35,24 @@ pub enum Subject {
     Scene(Box<Scene>),
     /// A table's numbers or errors.
     Plot(Plot),
+    /// The errors of a table, as numbers in JSON.
+    Errors(ErrorSlice),
 }
 
 impl Subject {
+    /// The media type of its file.
+    pub(crate) fn media_type(&self) -> &'static str {
+        match self {
+            Self::Scene(_) | Self::Plot(_) => "image/png",
+            Self::Errors(_) => "application/json",
+        }
+    }
+
     /// Whether a table is part of it.
     pub(crate) fn needs_table(&self) -> bool {
         match self {
             Self::Scene(scene) => scene.needs_table(),
-            Self::Plot(_) => true,
+            Self::Plot(_) | Self::Errors(_) => true,
         }
     }
 
@@ -48,6 +61,7 @@ impl Subject {
         match self {
             Self::Scene(scene) => scene.cost(),
             Self::Plot(plot) => f64::from(plot.configurations()) * CONFIGURATION_COST,
+            Self::Errors(slice) => f64::from(Plot::Error(*slice).configurations()) * CONFIGURATION_COST,
         }
     }
 
@@ -62,7 +76,7 @@ impl Subject {
             Self::Scene(scene) if scene.cost() > limit => {
                 Err(PictureError::TooExpensive { samples: scene.cost(), limit })
             }
-            Self::Scene(_) | Self::Plot(_) => Ok(()),
+            Self::Scene(_) | Self::Plot(_) | Self::Errors(_) => Ok(()),
         }
     }
 }
@@ -70,8 +84,8 @@ impl Subject {
 /// A rendered picture.
 #[derive(Debug, Clone)]
 pub struct PictureFile {
-    /// The PNG file.
-    pub png: Arc<Vec<u8>>,
+    /// The PNG file, or the JSON.
+    pub bytes: Arc<Vec<u8>>,
     /// The renderer: the name of an adapter, or `cpu`.
     pub adapter: Arc<str>,
     /// The digest of subject, table, adapter and program version.

@@ -101,7 +101,7 @@ impl PendingPicture {
 
 impl Weighter<Digest, PictureFile> for PngBytes {
     fn weight(&self, _: &Digest, file: &PictureFile) -> u64 {
-        file.png.len() as u64
+        file.bytes.len() as u64
     }
 }
 

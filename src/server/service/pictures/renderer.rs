@@ -16,7 +16,7 @@ use ltcforge_files::{container, digest::Digest};
 use ltcforge_fit::Table;
 use ltcforge_view::{
     picture::Picture,
-    plots::Plot,
+    plots::{ErrorSlice, Plot, error_numbers_while},
     preview::{Adapter, Mode, Preview, PreviewError, Scene, ShaderTable, TexelFormat},
 };
 
@@ -35,14 +35,18 @@ impl Render for Renderer {
         if let Some(file) = task.queue.cache.get(key) {
             return Ok(file);
         }
-        let (picture, adapter) = match subject {
+        let png = |picture: Picture| picture.png().map_err(|error| PictureError::Failed(error.to_string()));
+        let (bytes, adapter) = match subject {
             _ if task.is_stopped() => return Err(task.queue.stopped()),
-            Subject::Scene(scene) => self.scene(scene, task)?,
-            Subject::Plot(plot) => (self.plot(plot, task)?, CPU.into()),
+            Subject::Scene(scene) => {
+                let (picture, adapter) = self.scene(scene, task)?;
+                (png(picture)?, adapter)
+            }
+            Subject::Plot(plot) => (png(self.plot(plot, task)?)?, CPU.into()),
+            Subject::Errors(slice) => (self.errors(slice, task)?.into_bytes(), CPU.into()),
         };
-        let png = picture.png().map_err(|error| PictureError::Failed(error.to_string()))?;
         let tag = tag(subject, *table, Some(&adapter))?;
-        Ok(PictureFile { png: Arc::new(png), adapter, tag })
+        Ok(PictureFile { bytes: Arc::new(bytes), adapter, tag })
     }
 }
 
@@ -81,12 +85,16 @@ impl Renderer {
     fn plot(&self, plot: &Plot, task: &Task) -> Result<Picture, PictureError> {
         let digest = task.request.table.ok_or(PictureError::NoTable)?;
         let table = self.table(digest)?;
-        if let (Plot::Error(_), false) = (plot, table.model().is_complete()) {
-            let missing = table.model().file().map(ToString::to_string).unwrap_or_default();
-            let message = format!("the tabulated BRDF of the table, {missing}, is not stored");
-            return Err(PictureError::OtherBrdf(message));
+        if matches!(plot, Plot::Error(_)) {
+            check_complete(&table)?;
         }
         plot.draw_while(&|| !task.is_stopped(), &table, &digest.hex()).ok_or_else(|| task.queue.stopped())
+    }
+
+    fn errors(&self, slice: &ErrorSlice, task: &Task) -> Result<String, PictureError> {
+        let table = self.table(task.request.table.ok_or(PictureError::NoTable)?)?;
+        check_complete(&table)?;
+        error_numbers_while(&|| !task.is_stopped(), &table, *slice).ok_or_else(|| task.queue.stopped())
     }
 
     fn shader_table(&mut self, digest: Digest) -> Result<Arc<ShaderTable>, PictureError> {
@@ -116,6 +124,15 @@ impl Renderer {
         let _ = file.find_brdf(&|name| find(tables.store.blobs.as_ref(), name).map_err(FindBrdfError::lines));
         Ok(file.table)
     }
+}
+
+/// Refuses to measure a table whose scattering model is a file that is not stored.
+fn check_complete(table: &Table) -> Result<(), PictureError> {
+    if table.model().is_complete() {
+        return Ok(());
+    }
+    let missing = table.model().file().map(ToString::to_string).unwrap_or_default();
+    Err(PictureError::OtherBrdf(format!("the tabulated BRDF of the table, {missing}, is not stored")))
 }
 
 fn failure(error: PreviewError, queue: &PictureQueue) -> PictureError {

@@ -92,7 +92,7 @@ fn no_picture_is_rendered_twice() {
     for is_known in [false, true] {
         let again = service.picture(Some(table), scene(), |_| is_known).expect("a reply");
         let PictureReply::Ready(again) = again else { panic!("it is in memory: {again:?}") };
-        assert!(Arc::ptr_eq(&again.png, &first.png) && again.tag == first.tag);
+        assert!(Arc::ptr_eq(&again.bytes, &first.bytes) && again.tag == first.tag);
     }
     // The caller has a picture that is not in memory.
     let known = service.picture(Some(table), reference(2048, 1), |_| true).expect("a reply");
@@ -177,7 +177,7 @@ fn next(queue: &PictureQueue) -> Option<u32> {
 
 /// A picture of so many bytes.
 fn picture(bytes: usize) -> PictureFile {
-    PictureFile { png: Arc::new(vec![0; bytes]), adapter: CPU.into(), tag: Digest::of(b"") }
+    PictureFile { bytes: Arc::new(vec![0; bytes]), adapter: CPU.into(), tag: Digest::of(b"") }
 }
 
 #[test]
@@ -249,7 +249,7 @@ fn no_more_than_so_many_bytes_are_kept() {
             queue.finish(&queue.next().expect("a request"), Ok(picture(*bytes)));
         }
         let keys = (64..).map(|size: u32| Digest::of(&size.to_le_bytes())).take(pictures.len());
-        let kept = keys.filter_map(|key| queue.cache.get(&key)).map(|file| file.png.len());
+        let kept = keys.filter_map(|key| queue.cache.get(&key)).map(|file| file.bytes.len());
         kept.collect::<Vec<_>>()
     };
     assert_eq!(kept(1000, &[100, 200, 600]), [100, 200, 600]);

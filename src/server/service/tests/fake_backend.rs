@@ -145,11 +145,11 @@ impl Backend for FakeBackend {
         let refuse = || RecipeError::Json("NAME SHARDS".to_owned());
         let recipe = String::from_utf8(document.to_vec()).map_err(|_| refuse())?;
         let shards = recipe.split_once(' ').and_then(|(_, n)| n.parse().ok()).ok_or_else(refuse)?;
-        Ok(NewJob { recipe_digest: Digest::of(document), recipe, shard_entries: vec![ENTRIES; shards] })
+        Ok(NewJob { recipe_digest: Digest::of(document), recipe, shard_entries: vec![ENTRIES; shards], by: None })
     }
 
     fn expect(&self, _recipe: StoredRecipe<'_>) -> Option<(Solver, Expectation)> {
-        Some((Solver::Bfgs, Expectation { seconds: 8.0, error: 0.25 }))
+        Some((Solver::Bfgs, Expectation { seconds: 8.0, error: 0.25, bytes: 1000 }))
     }
 
     fn load(&self, recipe: StoredRecipe<'_>) -> Result<Arc<dyn PlannedFit>, PlanError> {

@@ -91,7 +91,7 @@ fn a_tabulated_brdf_that_recipes_name_and_that_is_missing_is_told() {
         Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };
     let queue = EmbeddedQueue::open(Arc::clone(&store.rows), limits, Clock::system()).unwrap();
     let recipe_digest = Digest::of(recipes[1].as_bytes());
-    let new = NewJob { recipe: recipes[1].clone(), recipe_digest, shard_entries: vec![1] };
+    let new = NewJob { recipe: recipes[1].clone(), recipe_digest, shard_entries: vec![1], by: None };
     queue.submit(new, &|_| false).unwrap();
     drop(queue);
     assert_eq!(reconciled(&store), Reconciled::default());

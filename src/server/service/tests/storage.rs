@@ -48,7 +48,7 @@ fn a_job_waits_for_room_on_a_full_disk_and_keeps_its_shards() {
     }
     assert!(service.fault().is_some_and(|fault| fault.contains("full")));
     assert_eq!(service.job(id).unwrap().unwrap().job.state, JobState::Running);
-    assert!(matches!(service.submit(b"copper 1"), Err(SubmitError::Store(ServiceError::DiskFull))));
+    assert!(matches!(service.submit(b"copper 1", None), Err(SubmitError::Store(ServiceError::DiskFull))));
     assert!(service.table(first).unwrap().is_some(), "a stored table is served");
     rows.full.store(false, Ordering::Relaxed);
     assert_eq!(service.fault(), None);
@@ -127,7 +127,9 @@ fn a_lost_database_leaves_the_tables() {
     fs::remove_dir_all(dir.path().join("db")).unwrap();
     let service = start(dir.path(), &shared);
     assert_eq!(service.tables(None, 10).unwrap().items.len(), 1);
-    let SubmitReply::Ready { job, table: again } = service.submit(b"gold 2").unwrap() else { panic!("it is there") };
+    let SubmitReply::Ready { job, table: again } = service.submit(b"gold 2", None).unwrap() else {
+        panic!("it is there")
+    };
     assert_eq!(again, table);
     assert_eq!(service.job(job.id).unwrap().unwrap().job, job, "the job can be looked up");
     assert_eq!(shared.begun(), 2);
@@ -391,6 +393,8 @@ fn a_job_that_is_forgotten_leaves_its_table() {
     let service = Service::open_with(config, Store::open(dir.path()).unwrap(), backend).unwrap();
     assert!(service.job(JobId::of_recipe(&Digest::of(b"gold 2"))).unwrap().is_none());
     assert!(service.table(table).unwrap().is_some());
-    let SubmitReply::Ready { table: again, .. } = service.submit(b"gold 2").unwrap() else { panic!("it is there") };
+    let SubmitReply::Ready { table: again, .. } = service.submit(b"gold 2", None).unwrap() else {
+        panic!("it is there")
+    };
     assert_eq!((again, shared.begun()), (table, 2));
 }

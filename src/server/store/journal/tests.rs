@@ -204,6 +204,27 @@ fn a_journal_that_lacks_lines_of_the_last_start_is_told() {
 
 /// Seals, revisions, a tree `job_order` and a head with a revision: the journal of an earlier version.
 #[test]
+fn another_file_in_its_place_is_told_to_lose_jobs_and_kept() {
+    for other in [&b"{}"[..], &[0; 100], b"\nnonsense\n"] {
+        let dir = tempfile::tempdir().unwrap();
+        drop(four(dir.path()));
+        let (journal, damage) = with_bytes(dir.path(), other);
+        assert!(jobs(&journal).is_empty());
+        assert!(damage.journal_is_incomplete && damage.damaged_journal_entries > 0, "{damage:?}");
+        assert_eq!(fs::read(dir.path().join("quarantine/jobs.log-1")).unwrap(), other);
+    }
+}
+
+#[test]
+fn a_fifo_in_its_place_is_refused_and_not_waited_for() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("jobs.log");
+    rustix::fs::mknodat(rustix::fs::CWD, &path, rustix::fs::FileType::Fifo, rustix::fs::Mode::RWXU, 0).unwrap();
+    let refused = Journal::open(&path, &dir.path().join("quarantine"), vec![], &mut Damage::default());
+    assert!(refused.err().unwrap().to_string().contains("is not a regular file"));
+}
+
+#[test]
 fn journals_of_earlier_versions_are_read() {
     let dir = tempfile::tempdir().unwrap();
     let of = |words: &[&str]| words.iter().map(|words| line(words)).collect::<String>();

@@ -77,11 +77,24 @@ pub(super) fn blend(first: &ShaderNumbers, second: Mat3, f0: f32, f90: f32) -> M
     first.matrix * (1.0 - w) + second * w
 }
 
+/// The number of the material that is nearest in `(sqrt(alpha), ratio)`: the loop of `ltc_place_materials`.
+fn nearest_material(table: &ShaderTable, fold: &Fold) -> usize {
+    let [materials, _, theta, phi] = table.axes.nodes.map(|n| n as usize);
+    let beside = |material: usize, row: usize| table.texels[2][(material * theta + row) * phi][3];
+    let away = |material: usize| {
+        let (alpha, ratio) = (beside(material, 0), beside(material, 1));
+        Vec2::new(alpha.sqrt() - fold.alpha.sqrt(), ratio - fold.ratio).length_squared()
+    };
+    let nearer = |best: (usize, f32), next: (usize, f32)| if next.1 < best.1 { next } else { best };
+    (0..materials).map(|material| (material, away(material))).fold((0, 1e30), nearer).0
+}
+
 /// The lobe whose layers begin at one.
 fn lobe_at(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3, layer: usize) -> ShaderNumbers {
     let (axes, layout) = (&table.axes, table.layout);
     let fold = Fold::of(axes, alpha_x, alpha_y, wo);
-    let place = layout.place_in_shader(axes, fold.alpha, fold.ratio, fold.wo);
+    let alpha = if layout.is_of_materials() { nearest_material(table, &fold) as f32 } else { fold.alpha };
+    let place = layout.place_in_shader(axes, alpha, fold.ratio, fold.wo);
     let counts = axes.nodes.map(|n| n as usize);
     let mut sum = [[0.0_f32; 4]; 3];
     for corner in 0..16_usize {

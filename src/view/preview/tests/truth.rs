@@ -10,7 +10,10 @@ use crate::preview::{
     Camera, Estimator, Light, LightKind, Material, Mode, Scene,
     light::{Ellipse, Shape},
 };
-use ltcforge_fit::{BrdfKind, BrdfModel, LobeModel, Table, TabulatedFile, testing::planted_tabulated};
+use ltcforge_fit::{
+    BrdfKind, BrdfModel, LobeModel, Table, TabulatedFile,
+    testing::{planted_anisotropic, planted_tabulated},
+};
 use ltcforge_light::LightModel;
 
 /// Relative to the light's energy.
@@ -244,7 +247,7 @@ fn integral(brdf: &BrdfModel, scene: &Scene, point: &Point) -> [f64; 3] {
 /// A table's reference is of its own scattering model, rendered by the CPU.
 #[test]
 fn every_reference_converges_to_the_integral_of_its_model() {
-    for brdf in BrdfKind::formulas().map(BrdfModel::from).chain([planted_tabulated()]) {
+    for brdf in BrdfKind::formulas().map(BrdfModel::from).chain([planted_tabulated(), planted_anisotropic()]) {
         let table = Arc::new(ShaderTable::new(&Table { brdf: brdf.clone(), ..planted() }, TexelFormat::F32));
         let renderers = vec![Preview::new(Adapter::Any), Preview::new(Adapter::Cpu)];
         // Sheen and diffuse surfaces send little of a light into any one direction.

@@ -1,0 +1,71 @@
+/// What a light with a picture reflects: the two parts of the whole light, and the picture's colour for both.
+struct NormalsTextured {
+    parts: vec2<f32>,
+    colour: vec3<f32>,
+}
+
+/// How high a point is above where the light ends, the surface.
+fn normals_height(view: NormalsView, p: vec3<f32>) -> f32 {
+    return p.z;
+}
+
+/// The lobe on a light's plane, up to a factor.
+fn normals_density(view: NormalsView, p: vec3<f32>) -> f32 {
+    let r = sqrt(dot(p, p));
+    let c = view.image * r + p * vec3(view.per_alpha, 1.0);
+    let ratio = max(r + dot(view.wo, p), 1e-6 * r) / max(dot(c, c), 1e-30);
+    let stretched = vec3(view.alpha * p.xy, p.z);
+    let z = max(p.z, 0.0);
+    let shadow = z / max(view.length * z + view.wo.z * sqrt(dot(stretched, stretched)), 1e-30) + 1e-6;
+    return ratio * ratio * shadow / max(r, 1e-15);
+}
+
+/// The bump that the lobe is close to, where the normal A c reflects the light: of q = |c|^2 sqrt(r) / (r + wo . P), nearly
+/// quadratic.
+fn normals_bump(view: NormalsView, frame: NormalsFrame, flux: vec3<f32>) -> NormalsBump {
+    let h = vec3(view.alpha * flux.xy, flux.z);
+    let wi = 2.0 * dot(view.wo, h) * h - dot(h, h) * view.wo;
+    let normal = cross(frame.x, frame.y);
+    let distance = dot(frame.corner, normal);
+    let facing = select(1.0, -1.0, distance < 0.0);
+    let descent = max(max(facing * dot(wi, normal), 1e-4 * sqrt(dot(wi, wi))), 1e-30);
+    let met = (facing * distance / descent) * wi - frame.corner;
+    let at = clamp(vec2(dot(frame.x, met), dot(frame.y, met)), vec2(0.0), frame.size);
+
+    let p = frame.corner + at.x * frame.x + at.y * frame.y;
+    let per_r = inverseSqrt(max(dot(p, p), 1e-30));
+    let r = dot(p, p) * per_r;
+    let c = view.image * r + p * vec3(view.per_alpha, 1.0);
+    let per_n = 1.0 / max(dot(c, c), 1e-30);
+    let per_e = 1.0 / max(r + dot(view.wo, p), 1e-6 * r);
+    // Derivatives of r, c, ln |c|^2 and ln (r + wo . P).
+    let dr = per_r * vec2(dot(p, frame.x), dot(p, frame.y));
+    let cx = view.image * dr.x + frame.x * vec3(view.per_alpha, 1.0);
+    let cy = view.image * dr.y + frame.y * vec3(view.per_alpha, 1.0);
+    let n = 2.0 * per_n * vec2(dot(c, cx), dot(c, cy));
+    let e = per_e * (dr + vec2(dot(view.wo, frame.x), dot(view.wo, frame.y)));
+    let gradient = n + 0.5 * per_r * dr - e;
+    let bend = per_r * (2.0 * per_n * dot(c, view.image) + 0.5 * per_r - per_e);
+    let bent = bend + 0.5 * per_r * per_r;
+    let second = 2.0 * per_n * vec3(dot(cx, cx), dot(cx, cy), dot(cy, cy)) + vec3(bend, 0.0, bend) + normals_square(e)
+        + normals_square(gradient) - normals_square(n) - bent * normals_square(dr);
+
+    let eigen = normals_eigen(second);
+    let w = max(eigen.xy, vec2(0.1 / (frame.size.x * frame.size.y)));
+    let axis = eigen.zw;
+    let g = vec2(dot(gradient, axis), gradient.y * axis.x - gradient.x * axis.y);
+    let shift = g / w;
+    let twice = 2.0 * max(1.0 - 0.5 * dot(g, shift), 0.1);
+    return NormalsBump(at - shift.x * axis - shift.y * vec2(-axis.y, axis.x), axis, twice / w);
+}
+
+/// xx, xy, yy of a vector's product with itself.
+fn normals_square(v: vec2<f32>) -> vec3<f32> {
+    return vec3(v.x * v.x, v.x * v.y, v.y * v.y);
+}
+
+/// A picture's colour, of a rectangle whose integral of c x dc is flux.
+fn normals_picture(view: NormalsView, corners: array<vec3<f32>, 4>, flux: vec3<f32>, picture: u32, base: f32) -> vec3<f32> {
+    let frame = normals_frame(corners);
+    return normals_colour(view, frame, normals_bump(view, frame, flux), picture, base);
+}

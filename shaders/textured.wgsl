@@ -1,0 +1,82 @@
+/// How often a picture is read for a light: 1, 2, 4 or 6.
+const TEXTURED_READINGS: u32 = 4u;
+
+/// The pictures of lights, a layer each, with all levels that the prefilter makes; the sampler is linear between texels and
+/// levels, and clamps.
+@group(0) @binding(0) var textured_pictures: texture_2d_array<f32>;
+@group(0) @binding(1) var textured_picture_sampler: sampler;
+
+/// A rectangle by its first corner, the directions of its sides and their lengths.
+struct TexturedFrame {
+    corner: vec3<f32>,
+    x: vec3<f32>,
+    y: vec3<f32>,
+    size: vec2<f32>,
+}
+
+/// The bump (1 + Q)^-2 on a rectangle: Q grows by one along its longer axis at the root of radii2.x, across at that of radii2.y.
+struct TexturedBump {
+    middle: vec2<f32>,
+    axis: vec2<f32>,
+    radii2: vec2<f32>,
+}
+
+fn textured_frame(corners: array<vec3<f32>, 4>) -> TexturedFrame {
+    let x = corners[1] - corners[0];
+    let y = corners[3] - corners[0];
+    let size = max(vec2(length(x), length(y)), vec2(1e-15));
+    return TexturedFrame(corners[0], x / size.x, y / size.y, size);
+}
+
+/// The smaller eigenvalue of a symmetric matrix, xx, xy, yy, and the larger; the direction of the smaller.
+fn textured_eigen(m: vec3<f32>) -> vec4<f32> {
+    let mean = 0.5 * (m.x + m.z);
+    let apart = 0.5 * (m.x - m.z);
+    let distance = sqrt(apart * apart + m.y * m.y);
+    let v = select(vec2(distance - apart, -m.y), vec2(-m.y, apart + distance), apart > 0.0);
+    let length2 = dot(v, v);
+    let axis = select(vec2(1.0, 0.0), v * inverseSqrt(max(length2, 1e-30)), length2 > 1e-30);
+    return vec4(mean - distance, mean + distance, axis);
+}
+
+/// The mean of a picture, read along the longer axis of a bump where that is within the rectangle and above the lobe's end.
+/// picture is the layer, base the binary logarithm of half of the root of how many texels its first level has.
+fn textured_colour(lobe: TexturedLobe, frame: TexturedFrame, bump: TexturedBump, picture: u32, base: f32) -> vec3<f32> {
+    let unit = sqrt(max(bump.radii2.x - bump.radii2.y, 1e-12 * bump.radii2.x));
+    let along = bump.axis * unit;
+    // Where functions that are linear along it are not negative.
+    let middle = frame.corner + bump.middle.x * frame.x + bump.middle.y * frame.y;
+    let height = textured_height(lobe, middle);
+    let rise = textured_height(lobe, along.x * frame.x + along.y * frame.y);
+    let slopes = select(max(abs(along), vec2(1e-15)), min(-abs(along), vec2(-1e-15)), along < vec2(0.0));
+    let one = clamp(-bump.middle / slopes, vec2(-1e4), vec2(1e4));
+    let other = clamp((frame.size - bump.middle) / slopes, vec2(-1e4), vec2(1e4));
+    let border = clamp(-height / select(max(rise, 1e-15), min(rise, -1e-15), rise < 0.0), -1e4, 1e4);
+    let low = min(one, other);
+    let high = max(one, other);
+    var t = vec2(max(max(low.x, low.y), select(border, -1e4, rise < 0.0)), min(min(high.x, high.y), select(1e4, border, rise < 0.0)));
+    t = select(t, vec2(0.5 * (t.x + t.y)), t.x > t.y);
+    let s = t * inverseSqrt(1.0 + t * t);
+    let part = (s.y - s.x) / f32(TEXTURED_READINGS);
+    let spread = select(0.9025, 1.5625, TEXTURED_READINGS == 1u);
+    let per_area = 1.0 / (frame.size.x * frame.size.y);
+    var sum = vec4(0.0);
+    for (var i = 0u; i < TEXTURED_READINGS; i++) {
+        let at = s.x + part * (f32(i) + 0.5);
+        let stretch2 = 1.0 / max(1.0 - at * at, 1e-12);
+        let stretch = sqrt(stretch2);
+        let gap = 0.35 * unit * min(part * stretch2 * stretch, t.y - t.x);
+        let wanted = bump.middle + (at * stretch) * along;
+        let p = clamp(wanted, vec2(0.0), frame.size);
+        let moved = wanted - p;
+        let radius2 = spread * (bump.radii2.y * stretch2 + gap * gap) + dot(moved, moved);
+        let level = base + 0.5 * log2(radius2 * per_area);
+        let d = p - bump.middle;
+        let q = vec2(dot(d, bump.axis), d.y * bump.axis.x - d.x * bump.axis.y);
+        let fall = 1.0 + q.x * q.x / bump.radii2.x + q.y * q.y / bump.radii2.y;
+        let weight = fall * fall * textured_density(lobe, frame.corner + p.x * frame.x + p.y * frame.y);
+        let read = textureSampleLevel(textured_pictures, textured_picture_sampler, p / frame.size, picture, level);
+        sum += weight * vec4(read.xyz, 1.0);
+    }
+    return sum.xyz / sum.w;
+}

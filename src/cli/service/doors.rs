@@ -1,0 +1,50 @@
+//! Whom the service lets in: the tokens of its settings, and the refusal to start where anyone could call.
+
+use super::{CommandFailure, Exit, settings::ServeSettings};
+use ltcforge_server::http::WatchedTokens;
+
+impl ServeSettings {
+    /// The tokens of the service.
+    ///
+    /// # Errors
+    /// When they have faults, or when there are none where others than this machine reach the service.
+    pub(super) fn tokens(&self) -> Result<WatchedTokens, CommandFailure> {
+        let listed = self.token_list.as_ref().map(|list| list.replace(';', "\n"));
+        let tokens = WatchedTokens::open(listed, self.tokens.clone());
+        let tokens = tokens.map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
+        let is_local = self.listen.ip().to_canonical().is_loopback();
+        if is_local || self.allow_anyone == Some(true) || !tokens.current().is_empty() {
+            return Ok(tokens);
+        }
+        let refused = format!(
+            "other machines may reach {}, and there are no tokens: give --tokens FILE (`ltcforge token new` makes one), or \
+             --allow-anyone if anyone who reaches it may read, submit and cancel",
+            self.listen
+        );
+        Err(CommandFailure::new(Exit::Usage, refused))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::settings::tests::settings, Exit};
+
+    #[test]
+    fn an_address_of_others_needs_tokens_or_a_word() {
+        let check = |flags: &[&str]| settings("", flags).tokens().map(|tokens| !tokens.current().is_empty());
+        assert_eq!(check(&[]), Ok(false));
+        for local in ["--listen=127.0.0.2:1", "--listen=[::1]:1", "--listen=[::ffff:127.0.0.1]:1"] {
+            assert_eq!(check(&[local]), Ok(false), "{local}");
+        }
+        let list = format!("--token-list=a read sha256:{};b admin sha256:{}", "0".repeat(64), "1".repeat(64));
+        for of_others in ["--listen=0.0.0.0:1", "--listen=[::]:1", "--listen=10.0.0.1:1"] {
+            let refused = check(&[of_others]).expect_err(of_others);
+            assert!(refused.exit == Exit::Usage && refused.message.contains("--allow-anyone"), "{refused:?}");
+            assert_eq!(check(&[of_others, "--allow-anyone"]), Ok(false));
+            assert_eq!(check(&[of_others, &list]), Ok(true));
+        }
+        let faults = check(&["--token-list=a read ltcforge_12;b", "--allow-anyone"]).expect_err("faults");
+        assert!(faults.message.contains("line 2") && !faults.message.contains("ltcforge_12"), "{faults:?}");
+        assert!(check(&["--token-list="]).is_err(), "a list without a token is a slip");
+    }
+}

@@ -1,0 +1,37 @@
+//! `token new`: a token of a service.
+
+use std::{fs::File, io::Read as _};
+
+use clap::Subcommand;
+use serde_json::json;
+
+use super::{CommandFailure, Context, Exit, print};
+use crate::args::named;
+use ltcforge_server::http::{KeptToken, Scope, TOKEN_BYTES};
+
+/// The commands on tokens.
+#[derive(Debug, Subcommand)]
+pub enum TokenCommand {
+    /// Print a new token, and its line for the service's file of tokens
+    New {
+        /// Who gets it, in up to 64 letters, digits and -_.@; jobs show who submitted and who cancelled them
+        name: String,
+        /// What it allows: to read; to submit too, and cancel; to do everything
+        #[arg(long, value_parser = named(&Scope::ALL, Scope::name))]
+        scope: Scope,
+    },
+}
+
+/// Makes a token of random bytes of the system.
+pub(super) fn run(command: &TokenCommand, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    let TokenCommand::New { name, scope } = command;
+    let mut random = [0; TOKEN_BYTES];
+    let read = File::open("/dev/urandom").and_then(|mut system| system.read_exact(&mut random));
+    read.map_err(|error| CommandFailure::new(Exit::Failed, format!("/dev/urandom: {error}")))?;
+    let made = KeptToken::new(name, *scope, &random);
+    let (secret, kept) = made.map_err(|fault| CommandFailure::new(Exit::Usage, fault))?;
+    let kept = kept.to_string();
+    let text = format!("for the client, to be kept secret:\n{secret}\nfor the service's file of tokens:\n{kept}");
+    print(context.stdout, json, &json!({ "token": secret, "kept": kept }), &text)?;
+    Ok(Exit::Ok)
+}

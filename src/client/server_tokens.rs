@@ -1,0 +1,119 @@
+//! Tokens of services, each for one server.
+//!
+//! Invariant: a token is sent to the scheme, host and port that it was given for and to no other: neither to a server that a
+//! lock file names, nor to where a server sends the client on.
+
+use std::{fmt, str::FromStr};
+
+use ureq::http::Uri;
+
+use super::{ClientError, rest::parse_base};
+
+/// The tokens that a user has.
+#[derive(Clone, Default, PartialEq, Eq)]
+pub struct ServerTokens(Vec<(Server, String)>);
+
+/// Scheme, host in lower case, port.
+type Server = (String, String, u16);
+
+/// Without the tokens.
+impl fmt::Debug for ServerTokens {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.0.iter().map(|(server, _)| server)).finish()
+    }
+}
+
+/// Why tokens cannot be used. No message shows a token.
+#[derive(Debug, thiserror::Error)]
+pub enum ServerTokensError {
+    /// It is not a URL and a token.
+    #[error("token {0}: it is not URL TOKEN, as in «https://farm.example ltcforge_0123...»")]
+    Form(usize),
+    /// The URL is none.
+    #[error("token {0}: {1}")]
+    Url(usize, ClientError),
+    /// The token would be no field of a request.
+    #[error("token {0}: it has other characters than letters, digits and -._~+/=")]
+    Characters(usize),
+    /// There is another one for the server.
+    #[error("token {0}: another one is for the same server")]
+    Twice(usize),
+}
+
+impl FromStr for ServerTokens {
+    type Err = ServerTokensError;
+
+    /// `URL TOKEN`, of several servers with `;` between.
+    fn from_str(text: &str) -> Result<Self, ServerTokensError> {
+        let mut tokens = Self::NONE;
+        for (at, part) in (1..).zip(text.split(';')) {
+            let words: Vec<&str> = part.split_whitespace().collect();
+            let &[url, token] = words.as_slice() else { return Err(ServerTokensError::Form(at)) };
+            if !token.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-._~+/=".contains(&byte)) {
+                return Err(ServerTokensError::Characters(at));
+            }
+            let base = parse_base(url.trim_end_matches('/')).map_err(|error| ServerTokensError::Url(at, error))?;
+            if tokens.of(&base).is_some() {
+                return Err(ServerTokensError::Twice(at));
+            }
+            tokens.0.push((server(&base), token.to_owned()));
+        }
+        Ok(tokens)
+    }
+}
+
+impl ServerTokens {
+    /// None.
+    pub const NONE: Self = Self(Vec::new());
+
+    /// The token for the server of a URL.
+    pub(super) fn of(&self, url: &Uri) -> Option<&str> {
+        let wanted = server(url);
+        self.0.iter().find(|(server, _)| *server == wanted).map(|(_, token)| token.as_str())
+    }
+}
+
+fn server(url: &Uri) -> Server {
+    let scheme = url.scheme_str().unwrap_or_default().to_ascii_lowercase();
+    let port = url.port_u16().unwrap_or(if scheme == "https" { 443 } else { 80 });
+    (scheme, url.host().unwrap_or_default().to_ascii_lowercase(), port)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_token_is_for_one_scheme_host_and_port() {
+        let tokens: ServerTokens = "https://Farm.example/ltc abc; http://10.0.0.5:8317 def".parse().expect("two");
+        for (url, token) in [
+            ("https://farm.example", Some("abc")),
+            ("https://farm.example:443/other", Some("abc")),
+            ("http://farm.example", None),
+            ("https://farm.example:444", None),
+            ("https://farm.example.attacker.example", None),
+            ("https://example", None),
+            ("http://10.0.0.5:8317", Some("def")),
+            ("http://10.0.0.5", None),
+        ] {
+            assert_eq!(tokens.of(&url.parse().expect("a URL")), token, "{url}");
+        }
+        assert!(!format!("{tokens:?}").contains("abc"), "{tokens:?}");
+    }
+
+    #[test]
+    fn what_is_no_list_of_tokens_is_refused_without_being_shown() {
+        for text in [
+            "",
+            "s3cret",
+            "http://h s3cret x",
+            "h s3cret",
+            "http://user@h s3cret",
+            "http://h a;http://H:80/ s3cret",
+            "http://h s3cret\u{e4}",
+        ] {
+            let refused = text.parse::<ServerTokens>().expect_err(text);
+            assert!(!format!("{refused} {refused:?}").contains("s3cret"), "{refused:?}");
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! How good the second lobes of a table are, measured as they are used.
+
+use serde::Serialize;
+
+use super::{Accuracy, GoOn, figures};
+use crate::{
+    Configuration, LobeFresnel, LookedUp, SecondLobe, Table, WeightedF0,
+    brdf::LobeTerms,
+    math::{from_row_major, row_major},
+    table::{blend_weight, blended},
+};
+
+/// Plastic, whose blend is measured.
+const PLASTIC: f64 = 0.04;
+
+/// How good the second lobes of a table are.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SecondReport {
+    /// The reflectance of the material whose lobe stood for the truth. Of lobes that are integrated by themselves it is so
+    /// small that Schlick's fifth power is all, of blended ones that of plastic, and the table's is the blend.
+    pub f0: f64,
+    /// Errors between nodes, at the places of the report's own. Terms are the first lobe's.
+    pub between: Accuracy,
+}
+
+impl SecondReport {
+    /// `None` as soon as `go_on` says no; of a table with one lobe an entry there is nothing to tell.
+    pub(super) fn of(go_on: &GoOn, table: &Table, places: &[Configuration]) -> Option<Option<Self>> {
+        let Some(second) = table.second_lobe() else { return Some(None) };
+        let f0 = match second {
+            SecondLobe::Integrated => second.fitted_f0(),
+            SecondLobe::Blended => PLASTIC,
+        };
+        let material = LobeFresnel::mix(vec![WeightedF0 { f0, weight: 1.0 }]).unwrap_or_default();
+        let brdf = table.brdf.clone().with_fresnel(material);
+        let found = |at: &Configuration| of_material(second, f0, table.lookup(at));
+        let measured = figures::found_while(go_on, &brdf, table.lobe, places, found)?;
+        Some(Some(Self { f0, between: Accuracy::of(&measured) }))
+    }
+}
+
+/// The lobe of a material by what a lookup tells.
+fn of_material(second: SecondLobe, f0: f64, found: LookedUp) -> LookedUp {
+    let of_second = found.second.unwrap_or(found.matrix);
+    let matrix = match (second, found.amplitude.zip(found.fresnel)) {
+        (SecondLobe::Blended, Some((amplitude, fresnel))) => {
+            let weight = blend_weight(LobeTerms { amplitude, fresnel }, f0, 1.0);
+            row_major(&blended(&from_row_major(&found.matrix), &from_row_major(&of_second), weight))
+        }
+        _ => of_second,
+    };
+    LookedUp { matrix, amplitude: None, fresnel: None, ..found }
+}

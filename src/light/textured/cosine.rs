@@ -1,0 +1,56 @@
+//! An LTC on the plane of a light.
+//!
+//! In the space where the distribution is the clamped cosine, a piece of the light's plane at P counts as `z / |P|^4` times its
+//! area. `|P|^2` is quadratic on the plane as it is, so `|P|^-4` is a bump without any approximation: its middle is the foot of
+//! the perpendicular from the shaded point, and its radii are the distance of the foot, brought back to the light.
+
+use super::{
+    bump::{Bump, across, dot2, eigen, step},
+    readings::Lobe,
+    rectangle::Rectangle,
+};
+use crate::CosineSpace;
+use ltcforge_fit::math::{Scalar, dot};
+
+/// The cosine that a point on or below the horizon keeps, so that weights never sum to nothing.
+const LEAST_COSINE: f64 = 1e-6;
+
+/// The light of an LTC on the plane of a rectangle.
+pub(super) struct CosineLobe<'a, T> {
+    space: &'a CosineSpace<T>,
+    rectangle: &'a Rectangle<T>,
+}
+
+impl<'a, T: Scalar> CosineLobe<'a, T> {
+    pub(super) fn new(space: &'a CosineSpace<T>, rectangle: &'a Rectangle<T>) -> Self {
+        Self { space, rectangle }
+    }
+
+    /// The bump `|P|^-4`. With the sides `e`, `|P|^2 = |corner|^2 + 2 corner . e x + x . G x`, `G = e . e`.
+    pub(super) fn bump(&self) -> Bump<T> {
+        let [x, y] = self.rectangle.axes.map(|axis| self.space.of(axis));
+        let corner = self.space.of(self.rectangle.corner);
+        let (values, long) = eigen([dot(x, x), dot(x, y), dot(y, y)]);
+        let [w1, w2] = values.map(|value| value.max(T::SHORTEST));
+        let fall = [-dot(corner, x), -dot(corner, y)];
+        let short = across(long);
+        let middle = step(step([T::ZERO; 2], dot2(fall, long) / w1, long), dot2(fall, short) / w2, short);
+        let foot = self.space.of(self.rectangle.at(middle));
+        let distance2 = dot(foot, foot).max(T::SHORTEST);
+        Bump { middle, long, radii2: [distance2 / w1, distance2 / w2] }
+    }
+}
+
+impl<T: Scalar> Lobe<T> for CosineLobe<'_, T> {
+    fn density(&self, p: [T; 2]) -> T {
+        let p = self.space.of(self.rectangle.at(p));
+        let length2 = dot(p, p).max(T::SHORTEST);
+        let length = length2.sqrt();
+        (p[2].max(T::ZERO) / length + T::of(LEAST_COSINE)) / (length2 * length)
+    }
+
+    /// Light ends at the distribution's own horizon.
+    fn height(&self, p: [T; 2]) -> T {
+        self.space.of(self.rectangle.at(p))[2]
+    }
+}

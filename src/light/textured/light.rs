@@ -1,0 +1,206 @@
+//! A rectangle light with a picture: what of each channel a surface reflects, by `normals`, by a table, and truly.
+
+use glam::DVec3;
+
+use super::{
+    LightImage, LightPyramid, Reading, Readings,
+    cosine::CosineLobe,
+    ggx::GgxLobe,
+    readings::{colour, readings},
+    rectangle::Rectangle,
+};
+use crate::{
+    CosineSpace, LightError, NormalsRule, PolygonLight,
+    ltc::{TableUse, by_table_as},
+    normals::{self, View},
+    rules::surface_and_view,
+    truth::{texel_lights, truth},
+};
+use ltcforge_fit::{
+    Configuration, Ltc, Sides, Table,
+    math::{Scalar, Triple, from_row_major},
+};
+
+/// The light of a rectangle of radiance one that GGX reflects, as [`normals::reflected`] has it, and the readings of its
+/// picture. No readings where nothing is reflected.
+///
+/// Domain: as there, for the corners of a rectangle whose picture begins at the first one; u runs to the second, v to the
+/// fourth.
+#[must_use]
+pub fn normals_readings<T: Scalar>(
+    alpha: [T; 2],
+    wo: Triple<T>,
+    corners: &[Triple<T>; 4],
+    sides: Sides,
+    (rule, number): (NormalsRule, Readings),
+) -> ([T; 2], Vec<Reading<T>>) {
+    let Some(regions) = normals::regions(alpha, wo, corners, sides, rule) else {
+        return ([T::ZERO; 2], Vec::new());
+    };
+    let network = rule.network();
+    let reflected = regions.reflected(|region| network.at(&region.inputs[..rule.inputs()]));
+    let view = View::new(alpha, wo);
+    let rectangle = Rectangle::new(corners);
+    let lobe = GgxLobe::new(&view, &rectangle);
+    let bump = lobe.bump(rectangle.met(view.reflected(regions.flux)));
+    (reflected, readings(&lobe, &rectangle, &bump, number))
+}
+
+/// The readings of a picture on a rectangle by an LTC. Domain: corners as for [`normals_readings`].
+#[must_use]
+pub fn ltc_readings<T: Scalar>(space: &CosineSpace<T>, corners: &[Triple<T>; 4], number: Readings) -> Vec<Reading<T>> {
+    let rectangle = Rectangle::new(corners);
+    let lobe = CosineLobe::new(space, &rectangle);
+    readings(&lobe, &rectangle, &lobe.bump(), number)
+}
+
+/// A rectangle for a picture, around the shaded point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TexturedLight(PolygonLight);
+
+/// Sides are at right angles, and opposite ones alike, up to this part of their lengths.
+const SQUARE: f64 = 1e-4;
+
+impl TexturedLight {
+    /// The picture's first texel is at the light's first corner, its rows run to the second, its columns to the fourth:
+    /// from the lit side a picture is seen as it is where the corners begin at its upper left.
+    ///
+    /// # Errors
+    /// [`LightError::NoRectangle`] for another polygon.
+    pub fn new(light: PolygonLight) -> Result<Self, LightError> {
+        let &[a, b, c, d] = light.vertices() else { return Err(LightError::NoRectangle) };
+        let (x, y) = (b - a, d - a);
+        let (width, height) = (x.length(), y.length());
+        let is_square = x.dot(y).abs() <= SQUARE * width * height;
+        let is_closed = (a + x + y - c).length() <= SQUARE * width.min(height);
+        if width > 0.0 && height > 0.0 && is_square && is_closed {
+            Ok(Self(light))
+        } else {
+            Err(LightError::NoRectangle)
+        }
+    }
+
+    /// The rectangle.
+    #[must_use]
+    pub fn polygon(&self) -> &PolygonLight {
+        &self.0
+    }
+
+    fn corners(&self) -> [Triple<f64>; 4] {
+        [0, 1, 2, 3].map(|i| self.0.vertices()[i].to_array())
+    }
+
+    /// What GGX reflects of it by model `normals`.
+    ///
+    /// # Errors
+    /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon.
+    pub fn by_normals(
+        &self,
+        at: &Configuration,
+        picture: &LightPyramid,
+        how: (NormalsRule, Readings),
+    ) -> Result<TexturedReflection, LightError> {
+        let (alpha, wo) = surface_and_view(at)?;
+        let (parts, readings) = normals_readings(alpha, wo.to_array(), &self.corners(), self.0.sides(), how);
+        let colour = colour(&readings, picture);
+        let [energy, fresnel] = parts.map(|part| colour.map(|channel| part * channel));
+        Ok(TexturedReflection { energy, fresnel })
+    }
+
+    /// What a table's surface reflects of it. Where entries have two lobes, Fresnel's part is read by the second.
+    ///
+    /// # Errors
+    /// Those of [`crate::by_table`], and [`LightError::NoLtc`] for a table of Gaussians.
+    pub fn by_table(
+        &self,
+        table: &Table,
+        at: &Configuration,
+        picture: &LightPyramid,
+        (used, number): (TableUse, Readings),
+    ) -> Result<TexturedReflection, LightError> {
+        if table.lobe.gaussian().is_some() {
+            return Err(LightError::NoLtc);
+        }
+        let light = by_table_as(table, at, &self.0, used)?;
+        let found = table.lookup(at);
+        let colour_of = |matrix: &[f64; 9]| {
+            let ltc = Ltc::new(from_row_major(matrix)).ok_or(LightError::Singular)?;
+            Ok(colour(&ltc_readings(&CosineSpace::from(&ltc), &self.corners(), number), picture))
+        };
+        let first = colour_of(&found.matrix)?;
+        let second = found.second.as_ref().map(colour_of).transpose()?.unwrap_or(first);
+        Ok(TexturedReflection {
+            energy: first.map(|channel| light.energy * channel),
+            fresnel: second.map(|channel| light.fresnel * channel),
+        })
+    }
+
+    /// What GGX truly reflects of it: the integral over each texel, a rectangle of one colour, and their sum.
+    ///
+    /// # Errors
+    /// [`LightError::Domain`] as [`Self::by_normals`], and [`LightError::NotConverged`] where the texels' light and the
+    /// quadrature among normals, which shares no code with it, differ by more than ten times `tolerance`.
+    pub fn truth(
+        &self,
+        at: &Configuration,
+        image: &LightImage,
+        tolerance: f64,
+    ) -> Result<TexturedReflection, LightError> {
+        let lights = self.texel_lights(at, [image.width(), image.height()], tolerance)?;
+        Ok(TexturedReflection::of_texels(lights.iter().zip(image.texels())))
+    }
+
+    /// The light of every texel of a picture of a size, row by row: for a Fresnel factor of one, and weighed by Schlick's
+    /// fifth power.
+    ///
+    /// # Errors
+    /// As [`Self::truth`].
+    pub fn texel_lights(
+        &self,
+        at: &Configuration,
+        size: [usize; 2],
+        tolerance: f64,
+    ) -> Result<Vec<[f64; 2]>, LightError> {
+        let (alpha, wo) = surface_and_view(at)?;
+        let whole = truth(at, &self.0)?;
+        let [corner, x, _, y] = self.corners().map(DVec3::from_array);
+        let is_lit = self.0.sides() == Sides::Two || (x - corner).cross(y - corner).dot(corner) > 0.0;
+        if !is_lit {
+            return Ok(vec![[0.0; 2]; size[0] * size[1]]);
+        }
+        let lights = texel_lights(alpha, wo, [corner, x - corner, y - corner], size, tolerance);
+        let sum: f64 = lights.iter().map(|[energy, _]| energy).sum();
+        let off = (sum - whole.energy).abs();
+        if off <= 10.0 * tolerance { Ok(lights) } else { Err(LightError::NotConverged { off }) }
+    }
+}
+
+/// What a surface reflects of a light with a picture, by channel: red, green, blue.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TexturedReflection {
+    /// For a Fresnel factor of one.
+    pub energy: [f64; 3],
+    /// The same weighed by Schlick's `(1 - wo . h)^5`.
+    pub fresnel: [f64; 3],
+}
+
+impl TexturedReflection {
+    /// The sum over texels, each with its light as [`TexturedLight::texel_lights`] has it.
+    #[must_use]
+    pub fn of_texels<'a>(texels: impl Iterator<Item = (&'a [f64; 2], &'a [f32; 3])>) -> Self {
+        let mut sum = Self { energy: [0.0; 3], fresnel: [0.0; 3] };
+        for ([energy, fresnel], texel) in texels {
+            for (channel, value) in texel.iter().enumerate() {
+                sum.energy[channel] += energy * f64::from(*value);
+                sum.fresnel[channel] += fresnel * f64::from(*value);
+            }
+        }
+        sum
+    }
+
+    /// With Schlick's Fresnel factor, `f0` face on and `f90` at grazing incidence.
+    #[must_use]
+    pub fn schlick(&self, f0: f64, f90: f64) -> [f64; 3] {
+        [0, 1, 2].map(|i| f0 * (self.energy[i] - self.fresnel[i]) + f90 * self.fresnel[i])
+    }
+}

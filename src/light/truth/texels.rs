@@ -1,0 +1,101 @@
+//! The light of each texel of a picture on a rectangle, by adaptive quadrature over its area.
+//!
+//! A cell counts as integrated where the midpoint rule over it and over its quarters agree. Sharp lobes could fall between
+//! midpoints, so cells are quartered at first until they are small beside their distance from the point that a mirror
+//! reflects. This shares no line with the closed form, nor with the quadrature among normals, by which its sum is checked.
+
+use glam::DVec3;
+
+use ltcforge_fit::brdf::{Brdf, Ggx};
+
+/// How often a texel is quartered at most.
+const DEPTH: u32 = 14;
+/// The rules may differ by this times the tolerance of a cell's own light: what is taken is of the fourth order.
+const OF_CELL: f64 = 30.0;
+/// How far away a mirrored ray meets a plane that it does not meet.
+const NOWHERE: f64 = 1e9;
+
+/// The light of every texel of a picture on a rectangle, row by row: for a Fresnel factor of one, and weighed by Schlick's
+/// fifth power. The rectangle is a corner and two sides, along rows and columns. `tolerance` is that of the whole light.
+///
+/// Domain: `wo` above the surface.
+pub(crate) fn texel_lights(
+    [alpha_x, alpha_y]: [f64; 2],
+    wo: DVec3,
+    [corner, x, y]: [DVec3; 3],
+    [width, height]: [usize; 2],
+    tolerance: f64,
+) -> Vec<[f64; 2]> {
+    let ggx = Ggx { alpha_x, alpha_y };
+    let parts = [1.0 / width as f64, 1.0 / height as f64];
+    let normal = x.cross(y);
+    let mirrored = DVec3::new(-wo.x, -wo.y, wo.z);
+    let descent = corner.dot(normal) / mirrored.dot(normal);
+    let met = mirrored * if descent > 0.0 && descent.is_finite() { descent } else { NOWHERE };
+    let cells = Cells {
+        density: |p: DVec3| density(ggx, wo, normal, p),
+        corner,
+        sides: [x, y],
+        met,
+        sharpness: alpha_x.min(alpha_y) * met.length(),
+        tolerance,
+        area: normal.length(),
+    };
+    (0..width * height)
+        .map(|i| {
+            let middle = [((i % width) as f64 + 0.5) * parts[0], ((i / width) as f64 + 0.5) * parts[1]];
+            cells.integral(middle, parts, (cells.density)(cells.at(middle)), DEPTH)
+        })
+        .collect()
+}
+
+/// The reflected light of an element of area, over the area.
+fn density(ggx: Ggx, wo: DVec3, normal: DVec3, p: DVec3) -> [f64; 2] {
+    if p.z <= 0.0 {
+        return [0.0; 2];
+    }
+    let r2 = p.length_squared();
+    let wi = p / r2.sqrt();
+    let cosine = (wo + wi).normalize_or_zero().dot(wo);
+    let value = ggx.eval_cos(wo, wi) * normal.dot(wi).abs() / (r2 * normal.length());
+    [value, value * (1.0 - cosine).clamp(0.0, 1.0).powi(5)]
+}
+
+struct Cells<F> {
+    density: F,
+    corner: DVec3,
+    sides: [DVec3; 2],
+    /// The point that a mirror reflects, and how far around it a lobe is narrow.
+    met: DVec3,
+    sharpness: f64,
+    tolerance: f64,
+    /// Of the rectangle.
+    area: f64,
+}
+
+impl<F: Fn(DVec3) -> [f64; 2]> Cells<F> {
+    fn at(&self, uv: [f64; 2]) -> DVec3 {
+        self.corner + self.sides[0] * uv[0] + self.sides[1] * uv[1]
+    }
+
+    /// The integral over a cell around `middle`, whose sides are these parts of the rectangle's; `first` is the density in
+    /// the middle.
+    fn integral(&self, middle: [f64; 2], parts: [f64; 2], first: [f64; 2], depth: u32) -> [f64; 2] {
+        let area = self.area * parts[0] * parts[1];
+        let half = parts.map(|part| 0.5 * part);
+        let quarters = [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]]
+            .map(|[x, y]| [middle[0] + x * half[0], middle[1] + y * half[1]]);
+        let values = quarters.map(|uv| (self.density)(self.at(uv)));
+        let coarse = first.map(|value| value * area);
+        let fine = [0, 1].map(|i| 0.25 * area * values.iter().map(|value| value[i]).sum::<f64>());
+        let longest = (self.sides[0].length() * parts[0]).max(self.sides[1].length() * parts[1]);
+        let is_small = 5.0 * longest < self.met.distance(self.at(middle)) + 2.0 * self.sharpness;
+        let allowed = self.tolerance * (parts[0] * parts[1] + OF_CELL * fine[0]);
+        if depth == 0 || (is_small && (fine[0] - coarse[0]).abs() <= allowed) {
+            // The midpoint rule's error falls to a quarter from one to the next.
+            return [0, 1].map(|i| fine[i] + (fine[i] - coarse[i]) / 3.0);
+        }
+        let integrals = [0, 1, 2, 3].map(|i| self.integral(quarters[i], half, values[i], depth - 1));
+        [0, 1].map(|i| integrals.iter().map(|integral| integral[i]).sum())
+    }
+}

@@ -1,0 +1,249 @@
+// Lights of the scene in GLSL ES, as shaders/ggx_reference.wgsl and shaders/reference_solids.wgsl have one.
+
+/** What a light is in the shaders; a sphere is a tube whose ends are one. */
+export const SHAPES = { polygon: 0, ellipse: 1, tube: 2, line: 3 };
+
+/**
+ * The lights. `SHAPES_USED` has a bit for each shape that the scene has, so that a program holds no others: software drivers run
+ * both sides of a branch. The vertices are those of a polygon, or of the one that stands for an ellipse, clockwise as seen
+ * from the lit side; their fourth number is the area of the triangles (0, 1, 2) up to (0, i - 1, i) over that of all.
+ */
+export const LIGHTS = `
+const float HORIZON = 1e-6;
+uniform int light_count, light_shape[4], light_corners[4];
+uniform float light_radiance[4];
+uniform vec4 light_vertices[32];
+/** xyz: middle of an ellipse, or one end of a tube or line. w: the radius or width of these. */
+uniform vec4 light_centre[4];
+/** xyz: the half axes of an ellipse. w: one over their length squared. Of a tube or line the first is the other end. */
+uniform vec4 light_x[4], light_y[4];
+/** xyz: unit normal towards the lit side. w: area. */
+uniform vec4 light_normal[4];
+
+bool is_shape( int l, int shape ) { return ( SHAPES_USED & ( 1 << shape ) ) != 0 && light_shape[l] == shape; }
+bool is_solid( int l ) { return is_shape( l, 2 ) || is_shape( l, 3 ); }
+
+/** Two unit vectors across a unit vector and each other. */
+mat2x3 solid_basis( vec3 axis ) {
+	vec3 x = normalize( cross( abs( axis.z ) > 0.7 ? vec3( 1.0, 0.0, 0.0 ) : vec3( 0.0, 0.0, 1.0 ), axis ) );
+	return mat2x3( x, cross( axis, x ) );
+}
+
+/** The point between the ends that is nearest to the shaded point, relative to it. */
+vec3 solid_nearest( int l, vec3 position ) {
+	vec3 start = light_centre[l].xyz - position;
+	vec3 along = light_x[l].xyz - light_centre[l].xyz;
+	return start + along * clamp( - dot( start, along ) / max( dot( along, along ), 1e-36 ), 0.0, 1.0 );
+}
+
+vec3 unit_of( vec3 v ) { return v / sqrt( max( dot( v, v ), 1e-36 ) ); }
+`;
+
+/** The polygons by which models light that know nothing else. */
+export const OUTLINES = `
+void tube_end( vec3 end, vec3 outwards, vec3 beside, vec3 sideways, float size, out vec3 v[4] ) {
+	float sine2 = size * size / dot( end, end );
+	vec3 centre = end * ( 1.0 - sine2 );
+	float radius = size * sqrt( max( 1.0 - sine2, 0.0 ) );
+	vec3 ahead = unit_of( outwards - end * ( dot( outwards, end ) / dot( end, end ) ) );
+	float beside2 = dot( beside, beside );
+	vec3 touched = - ( beside * ( size / beside2 ) - sideways * ( sqrt( beside2 - size * size ) / sqrt( beside2 ) ) ) * size;
+	vec3 to_end = end + touched - centre;
+	float cos_end = dot( to_end, ahead );
+	float sin_end = dot( to_end, sideways );
+	float half_arc = atan( max( sin_end, 0.0 ), cos_end );
+	vec2 turn = vec2( sin( half_arc / 3.0 ), cos( half_arc / 3.0 ) );
+	float sine = 2.0 * turn.x * turn.y;
+	float far = half_arc > 1e-3 ? sqrt( 1.0 + 2.0 * half_arc / max( sine, 1e-6 ) ) - 1.0 : 1.0;
+	v = vec3[4]( centre + ahead * cos_end + sideways * sin_end, centre + ( ahead * turn.y + sideways * turn.x ) * ( radius * far ),
+		centre + ( ahead * turn.y - sideways * turn.x ) * ( radius * far ), centre + ahead * cos_end - sideways * sin_end );
+}
+
+/** Of a line the corners of its strip, else the octagon of the outline's area; from within the light the sky. */
+uint solid_outline( int l, vec3 position, vec3 sky, out vec3 v[8] ) {
+	vec3 start = light_centre[l].xyz - position;
+	vec3 end = light_x[l].xyz - position;
+	vec3 along = end - start;
+	float size = light_centre[l].w;
+	if ( is_shape( l, 3 ) ) {
+		vec3 across = unit_of( cross( start, end ) ) * ( 0.5 * size );
+		v = vec3[8]( start - across, start + across, end + across, end - across, start, start, start, start );
+		return 4u;
+	}
+	vec3 nearest = solid_nearest( l, position );
+	vec3 beside = start - along * ( dot( start, along ) / max( dot( along, along ), 1e-36 ) );
+	bool is_inside = dot( nearest, nearest ) <= size * size;
+	if ( is_inside || dot( along, along ) == 0.0 || dot( beside, beside ) <= size * size ) {
+		if ( is_inside ) nearest = sky;
+		float radius = is_inside ? 0.999 : size;
+		float sine2 = radius * radius / dot( nearest, nearest );
+		mat2x3 basis = solid_basis( unit_of( nearest ) ) * ( radius * sqrt( 1.0 - sine2 ) * 1.0539074 );
+		for ( int i = 0; i < 8; i ++ ) {
+			float turn = ( 0.5 - float( i ) ) * 0.78539816;
+			v[i] = nearest * ( 1.0 - sine2 ) + basis * vec2( cos( turn ), sin( turn ) );
+		}
+		return 8u;
+	}
+	vec3 sideways = normalize( cross( along, beside ) );
+	vec3 a[4], b[4];
+	tube_end( start, - along, beside, sideways, size, a );
+	tube_end( end, along, beside, - sideways, size, b );
+	v = vec3[8]( a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3] );
+	return 8u;
+}
+
+/** The vertices around a point of the surface, in its tangent frame, and how many. */
+uint outline_of( int l, Shaded at, out vec3 v[8] ) {
+	mat3 to_local = transpose( mat3( at.x, at.y, at.z ) );
+	uint count = uint( light_corners[l] );
+	for ( int i = 0; i < 8; i ++ ) v[i] = light_vertices[8 * l + i].xyz - at.position;
+	if ( is_solid( l ) ) count = solid_outline( l, at.position, at.z, v );
+	for ( int i = 0; i < 8; i ++ ) v[i] = to_local * v[i];
+	return count;
+}
+`;
+
+/** What a sampler of lights needs: densities per steradian and directions. */
+export const SAMPLED_LIGHTS = `
+/** How far a tube is along wi, and the cosine at its surface there; the distance is below zero for a miss. */
+vec2 tube_hit( int l, vec3 position, vec3 wi ) {
+	float radius = light_centre[l].w;
+	vec3 along = light_x[l].xyz - light_centre[l].xyz;
+	vec3 from_start = position - light_centre[l].xyz;
+	vec2 found = vec2( - 1.0, 0.0 );
+	for ( int i = 0; i < 2; i ++ ) {
+		vec3 from_end = i == 1 ? from_start - along : from_start;
+		float away = - dot( wi, from_end );
+		vec3 beside = from_end + wi * away;
+		float height2 = radius * radius - dot( beside, beside );
+		float distance = away - sqrt( max( height2, 0.0 ) );
+		if ( height2 > 0.0 && distance > 0.0 && ( found.x < 0.0 || distance < found.x ) ) found = vec2( distance, sqrt( height2 ) / radius );
+	}
+	vec3 normal = cross( wi, along );
+	float sine2 = dot( normal, normal );
+	float length2 = dot( along, along );
+	float apart = dot( from_start, normal );
+	float height2 = radius * radius * sine2 - apart * apart;
+	if ( sine2 > 1e-12 * length2 && height2 > 0.0 ) {
+		float forth = length2 * dot( wi, from_start ) - dot( from_start, along ) * dot( wi, along );
+		float distance = - ( forth + sqrt( height2 * length2 ) ) / sine2;
+		float share = dot( from_start + wi * distance, along ) / length2;
+		if ( distance > 0.0 && share > 0.0 && share < 1.0 && ( found.x < 0.0 || distance < found.x ) ) {
+			vec3 outwards = from_start + wi * distance - along * share;
+			found = vec2( distance, max( - dot( outwards, wi ) / radius, 0.0 ) );
+		}
+	}
+	return found;
+}
+
+/** The area of a tube, and the share of its straight part. */
+vec2 tube_area( vec3 along, float radius ) {
+	float straight = length( along );
+	return vec2( 6.2831853 * radius * ( straight + 2.0 * radius ), straight / ( straight + 2.0 * radius ) );
+}
+
+/** One minus the cosine of a cap, of the square of its sine. */
+float sphere_cap( float sine2 ) { return sine2 / ( 1.0 + sqrt( max( 1.0 - sine2, 0.0 ) ) ); }
+
+/** Density with which points of the light are drawn towards wi; below zero where wi misses it, zero where it is never drawn. */
+float light_pdf( int l, vec3 position, vec3 wi ) {
+	if ( is_shape( l, 3 ) ) return - 1.0;
+	if ( is_shape( l, 2 ) ) {
+		float radius = light_centre[l].w;
+		vec3 nearest = solid_nearest( l, position );
+		float distance2 = dot( nearest, nearest );
+		if ( distance2 <= radius * radius ) return 0.0;
+		vec3 along = light_x[l].xyz - light_centre[l].xyz;
+		if ( dot( along, along ) == 0.0 ) {
+			vec3 beside = cross( wi, nearest );
+			bool is_hit = dot( beside, beside ) < radius * radius && dot( wi, nearest ) > 0.0;
+			return is_hit ? 0.15915494 / sphere_cap( radius * radius / distance2 ) : - 1.0;
+		}
+		vec2 hit = tube_hit( l, position, wi );
+		return hit.x > 0.0 ? hit.x * hit.x / ( tube_area( along, radius ).x * max( hit.y, 1e-6 ) ) : - 1.0;
+	}
+	vec3 normal = light_normal[l].xyz;
+	float cosine = dot( normal, wi );
+	if ( - cosine <= HORIZON ) return - 1.0;
+	float away = dot( normal, light_vertices[8 * l].xyz - position ) / cosine;
+	if ( away <= 0.0 ) return - 1.0;
+	vec3 hit = position + away * wi;
+	bool is_hit = true;
+	if ( is_shape( l, 1 ) ) {
+		vec3 offset = hit - light_centre[l].xyz;
+		vec2 across = vec2( dot( offset, light_x[l].xyz ), dot( offset, light_y[l].xyz ) ) * vec2( light_x[l].w, light_y[l].w );
+		is_hit = dot( across, across ) <= 1.0;
+	} else {
+		vec3 a = light_vertices[8 * l + light_corners[l] - 1].xyz;
+		for ( int i = 0; i < light_corners[l]; i ++ ) {
+			vec3 b = light_vertices[8 * l + i].xyz;
+			is_hit = is_hit && dot( cross( b - a, hit - a ), normal ) <= 0.0;
+			a = b;
+		}
+	}
+	return is_hit ? away * away / ( light_normal[l].w * - cosine ) : - 1.0;
+}
+
+/** A point of a polygon or ellipse, uniform over its area. */
+vec3 light_point( int l, vec2 u ) {
+	if ( is_shape( l, 1 ) ) {
+		float radius = sqrt( u.x );
+		return light_centre[l].xyz + radius * ( cos( 6.2831853 * u.y ) * light_x[l].xyz + sin( 6.2831853 * u.y ) * light_y[l].xyz );
+	}
+	int i = 2;
+	for ( int k = 2; k + 1 < light_corners[l]; k ++ ) i += u.x >= light_vertices[8 * l + k].w ? 1 : 0;
+	vec4 first = light_vertices[8 * l + i - 1];
+	vec4 second = light_vertices[8 * l + i];
+	vec3 origin = light_vertices[8 * l].xyz;
+	float root = sqrt( clamp( ( u.x - first.w ) / ( second.w - first.w ), 0.0, 1.0 ) );
+	return origin + root * ( ( 1.0 - u.y ) * ( first.xyz - origin ) + u.y * ( second.xyz - origin ) );
+}
+
+/** A direction towards the light, and its density; zero where the light does not emit to the shaded point. */
+vec4 light_sample( int l, vec3 position, vec2 u ) {
+	if ( ! is_solid( l ) ) {
+		vec3 way = light_point( l, u ) - position;
+		float distance2 = dot( way, way );
+		vec3 direction = way / sqrt( max( distance2, 1e-36 ) );
+		float facing = - dot( light_normal[l].xyz, direction );
+		return vec4( direction, facing > HORIZON ? distance2 / ( light_normal[l].w * facing ) : 0.0 );
+	}
+	vec3 start = light_centre[l].xyz - position;
+	vec3 end = light_x[l].xyz - position;
+	vec3 along = end - start;
+	float size = light_centre[l].w;
+	if ( is_shape( l, 3 ) ) {
+		vec3 normal = cross( start, end );
+		float area = length( normal );
+		float angle = atan( area, dot( start, end ) );
+		vec3 towards = normalize( start );
+		vec3 direction = towards * cos( u.x * angle ) + cross( normal / max( area, 1e-18 ), towards ) * sin( u.x * angle );
+		float distance = area / length( along ) / max( dot( direction, normalize( cross( along, normal ) ) ), 1e-18 );
+		return vec4( direction, area > 0.0 && size > 0.0 ? distance / ( size * max( angle, 1e-18 ) ) : 0.0 );
+	}
+	vec3 nearest = solid_nearest( l, position );
+	float distance2 = dot( nearest, nearest );
+	if ( distance2 <= size * size ) return vec4( 0.0 );
+	vec2 turn = vec2( cos( 6.2831853 * u.y ), sin( 6.2831853 * u.y ) );
+	if ( dot( along, along ) == 0.0 ) {
+		float cap = sphere_cap( size * size / distance2 );
+		vec3 towards = nearest / sqrt( distance2 );
+		vec2 beside = turn * sqrt( max( u.x * cap * ( 2.0 - u.x * cap ), 0.0 ) );
+		return vec4( solid_basis( towards ) * beside + towards * ( 1.0 - u.x * cap ), 0.15915494 / cap );
+	}
+	vec3 axis = normalize( along );
+	vec2 area = tube_area( along, size );
+	vec3 outwards = solid_basis( axis ) * turn;
+	vec3 place = start + along * ( u.x / area.y );
+	if ( u.x >= area.y ) {
+		float height = 1.0 - 2.0 * ( u.x - area.y ) / ( 1.0 - area.y );
+		outwards = axis * height + outwards * sqrt( max( 1.0 - height * height, 0.0 ) );
+		place = height > 0.0 ? end : start;
+	}
+	place += outwards * size;
+	float away2 = dot( place, place );
+	vec3 direction = place / sqrt( away2 );
+	float facing = - dot( outwards, direction );
+	return vec4( direction, facing > 0.0 ? away2 / ( area.x * max( facing, 1e-6 ) ) : 0.0 );
+}
+`;

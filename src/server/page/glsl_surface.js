@@ -1,0 +1,149 @@
+// What each pixel shows of the scene, in GLSL ES: a sphere or a floor as previews have them, or the triangles of a mesh.
+//
+// Its place, tangent frame and material are written to textures, which all other programs of the viewer read.
+
+const HEAD = '#version 300 es\nprecision highp float;\nprecision highp int;\n';
+
+/** One triangle that covers the picture. */
+export const VERTEX = `#version 300 es
+void main() {
+	gl_Position = vec4( gl_VertexID == 1 ? 3.0 : - 1.0, gl_VertexID == 2 ? 3.0 : - 1.0, 0.0, 1.0 );
+}`;
+
+const TARGETS = `
+layout( location = 0 ) out vec4 out_place;
+layout( location = 1 ) out vec4 out_tangent;
+layout( location = 2 ) out vec4 out_normal;
+layout( location = 3 ) out vec4 out_f0;
+`;
+
+/** The sphere of radius one around the origin, or the floor y = 0; as `see` of shaders/sphere.wgsl. */
+export const SURFACE_SHADER = `${ HEAD }${ TARGETS }
+uniform int size, surface;
+uniform vec3 eye, right, up, forward, f0;
+uniform float pixel_width;
+uniform vec4 material;
+
+void main() {
+	ivec2 pixel = ivec2( int( gl_FragCoord.x ), size - 1 - int( gl_FragCoord.y ) );
+	vec2 middle = ( vec2( pixel ) + 0.5 ) / float( size ) * 2.0 - 1.0;
+	vec3 ray = normalize( forward + right * middle.x - up * middle.y );
+	vec3 position, normal, along;
+	float coverage;
+	if ( surface == 1 ) {
+		float t = - eye.y / min( ray.y, - 1e-6 );
+		position = eye + t * ray;
+		position.y = 0.0;
+		normal = vec3( 0.0, 1.0, 0.0 );
+		along = vec3( 1.0, 0.0, 0.0 );
+		coverage = ray.y < - 1e-6 && eye.y > 1e-3 ? clamp( 2.0 * ( 1.0 - t / 12.0 ), 0.0, 1.0 ) : 0.0;
+	} else {
+		float closest = - dot( eye, ray );
+		vec3 nearest = eye + closest * ray;
+		float distance2 = dot( nearest, nearest );
+		float rim = ( 1.0 - sqrt( distance2 ) ) / ( pixel_width * closest );
+		coverage = closest > 0.0 ? clamp( rim + 0.5, 0.0, 1.0 ) : 0.0;
+		position = normalize( nearest - sqrt( max( 1.0 - distance2, 0.0 ) ) * ray );
+		normal = position;
+		vec3 circle = vec3( normal.z, 0.0, - normal.x );
+		float length2 = dot( circle, circle );
+		along = length2 > 1e-8 ? circle / sqrt( max( length2, 1e-12 ) ) : vec3( 1.0, 0.0, 0.0 );
+	}
+	out_place = vec4( position, coverage );
+	out_tangent = vec4( material.z * along + material.w * cross( normal, along ), material.x );
+	out_normal = vec4( normal, material.y );
+	out_f0 = vec4( f0, 1.0 );
+}`;
+
+/** The triangles of a mesh, by the camera of the other surfaces: the square from -1 to 1 is the picture. */
+export const MESH_VERTEX = `#version 300 es
+layout( location = 0 ) in vec3 place;
+layout( location = 1 ) in vec3 normal;
+layout( location = 2 ) in vec4 tangent;
+uniform vec3 eye, right, up, forward;
+out vec3 at_place, at_normal;
+out vec4 at_tangent;
+const float NEAR = 0.05, FAR = 100.0;
+void main() {
+	vec3 way = place - eye;
+	float depth = dot( way, forward );
+	gl_Position = vec4( dot( way, right ) / dot( right, right ), dot( way, up ) / dot( up, up ), ( depth * ( FAR + NEAR ) - 2.0 * FAR * NEAR ) / ( FAR - NEAR ), depth );
+	at_place = place;
+	at_normal = normal;
+	at_tangent = tangent;
+}`;
+
+/** A mesh seen from behind shows its back. Where there is no tangent it runs around the vertical, as that of the sphere. */
+export const MESH_SHADER = `${ HEAD }${ TARGETS }
+in vec3 at_place, at_normal;
+in vec4 at_tangent;
+uniform vec3 f0;
+uniform vec4 material;
+
+void main() {
+	vec3 normal = normalize( gl_FrontFacing ? at_normal : - at_normal );
+	vec3 along = dot( at_tangent.xyz, at_tangent.xyz ) > 1e-12 ? at_tangent.xyz : vec3( normal.z, 0.0, - normal.x );
+	along -= normal * dot( normal, along );
+	along = dot( along, along ) > 1e-8 ? normalize( along ) : normalize( cross( normal, abs( normal.x ) > 0.7 ? vec3( 0.0, 1.0, 0.0 ) : vec3( 1.0, 0.0, 0.0 ) ) );
+	out_place = vec4( at_place, 1.0 );
+	out_tangent = vec4( material.z * along + material.w * at_tangent.w * cross( normal, along ), material.x );
+	out_normal = vec4( normal, material.y );
+	out_f0 = vec4( f0, 1.0 );
+}`;
+
+/** How the other programs read a pixel. A view below the surface is raised above it. */
+export const SEEN = `
+uniform sampler2D seen_place, seen_tangent, seen_normal, seen_f0;
+uniform vec3 eye;
+struct Shaded { vec3 position, x, y, z, wo; vec2 alpha; float coverage; };
+
+Shaded see() {
+	ivec2 texel = ivec2( gl_FragCoord.xy );
+	vec4 place = texelFetch( seen_place, texel, 0 );
+	vec4 tangent = texelFetch( seen_tangent, texel, 0 );
+	vec4 normal = texelFetch( seen_normal, texel, 0 );
+	Shaded at;
+	at.position = place.xyz;
+	at.coverage = place.w;
+	at.x = tangent.xyz;
+	at.z = normal.xyz;
+	at.y = cross( at.z, at.x );
+	vec3 view = normalize( eye - at.position );
+	at.wo = normalize( vec3( dot( view, at.x ), dot( view, at.y ), max( dot( view, at.z ), 1e-3 ) ) );
+	at.alpha = max( vec2( tangent.w, normal.w ), vec2( 1e-5 ) );
+	return at;
+}
+`;
+
+/** Shows one side, the other, both beside a border, or their difference in false colours; as `display` of shaders/sphere.wgsl. */
+export const DISPLAY_SHADER = `${ HEAD }
+uniform sampler2D seen_place, seen_f0, left_parts, right_parts;
+uniform int size, show;
+uniform float exposure, split, difference_scale, left_weight, right_weight;
+out vec4 colour;
+const vec3 BACKGROUND = vec3( 0.02 );
+
+/** Blue, green, yellow, red. */
+vec3 false_colour( float t ) {
+	vec3 c = clamp( vec3( 2.5 * t - 0.9, 1.0 - abs( 2.6 * t - 1.2 ), 1.0 - 2.6 * abs( t - 0.22 ) ), 0.0, 1.0 );
+	return mix( vec3( 0.02, 0.03, 0.12 ), c, smoothstep( 0.0, 0.15, t ) );
+}
+
+void main() {
+	ivec2 texel = ivec2( gl_FragCoord.xy );
+	float coverage = texelFetch( seen_place, texel, 0 ).w;
+	vec3 f0 = texelFetch( seen_f0, texel, 0 ).xyz;
+	vec2 left = texelFetch( left_parts, texel, 0 ).xy * left_weight;
+	vec2 right = texelFetch( right_parts, texel, 0 ).xy * right_weight;
+	vec3 left_radiance = mix( BACKGROUND, f0 * ( left.x - left.y ) + left.y, coverage );
+	vec3 right_radiance = mix( BACKGROUND, f0 * ( right.x - right.y ) + right.y, coverage );
+	if ( show == 3 ) {
+		float apart = dot( abs( left_radiance - right_radiance ), vec3( 1.0 / 3.0 ) );
+		colour = vec4( false_colour( clamp( apart / difference_scale, 0.0, 1.0 ) ), 1.0 );
+		return;
+	}
+	bool is_right = show == 2 || ( show == 0 && float( texel.x ) >= split * float( size ) );
+	vec3 y = vec3( 1.0 ) - exp( - exposure * max( is_right ? right_radiance : left_radiance, vec3( 0.0 ) ) );
+	vec3 curved = mix( 1.055 * pow( max( y, vec3( 0.003 ) ), vec3( 1.0 / 2.4 ) ) - 0.055, 12.92 * y, lessThanEqual( y, vec3( 0.0031308 ) ) );
+	colour = vec4( clamp( curved, 0.0, 1.0 ), 1.0 );
+}`;

@@ -1,0 +1,69 @@
+// The models by which the viewer lights: the service's tables, model normals, and what engines ship.
+
+import { call, manifest, reach } from './api.js';
+import { hasReference } from './glsl_reference.js';
+
+/** The name in a link of what engines ship. */
+export const ENGINES = 'engines';
+
+async function fetched( path ) {
+
+	const response = await reach( path );
+	if ( ! response.ok ) throw new Error( `${ path }: the answer was ${ response.status }` );
+	return response;
+
+}
+
+/** The texels of a KTX2 file of 32-bit numbers without levels: their bytes and the extents. */
+function texels( buffer ) {
+
+	const view = new DataView( buffer );
+	const word = ( at ) => view.getUint32( at, true );
+	// The header is that of section 3 of the KTX 2.0 specification; format 109 is R32G32B32A32_SFLOAT.
+	if ( word( 12 ) !== 109 || word( 44 ) !== 0 ) throw new Error( 'the texture is not of 32-bit numbers' );
+	const [ width, height, depth ] = [ word( 20 ), word( 24 ), Math.max( word( 28 ), 1 ) ];
+	return { width, height, depth, numbers: new Float32Array( buffer.slice( word( 80 ), word( 80 ) + 16 * width * height * depth ) ) };
+
+}
+
+/** The textures and uniforms of a table, as `ltcforge export --for wgpu` makes them. */
+async function tableOf( digest ) {
+
+	const at = `/v1/tables/${ digest }/exports/wgpu`;
+	const { ltc_table: members, textures: files } = await call( `${ at }/ltc.json` );
+	const textures = await Promise.all( files.map( async ( file ) => ( { name: file.replace( '.ktx2', '' ), ...texels( await ( await fetched( `${ at }/${ file }` ) ).arrayBuffer() ) } ) ) );
+	return { uniforms: Object.fromEntries( Object.entries( members ).map( ( [ member, value ] ) => [ `ltc_table.${ member }`, value ] ) ), textures };
+
+}
+
+/** A published table of 2017, a DDS file of 64 x 64 half floats behind a header of 128 bytes. */
+async function shipped( name, file ) {
+
+	return { name, width: 64, height: 64, halves: new Uint16Array( await ( await fetched( `/page/${ file }` ) ).arrayBuffer(), 128, 4 * 64 * 64 ) };
+
+}
+
+/** Why a table is not shown: the text reads LTCs, and the reference beside it knows few scattering models. */
+function unfit( { brdf, lobe } ) {
+
+	if ( ! hasReference( brdf ) ) return `The reference here is of GGX and sheen, and this table is of ${ brdf }; its page has a picture beside its own.`;
+	return lobe ? `This table is of lobe ${ lobe }, and the shader here reads LTCs.` : '';
+
+}
+
+/**
+ * A model by its name in a link: '' for normals, `engines`, or a table's digest. `kind` says which program, `text` is the
+ * service's shader, `brdf` the scattering model that it stands for.
+ */
+export async function modelOf( name ) {
+
+	if ( name === ENGINES ) return { kind: 'engines', brdf: 'ggx', text: '', uniforms: {}, textures: await Promise.all( [ shipped( 'shipped_matrix', 'ltc2017_1.dds' ), shipped( 'shipped_terms', 'ltc2017_2.dds' ) ] ) };
+	if ( ! name ) return { kind: 'normals', brdf: 'ggx', text: await ( await fetched( '/page/normals.glsl' ) ).text(), uniforms: {}, textures: [] };
+	const { recipe } = await manifest( name );
+	const reason = unfit( recipe );
+	if ( reason ) throw new Error( reason );
+	const kind = typeof recipe.fresnel === 'string' ? recipe.fresnel : 'one';
+	const [ table, text ] = await Promise.all( [ tableOf( name ), fetched( `/page/ltc-${ recipe.layout }${ kind === 'one' ? '' : '-two-lobes' }.glsl` ).then( ( response ) => response.text() ) ] );
+	return { kind, brdf: recipe.brdf, text, ...table };
+
+}

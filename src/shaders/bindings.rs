@@ -1,0 +1,123 @@
+//! Where a table is bound, in words, by language.
+
+use super::{Bound, Filter, Language, Namespace, Reading};
+
+/// Where the program binds them.
+pub(super) fn bindings(language: Language) -> &'static str {
+    match language {
+        Language::Wgsl => {
+            "\
+  here      group 0: uniform 0, matrix_a 1, matrix_b 2, terms 3, sampler 4
+            group 1, of the example: case 0, result 1
+  The sampler is used where ltc_hardware_filter is true: linear, clamped to the edge, textures filterable. Else the
+  entries are weighed here and it may be any."
+        }
+        Language::Spirv => {
+            "\
+  here      set 0: uniform 0, matrix_a 1, matrix_b 2, terms 3
+            set 1, of the example: case 0, result 1
+  Sampled images, no sampler: the entries are weighed here."
+        }
+        Language::Glsl | Language::Glsl330 | Language::GlslEs => {
+            "\
+  here      uniform block 0, textures: units 0, 1 and 2
+            of the example: uniform block 1, storage block 2
+  The entries are weighed here, texels are fetched: filter and wrap mode do not matter, but set filters without mipmaps."
+        }
+        Language::Hlsl => {
+            "\
+  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
+  here      uniform b0, matrix_a t1, matrix_b t2, terms t3, all of space0
+            of the example: b0 and u1 of space1
+  No sampler: the entries are weighed here."
+        }
+        Language::Msl => {
+            "\
+  here      buffer: uniform 0; textures: matrix_a 0, matrix_b 1, terms 2
+            of the example: buffers 1 and 2
+  No sampler: the entries are weighed here."
+        }
+    }
+}
+
+/// Where a text to include binds them.
+pub(super) fn included_bindings(language: Language, reading: Reading, namespace: &Namespace) -> String {
+    let bound = match reading.bound {
+        Bound::Volumes => bound_volumes(language),
+        Bound::Array => bound_array(language),
+    };
+    let weighed = match (language, reading.filter) {
+        (Language::Wgsl, _) => {
+            "The sampler is used where ltc_hardware_filter is true: linear, clamped to the edge, textures filterable. Else the
+  entries are weighed here and it may be any."
+        }
+        (_, Filter::Exact) => "The entries are weighed here, texels are fetched: filter and wrap mode do not matter.",
+        (_, Filter::Hardware) => "The sampler weighs entries: filter linearly, clamp to the edge, no mipmaps.",
+    };
+    let (opengl, space) = match namespace.group {
+        0 => ("in OpenGL 4.3 textures are units", ""),
+        _ => ("OpenGL has no sets", ", all of space{group}"),
+    };
+    let bound = bound.replace("{opengl}", opengl).replace("{space}", space);
+    format!("{}\n  {weighed}", namespace.numbered(&bound))
+}
+
+/// Where three textures are bound.
+fn bound_volumes(language: Language) -> &'static str {
+    match language {
+        Language::Wgsl => {
+            "\
+  here      group {group}: uniform {0}, matrix_a {1}, matrix_b {2}, terms {3}, sampler {4}"
+        }
+        Language::Glsl => {
+            "\
+  here      uniform block {0}, textures ltc_matrix_a {1}, ltc_matrix_b {2}, ltc_terms {3}: in Vulkan bindings of set
+            {group}, the textures with samplers; {opengl}"
+        }
+        Language::Glsl330 | Language::GlslEs => {
+            "\
+  here      uniforms ltc_table.nodes and .reading, uvec4 each; ltc_table.start, .step, .per_step, .texel, .roughness,
+            .cosines and .azimuths, vec4 each; samplers ltc_matrix_a, ltc_matrix_b, ltc_terms"
+        }
+        Language::Hlsl => {
+            "\
+  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
+  here      uniform b{0}, matrix_a t{1}, matrix_b t{2}, terms t{3}, sampler s{4}{space}"
+        }
+        Language::Msl | Language::Spirv => {
+            "\
+  here      nothing is bound: functions take what they read as arguments, which are called ltc_table,
+            ltc_matrix_a, ltc_matrix_b, ltc_terms and ltc_sampler"
+        }
+    }
+}
+
+/// Where the one array is bound.
+fn bound_array(language: Language) -> &'static str {
+    match language {
+        Language::Wgsl => {
+            "\
+  here      group {group}: uniform {0}, layers {1}, sampler {2}"
+        }
+        Language::Glsl => {
+            "\
+  here      uniform block {0}, texture ltc_layers {1}: in Vulkan bindings of set {group}, the texture with a sampler;
+            {opengl}"
+        }
+        Language::Glsl330 | Language::GlslEs => {
+            "\
+  here      uniforms ltc_table.nodes and .reading, uvec4 each; ltc_table.start, .step, .per_step, .texel, .roughness,
+            .cosines and .azimuths, vec4 each; sampler ltc_layers"
+        }
+        Language::Hlsl => {
+            "\
+  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
+  here      uniform b{0}, layers t{1}, sampler s{2}{space}"
+        }
+        Language::Msl | Language::Spirv => {
+            "\
+  here      nothing is bound: functions take what they read as arguments, which are called ltc_table, ltc_layers and
+            ltc_sampler"
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! The text of lights with pictures: the readings, which all models share under names of their own, and a model's lobe.
+
+use super::{Bound, LitBy, Reading, namespace::prefixed, normals_header::normals_files, sources::joined};
+use ltcforge_light::{LightModel, textured::Readings};
+
+/// What the text to include says of it.
+const ABOUT: &str = "\
+PICTURES ON LIGHTS
+  {own}_textured_rectangle({view}, corners, two_sided, picture, base)
+      {result}
+      The picture's upper left is at the first corner, its rows run to the second, its columns to the fourth; all four
+      are read. picture is a layer of {own}_pictures, a 2D array with all levels that light-texture writes; base is
+      log2(sqrt(width height)) - 1 of its first level, whose texels are best square on the light.
+      {own}_picture_sampler is linear between texels and levels and clamps to the edge.
+      {constant}, a constant, says how often a picture is read: {number}.
+";
+
+/// The bindings of the pictures and their sampler: those after the table's.
+fn bindings(lit_by: LitBy, reading: Reading) -> [u32; 2] {
+    let first = match (lit_by.layout(), reading.bound) {
+        (None, _) => 0,
+        (Some(_), Bound::Array) => 3,
+        (Some(_), Bound::Volumes) => 5,
+    };
+    [first, first + 1]
+}
+
+/// The beginning of a model's names, and the type of its lobe.
+fn lobe(model: LightModel) -> Option<[&'static str; 2]> {
+    match model {
+        LightModel::Normals => Some(["normals", "NormalsView"]),
+        LightModel::Ltc => Some(["ltc", "LtcInverse"]),
+        LightModel::Sg | LightModel::Asg => None,
+    }
+}
+
+/// Whether a model's text can light by pictures.
+pub(super) fn has_pictures(model: LightModel) -> bool {
+    lobe(model).is_some()
+}
+
+impl LitBy {
+    /// The text of pictures on lights; empty where they are not chosen.
+    pub(super) fn textured(self, reading: Reading) -> String {
+        let (Some(number), Some([own, lobe])) = (self.additions().textured, lobe(self.model())) else {
+            return String::new();
+        };
+        let [pictures, sampler] = bindings(self, reading);
+        let shared = ltcforge_wgsl::TEXTURED
+            .replace("@binding(0)", &format!("@binding({pictures})"))
+            .replace("@binding(1)", &format!("@binding({sampler})"))
+            .replace("TEXTURED_READINGS: u32 = 4u", &format!("TEXTURED_READINGS: u32 = {number}u"))
+            .replace("TexturedLobe", lobe);
+        let shared = prefixed(&shared, "textured", own);
+        let of_model = match self.model() {
+            LightModel::Normals => format!("{}\n{}", ltcforge_wgsl::NORMALS_TEXTURED, self.normals_rectangle()),
+            _ if self.additions().cut => {
+                ltcforge_wgsl::LTC_TEXTURED.replace("= ltc_rectangle(", "= ltc_cut_rectangle(")
+            }
+            _ => ltcforge_wgsl::LTC_TEXTURED.to_owned(),
+        };
+        format!("\n{shared}\n{of_model}")
+    }
+
+    /// The rule's `normals_rectangle` with a picture: its own text, which goes on with the integral of the outline.
+    fn normals_rectangle(self) -> String {
+        let text = joined(self.rule().map_or(&[], normals_files));
+        let begins = text.find("fn normals_rectangle(").unwrap_or(0);
+        let ends = text[begins..].find("\n}\n").map_or(text.len(), |length| begins + length + 3);
+        let flux = text[begins..ends].find("normals_tip(view, ").map_or("flux", |_| "around");
+        let rectangle = text[begins..ends]
+            .replace("fn normals_rectangle(", "fn normals_textured_rectangle(")
+            .replace(
+                "two_sided: bool) -> vec2<f32> {",
+                "two_sided: bool, picture: u32, base: f32) -> NormalsTextured {",
+            )
+            .replace("return vec2(0.0);", "return NormalsTextured(vec2(0.0), vec3(0.0));")
+            .replace(
+                "let tip = normals_tip(view, ab + bc + ch + hd + da);",
+                "let around = ab + bc + ch + hd + da;\n    let tip = normals_tip(view, around);",
+            )
+            .replace("    return normals_mean(", "    let parts = normals_mean(")
+            .replace("    return normals_total(", "    let parts = normals_total(");
+        let picture =
+            format!("    return NormalsTextured(parts, normals_picture(view, corners, {flux}, picture, base));\n}}\n");
+        let body = rectangle.trim_end_matches("}\n");
+        format!(
+            "/// The same of a rectangle with a picture: the parts of the whole light, and the colour of what is reflected.\n{body}{picture}"
+        )
+    }
+
+    /// A call of the function that is added.
+    pub(super) fn textured_call(self) -> String {
+        let (Some(_), Some([own, _])) = (self.additions().textured, lobe(self.model())) else { return String::new() };
+        let of = if self.model() == LightModel::Ltc { "inverse" } else { "view" };
+        format!("    let textured = {own}_textured_rectangle({of}, corners, true, 0u, 8.0);\n")
+    }
+
+    /// What the comment says of it.
+    pub(super) fn about_textured(self) -> String {
+        let (Some(number), Some([own, _])) = (self.additions().textured, lobe(self.model())) else {
+            return String::new();
+        };
+        let (of, result) = match self.model() {
+            LightModel::Ltc => {
+                ("inverse", "covered, as ltc_rectangle has it, and colour: light arrives as that of radiance colour.")
+            }
+            _ => {
+                ("view", "parts, as normals_rectangle has them, and colour: light arrives as that of radiance colour.")
+            }
+        };
+        ABOUT
+            .replace("{own}", own)
+            .replace("{view}", of)
+            .replace("{result}", result)
+            .replace("{constant}", &format!("{}_READINGS", own.to_uppercase()))
+            .replace("{number}", Readings::name(number))
+    }
+}

@@ -1,0 +1,157 @@
+//! Random surfaces and rectangles for pictures, the same in every run, and what GGX truly reflects of each channel.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use ltcforge::{
+    fit::{
+        Configuration, Sides,
+        brdf::{Brdf, Ggx},
+        math::direction,
+    },
+    light::{
+        PolygonLight,
+        textured::{TexturedLight, TexturedReflection},
+    },
+};
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+
+use super::pictures::{CHANNELS, Pictures};
+
+/// Texels of the pictures: of squares, and of rectangles two and four times as long as wide.
+pub(super) const FORMS: [[usize; 2]; 5] = [[512, 512], [512, 256], [256, 512], [512, 128], [128, 512]];
+/// The truth's tolerance: a fiftieth of the mean error of the best row.
+const TOLERANCE: f64 = 1e-4;
+
+/// The distributions from which cases are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Set {
+    /// Alpha .01 to 1, even in its root, ratio 0 to 1, views to 88 degrees; lights of half sizes .05 to 1.2, even in their
+    /// logarithm, at distance one around a direction that the lobe reflects.
+    Random,
+    /// The same with alpha .1 to .6 and ratio .03 to .23.
+    Anisotropic,
+    /// The same as `Random` from 75 to 89 degrees.
+    Grazing,
+    /// The same with alpha .6 to 1 and ratio .5 to 1.
+    Rough,
+    /// Upright walls across from the viewer that stand on the surface, .3 to 2 away, some up to a tenth of their height below
+    /// it and some up to a fourth above.
+    Floor,
+}
+
+pub(super) const SETS: [Set; 5] = [Set::Random, Set::Anisotropic, Set::Grazing, Set::Rough, Set::Floor];
+
+impl Set {
+    /// Its name in tables.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Random => "random",
+            Self::Anisotropic => "anisotropic",
+            Self::Grazing => "grazing",
+            Self::Rough => "rough",
+            Self::Floor => "floor",
+        }
+    }
+}
+
+/// A surface, a light and its true reflection.
+#[derive(Debug, Clone)]
+pub(super) struct Case {
+    /// The surface and the view.
+    pub(super) at: Configuration,
+    /// The light.
+    pub(super) light: TexturedLight,
+    /// Which of [`FORMS`] the picture has.
+    pub(super) form: usize,
+    /// What is truly reflected of each channel, for a Fresnel factor of one.
+    pub(super) truth: Vec<f64>,
+}
+
+/// `count` cases of a set. Equal arguments give equal cases.
+pub(super) fn cases(set: Set, count: usize, pictures: &[Pictures]) -> Vec<Case> {
+    let mut draw = Draw(Xoshiro256PlusPlus::seed_from_u64(44_000 + set as u64));
+    let drawn: Vec<_> = (0..count).map(|_| draw.valid(set)).collect();
+    let case = |(at, light, form): (Configuration, TexturedLight, usize)| {
+        let Pictures { images, .. } = &pictures[form];
+        let size = [images[0].width(), images[0].height()];
+        let lights = light.texel_lights(&at, size, TOLERANCE).expect("a lobe that is not too sharp");
+        let mut truth = Vec::with_capacity(CHANNELS);
+        for image in images {
+            let lit = lights.iter().zip(image.texels());
+            let TexturedReflection { energy, .. } = TexturedReflection::of_texels(lit);
+            truth.extend(energy);
+        }
+        Case { at, light, form, truth }
+    };
+    drawn.into_par_iter().map(case).collect()
+}
+
+struct Draw(Xoshiro256PlusPlus);
+
+impl Draw {
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * ((self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+
+    fn logarithmic(&mut self, low: f64, high: f64) -> f64 {
+        self.within(low.ln(), high.ln()).exp()
+    }
+
+    /// A vector of normally distributed numbers.
+    fn vector(&mut self) -> DVec3 {
+        let mut normal = || (-2.0 * (1.0 - self.within(0.0, 1.0)).ln()).sqrt() * self.within(0.0, TAU).cos();
+        DVec3::new(normal(), normal(), normal())
+    }
+
+    fn configuration(&mut self, set: Set) -> Configuration {
+        let (long, ratio) = match set {
+            Set::Anisotropic => (self.within(0.1, 0.6), self.within(0.03, 0.23)),
+            Set::Rough => (self.within(0.6, 1.0), self.within(0.5, 1.0)),
+            _ => (self.within(0.0, 1.0).powi(2).max(0.01), self.within(0.0, 1.0)),
+        };
+        let short = (long * ratio).max(0.005);
+        let [alpha_x, alpha_y] = if self.within(0.0, 1.0) < 0.5 { [long, short] } else { [short, long] };
+        let [low, high] = if set == Set::Grazing { [75.0_f64, 89.0] } else { [0.0, 88.0] }.map(f64::to_radians);
+        Configuration { alpha_x, alpha_y, theta: self.within(low, high), phi: self.within(0.0, TAU) }
+    }
+
+    /// Draws until what comes is a light.
+    fn valid(&mut self, set: Set) -> (Configuration, TexturedLight, usize) {
+        loop {
+            let form = (self.within(0.0, FORMS.len() as f64) as usize).min(FORMS.len() - 1);
+            let at = self.configuration(set);
+            let [width, height] = FORMS[form].map(|texels| texels as f64);
+            let stretch = (width / height).sqrt();
+            let corners =
+                if set == Set::Floor { Some(self.wall(&at, stretch)) } else { self.around_lobe(&at, stretch) };
+            let light = corners.and_then(|corners| PolygonLight::new(corners.to_vec(), Sides::Two).ok());
+            if let Some(light) = light.and_then(|light| TexturedLight::new(light).ok()) {
+                return (at, light, form);
+            }
+        }
+    }
+
+    fn around_lobe(&mut self, at: &Configuration, stretch: f64) -> Option<[DVec3; 4]> {
+        let ggx = Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y };
+        let u = [self.within(0.0, 1.0), self.within(0.0, 1.0)];
+        let centre = ggx.sample(direction(at.theta, at.phi), u).wi;
+        let size = self.logarithmic(0.05, 1.2);
+        let normal = (0.5 * self.vector() - centre).normalize();
+        let x = normal.cross(self.vector()).normalize();
+        let (x, y) = (x * size * stretch, normal.cross(x) * size / stretch);
+        (centre.z > 0.0).then_some([centre - x - y, centre + x - y, centre + x + y, centre - x + y])
+    }
+
+    fn wall(&mut self, at: &Configuration, stretch: f64) -> [DVec3; 4] {
+        let towards = at.phi + TAU * self.within(0.4, 0.6);
+        let middle = DVec3::new(towards.cos(), towards.sin(), 0.0) * self.within(0.3, 2.0);
+        let size = self.logarithmic(0.1, 1.0);
+        let x = DVec3::new(-towards.sin(), towards.cos(), 0.0) * size * stretch;
+        let top = DVec3::Z * 2.0 * size / stretch;
+        let low = middle + top * self.within(-0.1, 0.25);
+        [low - x, low + x, low + x + top, low - x + top]
+    }
+}

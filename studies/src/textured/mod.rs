@@ -1,0 +1,137 @@
+//! The tables of docs/textured.md: lights with pictures, by engines' reading, by a table's own kernel and by `normals`.
+
+mod cases;
+mod pictures;
+
+use std::fmt::Write as _;
+
+use ltcforge::{
+    Preset, Recipe, RecipeDocument as _,
+    fit::{Ltc, Table, math::from_row_major},
+    light::{
+        CosineSpace, NormalsRule, TableUse, by_table,
+        textured::{Reading, Readings, TexturedReflection, colour, engines_reading},
+    },
+};
+use rayon::prelude::*;
+
+use self::{
+    cases::{Case, SETS, cases},
+    pictures::Pictures,
+};
+use crate::{
+    lights::Spread,
+    markdown::{short, spread},
+    tables::fitted,
+};
+
+/// What engines multiply the width of their reading by: the levels of a chain are not the same everywhere, and the best of
+/// these is told.
+const WIDTHS: [f64; 3] = [1.0, 1.4, 2.0];
+
+/// What a way finds of a case: each channel.
+type Way<'a> = Box<dyn Fn(&Case) -> Vec<f64> + Sync + 'a>;
+
+/// The table, `lights` a set.
+///
+/// # Errors
+/// None, unless preset `paper` is no recipe.
+pub fn tables(lights: usize) -> Result<String, ltcforge::Error> {
+    let table = fitted(&Recipe::builder().preset(Preset::Paper).build()?);
+    Ok(tables_of(&table, lights))
+}
+
+/// The table by a table of LTCs.
+///
+/// # Panics
+/// Where a light has no reflection: never, for those drawn here.
+#[must_use]
+pub fn tables_of(table: &Table, lights: usize) -> String {
+    let pictures: Vec<Pictures> = cases::FORMS.into_par_iter().map(Pictures::new).collect();
+    let sets = SETS.map(|set| cases(set, lights, &pictures));
+    let mut out = format!("docs/textured.md, {lights} lights a set, mean / 95th percentile / largest error:\n\n| |");
+    // Writing to a String cannot fail.
+    for (set, cases) in SETS.iter().zip(&sets) {
+        let channels = cases.iter().flat_map(|case| &case.truth);
+        let count = channels.clone().count() as f64;
+        let _ = write!(out, " {} (mean {}) |", set.name(), short(channels.sum::<f64>() / count, 3));
+    }
+    let _ = writeln!(out, "\n|---|{}", "---|".repeat(SETS.len()));
+    for (name, way) in ways(table, &pictures) {
+        let _ = write!(out, "| {name} |");
+        for cases in &sets {
+            let errors = cases.par_iter().flat_map_iter(|case| {
+                let found = way(case);
+                found.into_iter().zip(&case.truth).map(|(found, truth)| (found - truth).abs()).collect::<Vec<_>>()
+            });
+            let _ = write!(out, " {} |", spread(Spread::of(errors.collect())));
+        }
+        out += "\n";
+    }
+    out
+}
+
+/// All ways by their names.
+fn ways<'a>(table: &'a Table, pictures: &'a [Pictures]) -> Vec<(String, Way<'a>)> {
+    let mut ways: Vec<(String, Way<'a>)> = Vec::new();
+    ways.push((
+        "mean of the picture".to_owned(),
+        Box::new(|case| {
+            let energy = ltcforge::light::by_normals(&case.at, case.light.polygon(), NormalsRule::Balanced);
+            let energy = energy.expect("a surface").energy;
+            let pyramids = pictures[case.form].pyramids.iter();
+            pyramids
+                .flat_map(|pyramid| {
+                    pyramid.levels()[pyramid.levels().len() - 1].texels()[0].map(|x| energy * f64::from(x))
+                })
+                .collect()
+        }),
+    ));
+    for width in WIDTHS {
+        ways.push((
+            format!("LTC, engines' reading, width x {width}"),
+            Box::new(move |case| engines(table, case, &pictures[case.form], width)),
+        ));
+    }
+    for number in [Readings::One, Readings::Four] {
+        let used = (TableUse::default(), number);
+        ways.push((
+            format!("LTC, its own kernel, {number}"),
+            Box::new(move |case| {
+                pictures[case.form]
+                    .channels(|pyramid| case.light.by_table(table, &case.at, pyramid, used).expect("a surface"))
+            }),
+        ));
+    }
+    for (rule, number) in [
+        (NormalsRule::Balanced, Readings::One),
+        (NormalsRule::Balanced, Readings::Two),
+        (NormalsRule::Balanced, Readings::Four),
+        (NormalsRule::Balanced, Readings::Six),
+        (NormalsRule::Fast, Readings::Four),
+        (NormalsRule::Fine, Readings::Four),
+    ] {
+        ways.push((
+            format!("`normals`, `{rule}`, {number}"),
+            Box::new(move |case| {
+                pictures[case.form]
+                    .channels(|pyramid| case.light.by_normals(&case.at, pyramid, (rule, number)).expect("a surface"))
+            }),
+        ));
+    }
+    ways
+}
+
+/// One reading where the vector form factor meets the light.
+fn engines(table: &Table, case: &Case, pictures: &Pictures, width: f64) -> Vec<f64> {
+    let light = case.light.polygon();
+    let ltc = Ltc::new(from_row_major(&table.lookup(&case.at).matrix)).expect("an LTC");
+    let corners = [0, 1, 2, 3].map(|i| light.vertices()[i].to_array());
+    let form_factor = ltc.vector_form_factor(light.vertices()).to_array();
+    let reading: Reading<f64> = engines_reading(&CosineSpace::from(&ltc), form_factor, &corners, width);
+    let energy = by_table(table, &case.at, light).expect("a surface").energy;
+    pictures.channels(|pyramid| TexturedReflection {
+        energy: colour(&[reading], pyramid).map(|channel| energy * channel),
+        fresnel: [0.0; 3],
+    })
+}

@@ -1,0 +1,224 @@
+//! Documents and containers, read by the library.
+
+use std::path::Path;
+
+use ltcforge::{
+    Preset, Recipe, RecipeDocument as _, TableFile,
+    client::{LockFile, with_pins},
+    files::{
+        compact,
+        container::{NPY_MAGIC, decode, decode_npy, encode},
+        recipe_document::{DEFAULT_ENTRY_LIMIT, canonical_json, digest, parse},
+        tabulated,
+    },
+    fit::{BrdfKind, TabulatedAxes, TabulatedBrdf},
+};
+use ltcforge_plan::Scene;
+
+use crate::target::Target;
+
+/// Documents of recipes, of every kind of field.
+const RECIPES: [&str; 6] = [
+    "{}",
+    r#"{"preset": "draft", "resolution": {"alpha": 2, "ratio": 2, "theta": 2, "phi": 2}, "fit": {"samples": 64, "seed": 7}}"#,
+    r#"{"preset": "paper", "brdf": "beckmann", "layout": "kt2022", "precision": "f16", "terms": false}"#,
+    r#"{"nodes": {"alpha": [0.1, 0.5, 1], "ratio": [0.5, 1]}, "range": {"theta": [0, 1.2]}, "fit": {"metric": "l3"}}"#,
+    r#"{"layout": "ltc2017", "brdf": "charlie", "resolution": {"alpha": 8, "theta": 8}, "fresnel": [{"f0": 0.04}]}"#,
+    r#"{"brdf": "fuzz", "lobe": "sg", "fitter": 4, "second": "coat", "fit": {"solver": "nelder_mead", "steps": 3}}"#,
+];
+
+const RECIPE_WORDS: [&str; 16] = [
+    "\"preset\":",
+    "\"brdf\":",
+    "\"layout\":",
+    "\"lobe\":",
+    "\"nodes\":",
+    "\"range\":",
+    "\"fit\":",
+    "\"resolution\":",
+    "\"terms\":",
+    "[",
+    "{",
+    "}",
+    ",",
+    "null",
+    "true",
+    "\"tabulated\"",
+];
+
+/// A table of few entries.
+fn small() -> TableFile {
+    let recipe = Recipe::builder().preset(Preset::Draft);
+    let recipe = ["alpha", "ratio", "theta", "phi"].into_iter().fold(recipe, |recipe, axis| recipe.resolution(axis, 2));
+    ltcforge::fit(&recipe.build().expect("a recipe")).expect("a table")
+}
+
+#[test]
+fn recipes() {
+    let seeds = RECIPES.map(|text| text.as_bytes().to_vec()).to_vec();
+    Target { name: "recipe", seeds, words: &RECIPE_WORDS, inputs: 4000 }.survive(|bytes| {
+        match parse(bytes, DEFAULT_ENTRY_LIMIT) {
+            Ok(recipe) => {
+                let again = parse(canonical_json(&recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).expect("its canonical form");
+                assert_eq!(digest(&again), digest(&recipe));
+                "a recipe".to_owned()
+            }
+            Err(error) => format!("{error:?}"),
+        }
+    });
+}
+
+#[test]
+fn tables() {
+    let small = small();
+    let seeds = vec![encode(small.recipe(), small.table()).expect("a file")];
+    let words = ["\"F32\"", "\"F16\"", "\"shape\":", "\"data_offsets\":", "\"__metadata__\":", "[", "{", "}", ","];
+    Target { name: "safetensors", seeds, words: &words, inputs: 2000 }.survive(|bytes| match decode(bytes) {
+        Ok(file) => {
+            let encoded = encode(file.recipe(), file.table());
+            assert!(encoded.is_ok_and(|encoded| encoded == bytes), "a table has one file");
+            "a table".to_owned()
+        }
+        Err(error) => error.to_string(),
+    });
+}
+
+#[test]
+fn compact_tables() {
+    let seeds = vec![compact::encode(small().table()).expect("a file")];
+    Target { name: "compact", seeds, words: &[], inputs: 1000 }.survive(|bytes| match compact::decode(bytes) {
+        Ok(table) => {
+            assert!(table.matrices().iter().flatten().all(|number| number.is_finite()));
+            "a table".to_owned()
+        }
+        Err(error) => error.to_string(),
+    });
+}
+
+#[test]
+fn npy() {
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, 2, 2, 3, 3), }";
+    let length = u16::try_from(header.len()).expect("a short header").to_le_bytes();
+    let numbers: Vec<u8> = (0_u16..216).flat_map(|n| f32::from(n).to_le_bytes()).collect();
+    let seeds = vec![[NPY_MAGIC, &[1, 0], &length, header.as_bytes(), &numbers].concat()];
+    let words = ["'descr':", "'fortran_order':", "True", "'shape':", "(", ")", ",", "'<f8'", "'>f4'"];
+    Target { name: "npy", seeds, words: &words, inputs: 4000 }.survive(|bytes| match decode_npy(bytes) {
+        Ok(_) => "a table".to_owned(),
+        Err(error) => error.to_string(),
+    });
+}
+
+#[test]
+fn tabulated_brdfs() {
+    let planted = |alpha: &[f64]| {
+        let brdf = TabulatedBrdf::tabulate(BrdfKind::OrenNayar, TabulatedAxes::spread(alpha.to_vec(), 48, 24));
+        tabulated::encode(&brdf.expect("a BRDF")).expect("a file")
+    };
+    let seeds = vec![planted(&[]), planted(&[0.25, 0.5])];
+    let words =
+        ["\"value\":", "\"F32\"", "\"F64\"", "\"shape\":", "\"data_offsets\":", "\"alpha\":", "[", "{", "}", ","];
+    Target { name: "tabulated", seeds, words: &words, inputs: 600 }.survive(|bytes| match tabulated::decode(bytes) {
+        Ok(file) => {
+            let surface = ltcforge::BrdfModel::tabulated(file).surface([0.6; 2]);
+            let sample = surface.sample(ltcforge::glam::DVec3::new(0.6, 0.0, 0.8), [0.3, 0.7]);
+            assert!(sample.wi.is_finite() && sample.weight.is_finite());
+            "a BRDF".to_owned()
+        }
+        Err(error) => error.to_string(),
+    });
+}
+
+#[test]
+fn lock_files() {
+    let path = Path::new("ltcforge.lock");
+    let digest_text = ltcforge::Digest::of(b"a");
+    let old = format!(
+        "# ours\nversion = 1\n\n[[table]]\nname = \"a\"\ndigest = \"{digest_text}\"\npath = \"x\"\nserver = \"http://h\"\n\n\
+         [[table]]\nname = \"b\"\ndigest = \"{digest_text}\"\npath = \"y\"\nbytes = 7\n"
+    );
+    let recipe = canonical_json(&parse(br#"{"preset": "draft"}"#, DEFAULT_ENTRY_LIMIT).expect("a recipe"));
+    let recipe_digest = ltcforge::Digest::of(recipe.as_bytes());
+    let new = format!(
+        "version = 2\nsources = [\"http://h:1\"]\n\n[[table]]\nname = \"a\"\npath = \"a.safetensors\"\ndigest = \"{digest_text}\"\nbytes = 7\n\
+         recipe_digest = \"{recipe_digest}\"\nrecipe = '{recipe}'\n\n[[table.export]]\nfor = \"wgpu\"\nto = \"out\"\n\
+         file = [{{ path = \"out/1\", bytes = 3, digest = \"{digest_text}\" }}]\n"
+    );
+    for seed in [&old, &new] {
+        LockFile::parse(seed, path).expect("a seed in order");
+    }
+    let seeds = vec![old.into_bytes(), new.into_bytes()];
+    let words =
+        ["[[table]]\n", "version = ", "path = ", "\"../x\"", "\"/etc/passwd\"", "'", "\"\"\"", "= {", "\n", "file = ["];
+    Target { name: "lock", seeds, words: &words, inputs: 3000 }.survive(|bytes| {
+        let Ok(text) = std::str::from_utf8(bytes) else { return "not UTF-8".to_owned() };
+        match LockFile::parse(text, path) {
+            Ok(lock) => {
+                // Version 1 has no recipes, which what is written needs.
+                if lock.pins.iter().all(|pin| pin.recipe.is_some()) {
+                    let written = with_pins(text, &lock.pins).expect("what was read can be written");
+                    assert_eq!(LockFile::parse(&written, path).expect("a lock file").pins, lock.pins);
+                }
+                "a lock file".to_owned()
+            }
+            Err(error) => error.to_string(),
+        }
+    });
+}
+
+/// A square in one file: JSON, and the numbers behind it.
+fn square() -> Vec<u8> {
+    let positions: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
+    let mut binary: Vec<u8> = positions.iter().flat_map(|number| number.to_le_bytes()).collect();
+    binary.extend([0_u16, 1, 2, 0, 2, 3].iter().flat_map(|index| index.to_le_bytes()));
+    let mut json =
+        br#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"scale":[1,2,1]}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],
+        "materials":[{"name":"m","pbrMetallicRoughness":{"metallicFactor":1,"roughnessFactor":0.4}}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+        {"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],
+        "bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}],
+        "buffers":[{"byteLength":60}]}"#
+            .to_vec();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let chunk = |kind: &[u8; 4], data: &[u8]| {
+        let length = u32::try_from(data.len()).expect("short").to_le_bytes();
+        [&length[..], kind, data].concat()
+    };
+    let chunks = [chunk(b"JSON", &json), chunk(b"BIN\0", &binary)].concat();
+    let length = u32::try_from(chunks.len() + 12).expect("short").to_le_bytes();
+    [&b"glTF"[..], &2_u32.to_le_bytes(), &length, &chunks].concat()
+}
+
+#[test]
+fn scenes() {
+    Scene::from_bytes(square()).expect("a seed in order");
+    let words = [
+        "\"children\":[0]",
+        "\"extensions\":{",
+        "\"KHR_materials_anisotropy\":",
+        "\"images\":[",
+        "\"uri\":",
+        "[",
+        "{",
+        "}",
+        ",",
+    ];
+    Target { name: "gltf", seeds: vec![square()], words: &words, inputs: 3000 }.survive(
+        |bytes| match Scene::from_bytes(bytes.to_vec()) {
+            Ok(_) => "a scene".to_owned(),
+            Err(error) => error.to_string(),
+        },
+    );
+}
+
+#[test]
+fn lists_of_materials() {
+    let list = br#"{"materials": [{"name": "steel", "alpha_x": 0.2, "alpha_y": 0.2, "weight": 2}, {"gltf": {"roughness": 0.1}}]}"#;
+    let words = ["\"openpbr\":", "\"gltf\":", "\"weight\":", "\"f0\":", "[", "{", "}", ","];
+    Target { name: "materials", seeds: vec![list.to_vec()], words: &words, inputs: 3000 }.survive(|bytes| {
+        match Scene::from_list(bytes) {
+            Ok(_) => "a scene".to_owned(),
+            Err(error) => error.to_string(),
+        }
+    });
+}

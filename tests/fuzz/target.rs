@@ -1,0 +1,209 @@
+//! Inputs for whatever reads bytes from elsewhere: seeds, what once failed, and mutations of both.
+//!
+//! There is no instrumentation, which the stable compiler lacks: what a reader answers takes its place. An input with an answer that
+//! none had before is mutated further.
+
+use std::{
+    collections::BTreeSet,
+    env, fs,
+    panic::{AssertUnwindSafe, catch_unwind, resume_unwind},
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+use ltcforge::Digest;
+
+/// Time for one input.
+const MOST_TIME: Duration = Duration::from_secs(20);
+
+/// The longest input.
+const MOST_BYTES: usize = 1 << 20;
+
+/// Inputs that are mutated further.
+const MOST_KEPT: usize = 2000;
+
+/// What stands in place of a number.
+const NUMBERS: [&str; 12] = [
+    "0",
+    "-1",
+    "1e999",
+    "-0.0",
+    "NaN",
+    "null",
+    "4294967296",
+    "9223372036854775808",
+    "18446744073709551616",
+    "1e-320",
+    "[]",
+    "\"\"",
+];
+
+/// A reader of bytes, and what it is asked with.
+#[derive(Debug)]
+pub(crate) struct Target<'a> {
+    /// Its name, and that of its folder in `tests/fuzz/corpus`, where inputs are that once failed or are hard.
+    pub(crate) name: &'a str,
+    /// Inputs that are in order.
+    pub(crate) seeds: Vec<Vec<u8>>,
+    /// Words of the format.
+    pub(crate) words: &'a [&'a str],
+    /// Inputs in every run of the tests. `LTCFORGE_TEST_FUZZ_SECONDS` goes on for so long.
+    pub(crate) inputs: u64,
+}
+
+/// Numbers that are the same each time.
+struct Random(u64);
+
+impl Random {
+    /// `SplitMix64` [Steele et al. 2014].
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, limit: usize) -> usize {
+        (self.next() % limit.max(1) as u64) as usize
+    }
+
+    fn of<'a, T: ?Sized>(&mut self, items: &[&'a T]) -> &'a T {
+        items[self.below(items.len())]
+    }
+}
+
+fn corpus(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/corpus").join(name)
+}
+
+impl Target<'_> {
+    /// Calls `read` with the inputs of the corpus, the seeds, and mutations of both. It returns what a user would be told, in
+    /// which digits do not count.
+    ///
+    /// # Panics
+    /// When `read` panics or takes too long; the input is then in the corpus, and the next run begins with it.
+    pub(crate) fn survive(&self, read: impl Fn(&[u8]) -> String) {
+        assert!(!self.seeds.is_empty(), "{}: no seeds", self.name);
+        let mut kept = self.seeds.clone();
+        let mut files: Vec<PathBuf> =
+            fs::read_dir(corpus(self.name)).into_iter().flatten().flatten().map(|file| file.path()).collect();
+        files.sort();
+        kept.extend(files.iter().map(|file| fs::read(file).expect("a file of the corpus")));
+        let mut answers = BTreeSet::new();
+        for input in &kept {
+            answers.insert(self.answer(&read, input));
+        }
+        let seconds = env::var("LTCFORGE_TEST_FUZZ_SECONDS").ok();
+        let seconds = seconds.map(|text| text.parse().expect("LTCFORGE_TEST_FUZZ_SECONDS is a number"));
+        let (start, time) = (Instant::now(), seconds.map(Duration::from_secs));
+        for number in 0.. {
+            if time.map_or(number >= self.inputs, |time| start.elapsed() >= time) {
+                break;
+            }
+            let input = self.mutated(&kept, &mut Random(number));
+            if answers.insert(self.answer(&read, &input)) && kept.len() < MOST_KEPT {
+                kept.push(input);
+            }
+        }
+    }
+
+    fn answer(&self, read: &impl Fn(&[u8]) -> String, input: &[u8]) -> String {
+        let start = Instant::now();
+        let answer = catch_unwind(AssertUnwindSafe(|| read(input)));
+        let took = start.elapsed();
+        if answer.is_err() || took > MOST_TIME {
+            let file = corpus(self.name).join(&Digest::of(input).hex()[..16]);
+            fs::create_dir_all(corpus(self.name)).and_then(|()| fs::write(&file, input)).expect("a file of the corpus");
+            eprintln!("{}: after {took:?}; the input is now {}", self.name, file.display());
+        }
+        let answer = answer.unwrap_or_else(|panic| resume_unwind(panic));
+        assert!(took <= MOST_TIME, "{}: an input took {took:?}", self.name);
+        answer.chars().filter(|c| !c.is_ascii_digit()).collect()
+    }
+
+    fn mutated(&self, kept: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
+        let mut bytes = kept[random.below(kept.len())].clone();
+        for _ in 0..=random.below(4) {
+            self.mutate(&mut bytes, kept, random);
+        }
+        bytes.truncate(MOST_BYTES);
+        bytes
+    }
+
+    fn mutate(&self, bytes: &mut Vec<u8>, kept: &[Vec<u8>], random: &mut Random) {
+        let at = random.below(bytes.len() + 1);
+        let end = (at + 1 + random.below(16)).min(bytes.len());
+        match random.below(10) {
+            0 => bytes.truncate(at),
+            1 => drop(bytes.drain(at..end)),
+            2 => bytes.splice(at..at, self.word(random).bytes()).for_each(drop),
+            3 => bytes.splice(at..end, self.word(random).bytes()).for_each(drop),
+            4 => {
+                // The rest of another input.
+                let other = &kept[random.below(kept.len())];
+                bytes.truncate(at);
+                bytes.extend(&other[random.below(other.len() + 1)..]);
+            }
+            5 => {
+                let again = bytes[at..end].repeat(1 + random.below(40));
+                bytes.splice(at..at, again).for_each(drop);
+            }
+            6 => {
+                // A number of 32 or 64 bits, at the end of its range.
+                let number = [0, 1, u64::MAX, u64::MAX >> 1, 1 << 31, 1 << 32, random.next()][random.below(7)];
+                let width = (4 << random.below(2)).min(bytes.len() - at);
+                bytes[at..at + width].copy_from_slice(&number.to_le_bytes()[..width]);
+            }
+            7 | 8 => {
+                // The next number in the text.
+                let is_digit = |byte: &u8| byte.is_ascii_digit();
+                if let Some(from) = bytes[at..].iter().position(is_digit).map(|offset| at + offset) {
+                    let length =
+                        bytes[from..].iter().take_while(|byte| is_digit(byte) || b".eE+-".contains(byte)).count();
+                    bytes.splice(from..from + length, random.of(&NUMBERS).bytes()).for_each(drop);
+                }
+            }
+            _ => {
+                if let Some(byte) = bytes.get_mut(at) {
+                    *byte ^= 1 << random.below(8);
+                }
+            }
+        }
+    }
+
+    fn word(&self, random: &mut Random) -> &str {
+        if self.words.is_empty() { random.of(&NUMBERS) } else { random.of(self.words) }
+    }
+}
+
+/// A reader with faults behind three conditions that a random input does not meet at once.
+#[test]
+fn a_fault_behind_several_conditions_is_found() {
+    let read = |bytes: &[u8]| {
+        let text = String::from_utf8_lossy(bytes);
+        if !text.starts_with('{') {
+            return "no object".to_owned();
+        }
+        let Some(rest) = text.split("size").nth(1) else { return "no size".to_owned() };
+        assert!(!rest.starts_with("\":-1"), "the planted fault");
+        "fine".to_owned()
+    };
+    let target =
+        Target { name: "planted", seeds: vec![br#"{"a":1}"#.to_vec()], words: &["\"size\":", ",", "{"], inputs: 0 };
+    let found = (0..200_000).find(|number| {
+        let mut kept = target.seeds.clone();
+        kept.push(br#"{"size":3}"#.to_vec());
+        let input = target.mutated(&kept, &mut Random(*number));
+        catch_unwind(AssertUnwindSafe(|| read(&input))).is_err()
+    });
+    assert!(found.is_some());
+}
+
+#[test]
+fn equal_numbers_give_equal_inputs() {
+    let target = Target { name: "planted", seeds: vec![b"1,2,3".to_vec()], words: &[], inputs: 0 };
+    let inputs = || (0..50).map(|number| target.mutated(&target.seeds, &mut Random(number))).collect::<Vec<_>>();
+    let distinct: BTreeSet<_> = inputs().into_iter().collect();
+    assert_eq!(inputs(), inputs());
+    assert!(distinct.len() > 30, "{}", distinct.len());
+}

@@ -1,0 +1,65 @@
+// A glTF file that is dropped on the viewer: a sphere of triangles beside the viewer's own, and files with faults.
+
+import { glb, sphere } from './glb.js';
+import { withWorld } from './world.js';
+
+await withWorld( async ( { open } ) => {
+
+	const material = { pbrMetallicRoughness: { metallicFactor: 1, roughnessFactor: Math.sqrt( 0.2 ), baseColorFactor: [ 0.91, 0.92, 0.92, 1 ] }, extensions: { KHR_materials_anisotropy: { anisotropyStrength: Math.sqrt( 0.375 ), anisotropyRotation: 0.6 } } };
+	const page = await open( 'viewer?show=model&rotation=0.6&alpha_x=0.5&alpha_y=0.2' );
+	/** The bytes of the middle of the sphere. */
+	const bytes = () => page.evaluate( () => {
+
+		const [ canvas, copy ] = [ document.querySelector( '.stage canvas' ), document.createElement( 'canvas' ) ];
+		Object.assign( copy, { width: canvas.width, height: canvas.height } );
+		const context = copy.getContext( '2d' );
+		context.drawImage( canvas, 0, 0 );
+		return [ ...context.getImageData( 190, 190, 132, 132 ).data ];
+
+	} );
+	const frames = page.locator( '.page-viewer .facts' );
+	await frames.waitFor();
+	const own = await bytes();
+	const offer = async ( name, buffer ) => {
+
+		await page.locator( '#mesh' ).setInputFiles( { name, mimeType: 'model/gltf-binary', buffer } );
+		return page.locator( '.controls [role=status] p' ).filter( { hasText: name.startsWith( 'bad' ) ? name : 'triangles' } ).textContent();
+
+	};
+
+	const drop = async ( name, text ) => {
+
+		const data = await page.evaluateHandle( ( [ name, text ] ) => {
+
+			const data = new DataTransfer();
+			data.items.add( new File( [ text ], name ) );
+			return data;
+
+		}, [ name, text ] );
+		await page.dispatchEvent( '.stage canvas', 'drop', { dataTransfer: data } );
+		return page.locator( '.controls [role=status] p' ).filter( { hasText: name } ).textContent();
+
+	};
+
+	const told = await offer( 'sphere.glb', glb( sphere( 96, material ) ) );
+	await page.waitForFunction( () => document.querySelector( '#view-surface' ).value === 'mesh' );
+	// The frame after the next shows it.
+	await page.evaluate( () => new Promise( ( done ) => requestAnimationFrame( () => requestAnimationFrame( done ) ) ) );
+	const meshed = await bytes();
+	const apart = Math.max( ...meshed.map( ( byte, i ) => Math.abs( byte - own[ i ] ) ) );
+	const small = sphere( 2, material );
+	const outside = structuredClone( small.document );
+	outside.accessors[ 0 ].count = 99;
+	outside.meshes[ 0 ].primitives.push( { attributes: {} } );
+	const beside = structuredClone( small.document );
+	beside.buffers[ 0 ].uri = 'sphere.bin';
+	const faults = [
+		await offer( 'bad1.glb', glb( { ...small, document: outside } ) ),
+		await offer( 'bad2.glb', glb( { ...small, document: beside } ) ),
+		await drop( 'bad3.glb', 'no glTF' ),
+		await offer( 'bad4.glb', glb( { ...small, document: { ...small.document, nodes: [ { children: [ 0 ] } ] } } ) ),
+		await offer( 'bad5.glb', glb( { ...small, document: { ...small.document, extensionsRequired: [ 'KHR_draco_mesh_compression' ] } } ) ),
+	];
+	return { told, bright: Math.max( ...own.filter( ( _, i ) => i % 4 < 3 ) ), apart, faults };
+
+} );

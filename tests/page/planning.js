@@ -1,0 +1,55 @@
+// A recipe's forecast and its place among others, weights of materials, and recipes from scenes.
+
+import { glb, sphere } from './glb.js';
+import { withWorld } from './world.js';
+
+await withWorld( async ( { service, open, complaints } ) => {
+
+	await service.fit( { preset: 'draft' } );
+	const page = await open( 'new' );
+	const recipe = async () => JSON.parse( await page.getByRole( 'region', { name: 'Recipe as JSON' } ).textContent() );
+	const size = ( text ) => page.locator( '.facts div', { hasText: 'Size' } ).filter( { hasText: text } ).waitFor();
+	await size( '166 kB' );
+	// Twelve predictions and a measured table in the chart of bytes.
+	await page.waitForFunction( () => document.querySelectorAll( '.tradeoff .predicted' ).length === 24 && document.querySelectorAll( '.tradeoff .measured' ).length === 1 );
+	const own = () => page.locator( '.tradeoff .own' ).evaluateAll( ( marks ) => marks.map( ( mark ) => [ Number( mark.getAttribute( 'cx' ) ), Number( mark.getAttribute( 'cy' ) ) ] ) );
+	const [ [ bytes, error ] ] = await own();
+	// The family of layout reflected has this very recipe.
+	const isOnCurve = await page.locator( '.tradeoff .predicted' ).evaluateAll( ( marks, [ x, y ] ) => marks.some( ( mark ) => Math.hypot( mark.getAttribute( 'cx' ) - x, mark.getAttribute( 'cy' ) - y ) < 0.01 ), [ bytes, error ] );
+	await page.locator( '#field-precision' ).selectOption( 'f16' );
+	await size( '83 kB' );
+	const [ [ halved ] ] = await own();
+
+	// Weights of materials are shown and kept.
+	const fresnel = [ { f0: 1 }, { f0: 0.04, weight: 4 } ];
+	await page.evaluate( ( recipe ) => location.hash = `#/new?${ new URLSearchParams( { recipe } ) }`, JSON.stringify( { preset: 'draft', fresnel } ) );
+	const list = page.getByLabel( 'F0 of the materials' );
+	await page.waitForFunction( () => document.querySelector( '.materials [type=text]' )?.value.includes( '×' ) );
+	const shown = await list.inputValue();
+	await list.fill( '1, 0.04 x 8, 0.5' );
+	const weighed = ( await recipe() ).fresnel;
+	await list.fill( '1, 0.04 × grey' );
+	const fault = await page.locator( '#field-fresnel-fault' ).filter( { hasText: /./ } ).textContent();
+
+	// A list of materials, with a budget, and a scene.
+	const scene = page.locator( '#scene' );
+	const materials = { materials: [ { name: 'brushed', alpha_x: 0.3, alpha_y: 0.09 } ] };
+	await scene.setInputFiles( { name: 'list.json', mimeType: 'application/json', buffer: Buffer.from( JSON.stringify( materials ) ) } );
+	await page.locator( '.drop button', { hasText: 'ggx' } ).waitFor();
+	const planned = await recipe();
+	await Promise.all( [ page.waitForResponse( ( response ) => response.url().endsWith( '/v1/plans?bytes=20000' ) && response.ok() ), page.locator( '#budget' ).selectOption( 'bytes' ) ] );
+	await scene.setInputFiles( { name: 'sphere.glb', mimeType: 'model/gltf-binary', buffer: glb( sphere( 8, { pbrMetallicRoughness: { roughnessFactor: 0.5 } } ) ) } );
+	await page.locator( '.drop button', { hasText: 'ggx' } ).waitFor();
+	await page.locator( '.drop p', { hasText: 'sphere.glb' } ).waitFor();
+	const round = await recipe();
+	await scene.setInputFiles( { name: 'broken.glb', mimeType: 'model/gltf-binary', buffer: Buffer.from( 'glTF' ) } );
+	const refused = await page.locator( '.drop .notice' ).first().textContent();
+
+	// What to begin with.
+	await page.locator( '#start' ).selectOption( { label: 'sheen of glTF' } );
+	await page.waitForFunction( () => document.querySelector( '#field-brdf' ).value === 'charlie_neubelt' );
+	// The browser tells of an answer that is no success.
+	const others = complaints.splice( 0 ).filter( ( text ) => ! text.includes( 'status of 422' ) );
+	return { others, isOnCurve, halved: halved < bytes, shown, weighed, fault, planned, round, refused };
+
+} );

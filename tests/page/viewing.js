@@ -1,0 +1,75 @@
+// The viewer as people use it: what is dragged, lights that come and go, the link, a context that is lost.
+
+import { SMALL, withWorld } from './world.js';
+
+await withWorld( async ( { service, open } ) => {
+
+	const page = await open( 'viewer?rotation=0.3' );
+	/** The bytes of the model's half of the picture, below the middle. */
+	const bytes = () => page.evaluate( () => {
+
+		const [ canvas, copy ] = [ document.querySelector( '.stage canvas' ), document.createElement( 'canvas' ) ];
+		Object.assign( copy, { width: canvas.width, height: canvas.height } );
+		const context = copy.getContext( '2d' );
+		context.drawImage( canvas, 0, 0 );
+		return [ ...context.getImageData( 180, 200, 70, 100 ).data ];
+
+	} );
+	await page.locator( '.page-viewer .facts' ).waitFor();
+
+	// The light is dragged and the camera turned; a page that is loaded again shows the same.
+	const stage = await page.locator( '.stage svg' ).boundingBox();
+	const drag = async ( x, y ) => {
+
+		await page.mouse.move( stage.x + x, stage.y + y );
+		await page.mouse.down();
+		await page.mouse.move( stage.x + x + 60, stage.y + y + 30, { steps: 3 } );
+		await page.mouse.up();
+
+	};
+
+	await drag( stage.width / 2, stage.height * 0.9 );
+	await page.waitForFunction( () => location.hash.includes( 'camera_azimuth' ) );
+	const before = await page.locator( '.stage polygon' ).getAttribute( 'points' );
+	const middle = before.split( ' ' ).map( ( pair ) => pair.split( ',' ).map( Number ) ).reduce( ( [ a, b ], [ x, y ] ) => [ a + x / 4, b + y / 4 ], [ 0, 0 ] );
+	await drag( ( middle[ 0 ] + 1 ) / 2 * stage.width, ( middle[ 1 ] + 1 ) / 2 * stage.height );
+	await page.waitForFunction( () => location.hash.includes( 'light_x' ) );
+	const hash = await page.evaluate( () => location.hash );
+	const value = await page.locator( '#view-light_x' ).inputValue();
+	await page.reload();
+	await page.locator( '#view-light_x' ).waitFor();
+	const kept = await page.locator( '#view-light_x' ).inputValue() === value && await page.evaluate( () => location.hash ) === hash;
+	// A light is added, made a tube, dragged away from the eye, and taken away again.
+	await page.getByRole( 'button', { name: 'Add' } ).click();
+	await page.locator( '#view-light_shape' ).selectOption( 'tube' );
+	const outlines = await page.locator( '.stage polygon' ).count();
+	const z = Number( await page.locator( '#view-light_z' ).inputValue() );
+	await page.keyboard.down( 'Shift' );
+	const box = await page.locator( '.stage polygon' ).nth( 1 ).boundingBox();
+	await drag( box.x + box.width / 2 - stage.x, box.y + box.height / 2 - stage.y );
+	await page.keyboard.up( 'Shift' );
+	await page.waitForFunction( ( z ) => Number( document.querySelector( '#view-light_z' ).value ) !== z, z );
+	const linked = await page.evaluate( () => location.hash.includes( 'lights=2' ) && location.hash.includes( 'light2_shape=tube' ) );
+	await page.getByRole( 'button', { name: 'Remove' } ).click();
+	const left = await page.locator( '.stage polygon' ).count();
+
+	// A context that is lost comes back with its picture.
+	const beforeLoss = await bytes();
+	await page.evaluate( () => {
+
+		const lost = document.querySelector( '.stage canvas' ).getContext( 'webgl2' ).getExtension( 'WEBGL_lose_context' );
+		lost.loseContext();
+		document.querySelector( '.stage canvas' ).dataset.samples = '';
+		setTimeout( () => lost.restoreContext(), 100 );
+
+	} );
+	await page.waitForFunction( () => Number( document.querySelector( '.stage canvas' ).dataset.samples ) >= 64 );
+	const restored = Math.max( ...( await bytes() ).map( ( byte, i ) => Math.abs( byte - beforeLoss[ i ] ) ) );
+
+	// A table that the reference is not of.
+	const diffuse = await service.fit( { preset: 'draft', brdf: 'oren_nayar', fit: SMALL.fit } );
+	await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?table=${ diffuse }` );
+	const refused = await page.locator( '.page-viewer .notice' ).textContent();
+	return { kept, outlines, linked, left, restored, refused };
+
+} );
