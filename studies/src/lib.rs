@@ -21,6 +21,7 @@ pub mod markdown;
 pub mod minimax;
 pub mod models;
 pub mod networks;
+pub mod prefilter;
 pub mod source;
 pub mod tables;
 pub mod tabulated;

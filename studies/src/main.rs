@@ -19,7 +19,7 @@ use ltcforge_studies::{
     figures::Figure,
     glass, gpu_costs, gpu_times, l3, minimax, models,
     networks::{self, Asked, Numbers},
-    tabulated, textured,
+    prefilter, tabulated, textured,
 };
 
 #[derive(Parser)]
@@ -91,6 +91,9 @@ enum Study {
     Below,
     /// The polynomials of the shaders: `ltc_light.wgsl`, `ltc_quadrant.wgsl` and `normals_arcs*.wgsl`
     Polynomials,
+    /// The parts of the levels of a picture on a light: `OWN_PARTS` of `src/light/textured/pyramid.rs`, and the table of
+    /// docs/textured.md
+    Prefilter,
     /// What the texts cost a GPU: `src/shaders/gpu_cost.rs`. Needs Mesa's RADV, no GPU
     GpuCosts {
         /// The GPU that is taken for there
@@ -156,6 +159,7 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::Costs => print!("{}", costs::text(&costs::Efforts::WHOLE)?),
         Study::Models => print!("{}", models::tables(1.0)?),
         Study::Albedo => print!("{}", albedo::told(albedo::PLACES)),
+        Study::Prefilter => print!("{}", prefilter::told(prefilter::POINTS)),
         Study::Below => print!("{}", below::tables(1.0)?),
         Study::Best { isotropic: true, shipped, .. } => print!("{}", best::isotropic(pair(shipped.as_deref()))?),
         Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),

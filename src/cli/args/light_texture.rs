@@ -19,7 +19,7 @@ pub struct LightTextureArgs {
     /// The size of the light, in any unit: texels become square on it [default: they are square already]
     #[arg(long, value_name = "WxH", value_parser = LightSize::from_str)]
     pub light: Option<LightSize>,
-    /// What the picture's numbers stand for [default: OpenEXR and Radiance HDR linear, JPEG sRGB, PNG what it says, else
+    /// What the picture's numbers stand for [default: `OpenEXR` and Radiance HDR linear, JPEG sRGB, PNG what it says, else
     /// sRGB]
     #[arg(long, value_parser = named(TransferFunction::ALL, TransferFunction::name))]
     pub transfer: Option<TransferFunction>,

@@ -24,5 +24,5 @@ mod tests;
 pub use engines::engines_reading;
 pub use image::{ImageError, LightImage};
 pub use light::{TexturedLight, TexturedReflection, ltc_readings, normals_readings};
-pub use pyramid::LightPyramid;
+pub use pyramid::{LightPyramid, OWN_PARTS};
 pub use readings::{Reading, Readings, colour};

@@ -9,8 +9,9 @@ use ltcforge_fit::math::ln;
 use std::borrow::Cow;
 
 /// How much of a level is its own blur, from the one below the last on; what follows is as the third. The rest comes from
-/// the level above, which gives the kernel its long tail. Near the last level the light ends before the tail does.
-const OWN_PARTS: [f64; 3] = [0.85, 0.75, 0.65];
+/// the level above, which gives the kernel its long tail. Near the last level the light ends before the tail does. Found by
+/// `ltcforge-studies prefilter`.
+pub const OWN_PARTS: [f64; 3] = [0.85, 0.75, 0.65];
 
 /// The width sigma of level 0, in texels.
 const SIGMA_OF_BASE: f64 = 2.0;
@@ -35,6 +36,12 @@ impl LightPyramid {
     /// Runs on the current rayon pool; its size changes nothing.
     #[must_use]
     pub fn new(image: &LightImage) -> Self {
+        Self::with_own_parts(image, OWN_PARTS)
+    }
+
+    /// The same with other parts than [`OWN_PARTS`].
+    #[must_use]
+    pub fn with_own_parts(image: &LightImage, parts: [f64; 3]) -> Self {
         let (width, height) = (image.width(), image.height());
         let top = width.max(height).ilog2() as usize;
         let sizes = |level| [size_of(width, level), size_of(height, level)];
@@ -51,7 +58,7 @@ impl LightPyramid {
             let [columns, rows] = [width, height].map(|size| widened(size_of(size, level), beside(size, level)));
             let [up_columns, up_rows] =
                 [0, 1].map(|axis| enlarged([above.width(), above.height()][axis], sizes(level)[axis]));
-            let part = own_part(levels.len());
+            let part = parts[(levels.len() - 1).min(parts.len() - 1)];
             levels.push(made(columns.len(), rows.len(), |y, row| {
                 Row::new(own, &rows[y]).add(&columns, part, row);
                 Row::new(above, &up_rows[y]).add(&up_columns, 1.0 - part, row);
@@ -85,9 +92,4 @@ impl LightPyramid {
         let (near, far) = (self.levels[fine].bilinear(uv), self.levels[(fine + 1).min(last)].bilinear(uv));
         [0, 1, 2].map(|c| near[c] + (far[c] - near[c]) * (level - fine as f64))
     }
-}
-
-/// How much of a level is its own blur. Domain: one level above it at least.
-fn own_part(levels_above: usize) -> f64 {
-    OWN_PARTS[(levels_above - 1).min(OWN_PARTS.len() - 1)]
 }

@@ -13,7 +13,7 @@ pub(super) fn pack(texel: [f32; 3]) -> u32 {
     let texel = texel.map(|x| f64::from(x.min(LARGEST)));
     let largest = texel[0].max(texel[1]).max(texel[2]);
     // The exponent of the largest number, by its bits: exact on every machine.
-    let floor = ((largest as f32).to_bits() >> 23) as i32 - 127;
+    let floor = ((largest as f32).to_bits() >> 23).cast_signed() - 127;
     let exponent = floor.max(-BIAS - 1) + 1 + BIAS;
     let steps = |exponent: i32| texel.map(|x| (x * step(exponent).recip()).round_ties_even() as u32);
     let is_whole = steps(exponent).iter().all(|steps| *steps < 1 << BITS);
@@ -25,7 +25,7 @@ pub(super) fn pack(texel: [f32; 3]) -> u32 {
 
 /// The numbers of a packed texel.
 pub(super) fn unpack(packed: u32) -> [f32; 3] {
-    let step = step((packed >> 27) as i32);
+    let step = step((packed >> 27).cast_signed());
     [0, 9, 18].map(|shift| (f64::from(packed >> shift & 0x1ff) * step) as f32)
 }
 

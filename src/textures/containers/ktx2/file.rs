@@ -56,10 +56,8 @@ impl Ktx2File {
     /// How long its keys and values are where that is 4 GiB or more.
     pub(crate) fn bytes(&self, pairs: &[(&str, String)]) -> Result<Vec<u8>, usize> {
         let compressed = |level: &Vec<u8>| compress_to_vec(&**level, CompressionLevel::Fastest);
-        let stored: Vec<Cow<'_, [u8]>> = match self.zstd {
-            true => self.levels.iter().map(|level| compressed(level).into()).collect(),
-            false => self.levels.iter().map(Into::into).collect(),
-        };
+        let stored = |level| if self.zstd { Cow::Owned(compressed(level)) } else { Cow::Borrowed(&**level) };
+        let stored: Vec<Cow<'_, [u8]>> = self.levels.iter().map(stored).collect();
         let descriptor = self.descriptor();
         let writer = ("KTXwriter", concat!("ltcforge ", env!("CARGO_PKG_VERSION")).to_owned());
         let key_values = key_values([&[writer], pairs].concat());

@@ -264,6 +264,6 @@ impl Runner {
         self.gpu.check()?;
         let view = all.slice(..).get_mapped_range().map_err(|error| failed(&error))?;
         let rows = view.chunks_exact(row_bytes as usize).map(|row| &row[..width as usize * 16]);
-        Ok(rows.flat_map(|row| bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(row)).collect())
+        Ok(rows.flat_map(bytemuck::pod_collect_to_vec::<u8, [f32; 4]>).collect())
     }
 }

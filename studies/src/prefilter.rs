@@ -1,0 +1,123 @@
+//! The parts of a level and of the level above in the pyramid of a picture on a light: `OWN_PARTS` of
+//! `src/light/textured/pyramid.rs`, and the table of docs/textured.md.
+//!
+//! The truth is the kernel summed over a grid of 3 x 3 points a texel, which shares nothing with the pyramid.
+
+use std::fmt::Write as _;
+
+use ltcforge::light::textured::{LightImage, LightPyramid, OWN_PARTS};
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+
+/// Even, odd and long pictures.
+const SIZES: [[usize; 2]; 5] = [[64, 64], [63, 63], [96, 40], [37, 53], [65, 127]];
+/// Points of each size.
+pub const POINTS: usize = 400;
+/// Seeds of the points that are searched on, and of those that are not.
+const SEEDS: [u64; 2] = [1, 2];
+/// The parts that are tried.
+const TRIED: [[f64; 5]; 3] = [[0.75, 0.8, 0.85, 0.9, 0.95], [0.65, 0.7, 0.75, 0.8, 0.85], [0.55, 0.6, 0.65, 0.7, 0.75]];
+
+/// A picture with the kernel summed at random points.
+struct Case {
+    image: LightImage,
+    /// Place, sigma and sum.
+    points: Vec<([f64; 2], f64, [f64; 3])>,
+}
+
+/// Mean and largest error of each channel.
+type Errors = [[f64; 2]; 3];
+
+fn uniform(rng: &mut Xoshiro256PlusPlus) -> f64 {
+    (rng.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// A disk of radiance 4, a checkerboard of 6 x 6 fields and a ramp.
+fn picture(size: [usize; 2]) -> LightImage {
+    let texel = |[x, y]: [usize; 2]| {
+        let (u, v) = ((x as f64 + 0.5) / size[0] as f64, (y as f64 + 0.5) / size[1] as f64);
+        let (dx, dy) = (u - 0.37, v - 0.6);
+        let disk = if dx * dx + dy * dy < 0.01 { 4.0 } else { 0.0 };
+        let checker = f32::from(u8::from(((u * 6.0) as i32 + (v * 6.0) as i32) % 2 == 1));
+        [disk, checker, u as f32]
+    };
+    let places = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y]));
+    LightImage::new(size[0], size[1], places.map(texel).collect()).expect("texels that are finite")
+}
+
+/// The kernel `(1 + r^2 / sigma^2)^-2.5` summed over the picture, divided by its sum.
+fn kernel_sum(image: &LightImage, [u, v]: [f64; 2], sigma: f64) -> [f64; 3] {
+    const GRID: usize = 3;
+    let middle = [u * image.width() as f64, v * image.height() as f64];
+    let at = |i: usize, axis: usize| ((i as f64 + 0.5) / GRID as f64 - middle[axis]) / sigma;
+    let (mut mass, mut sum) = (0.0, [0.0; 3]);
+    for y in 0..image.height() * GRID {
+        for x in 0..image.width() * GRID {
+            let q = 1.0 + at(x, 0).powi(2) + at(y, 1).powi(2);
+            let weight = 1.0 / (q * q * q.sqrt());
+            mass += weight;
+            for (sum, texel) in sum.iter_mut().zip(image.row(y / GRID)[x / GRID]) {
+                *sum += weight * f64::from(texel);
+            }
+        }
+    }
+    sum.map(|sum| sum / mass)
+}
+
+/// Points anywhere in the pictures, with sigma from 2 texels to that of the last level, even in its logarithm.
+fn cases(points: usize, seed: u64) -> Vec<Case> {
+    let case = |size: &[usize; 2]| {
+        let (image, mut rng) = (picture(*size), Xoshiro256PlusPlus::seed_from_u64(seed));
+        let last = f64::from(size[0].max(size[1]).ilog2());
+        let places: Vec<_> = (0..points)
+            .map(|_| ([uniform(&mut rng), uniform(&mut rng)], 2.0 * (last * uniform(&mut rng)).exp2()))
+            .collect();
+        let points = places.into_par_iter().map(|(uv, sigma)| (uv, sigma, kernel_sum(&image, uv, sigma))).collect();
+        Case { image, points }
+    };
+    SIZES.iter().map(case).collect()
+}
+
+fn errors(case: &Case, parts: [f64; 3]) -> Errors {
+    let pyramid = LightPyramid::with_own_parts(&case.image, parts);
+    let mut errors = Errors::default();
+    for (uv, sigma, sum) in &case.points {
+        let fetched = pyramid.fetch(*uv, LightPyramid::level_of(*sigma));
+        for (error, (a, b)) in errors.iter_mut().zip(sum.iter().zip(fetched)) {
+            let apart = (a - b).abs();
+            *error = [error[0] + apart / case.points.len() as f64, error[1].max(apart)];
+        }
+    }
+    errors
+}
+
+/// The mean of all errors of all cases.
+fn mean(cases: &[Case], parts: [f64; 3]) -> f64 {
+    let all = cases.iter().flat_map(|case| errors(case, parts)).map(|[mean, _]| mean);
+    all.sum::<f64>() / (3 * cases.len()) as f64
+}
+
+/// The best of all that is tried, beside what stands and 0.65 for all; and the table, for [`POINTS`] that were not searched
+/// on.
+#[must_use]
+pub fn told(points: usize) -> String {
+    let [seen, unseen] = SEEDS.map(|seed| cases(points, seed));
+    let [first, second, rest] = TRIED;
+    let tried: Vec<[f64; 3]> =
+        first.iter().flat_map(|a| second.iter().flat_map(move |b| rest.map(|c| [*a, *b, c]))).collect();
+    let found: Vec<(f64, [f64; 3])> = tried.par_iter().map(|parts| (mean(&seen, *parts), *parts)).collect();
+    let best = found.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(OWN_PARTS, |(_, parts)| *parts);
+    let mut out = String::new();
+    for (name, parts) in [("best", best), ("OWN_PARTS", OWN_PARTS), ("one for all", [0.65; 3])] {
+        let [here, there] = [&seen, &unseen].map(|cases| mean(cases, parts));
+        // Writing to a String cannot fail.
+        let _ = writeln!(out, "{name} {parts:?}: mean error {here:.5}, at other points {there:.5}");
+    }
+    let _ = writeln!(out, "\n| size | disk | checkerboard, 6 x 6 | ramp |\n|---|---|---|---|");
+    for case in &unseen {
+        let cells = errors(case, OWN_PARTS).map(|[mean, largest]| format!("{mean:.4}, {largest:.3}"));
+        let _ = writeln!(out, "| {} x {} | {} |", case.image.width(), case.image.height(), cells.join(" | "));
+    }
+    out
+}
