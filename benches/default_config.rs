@@ -22,6 +22,7 @@ pub fn config(folder: &Path, workers: NonZeroUsize) -> Config {
         adapter: Adapter::Cpu,
         export_bytes: 0,
         brdf_limit: 16,
+        light_texture_limit: 16,
         pictures: PictureLimits::default(),
     }
 }

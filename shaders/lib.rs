@@ -80,6 +80,8 @@ pub const NORMALS_TEXTURED: &str = include_str!("normals_textured.wgsl");
 pub const NORMALS_VIEW: &str = include_str!("normals_view.wgsl");
 /// `place_reflected.wgsl`.
 pub const PLACE_REFLECTED: &str = include_str!("place_reflected.wgsl");
+/// `prefilter.wgsl`.
+pub const PREFILTER: &str = include_str!("prefilter.wgsl");
 /// `preview_cut.wgsl`.
 pub const PREVIEW_CUT: &str = include_str!("preview_cut.wgsl");
 /// `reference_solids.wgsl`.

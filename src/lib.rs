@@ -74,7 +74,7 @@
 //! |---|---|
 //! | none | recipes, fits, tables, reports, files, the shader in WGSL |
 //! | `shaders` | [`translate`]: the shader in GLSL, HLSL, MSL and SPIR-V (naga) |
-//! | `textures` | [`textures`]: tables as files for engines (ddsfile, exr, rawzip, ruzstd) |
+//! | `textures` | [`textures`]: tables as files for engines, pictures on lights (ddsfile, exr, image, png, rawzip, ruzstd, zune-jpeg) |
 //! | `render` | [`view`]: previews on a GPU or the CPU, plots, the trade-off (wgpu, png); takes the two above |
 //! | `client` | [`client`]: calls of a service, and the lock file (ureq) |
 //! | `server` | [`server`], on Unix: the HTTP service, its queue and store (axum, tokio, sled); takes `render` |
@@ -116,6 +116,8 @@ pub use fit::{
     SecondLobe, Shear, Sides, Solver, Start, Table, WeightedF0,
 };
 pub use glam;
+#[cfg(feature = "textures")]
+pub use library::light_pyramid;
 #[cfg(feature = "shaders")]
 pub use library::shader;
 pub use library::{

@@ -6,7 +6,7 @@ use serde_json::json;
 use super::{
     Cli, Command, CommandFailure, Context, Exit,
     config_file::{ConfigFile, DEFAULT_SERVER},
-    diff, export, fit, jobs, light, lock, lookup, plan, plot, preview, print, pull, report, shader,
+    diff, export, fit, jobs, light, light_texture, lock, lookup, plan, plot, preview, print, pull, report, shader,
     sources::Sources,
     tabulated, tradeoff, verify,
 };
@@ -26,6 +26,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
         Command::Fit(args) => fit::run(&args, json, context),
         Command::Lookup(args) => lookup::run(&args, json, context),
         Command::Light(args) => light::run(&args, json, context),
+        Command::LightTexture(args) => light_texture::run(&args, json, context),
         Command::Report(args) => report::run(&args, json, context),
         Command::Preview(args) => preview::run(&args, json, context),
         Command::Plot(args) => plot::run(&args, json, context),

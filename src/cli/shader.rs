@@ -17,7 +17,7 @@ use ltcforge_shaders::{
     Additions, Bound, DECLARATIONS, Filter, Language, Lights, LitBy, Namespace, Reading, es_module,
 };
 use ltcforge_textures::About;
-use ltcforge_translate::{include, include_function, include_layers, port};
+use ltcforge_translate::{PortError, include, include_function, include_layers, include_prefilter, port};
 
 /// Configurations at which a table and its polynomials are measured: so many that a single one hardly matters.
 const COMPARED_AT: usize = 512;
@@ -29,8 +29,10 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
     if let Some(table) = &args.without_textures {
         return without_textures(args, language, table, json, context);
     }
-    if args.form == ShaderForm::Layers {
-        return layers(args, language, json, context);
+    match args.form {
+        ShaderForm::Layers => return of_no_model(args, include_layers, "layers", json, context),
+        ShaderForm::Prefilter => return of_no_model(args, include_prefilter, "prefilter", json, context),
+        ShaderForm::Include | ShaderForm::Example => {}
     }
     let lit_by = LitBy::new(args.model, args.layout)
         .and_then(|lit_by| lit_by.by_rule(args.rule))
@@ -193,10 +195,11 @@ fn hand_out(
     Ok(Exit::Ok)
 }
 
-/// The functions that combine layers. Refuses what is of models of light, all at once: they are of none.
-fn layers(
+/// A text that is of no model of light. Refuses what is of models, all at once.
+fn of_no_model(
     args: &ShaderArgs,
-    language: Language,
+    text: fn(Language) -> Result<String, PortError>,
+    name: &str,
     json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
@@ -217,12 +220,13 @@ fn layers(
     ];
     let given: Vec<&str> = given.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name).collect();
     if !given.is_empty() {
-        let message = format!("--as layers is of no model of light and binds nothing: leave out {}", given.join(", "));
+        let message =
+            format!("--as {name} is of no model of light and is bound as it says: leave out {}", given.join(", "));
         return Err(CommandFailure::new(Exit::Usage, message));
     }
     let out = Outputs::check(args, types_file(args)?)?;
-    let text = include_layers(language).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
-    hand_out(args, &out, text.as_bytes(), json!({ "language": language.name() }), json, context)
+    let text = text(args.language).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
+    hand_out(args, &out, text.as_bytes(), json!({ "language": args.language.name() }), json, context)
 }
 
 /// Refuses options that a language or a model does not have.
@@ -276,6 +280,6 @@ fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailur
         ShaderForm::Include if language == Language::Wgsl => {
             refused("in WGSL the constant ltc_hardware_filter chooses: leave out --hardware-filter".to_owned())
         }
-        ShaderForm::Include | ShaderForm::Layers => Ok(()),
+        ShaderForm::Include | ShaderForm::Layers | ShaderForm::Prefilter => Ok(()),
     }
 }

@@ -35,6 +35,10 @@ pub enum Error {
         /// Why.
         source: io::Error,
     },
+    /// Bytes are no picture of a light.
+    #[cfg(feature = "textures")]
+    #[error(transparent)]
+    Picture(#[from] ltcforge_textures::LightFileError),
     /// A shader cannot be translated.
     #[cfg(feature = "shaders")]
     #[error(transparent)]

@@ -5,6 +5,8 @@
 mod builder;
 mod error;
 mod fitting;
+#[cfg(feature = "textures")]
+mod light_pyramid;
 mod lighting;
 #[cfg(feature = "shaders")]
 mod shader;
@@ -13,6 +15,8 @@ mod tables;
 pub use builder::{RecipeBuilder, RecipeDocument};
 pub use error::Error;
 pub use fitting::{Fit, fit};
+#[cfg(feature = "textures")]
+pub use light_pyramid::light_pyramid;
 pub use lighting::{light, light_by_table, light_by_table_above};
 #[cfg(feature = "shaders")]
 pub use shader::shader;

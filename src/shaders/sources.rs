@@ -19,7 +19,7 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 42] = [
+pub const SHADERS: [Shader; 43] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
     Shader { name: "texels_volumes", source: ltcforge_wgsl::TEXELS_VOLUMES },
@@ -52,6 +52,7 @@ pub const SHADERS: [Shader; 42] = [
     Shader { name: "ltc_textured", source: ltcforge_wgsl::LTC_TEXTURED },
     Shader { name: "normals_textured", source: ltcforge_wgsl::NORMALS_TEXTURED },
     Shader { name: "layers", source: ltcforge_wgsl::LAYERS },
+    Shader { name: "prefilter", source: ltcforge_wgsl::PREFILTER },
     Shader { name: "normals_compensation", source: ltcforge_wgsl::NORMALS_COMPENSATION },
     Shader { name: "gaussians_compensation", source: ltcforge_wgsl::GAUSSIANS_COMPENSATION },
     Shader { name: "ltc_example", source: ltcforge_wgsl::LTC_EXAMPLE },

@@ -15,6 +15,7 @@ mod export;
 mod file;
 mod halves;
 mod layouts;
+mod light;
 mod recipe;
 mod rounding;
 mod texture;
@@ -29,6 +30,11 @@ pub use file::{TextureFile, TextureFileError};
 pub use halves::{Displacement, Halves};
 pub use layouts::{
     NoTextures, TextureAxis, TextureLayout, TextureSampling, TexturesOf, layout_names, sampling_of, textures_of,
+};
+pub use light::{
+    Curve, LightFileError, LightPicture, LightSize, LightTexels, LightTexture, LightTextureError, LightTextureFile,
+    LightTextureFiles, LightTextureOptions, MOST_PIXELS, PictureFormat, TransferFunction, is_light_texture,
+    light_texture, light_texture_files,
 };
 pub use rounding::{Rounded, RoundingError, round};
 pub use texture::{Texture, TextureError};

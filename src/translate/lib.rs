@@ -11,6 +11,7 @@ mod function;
 mod include;
 mod layers;
 mod port;
+mod prefilter;
 mod printer;
 #[cfg(test)]
 mod tests;
@@ -21,3 +22,4 @@ pub use function::include_function;
 pub use include::include;
 pub use layers::include_layers;
 pub use port::{PortError, port};
+pub use prefilter::include_prefilter;

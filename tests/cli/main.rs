@@ -9,6 +9,7 @@ mod compare;
 mod documents;
 mod exports;
 mod foreign_texts;
+mod light_textures;
 mod lights;
 mod lock_file;
 mod materials;

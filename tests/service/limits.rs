@@ -125,6 +125,12 @@ fn met(name: &str, server: &Server) -> Value {
             server.request("POST", "/v1/brdfs", &[OCTETS], Some(&first)).with_status(201);
             server.request("POST", "/v1/brdfs", &[OCTETS], Some(&second)).json()
         }
+        name if name.starts_with("light textures that are stored") => {
+            // One pixel of Radiance HDR, and another.
+            let picture = |exponent: u8| [b"#?RADIANCE\n\n-Y 1 +X 1\n\x80\x80\x80".as_slice(), &[exponent]].concat();
+            server.request("POST", "/v1/light-textures", &[OCTETS], Some(&picture(129))).with_status(201);
+            server.request("POST", "/v1/light-textures", &[OCTETS], Some(&picture(130))).json()
+        }
         name if name.starts_with("tabulated BRDFs that are received") => {
             let fields = [("host", host(server)), OCTETS, ("content-length", "1000")];
             let held = request("POST /v1/brdfs", &fields);
@@ -147,6 +153,7 @@ fn arguments(name: &str) -> &'static [&'static str] {
             &["--client-seconds", "1"]
         }
         name if name.starts_with("tabulated BRDFs that are stored") => &["--brdf-limit", "1"],
+        name if name.starts_with("light textures that are stored") => &["--light-texture-limit", "1"],
         "jobs that wait or run" => &["--queue-limit", "1"],
         "entries of a table" => &["--entry-limit", "15"],
         "predicted seconds of a job, with all workers on it" => &["--job-seconds", "1"],

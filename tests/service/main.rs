@@ -13,6 +13,7 @@ mod disk_full;
 mod exports;
 mod fsck;
 mod jobs;
+mod light_textures;
 mod limits;
 mod openapi;
 mod page;

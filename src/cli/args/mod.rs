@@ -5,6 +5,7 @@ mod export;
 mod fitting;
 mod jobs;
 mod light;
+mod light_texture;
 
 mod named;
 mod pictures;
@@ -25,6 +26,7 @@ pub(super) use export::{AnyContainer, ExportArgs, ExportChoice};
 pub(super) use fitting::{FitArgs, TradeoffArgs};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
+pub(super) use light_texture::LightTextureArgs;
 pub(super) use named::named;
 pub(super) use pictures::{AdditionArgs, PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
 pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
@@ -67,6 +69,8 @@ pub enum Command {
     Lookup(LookupArgs),
     /// Print what surfaces reflect of area lights, as CSV: in closed form, by a table, and the truth
     Light(LightArgs),
+    /// Prefilter a picture on a light for a renderer: all its blurred levels, as KTX2 or in other formats
+    LightTexture(LightTextureArgs),
     /// Measure how good a table is
     Report(ReportArgs),
     /// Render metal under an area light with a table, or compare it with Monte Carlo integration, as PNG

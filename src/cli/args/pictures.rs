@@ -262,4 +262,6 @@ pub enum ShaderForm {
     Example,
     /// Functions that combine a coat and fuzz with what lies below them, for any model
     Layers,
+    /// Functions that prefilter a picture on a light, pass by pass
+    Prefilter,
 }

@@ -76,6 +76,9 @@ pub(crate) struct ServeSettings {
     /// Tabulated BRDFs that may be stored, of up to 64 MiB each [default: 256]
     #[arg(long, env = "LTCFORGE_BRDF_LIMIT", value_name = "N")]
     pub brdf_limit: NonZeroUsize,
+    /// Light textures that may be stored, of up to 4,194,304 texels each [default: 256]
+    #[arg(long, env = "LTCFORGE_LIGHT_TEXTURE_LIMIT", value_name = "N")]
+    pub light_texture_limit: NonZeroUsize,
     /// Bytes of exports that are kept in memory, so that they are not made again; 0 keeps none [default: 268435456]
     #[arg(long, env = "LTCFORGE_EXPORT_BYTES", value_name = "N")]
     pub export_bytes: usize,
@@ -128,6 +131,7 @@ impl Default for ServeSettings {
             job_seconds: const { NonZeroU64::new(86_400).unwrap() },
             job_days: 90,
             brdf_limit: const { NonZeroUsize::new(256).unwrap() },
+            light_texture_limit: const { NonZeroUsize::new(256).unwrap() },
             export_bytes: 256 << 20,
             adapter: Adapter::Any,
             picture_seconds: WaitSeconds::clamped(pictures.time.as_secs()),
@@ -212,6 +216,7 @@ impl ServeSettings {
                 memory_bytes: (self.picture_memory as usize).saturating_mul(1 << 20),
             },
             brdf_limit: self.brdf_limit.get(),
+            light_texture_limit: self.light_texture_limit.get(),
             export_bytes: self.export_bytes,
         }
     }
@@ -285,7 +290,7 @@ mod tests {
         let file = "listen = '[::1]:80'\ndata = 'd'\nworkers = 3\nqueue_limit = 4\nentry_limit = 5\njob_seconds = 6\n\
                     job_days = 7\nexport_bytes = 8\nadapter = 'gpu'\npicture_seconds = 9\npicture_queue = 10\n\
                     picture_memory = 11\nallow_host = ['h']\nallow_origin = ['https://o']\nconnections = 12\n\
-                    connections_per_address = 13\nclient_seconds = 14\nbrdf_limit = 15";
+                    connections_per_address = 13\nclient_seconds = 14\nbrdf_limit = 15\nlight_texture_limit = 16";
         let flags: Vec<String> = file
             .lines()
             .map(|line| {

@@ -16,7 +16,7 @@ use super::{
     tables::ListParameters,
     views::PageView,
 };
-use crate::service::{BrdfRow, FileKind};
+use crate::service::{FileKind, FileRow};
 use ltcforge_files::digest::Digest;
 
 /// `POST /v1/brdfs`.
@@ -54,7 +54,7 @@ pub(super) async fn download(
 pub(super) async fn list(
     State(api): State<Api>,
     QueryOf(parameters): QueryOf<ListParameters>,
-) -> Result<Json<PageView<BrdfRow>>, Problem> {
+) -> Result<Json<PageView<FileRow>>, Problem> {
     let ListParameters { cursor, limit } = parameters;
     let page = api.read(move |service| service.brdfs(cursor.as_ref(), limit.0)).await?;
     Ok(Json(PageView::new(page, Ok)?))

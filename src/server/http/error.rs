@@ -5,7 +5,10 @@ use std::{fmt, time::Duration};
 use super::{kind::ProblemKind, problem::Problem};
 use crate::{
     queue::{Failure, FailureKind},
-    service::{DeleteBrdfError, ExportFailure, PictureError, PlanError, ServiceError, StoreBrdfError, SubmitError},
+    service::{
+        DeleteBrdfError, DeleteLightTextureError, ExportFailure, PictureError, PlanError, ServiceError, StoreBrdfError,
+        StoreLightTextureError, SubmitError,
+    },
 };
 use ltcforge_files::{
     recipe_document::{Fault, RecipeError},
@@ -70,6 +73,27 @@ impl From<StoreBrdfError> for Problem {
             }
             too_many @ StoreBrdfError::TooMany(_) => Self::new(ProblemKind::BrdfLimit, too_many.to_string()),
             StoreBrdfError::Store(error) => error.into(),
+        }
+    }
+}
+
+impl From<StoreLightTextureError> for Problem {
+    fn from(error: StoreLightTextureError) -> Self {
+        let detail = error.to_string();
+        match error {
+            StoreLightTextureError::Picture(_) => Self::new(ProblemKind::BadPicture, detail),
+            StoreLightTextureError::TooMany(_) => Self::new(ProblemKind::LightTextureLimit, detail),
+            StoreLightTextureError::Store(error) => error.into(),
+        }
+    }
+}
+
+impl From<DeleteLightTextureError> for Problem {
+    fn from(error: DeleteLightTextureError) -> Self {
+        let detail = error.to_string();
+        match error {
+            DeleteLightTextureError::Unknown(_) => Self::new(ProblemKind::UnknownLightTexture, detail),
+            DeleteLightTextureError::Store(error) => error.into(),
         }
     }
 }
@@ -194,11 +218,13 @@ mod tests {
     #[test]
     fn every_error_of_the_layers_below_has_its_status() {
         let fault = Fault { pointer: String::new(), detail: String::new() };
-        let cases: [(Problem, u16); 24] = [
+        let cases: [(Problem, u16); 26] = [
             (SubmitError::Recipe(RecipeError::Json("x".into())).into(), 400),
             (SubmitError::Recipe(RecipeError::Faults(vec![fault])).into(), 422),
             (StoreBrdfError::Faults(TabulatedError(vec!["x".into()])).into(), 422),
             (StoreBrdfError::Store(ServiceError::DiskFull).into(), 507),
+            (StoreLightTextureError::TooMany(1).into(), 507),
+            (DeleteLightTextureError::Store(ServiceError::Stopping).into(), 503),
             (PlanError::Scene(Vec::new()).into(), 422),
             (PlanError::Unmet { nearest: serde_json::json!({}), summary: "x".into() }.into(), 422),
             (PlanError::Service(ServiceError::Stopping).into(), 503),

@@ -143,6 +143,28 @@ impl FromRequest<Api> for BrdfBody {
     }
 }
 
+/// Longest picture that is sent.
+pub(super) const PICTURE_LIMIT_BYTES: u64 = 64 << 20;
+
+/// The bytes of a picture, not decoded yet, and the right to have them in memory: as many are at once as files of BRDFs.
+/// Its route raises the limit of bodies.
+pub(super) struct PictureBody(pub(super) Bytes, pub(super) OwnedSemaphorePermit);
+
+impl FromRequest<Api> for PictureBody {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, api: &Api) -> Result<Self, Problem> {
+        check_picture_type(request.headers())?;
+        let room = timeout(api.limits.client, Arc::clone(&api.uploads).acquire_owned()).await;
+        // The semaphore is never closed.
+        let Ok(Ok(room)) = room else {
+            return Err(lacking(format!("{UPLOADS} files are being received already; try again later")));
+        };
+        let bytes = read_body(request, api, "a picture", PICTURE_LIMIT_BYTES).await?;
+        Ok(Self(bytes, room))
+    }
+}
+
 /// A scene and its form, not read yet, and the right to have it in memory and to plan for it: as many are at once as
 /// files of BRDFs. Its route raises the limit of bodies.
 pub(super) struct SceneBody(pub(super) Bytes, pub(super) SceneForm, pub(super) OwnedSemaphorePermit);
@@ -206,6 +228,19 @@ fn check_brdf_type(headers: &HeaderMap) -> Result<(), Problem> {
             Err(Problem::new(ProblemKind::NotJsonType, detail))
         }
     }
+}
+
+/// Accepts `application/octet-stream` and types of images alone: a page of another site can send neither without a
+/// preflight request.
+fn check_picture_type(headers: &HeaderMap) -> Result<(), Problem> {
+    let given = headers.get(header::CONTENT_TYPE);
+    let media_type = given.and_then(|value| value.to_str().ok()).unwrap_or_default().to_ascii_lowercase();
+    if media_type == "application/octet-stream" || media_type.starts_with("image/") {
+        return Ok(());
+    }
+    let given = given.map_or("no content type".to_owned(), |value| format!("{value:?}"));
+    let detail = format!("{given} is not that of a picture; send image/png and so on, or application/octet-stream");
+    Err(Problem::new(ProblemKind::NotJsonType, detail))
 }
 
 /// Accepts `application/json`, `application/*+json`, no content type, and the default of `curl -d`,

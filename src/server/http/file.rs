@@ -77,9 +77,13 @@ pub(super) async fn download(
     headers: &HeaderMap,
 ) -> Result<Response, Problem> {
     let hex = digest.hex();
-    let (problem, noun, name) = match kind {
-        FileKind::Table => (ProblemKind::UnknownTable, "table", format!("{hex}.safetensors")),
-        FileKind::Brdf => (ProblemKind::UnknownBrdf, "BRDF", kept_name(digest.as_bytes())),
+    let octets = "application/octet-stream";
+    let (problem, noun, name, media_type) = match kind {
+        FileKind::Table => (ProblemKind::UnknownTable, "table", format!("{hex}.safetensors"), octets),
+        FileKind::Brdf => (ProblemKind::UnknownBrdf, "BRDF", kept_name(digest.as_bytes()), octets),
+        FileKind::LightTexture => {
+            (ProblemKind::UnknownLightTexture, "light texture", format!("{hex}.ktx2"), "image/ktx2")
+        }
     };
     let unknown = || Problem::new(problem, format!("no {noun} with the digest {digest} is stored"));
     let is_plain = [header::IF_NONE_MATCH, header::IF_MATCH, header::RANGE].iter().all(|f| !headers.contains_key(f));
@@ -98,7 +102,7 @@ pub(super) async fn download(
         Checked::Bytes(bytes) => Contents::Memory(bytes),
         Checked::Long(length) => Contents::Stored { api: api.clone(), length },
     };
-    let file = File { digest, contents, media_type: "application/octet-stream", caching: FOREVER, name: Some(name) };
+    let file = File { digest, contents, media_type, caching: FOREVER, name: Some(name) };
     let response = file.respond(method, headers)?;
     if !asks_for_all
         && method == Method::GET

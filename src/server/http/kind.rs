@@ -65,6 +65,9 @@ problem_kinds! {
     BrdfInUse: CONFLICT, "brdf-in-use", "The BRDF is named by a recipe";
     BrdfLimit: INSUFFICIENT_STORAGE, "brdf-limit", "As many BRDFs are stored as may be";
     BadBrdf: UNPROCESSABLE_ENTITY, "bad-brdf", "The BRDF has faults";
+    UnknownLightTexture: NOT_FOUND, "unknown-light-texture", "There is no such light texture";
+    LightTextureLimit: INSUFFICIENT_STORAGE, "light-texture-limit", "As many light textures are stored as may be";
+    BadPicture: UNPROCESSABLE_ENTITY, "bad-picture", "The picture cannot be prefiltered";
     BadPlan: UNPROCESSABLE_ENTITY, "bad-plan", "The scene of the plan has faults";
     BudgetUnmet: UNPROCESSABLE_ENTITY, "budget-unmet", "No table is within the budget";
     UnknownExport: NOT_FOUND, "unknown-export", "There is no such export";

@@ -14,6 +14,7 @@ mod extract;
 mod file;
 mod jobs;
 mod kind;
+mod light_textures;
 mod limits;
 mod operations;
 mod origin_policy;

@@ -10,8 +10,8 @@ use axum::{
 };
 
 use super::{
-    api::Api, brdfs, events, exports, jobs, kind::ProblemKind, operations, page, pictures, plans, problem::Problem,
-    recipes, tables,
+    api::Api, brdfs, events, exports, extract::PICTURE_LIMIT_BYTES, jobs, kind::ProblemKind, light_textures,
+    operations, page, pictures, plans, problem::Problem, recipes, tables,
 };
 use crate::service::SCENE_LIMIT_BYTES;
 use ltcforge_files::tabulated::TABULATED_LIMIT_BYTES;
@@ -55,6 +55,13 @@ pub static ROUTES: &[Route] = &[
     route(Method::GET, "/v1/brdfs/{digest}", |on| on.get(brdfs::download)),
     route(Method::HEAD, "/v1/brdfs/{digest}", |on| on.head(brdfs::download)),
     route(Method::DELETE, "/v1/brdfs/{digest}", |on| on.delete(brdfs::delete)),
+    route(Method::POST, "/v1/light-textures", |on| {
+        on.post(light_textures::store.layer(DefaultBodyLimit::max(PICTURE_LIMIT_BYTES as usize)))
+    }),
+    route(Method::GET, "/v1/light-textures", |on| on.get(light_textures::list)),
+    route(Method::GET, "/v1/light-textures/{digest}", |on| on.get(light_textures::download)),
+    route(Method::HEAD, "/v1/light-textures/{digest}", |on| on.head(light_textures::download)),
+    route(Method::DELETE, "/v1/light-textures/{digest}", |on| on.delete(light_textures::delete)),
     route(Method::POST, "/v1/plans", |on| {
         on.post(plans::plan.layer(DefaultBodyLimit::max(SCENE_LIMIT_BYTES as usize)))
     }),

@@ -41,6 +41,8 @@ pub struct Config {
     pub pictures: PictureLimits,
     /// Tabulated BRDFs that may be stored.
     pub brdf_limit: usize,
+    /// Light textures that may be stored.
+    pub light_texture_limit: usize,
     /// Bytes of exports that are kept in memory.
     pub export_bytes: usize,
 }

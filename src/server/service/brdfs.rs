@@ -2,11 +2,10 @@
 
 use std::sync::PoisonError;
 
-use jiff::Timestamp;
 use serde::Serialize;
 
-use super::{FileKind, Page, Service, ServiceError, TableCursor, find_brdf::used_brdfs};
-use crate::store::{BlobInfo, StoreError, age_key};
+use super::{FileKind, FileRow, Page, Service, ServiceError, TableCursor, find_brdf::used_brdfs};
+use crate::store::StoreError;
 use ltcforge_files::{
     digest::Digest,
     tabulated::{TabulatedError, decode},
@@ -26,17 +25,6 @@ pub struct StoredBrdf {
     pub albedo: f64,
     /// How far it is from reciprocity.
     pub asymmetry: Option<Asymmetry>,
-}
-
-/// A stored file in the list.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct BrdfRow {
-    /// Its digest.
-    pub digest: Digest,
-    /// Its size.
-    pub bytes: u64,
-    /// When it was stored.
-    pub created_at: Timestamp,
 }
 
 /// Why a file was not deleted.
@@ -103,7 +91,7 @@ impl Service {
         let _storing = self.state.storing.lock().unwrap_or_else(PoisonError::into_inner);
         let was_there = blobs.contains(digest).map_err(ServiceError::from)?;
         let limit = self.state.config.brdf_limit;
-        if !was_there && self.stored_brdfs().map_err(ServiceError::from)?.len() >= limit {
+        if !was_there && self.stored_files(FileKind::Brdf).map_err(ServiceError::from)?.len() >= limit {
             return Err(StoreBrdfError::TooMany(limit));
         }
         blobs.put(bytes).map_err(ServiceError::from)?;
@@ -114,30 +102,8 @@ impl Service {
     ///
     /// # Errors
     /// When the store fails.
-    pub fn brdfs(&self, cursor: Option<&TableCursor>, limit: usize) -> Result<Page<BrdfRow>, ServiceError> {
-        let mut rows = self.stored_brdfs()?;
-        rows.retain(|(key, _)| cursor.is_none_or(|cursor| *key < cursor.0));
-        let mut newest = rows.into_iter().rev();
-        let page: Vec<_> = newest.by_ref().take(limit).collect();
-        let next = newest.next().and_then(|_| Some(TableCursor(page.last()?.0.clone()).to_string()));
-        Ok(Page { items: page.into_iter().map(|(_, row)| row).collect(), next })
-    }
-
-    /// All stored files with their places in the list, oldest first.
-    fn stored_brdfs(&self) -> Result<Vec<(Vec<u8>, BrdfRow)>, StoreError> {
-        let tables = &self.state.tables;
-        let known = tables.catalogue.keys()?;
-        let mut rows = Vec::new();
-        for BlobInfo { digest, stored_at } in tables.store.blobs.list()? {
-            if known.contains(digest.as_bytes().as_slice()) {
-                continue;
-            }
-            if let Some(bytes) = tables.length(FileKind::Brdf, digest)? {
-                rows.push((age_key(stored_at, digest), BrdfRow { digest, bytes, created_at: stored_at }));
-            }
-        }
-        rows.sort_by(|(a, _), (b, _)| a.cmp(b));
-        Ok(rows)
+    pub fn brdfs(&self, cursor: Option<&TableCursor>, limit: usize) -> Result<Page<FileRow>, ServiceError> {
+        self.files(FileKind::Brdf, cursor, limit)
     }
 
     /// Deletes a stored file that no recipe of a table, or of a job that waits or runs, names.

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::{OpenError, Reconciled, backend::FitBackend, reconcile::reconcile};
 use crate::store::{Damage, DryRun, Store, StoreError};
 use ltcforge_files::{digest::Digest, tabulated};
+use ltcforge_textures::is_light_texture;
 
 /// The findings of [`check`] in a data folder.
 #[derive(Debug, Serialize)]
@@ -43,8 +44,11 @@ pub fn check(folder: &Path) -> Result<CheckReport, OpenError> {
     let (mut tables, mut damaged_tables) = (0, Vec::new());
     for blob in store.blobs.list().map_err(of)? {
         match store.blobs.get(blob.digest) {
-            // The files of tabulated BRDFs lie beside them.
-            Ok(bytes) => tables += usize::from(bytes.is_some_and(|bytes| tabulated::decode(&bytes).is_err())),
+            // Files that users sent lie beside them.
+            Ok(bytes) => {
+                let is_table = |bytes: &[u8]| !is_light_texture(bytes) && tabulated::decode(bytes).is_err();
+                tables += usize::from(bytes.is_some_and(|bytes| is_table(&bytes)));
+            }
             Err(StoreError::Corrupt { expected, .. }) => damaged_tables.push(expected),
             Err(error) => return Err(of(error)),
         }

@@ -14,6 +14,7 @@ use super::{
     Config, OpenError, Service,
     backend::FitBackend,
     find_brdf::{named_in, used_brdfs},
+    light_textures::LIGHT_TEXTURE_START,
     open::{ServiceParts, limits},
     state::ServiceState,
 };
@@ -29,6 +30,7 @@ use crate::{
 };
 use ltcforge_files::digest::Digest;
 use ltcforge_fit::FITTER_VERSION;
+use ltcforge_textures::is_light_texture;
 
 /// How often the jobs that clients follow are looked at.
 const FOLLOW: std::time::Duration = std::time::Duration::from_millis(250);
@@ -171,7 +173,7 @@ pub struct Swept {
     pub removed: usize,
 }
 
-/// Finds orphans: blobs older than a day that are not tables of the catalogue and not named by a recipe in use. Removes
+/// Finds orphans: blobs older than a day that are not tables of the catalogue, not named by a recipe in use and no light textures. Removes
 /// them as `removal` says.
 ///
 /// # Errors
@@ -188,6 +190,7 @@ pub fn sweep(config: &Config, shared: &Shared, removal: Removal) -> Result<Swept
     let brdfs = used_brdfs(&catalogue, &queue).map_err(OpenError::Shared)?;
     let is_known = |digest: Digest| -> Result<bool, StoreError> {
         Ok(brdfs.contains(&digest)
+            || blobs.part(digest, 0, LIGHT_TEXTURE_START)?.is_some_and(|start| is_light_texture(&start))
             || catalogue.table(digest)?.is_some()
             || brdfs_named_since(&queue, began)?.contains(&digest))
     };

@@ -5,15 +5,16 @@ use std::sync::Arc;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::{Config, OpenError, Shared, find_brdf::named_in, open::limits};
+use super::{Config, OpenError, Shared, find_brdf::named_in, light_textures::LIGHT_TEXTURE_START, open::limits};
 use crate::{
     queue::{
         embedded::{stored_jobs, stored_results},
         postgres::{PostgresQueue, Process},
     },
-    store::{Access, Batch, Blobs as _, Catalogue, ObjectBlobs, PostgresRows, Rows as _, Store, StoreError},
+    store::{Access, Batch, BlobInfo, Blobs as _, Catalogue, ObjectBlobs, PostgresRows, Rows as _, Store, StoreError},
 };
 use ltcforge_fit::FITTER_VERSION;
+use ltcforge_textures::is_light_texture;
 
 /// Counts of the copied items, without those that were there already.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -90,7 +91,7 @@ pub fn migrate(config: &Config, shared: &Shared) -> Result<Migrated, OpenError> 
                 done.shards += results.len();
             }
         }
-        Ok(())
+        copy_light_textures(&store, &blobs)
     })()
     .map_err(OpenError::Shared)?;
     Ok(done)
@@ -103,6 +104,20 @@ fn copy_brdf(from: &Store, to: &ObjectBlobs, recipe: &str) -> Result<(), StoreEr
         && let Ok(Some(file)) = from.blobs.get(digest)
     {
         to.put(&file)?;
+    }
+    Ok(())
+}
+
+/// Copies the prefiltered pictures of lights that are not damaged. Nothing names them.
+fn copy_light_textures(from: &Store, to: &ObjectBlobs) -> Result<(), StoreError> {
+    for BlobInfo { digest, .. } in from.blobs.list()? {
+        let is_wanted = from.blobs.part(digest, 0, LIGHT_TEXTURE_START)?.is_some_and(|start| is_light_texture(&start));
+        if is_wanted
+            && !to.contains(digest)?
+            && let Ok(Some(file)) = from.blobs.get(digest)
+        {
+            to.put(&file)?;
+        }
     }
     Ok(())
 }

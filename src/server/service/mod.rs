@@ -13,6 +13,7 @@ mod downloads;
 mod exports;
 mod find_brdf;
 mod forecast;
+mod light_textures;
 mod migrate;
 mod open;
 mod pictures;
@@ -22,6 +23,7 @@ mod scheduler;
 mod scrub;
 mod speed;
 mod state;
+mod stored_files;
 mod submit;
 mod tables;
 #[cfg(test)]
@@ -34,14 +36,18 @@ pub use api::{
     Config, Expected, Foreseen, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits, ServiceError,
     SubmitError, SubmitReply,
 };
-pub use brdfs::{BrdfRow, DeleteBrdfError, StoreBrdfError, StoredBrdf};
+pub use brdfs::{DeleteBrdfError, StoreBrdfError, StoredBrdf};
 pub use check::{CheckReport, check};
 pub use cluster::{DatabaseUrl, Removal, Shared, Swept, sweep};
 pub use cursor::{CursorError, JobCursor, TableCursor};
 pub use exports::{ExportFailure, ExportedFile, MadeExport};
+pub use light_textures::{
+    DeleteLightTextureError, LIGHT_TEXTURE_PIXELS, LightTextureRequest, StoreLightTextureError, StoredLightTexture,
+};
 pub use migrate::{Migrated, migrate};
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
 pub use plans::{PlanError, Planned, SCENE_LIMIT_BYTES, SceneForm};
 pub use reconcile::Reconciled;
 pub use state::Service;
+pub use stored_files::FileRow;
 pub use tables::FileKind;

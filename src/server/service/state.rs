@@ -39,7 +39,7 @@ pub(super) struct ServiceState {
     pub(super) scheduler: Scheduler,
     pub(super) pictures: Pictures,
     pub(super) exports: Exports,
-    /// Held while a tabulated BRDF is counted and stored.
+    /// Held while a file that was sent is counted and stored.
     pub(super) storing: Mutex<()>,
     /// Read while a recipe that may name a tabulated BRDF becomes a job, written while one is deleted.
     pub(super) naming: RwLock<()>,

@@ -17,20 +17,29 @@ use ltcforge_files::{
     manifest::MANIFEST_VERSION,
     tabulated::{TABULATED_HEADER_LIMIT_BYTES, is_tabulated},
 };
+use ltcforge_textures::is_light_texture;
 
 /// The kinds of stored files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FileKind {
-    /// A table, or whatever is no tabulated BRDF.
+    /// A table, or whatever is neither of the others.
     Table,
     /// A tabulated BRDF.
     Brdf,
+    /// A prefiltered picture of a light.
+    LightTexture,
 }
 
 impl FileKind {
     /// The kind of a file that begins so.
     fn of(start: &[u8]) -> Self {
-        if is_tabulated(start) { Self::Brdf } else { Self::Table }
+        if is_light_texture(start) {
+            Self::LightTexture
+        } else if is_tabulated(start) {
+            Self::Brdf
+        } else {
+            Self::Table
+        }
     }
 
     /// Whether a file that begins so is of this kind.
@@ -39,7 +48,7 @@ impl FileKind {
     }
 }
 
-/// The bytes at the start of a file that tell a tabulated BRDF from a table.
+/// The bytes at the start of a file that tell its kind.
 const START: usize = 8 + TABULATED_HEADER_LIMIT_BYTES as usize;
 
 /// Files whose kinds are remembered.

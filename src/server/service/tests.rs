@@ -30,6 +30,7 @@ pub(super) fn config(dir: &Path) -> Config {
         max_attempts: 3,
         pictures: PictureLimits::default(),
         brdf_limit: 2,
+        light_texture_limit: 2,
         export_bytes: 100,
     }
 }

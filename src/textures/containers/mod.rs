@@ -19,7 +19,7 @@ pub(crate) use self::rules::ContainerRules;
 use self::rules::Written;
 pub(super) use self::{
     dds::dx10,
-    ktx2::encode as ktx2,
+    ktx2::{IDENTIFIER as KTX2_IDENTIFIER, Ktx2File, Sample, encode as ktx2, float_samples, vk_format},
     rules::{Stored, stored},
 };
 use super::{

@@ -49,6 +49,14 @@ impl Builtin<'_> {
         self.arguments.get(number).map_or("", |piece| &piece.text)
     }
 
+    /// How many numbers name a texel of the texture that is the first argument.
+    pub(super) fn coordinates(&self) -> usize {
+        match self.arguments.first().map(|piece| &piece.ty) {
+            Some(Type::Texture(texture)) => texture.coordinates(),
+            _ => 3,
+        }
+    }
+
     /// A texture's last arguments but the level, as one coordinate. `vector` is its type.
     pub(super) fn joined(&self, vector: &str, from: usize) -> String {
         let parts: Vec<&str> = (from..self.arguments.len()).map(|number| self.text(number)).collect();

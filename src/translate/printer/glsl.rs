@@ -58,6 +58,7 @@ impl Dialect for Glsl {
             Type::Array(of, count) => format!("{}[{count}]", self.ty(of)),
             Type::Struct(name) => name.clone(),
             Type::Pointer(of) => self.ty(of),
+            Type::Texture(Texture::Plane) => "sampler2D".to_owned(),
             Type::Texture(Texture::Volume) => "sampler3D".to_owned(),
             Type::Texture(Texture::Layers) => "sampler2DArray".to_owned(),
             Type::Sampler => "sampler".to_owned(),
@@ -127,7 +128,7 @@ impl Dialect for Glsl {
             }
             "textureLoad" => {
                 let (level, place) = call.arguments.split_last()?;
-                let place = Builtin { arguments: place, ..*call }.joined("ivec3", 1);
+                let place = Builtin { arguments: place, ..*call }.joined(&format!("ivec{}", call.coordinates()), 1);
                 made(format!("texelFetch({}, {place}, {})", text(0), level.text))
             }
             "textureSampleLevel" => {

@@ -27,6 +27,7 @@ impl Dialect for Hlsl {
     fn ty(&self, ty: &Type) -> String {
         sized_name(ty).unwrap_or_else(|| match ty {
             Type::Array(of, _) | Type::Pointer(of) => self.ty(of),
+            Type::Texture(Texture::Plane) => "Texture2D<float4>".to_owned(),
             Type::Texture(Texture::Volume) => "Texture3D<float4>".to_owned(),
             Type::Texture(Texture::Layers) => "Texture2DArray<float4>".to_owned(),
             _ => "SamplerState".to_owned(),
@@ -114,7 +115,9 @@ impl Dialect for Hlsl {
                 };
                 made(format!("{name}({})", text(0)))
             }
-            "textureLoad" => made(format!("{}.Load({})", text(0), call.joined("int4", 1))),
+            "textureLoad" => {
+                made(format!("{}.Load({})", text(0), call.joined(&format!("int{}", call.coordinates() + 1), 1)))
+            }
             "textureSampleLevel" => {
                 let (level, place) = call.arguments.split_last()?;
                 let place = match place {

@@ -29,6 +29,7 @@ impl Dialect for Msl {
     fn ty(&self, ty: &Type) -> String {
         sized_name(ty).unwrap_or_else(|| match ty {
             Type::Array(of, _) | Type::Pointer(of) => self.ty(of),
+            Type::Texture(Texture::Plane) => "texture2d<float>".to_owned(),
             Type::Texture(Texture::Volume) => "texture3d<float>".to_owned(),
             Type::Texture(Texture::Layers) => "texture2d_array<float>".to_owned(),
             _ => "sampler".to_owned(),

@@ -144,6 +144,7 @@ impl<'a> Stream<'a> {
                     Type::Matrix { columns, rows }
                 }
                 _ if name == "texture_3d" => self.parameter().map(|_| Type::Texture(Texture::Volume))?,
+                _ if name == "texture_2d" => self.parameter().map(|_| Type::Texture(Texture::Plane))?,
                 _ if name == "texture_2d_array" => self.parameter().map(|_| Type::Texture(Texture::Layers))?,
                 _ => Type::Struct(name.to_owned()),
             },

@@ -15,10 +15,19 @@ pub(crate) enum Scalar {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Texture {
+    /// `texture_2d<f32>`.
+    Plane,
     /// `texture_3d<f32>`.
     Volume,
     /// `texture_2d_array<f32>`.
     Layers,
+}
+
+impl Texture {
+    /// How many numbers name a texel, a layer among them.
+    pub(crate) fn coordinates(self) -> usize {
+        if self == Self::Plane { 2 } else { 3 }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -9,6 +9,7 @@ mod pictures;
 mod planted;
 mod polygons;
 mod ported;
+mod prefilter;
 mod printed;
 mod shapes;
 mod textured;

@@ -41,6 +41,7 @@ fn start(folder: &Path, time: Duration) -> (Arc<Service>, Digest) {
         adapter: Adapter::Cpu,
         pictures: PictureLimits { time, ..PictureLimits::default() },
         brdf_limit: 1,
+        light_texture_limit: 1,
         export_bytes: 0,
     });
     let service = service.expect("a service");

@@ -3,3 +3,4 @@
 pub(crate) mod decoder;
 pub(in crate::preview) mod example;
 pub(in crate::preview) mod pictures;
+pub(in crate::preview) mod prefilter;

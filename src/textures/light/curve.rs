@@ -1,0 +1,62 @@
+//! From the numbers of a file to linear ones.
+
+use std::fmt;
+
+use ltcforge_fit::{math::pow, named_list};
+
+named_list! {
+    /// How the numbers of an image file stand for light.
+    pub enum TransferFunction {
+        /// In proportion.
+        Linear = "linear",
+        /// By the curve of sRGB.
+        Srgb = "srgb",
+    }
+}
+
+/// How the numbers of an image were read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Curve {
+    /// As they are.
+    Linear,
+    /// By the curve of sRGB [IEC 61966-2-1].
+    Srgb,
+    /// Raised to this power, as the file says.
+    Power(f64),
+}
+
+impl From<TransferFunction> for Curve {
+    fn from(transfer: TransferFunction) -> Self {
+        match transfer {
+            TransferFunction::Linear => Self::Linear,
+            TransferFunction::Srgb => Self::Srgb,
+        }
+    }
+}
+
+impl fmt::Display for Curve {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Linear => f.write_str("linear"),
+            Self::Srgb => f.write_str("srgb"),
+            Self::Power(power) => write!(f, "power {power:.3}"),
+        }
+    }
+}
+
+impl Curve {
+    /// The linear number; that of sRGB goes on above 1 as below. Domain: `Power` takes numbers of at least zero.
+    pub(super) fn linear(self, x: f64) -> f64 {
+        match self {
+            Self::Linear => x,
+            Self::Srgb if x <= 0.040_45 => x / 12.92,
+            Self::Srgb => pow((x + 0.055) / 1.055, 2.4),
+            Self::Power(power) => pow(x, power),
+        }
+    }
+
+    /// The linear numbers of all integers up to `largest`, which stands for 1.
+    pub(super) fn table(self, largest: u16) -> Vec<f32> {
+        (0..=largest).map(|x| self.linear(f64::from(x) / f64::from(largest)) as f32).collect()
+    }
+}

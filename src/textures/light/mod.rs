@@ -1,0 +1,16 @@
+//! Pictures on lights: the image files that are read, and the files of a prefiltered picture.
+
+mod curve;
+mod decode;
+mod files;
+mod shared_exponent;
+mod size;
+#[cfg(test)]
+mod tests;
+mod texture;
+
+pub use curve::{Curve, TransferFunction};
+pub use decode::{LightFileError, LightPicture, MOST_PIXELS, PictureFormat};
+pub use files::{LightTexels, LightTextureFile, LightTextureFiles, is_light_texture, light_texture_files};
+pub use size::LightSize;
+pub use texture::{LightTexture, LightTextureError, LightTextureOptions, light_texture};
