@@ -16,6 +16,7 @@ mod interrupt;
 mod jobs;
 mod light;
 mod light_case;
+mod light_picture;
 mod light_texture;
 mod lock;
 mod lookup;

@@ -13,6 +13,7 @@ use super::{
     csv::{CsvLines, LineFailure},
     input::AnyTable,
     light_case::CaseFormat,
+    light_picture::Picture,
     out_of_range::{Clamped, OutOfRangeCount, clamped},
     tabulated,
 };
@@ -32,6 +33,7 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
     let formula = args.model.closed_form(args.rule).map(Lighting::ClosedForm);
     let lighting = lighting.or(formula).ok_or_else(|| needs_table(args.model))?;
     let brdf = table.map_or(BrdfKind::Ggx.into(), |table| table.model().clone());
+    let mut picture = Picture::of(args, &brdf)?;
     let lines = CsvLines::open(&args.cases, "lights")?;
     let mut out = BufWriter::new(&mut *context.stdout);
     let mut out_of_range = OutOfRangeCount::default();
@@ -59,7 +61,11 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
                 let reflected = lighting.of_material(&at, light, [f0, args.f90])? - edge_factor(f0) * edge;
                 Ok(gain(&|| lighting.albedo(&at), f0)? * reflected)
             };
-            Ok(Printed { light: lighting.reflected(&at, light)?, of_material: args.f0.map(of_model).transpose()? })
+            Ok(Printed {
+                light: lighting.reflected(&at, light)?,
+                of_material: args.f0.map(of_model).transpose()?,
+                of_picture: None,
+            })
         };
         let truth = || -> Result<Printed, LightError> {
             let light_truth = truth_of(&brdf, TRUTH_TOLERANCE, &at, light)?;
@@ -68,10 +74,16 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
                 let reflected = light_truth.schlick(f0, args.f90) - edge_factor(f0) * edge;
                 Ok(gain(&|| sampled(&brdf, &at), f0)? * reflected)
             };
-            Ok(Printed { light: light_truth, of_material: args.f0.map(of_truth).transpose()? })
+            Ok(Printed { light: light_truth, of_material: args.f0.map(of_truth).transpose()?, of_picture: None })
         };
-        let found = found().map_err(refuse)?;
-        let truth = args.truth.then(truth).transpose().map_err(refuse)?;
+        let mut found = found().map_err(refuse)?;
+        let mut truth = args.truth.then(truth).transpose().map_err(refuse)?;
+        if let Some(picture) = &mut picture {
+            found.of_picture = Some(picture.reflected(table, &at, light).map_err(refuse)?);
+            if let Some(truth) = &mut truth {
+                truth.of_picture = Some(picture.truth(&at, light).map_err(refuse)?);
+            }
+        }
         let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
         out_of_range.count(clamped.as_deref().unwrap_or_default());
         let written = if json {
@@ -93,16 +105,23 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
 fn header(args: &LightArgs) -> String {
     let of = |prefix: &str| {
         let reflected = if args.f0.is_some() { format!(",{prefix}reflected") } else { String::new() };
-        format!("{prefix}energy,{prefix}fresnel{reflected}")
+        let channels = CHANNELS.map(|channel| format!(",{prefix}{channel}")).concat();
+        let channels = if args.texture.is_some() { channels } else { String::new() };
+        format!("{prefix}energy,{prefix}fresnel{reflected}{channels}")
     };
     if args.truth { format!("{},{}", of(""), of("true_")) } else { of("") }
 }
+
+/// The columns of a picture.
+const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// The numbers that are printed for a light.
 struct Printed {
     light: ReflectedLight,
     /// What the material of `--f0` reflects, a metal with `--f82`, with `--compensate` more; `None` without the option.
     of_material: Option<f64>,
+    /// What is reflected of each channel of the picture of `--texture`.
+    of_picture: Option<[f64; 3]>,
 }
 
 fn needs_table(model: LightModel) -> CommandFailure {
@@ -171,10 +190,11 @@ fn material_faults(args: &LightArgs, table: &Table) -> Vec<String> {
 
 /// One line of CSV. Numbers are the shortest that read back as the same f64.
 fn write_row(out: &mut dyn Write, found: &Printed, truth: Option<&Printed>) -> io::Result<()> {
-    let mut numbers = Vec::with_capacity(6);
-    for Printed { light, of_material } in [Some(found), truth].into_iter().flatten() {
+    let mut numbers = Vec::with_capacity(12);
+    for Printed { light, of_material, of_picture } in [Some(found), truth].into_iter().flatten() {
         numbers.extend([light.energy, light.fresnel]);
         numbers.extend(of_material);
+        numbers.extend(of_picture.iter().flatten());
     }
     let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
     writeln!(out, "{}", numbers.join(","))
@@ -190,11 +210,14 @@ fn write_json(
 ) -> io::Result<()> {
     let mut line = json!({});
     for (prefix, printed) in [("", Some(found)), ("true_", truth)] {
-        let Some(Printed { light, of_material }) = printed else { continue };
+        let Some(Printed { light, of_material, of_picture }) = printed else { continue };
         line[format!("{prefix}energy")] = json!(light.energy);
         line[format!("{prefix}fresnel")] = json!(light.fresnel);
         if let Some(reflected) = of_material {
             line[format!("{prefix}reflected")] = json!(reflected);
+        }
+        for (channel, value) in CHANNELS.iter().zip(of_picture.iter().flatten()) {
+            line[format!("{prefix}{channel}")] = json!(value);
         }
     }
     if let Some(clamped) = clamped {

@@ -257,3 +257,50 @@ fn what_is_cut_at_the_surface_lets_nothing_through() {
     let example = shader.iter().chain(&["--as", "example"]);
     assert!(run(folder.path(), example).exited(2).stderr.contains("--cut is for a text to include"));
 }
+
+/// A picture of four colours on a square: what is reflected of each channel is near to the truth, a mirror shows the colour that it
+/// faces, and faults are told at once.
+#[test]
+fn light_tells_the_channels_of_a_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("tv.png");
+    let mut encoder = png::Encoder::new(fs::File::create(&path).expect("a file"), 64, 64);
+    encoder.set_color(png::ColorType::Rgb);
+    let quarters: [[u8; 3]; 4] = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [255; 3]];
+    let pixels: Vec<u8> = (0..64 * 64).flat_map(|i| quarters[i % 64 / 32 + i / 2048 * 2]).collect();
+    encoder.write_header().and_then(|mut writer| writer.write_image_data(&pixels)).expect("a picture");
+    // From its lit side below, the square's upper left is at -x, +y: clockwise from there.
+    let square = |x: f64, y: f64| {
+        let corners =
+            [[-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [1.0, 1.0]].map(|[a, b]| format!(",{},{},2", a + x, b + y));
+        corners.concat()
+    };
+    let lights = format!("0.01,0.01,0,0,2{}\n0.4,0.1,0.9,0.3,2{}\n", square(0.5, -0.5), square(-1.0, 0.2));
+    let with =
+        |options: &[&str]| run_with_stdin(folder.path(), ["light", "-", "--texture"].iter().chain(options), &lights);
+    let printed = with(&["tv.png", "--truth"]).exited(0);
+    let names = "energy,fresnel,red,green,blue";
+    let header =
+        format!("{names},{}", names.split(',').map(|name| format!("true_{name}")).collect::<Vec<_>>().join(","));
+    assert_eq!(printed.stdout.lines().next(), Some(header.as_str()));
+    let found = rows(&printed.stdout);
+    for row in &found {
+        assert!((2..5).all(|i| (row[i] - row[i + 5]).abs() < 0.02), "{row:?}");
+        assert!((row[7..].iter().fold(0.0, |a: f64, b| a.max(*b))) <= row[5] + 1e-4, "{row:?}");
+    }
+    // The first vertex has the picture's upper left, red.
+    assert!(found[0][2] > 0.9 && found[0][3] < 0.05 && found[0][4] < 0.05, "{:?}", found[0]);
+    let half = rows(&with(&["tv.png", "--f0", "0.5", "--f90", "0.5", "--readings", "6"]).exited(0).stdout);
+    assert!((half[0][3] - 0.5 * found[0][2]).abs() < 1e-3, "{half:?}");
+    let told = with(&["tv.png", "--json"]).exited(0).stdout;
+    let told: Value = serde_json::from_str(told.lines().next().expect("a line")).expect("JSON");
+    assert_eq!(told["red"].as_f64(), Some(found[0][2]));
+
+    let refused = with(&["tv.png", "--light", "sphere", "--model", "sg"]).exited(2);
+    assert!(refused.stderr.contains("leave out --light; model sg reads no pictures"), "{}", refused.stderr);
+    fs::write(folder.path().join("no.png"), "no picture").expect("a file");
+    assert!(with(&["no.png"]).exited(1).stderr.contains("no.png: this is no image that can be read"));
+    let triangle = "0.5,0.5,0,0,2,-1,-1,2,1,-1,2,0,1,2\n";
+    let refused = run_with_stdin(folder.path(), ["light", "-", "--texture", "tv.png"], triangle).exited(2);
+    assert!(refused.stderr.contains("a light of four corners with right angles"), "{}", refused.stderr);
+}

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{named::named, tables::TableFolder};
-use ltcforge_light::{AnisotropicRoughness, LightModel, LightShape, NormalsRule};
+use ltcforge_light::{AnisotropicRoughness, LightModel, LightShape, NormalsRule, textured::Readings};
 
 /// `light`.
 #[derive(Debug, Args)]
@@ -47,6 +47,14 @@ pub struct LightArgs {
     /// Print the truth as well, for the table's scattering model or GGX, by adaptive quadrature: milliseconds a line
     #[arg(long)]
     pub truth: bool,
+    /// A picture on the lights, rectangles: PNG, `OpenEXR`, Radiance HDR or JPEG. Prints what is reflected of each channel, for a
+    /// Fresnel factor of one or, with `--f0`, by Schlick's, by model normals or a table of LTCs. The picture's upper left is at the first vertex, and its rows
+    /// run to the second
+    #[arg(long, value_name = "IMAGE")]
+    pub texture: Option<PathBuf>,
+    /// How often the picture of `--texture` is read for a light [default: 4]
+    #[arg(long, value_name = "N", value_parser = named(Readings::ALL, Readings::name), requires = "texture")]
+    pub readings: Option<Readings>,
     /// Print what a material of this reflectance, seen from above, reflects as well, by Schlick's Fresnel factor: 0 to 1
     #[arg(long, value_parser = reflectance)]
     pub f0: Option<f64>,

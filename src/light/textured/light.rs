@@ -14,7 +14,7 @@ use crate::{
     ltc::{TableUse, by_table_as},
     normals::{self, View},
     rules::surface_and_view,
-    truth::{texel_lights, truth},
+    truth::{texel_lights, truth_within},
 };
 use ltcforge_fit::{
     Configuration, Ltc, Sides, Table,
@@ -84,6 +84,13 @@ impl TexturedLight {
     #[must_use]
     pub fn polygon(&self) -> &PolygonLight {
         &self.0
+    }
+
+    /// The lengths of its sides, along the picture's rows and columns, in any unit.
+    #[must_use]
+    pub fn size(&self) -> [f64; 2] {
+        let corners = self.0.vertices();
+        [corners[1].distance(corners[0]), corners[3].distance(corners[0])]
     }
 
     fn corners(&self) -> [Triple<f64>; 4] {
@@ -162,7 +169,7 @@ impl TexturedLight {
         tolerance: f64,
     ) -> Result<Vec<[f64; 2]>, LightError> {
         let (alpha, wo) = surface_and_view(at)?;
-        let whole = truth(at, &self.0)?;
+        let whole = truth_within(0.1 * tolerance, at, &self.0)?;
         let [corner, x, _, y] = self.corners().map(DVec3::from_array);
         let is_lit = self.0.sides() == Sides::Two || (x - corner).cross(y - corner).dot(corner) > 0.0;
         if !is_lit {

@@ -1,0 +1,105 @@
+//! The picture of `light --texture`: read once, and prefiltered for each shape of light.
+
+use std::path::Path;
+
+use super::{CommandFailure, Exit, args::LightArgs, file_failure};
+use ltcforge_files::bounded::read_file;
+use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, Table};
+use ltcforge_light::{
+    AnyLight, LightError, LightModel, LightShape, NormalsRule, TableUse,
+    textured::{LightImage, LightPyramid, Readings, TexturedLight, TexturedReflection},
+};
+use ltcforge_textures::LightPicture;
+
+/// The longest picture that is read.
+const PICTURE_LIMIT_BYTES: u64 = 1 << 28;
+/// How exact the truth is.
+const TRUTH_TOLERANCE: f64 = 1e-5;
+
+/// A picture, and the pyramid for the shape of the last light.
+pub(super) struct Picture {
+    image: LightImage,
+    pyramid: Option<([usize; 2], LightPyramid)>,
+    number: Readings,
+    rule: NormalsRule,
+    used: TableUse,
+    fresnel: [f64; 2],
+}
+
+impl Picture {
+    /// The picture that the arguments name; `None` without one. Refuses options that have no meaning for it, all at once.
+    pub(super) fn of(args: &LightArgs, brdf: &BrdfModel) -> Result<Option<Self>, CommandFailure> {
+        let Some(path) = &args.texture else { return Ok(None) };
+        let mut faults = Vec::new();
+        if args.light != LightShape::Polygon {
+            faults.push(format!("a {} has no picture: leave out --light", args.light));
+        }
+        if !matches!(args.model, LightModel::Normals | LightModel::Ltc) {
+            faults.push(format!("model {} reads no pictures: choose normals or ltc", args.model));
+        }
+        for (name, is_given) in
+            [("--f82", args.f82.is_some()), ("--blend", args.blend), ("--compensate", args.compensate)]
+        {
+            if is_given {
+                faults.push(format!("{name} is of lights without a picture: leave it out"));
+            }
+        }
+        if args.truth && brdf.kind() != BrdfKind::Ggx {
+            faults.push(format!("--truth of a picture is that of brdf ggx, and the table is of {brdf}: leave it out"));
+        }
+        if !faults.is_empty() {
+            return Err(CommandFailure::new(Exit::Usage, format!("--texture: {}", faults.join("; "))));
+        }
+        let number = args.readings.unwrap_or(Readings::ALL[0]);
+        Ok(Some(Self {
+            image: read(path)?,
+            pyramid: None,
+            number,
+            rule: args.rule.unwrap_or(NormalsRule::ALL[0]),
+            used: TableUse { cut: args.cut, blend: false },
+            fresnel: args.f0.map_or([1.0; 2], |f0| [f0, args.f90]),
+        }))
+    }
+
+    /// What is reflected of each channel: by the table, or by model `normals`.
+    pub(super) fn reflected(
+        &mut self,
+        table: Option<&Table>,
+        at: &Configuration,
+        light: &AnyLight,
+    ) -> Result<[f64; 3], LightError> {
+        let light = rectangle(light)?;
+        let size = self.image.square_size(light.size());
+        if self.pyramid.as_ref().is_none_or(|(known, _)| *known != size) {
+            self.pyramid = Some((size, LightPyramid::new(&self.image.resampled(size))));
+        }
+        let Some((_, pyramid)) = &self.pyramid else { return Err(LightError::NoRectangle) };
+        let found = match table {
+            Some(table) => light.by_table(table, at, pyramid, (self.used, self.number))?,
+            None => light.by_normals(at, pyramid, (self.rule, self.number))?,
+        };
+        Ok(self.with_fresnel(&found))
+    }
+
+    /// The same truly.
+    pub(super) fn truth(&self, at: &Configuration, light: &AnyLight) -> Result<[f64; 3], LightError> {
+        Ok(self.with_fresnel(&rectangle(light)?.truth(at, &self.image, TRUTH_TOLERANCE)?))
+    }
+
+    fn with_fresnel(&self, found: &TexturedReflection) -> [f64; 3] {
+        found.schlick(self.fresnel[0], self.fresnel[1])
+    }
+}
+
+fn rectangle(light: &AnyLight) -> Result<TexturedLight, LightError> {
+    match light {
+        AnyLight::Polygon(light) => TexturedLight::new(light.clone()),
+        AnyLight::Shaped(_) => Err(LightError::NoRectangle),
+    }
+}
+
+fn read(path: &Path) -> Result<LightImage, CommandFailure> {
+    let bytes = read_file(path, PICTURE_LIMIT_BYTES).map_err(|error| file_failure(path, &error))?;
+    let picture = LightPicture::decode(&bytes, None).map_err(|error| file_failure(path, &error))?;
+    Ok(picture.image)
+}
