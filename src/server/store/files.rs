@@ -70,6 +70,16 @@ pub(super) fn copy_to_quarantine(from: &Path, quarantine: &Path, stem: &str) -> 
     Ok(target)
 }
 
+/// Writes `bytes`, which are about to be lost, into `quarantine` under a free name `<stem>-<n>`. Returns where they are.
+///
+/// # Errors
+/// When they cannot be written.
+pub(super) fn keep_in_quarantine(bytes: &[u8], quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
+    let target = free_name(quarantine, stem)?;
+    write_durably(&target, bytes)?;
+    Ok(target)
+}
+
 fn free_name(quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
     make_folder(quarantine)?;
     let mut names = (1..=u32::MAX).map(|n| quarantine.join(format!("{stem}-{n}")));

@@ -140,6 +140,9 @@ pub(super) fn lock(path: &Path) -> Result<File, StoreOpenError> {
     }
 }
 
+/// The largest file that is read before sled opens it.
+const MOST_STRANGE_BYTES: u64 = 64 << 20;
+
 /// Opens the database of `folder`. One that does not open or cannot be read is copied to `quarantine` and replaced by
 /// an empty one.
 fn open_database(folder: &Path, quarantine: &Path, damage: &mut Damage) -> Result<SledRows, StoreOpenError> {
@@ -150,9 +153,17 @@ fn open_database(folder: &Path, quarantine: &Path, damage: &mut Damage) -> Resul
         SledRows::open(folder, Arc::new(File::sync_all))
     };
     files::make_folder(folder)?;
+    let before = strange_bytes(&folder.join("db"));
     let reason = match open() {
         Err(SledOpenError::Damaged(reason)) => reason,
-        opened => return opened.map_err(refusal),
+        Ok(sled) => {
+            if let Some(bytes) = before.filter(|_| sled.schema_before == 0) {
+                let kept = files::keep_in_quarantine(&bytes, quarantine, "db")?;
+                tracing::error!(kept = %kept.display(), "the file of the database was another; it was copied to quarantine");
+            }
+            return Ok(sled);
+        }
+        Err(error) => return Err(refusal(error)),
     };
     let copied_to = files::copy_to_quarantine(folder, quarantine, "db")?;
     tracing::error!(reason, copied_to = %copied_to.display(), "the damaged database was copied to quarantine");
@@ -160,6 +171,14 @@ fn open_database(folder: &Path, quarantine: &Path, damage: &mut Damage) -> Resul
     fs::remove_dir_all(folder).map_err(StoreOpenError::Unusable)?;
     files::make_folder(folder)?;
     open().map_err(refusal)
+}
+
+/// The bytes of the database's file if it may be another file: sled takes one that it does not know for an empty database and
+/// writes over it. Larger ones are not kept.
+fn strange_bytes(path: &Path) -> Option<Vec<u8>> {
+    let is_short = files::regular_length(path).is_ok_and(|bytes| bytes <= MOST_STRANGE_BYTES);
+    let bytes = if is_short { files::read_regular(path).ok() } else { None };
+    bytes.filter(|bytes| bytes.iter().any(|byte| *byte != 0))
 }
 
 fn refusal(error: SledOpenError) -> StoreOpenError {

@@ -247,6 +247,19 @@ fn a_database_that_does_not_open_is_copied_to_quarantine_and_the_blobs_stay() {
     assert_eq!((aside.len() as u64, aside[0]), (length, 0x5a));
 }
 
+/// sled takes what it does not know for an empty database.
+#[test]
+fn another_file_in_place_of_the_database_is_kept() {
+    let dir = tempfile::tempdir().unwrap();
+    one_job(&Store::open(dir.path()).unwrap());
+    let other = b"the only copy of something else";
+    fs::write(dir.path().join("db/db"), other).unwrap();
+    let store = Store::open(dir.path()).unwrap();
+    assert!(store.damage.database_was_replaced);
+    assert_eq!(store.rows.get(Tree::Jobs, b"key").unwrap().unwrap(), b"job");
+    assert_eq!(fs::read(dir.path().join("quarantine/db-1")).unwrap(), other);
+}
+
 #[test]
 fn a_truncated_database_never_prevents_the_start_and_loses_no_job() {
     for cut in [0, 1, 100, 4096] {
