@@ -209,6 +209,7 @@ mod tests {
             "ltcforge light",
             "ltcforge tabulate tabulated -o b",
             "ltcforge tabulate ggx -o b --theta 1",
+            "ltcforge tabulate ggx -o b --phi-o 5",
             "ltcforge export table -o out",
             "ltcforge export table --for three",
             "ltcforge export table --for unity -o out",
