@@ -273,3 +273,32 @@ fn ktx_parse_reads_our_textures() {
         }
     }
 }
+
+/// Texels of 16 bits and of a shared exponent, which three.js's loader takes as they are.
+#[test]
+fn ktx_parse_reads_light_textures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let picture = [b"#?RADIANCE\n\n-Y 5 +X 7\n".to_vec(), [64, 128, 32, 129].repeat(35)].concat();
+    fs::write(folder.path().join("sign.hdr"), picture).expect("a picture");
+    let cases = [
+        ("rgba16f", "ktx2", 97, 2, vec![16; 4], 0, 8 * 35),
+        ("rgba16f", "ktx2-zstd", 97, 2, vec![16; 4], 2, 8 * 35),
+        ("rgb9e5", "ktx2", 123, 4, vec![9, 5, 9, 5, 9, 5], 0, 4 * 35),
+    ];
+    let mut paths = Vec::new();
+    for (i, (texels, container, ..)) in cases.iter().enumerate() {
+        let name = format!("light_{i}");
+        let words = ["light-texture", "sign.hdr", "-o", ".", "--texels", texels, "--as", container, "--name", &name];
+        run(folder.path(), words).exited(0);
+        paths.push(folder.path().join(format!("{name}.ktx2")).to_string_lossy().into_owned());
+    }
+    let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
+    let Some(read) = node::<Vec<Ktx>>("ktx.js", &paths) else { return };
+    assert_eq!(read[0].digest, read[1].digest, "zstd keeps every byte");
+    for ((texels, _, format, type_size, bits, scheme, length), file) in cases.iter().zip(&read) {
+        assert_eq!((file.format, file.type_size, &file.bits), (*format, *type_size, bits), "{texels}");
+        assert_eq!((file.sides, file.layers, file.faces, file.levels), ([7, 5, 0], 0, 1, 3), "{texels}");
+        assert_eq!((file.scheme, file.length), (*scheme, *length), "{texels}");
+        assert!(file.keys.iter().any(|key| key == "KTXorientation"), "{texels}: {:?}", file.keys);
+    }
+}

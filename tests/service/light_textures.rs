@@ -1,11 +1,14 @@
 //! Pictures of lights over HTTP: sent, prefiltered, kept by digest.
 
 use ltcforge::Digest;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::{
     brdfs::OCTETS,
-    common::server::{Server, text},
+    common::{
+        command::run,
+        server::{Server, text},
+    },
 };
 
 const PNG: (&str, &str) = ("content-type", "image/png");
@@ -60,6 +63,15 @@ fn a_picture_is_prefiltered_kept_and_deleted() {
     assert_eq!(text(&gone["type"]), "/problems/unknown-light-texture");
     server.request("DELETE", &format!("/v1/light-textures/{digest}"), &[], None).with_status(404);
     send("", &picture(39)).with_status(201);
+
+    // What was acknowledged survives, and counts as no table.
+    server.kill();
+    let report = run(folder.path(), ["fsck", "--data", ".", "--json"]).exited(0).stdout;
+    let report: Value = serde_json::from_str(&report).expect("JSON");
+    assert_eq!((&report["clean"], &report["tables"]), (&json!(true), &json!(0)));
+    let server = Server::start(folder.path(), &[]);
+    let kept = server.get("/v1/light-textures").with_status(200).json();
+    assert_eq!(kept["items"].as_array().map(Vec::len), Some(2));
 }
 
 #[test]
