@@ -16,8 +16,8 @@ fn normals_density(view: NormalsView, p: vec3<f32>) -> f32 {
     let ratio = max(r + dot(view.wo, p), 1e-6 * r) / max(dot(c, c), 1e-30);
     let stretched = vec3(view.alpha * p.xy, p.z);
     let z = max(p.z, 0.0);
-    let shadow = z / max(view.length * z + view.wo.z * sqrt(dot(stretched, stretched)), 1e-30) + 1e-6;
-    return ratio * ratio * shadow / max(r, 1e-15);
+    let shadowed = view.length * z + view.wo.z * sqrt(dot(stretched, stretched));
+    return ratio * ratio * (z + 1e-6 * shadowed) / max(r * shadowed, 1e-30);
 }
 
 /// The bump that the lobe is close to, where the normal A c reflects the light: of q = |c|^2 sqrt(r) / (r + wo . P), nearly
@@ -28,7 +28,7 @@ fn normals_bump(view: NormalsView, frame: NormalsFrame, flux: vec3<f32>) -> Norm
     let normal = cross(frame.x, frame.y);
     let distance = dot(frame.corner, normal);
     let facing = select(1.0, -1.0, distance < 0.0);
-    let descent = max(max(facing * dot(wi, normal), 1e-4 * sqrt(dot(wi, wi))), 1e-30);
+    let descent = max(max(facing * dot(wi, normal), 1e-4 * dot(h, h)), 1e-30);
     let met = (facing * distance / descent) * wi - frame.corner;
     let at = clamp(vec2(dot(frame.x, met), dot(frame.y, met)), vec2(0.0), frame.size);
 

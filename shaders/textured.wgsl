@@ -40,7 +40,7 @@ fn textured_eigen(m: vec3<f32>) -> vec4<f32> {
 }
 
 /// The mean of a picture, read along the longer axis of a bump where that is within the rectangle and above the lobe's end.
-/// picture is the layer, base the binary logarithm of half of the root of how many texels its first level has.
+/// picture is the layer, base the binary logarithm of halves of the root of how many texels its first level has.
 fn textured_colour(lobe: TexturedLobe, frame: TexturedFrame, bump: TexturedBump, picture: u32, base: f32) -> vec3<f32> {
     let unit = sqrt(max(bump.radii2.x - bump.radii2.y, 1e-12 * bump.radii2.x));
     let along = bump.axis * unit;
@@ -48,13 +48,14 @@ fn textured_colour(lobe: TexturedLobe, frame: TexturedFrame, bump: TexturedBump,
     let middle = frame.corner + bump.middle.x * frame.x + bump.middle.y * frame.y;
     let height = textured_height(lobe, middle);
     let rise = textured_height(lobe, along.x * frame.x + along.y * frame.y);
-    let slopes = select(max(abs(along), vec2(1e-15)), min(-abs(along), vec2(-1e-15)), along < vec2(0.0));
-    let one = clamp(-bump.middle / slopes, vec2(-1e4), vec2(1e4));
-    let other = clamp((frame.size - bump.middle) / slopes, vec2(-1e4), vec2(1e4));
-    let border = clamp(-height / select(max(rise, 1e-15), min(rise, -1e-15), rise < 0.0), -1e4, 1e4);
-    let low = min(one, other);
-    let high = max(one, other);
-    var t = vec2(max(max(low.x, low.y), select(border, -1e4, rise < 0.0)), min(min(high.x, high.y), select(1e4, border, rise < 0.0)));
+    let per_slope = 1.0 / select(along, vec2(1e-15), abs(along) < vec2(1e-15));
+    let halves = 0.5 * frame.size;
+    let centre = (halves - bump.middle) * per_slope;
+    let reach = halves * abs(per_slope);
+    let border = -height / select(rise, 1e-15, abs(rise) < 1e-15);
+    let low = max(max(centre.x - reach.x, centre.y - reach.y), select(border, -1e4, rise < 0.0));
+    let high = min(min(centre.x + reach.x, centre.y + reach.y), select(1e4, border, rise < 0.0));
+    var t = clamp(vec2(low, high), vec2(-1e4), vec2(1e4));
     t = select(t, vec2(0.5 * (t.x + t.y)), t.x > t.y);
     let s = t * inverseSqrt(1.0 + t * t);
     let part = (s.y - s.x) / f32(TEXTURED_READINGS);

@@ -107,6 +107,9 @@ enum Study {
         /// Lights of a row
         #[arg(long, default_value_t = 300)]
         lights: usize,
+        /// Draw the scenes of docs/textured.md into this file in place of the table
+        #[arg(long, value_name = "FILE.png")]
+        scenes: Option<PathBuf>,
     },
     /// The tables of docs/refraction.md: light through rough interfaces
     Glass,
@@ -165,7 +168,8 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),
         Study::L3 { shipped } => print!("{}", l3::tables(pair(shipped.as_deref()))?),
         Study::Tabulated => print!("{}", tabulated::find(Preset::Paper, 1.0)?.text()),
-        Study::Textured { lights } => print!("{}", textured::tables(lights)?),
+        Study::Textured { scenes: Some(path), .. } => textured::scenes::write(&path)?,
+        Study::Textured { lights, .. } => print!("{}", textured::tables(lights)?),
         Study::Glass => print!("{}\n{}", glass::errors(), glass::differences()),
         Study::Arcs { lights, seed } => {
             let arcs::Found { bulge: [least, more], seen, held_out } = arcs::find(lights, seed);

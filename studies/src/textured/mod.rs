@@ -2,15 +2,16 @@
 
 mod cases;
 mod pictures;
+pub mod scenes;
 
 use std::fmt::Write as _;
 
 use ltcforge::{
     Preset, Recipe, RecipeDocument as _,
-    fit::{Ltc, Table, math::from_row_major},
+    fit::{Configuration, Ltc, Table, math::from_row_major},
     light::{
-        CosineSpace, NormalsRule, TableUse, by_table,
-        textured::{Reading, Readings, TexturedReflection, colour, engines_reading},
+        CosineSpace, NormalsRule, ReflectedLight, TableUse, by_table,
+        textured::{LightPyramid, Readings, TexturedLight, TexturedReflection, colour, engines_reading},
     },
 };
 use rayon::prelude::*;
@@ -88,10 +89,10 @@ fn ways<'a>(table: &'a Table, pictures: &'a [Pictures]) -> Vec<(String, Way<'a>)
         }),
     ));
     for width in WIDTHS {
-        ways.push((
-            format!("LTC, engines' reading, width x {width}"),
-            Box::new(move |case| engines(table, case, &pictures[case.form], width)),
-        ));
+        let way = move |case: &Case| {
+            pictures[case.form].channels(|pyramid| engines(table, &case.at, &case.light, pyramid, width))
+        };
+        ways.push((format!("LTC, engines' reading, width x {width}"), Box::new(way)));
     }
     for number in [Readings::One, Readings::Four] {
         let used = (TableUse::default(), number);
@@ -123,15 +124,22 @@ fn ways<'a>(table: &'a Table, pictures: &'a [Pictures]) -> Vec<(String, Way<'a>)
 }
 
 /// One reading where the vector form factor meets the light.
-fn engines(table: &Table, case: &Case, pictures: &Pictures, width: f64) -> Vec<f64> {
-    let light = case.light.polygon();
-    let ltc = Ltc::new(from_row_major(&table.lookup(&case.at).matrix)).expect("an LTC");
+fn engines(
+    table: &Table,
+    at: &Configuration,
+    light: &TexturedLight,
+    pyramid: &LightPyramid,
+    width: f64,
+) -> TexturedReflection {
+    let light = light.polygon();
+    let ltc = Ltc::new(from_row_major(&table.lookup(at).matrix)).expect("an LTC");
     let corners = [0, 1, 2, 3].map(|i| light.vertices()[i].to_array());
     let form_factor = ltc.vector_form_factor(light.vertices()).to_array();
-    let reading: Reading<f64> = engines_reading(&CosineSpace::from(&ltc), form_factor, &corners, width);
-    let energy = by_table(table, &case.at, light).expect("a surface").energy;
-    pictures.channels(|pyramid| TexturedReflection {
-        energy: colour(&[reading], pyramid).map(|channel| energy * channel),
-        fresnel: [0.0; 3],
-    })
+    let reading = engines_reading(&CosineSpace::from(&ltc), form_factor, &corners, width);
+    let ReflectedLight { energy, fresnel } = by_table(table, at, light).expect("a surface");
+    let colour = colour(&[reading], pyramid);
+    TexturedReflection {
+        energy: colour.map(|channel| energy * channel),
+        fresnel: colour.map(|channel| fresnel * channel),
+    }
 }
