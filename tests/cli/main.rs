@@ -10,6 +10,7 @@ mod documents;
 mod exports;
 mod foreign_texts;
 mod lights;
+mod listed;
 mod lock_file;
 mod materials;
 mod outputs;
