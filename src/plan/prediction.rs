@@ -139,7 +139,7 @@ impl Prediction {
                 }
                 let mut axes = layout.nodes(&range, &coarse);
                 let nodes = by_weight(layout, &range, axis, &weighed[axis], fewer);
-                *[&mut axes.alpha, &mut axes.ratio][axis] = nodes.clone();
+                [&mut axes.alpha, &mut axes.ratio][axis].clone_from(&nodes);
                 let by_weight = error(&resampled(&table, axes), &places[..POINTS_OF_AXIS]) - of_some;
                 if by_weight < more {
                     given[axis].push(Placed { nodes, added: Some(by_weight.max(0.0)) });
