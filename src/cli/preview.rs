@@ -64,11 +64,11 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
     }
     eprintln!("adapter: {adapter}");
     for (Material { alpha_x, alpha_y, .. }, table) in out_of_range.iter().zip(table.iter().cycle()) {
-        let [alpha, ratio] = [&table.axes.alpha, &table.axes.ratio].map(|nodes| (nodes[0], nodes[nodes.len() - 1]));
+        // Materials are in any order.
+        let [least, most, least_ratio, most_ratio] = table.shader_axes().roughness;
         eprintln!(
-            "alpha {alpha_x} {alpha_y} lies outside the table, which covers alpha {} to {} and ratio {} to {}; its \
-             nearest entry is shown",
-            alpha.0, alpha.1, ratio.0, ratio.1
+            "alpha {alpha_x} {alpha_y} lies outside the table, which covers alpha {least} to {most} and ratio \
+             {least_ratio} to {most_ratio}; its nearest entry is shown"
         );
     }
     for error in &errors {

@@ -14,10 +14,12 @@ use super::{
 use ltcforge_fit::{FUNCTION_SIDE, FunctionError, IsotropicFunction, Table, report};
 use ltcforge_light::LightModel;
 use ltcforge_shaders::{
-    Additions, Bound, DECLARATIONS, Filter, Language, Lights, LitBy, Namespace, Reading, es_module,
+    Additions, Bound, DECLARATIONS, Filter, GivenAxes, Language, Lights, LitBy, Namespace, Reading, es_module,
 };
 use ltcforge_textures::About;
-use ltcforge_translate::{PortError, include, include_function, include_layers, include_prefilter, port};
+use ltcforge_translate::{
+    PortError, include, include_function, include_given, include_layers, include_prefilter, port,
+};
 
 /// Configurations at which a table and its polynomials are measured: so many that a single one hardly matters.
 const COMPARED_AT: usize = 512;
@@ -34,12 +36,15 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
         ShaderForm::Prefilter => return of_no_model(args, include_prefilter, "prefilter", json, context),
         ShaderForm::Include | ShaderForm::Example => {}
     }
+    if let Some(table) = &args.nodes {
+        return given(args, language, table, json, context);
+    }
     let lit_by = LitBy::new(args.model, args.layout)
         .and_then(|lit_by| lit_by.by_rule(args.rule))
         .map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?
         .with(additions(args))
         .map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
-    check_form(args, language)?;
+    check_form(args, language, args.layout.is_some())?;
     let types = types_file(args)?;
     if language == Language::Spirv && args.out.is_none() && (json || context.stdout_is_terminal) {
         return Err(CommandFailure::new(
@@ -51,17 +56,55 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
     let shader = if args.form == ShaderForm::Example {
         port(language, lit_by)
     } else {
-        let filter = if args.hardware_filter { Filter::Hardware } else { Filter::Exact };
         let lights = args.lights.unwrap_or(Lights::ALL[0]);
-        let bound = if args.texture_array { Bound::Array } else { Bound::Volumes };
-        let reading = Reading { filter, bound, two_lobes: args.two_lobes };
-        include(language, lit_by, reading, lights, &namespace(args)).map(String::into_bytes)
+        include(language, lit_by, reading(args), lights, &namespace(args)).map(String::into_bytes)
     }
     .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
     let value = json!({
         "language": language.name(), "model": lit_by.model(), "rule": lit_by.rule(), "layout": lit_by.layout()
     });
     hand_out(args, &out, &shader, value, json, context)
+}
+
+/// The text that searches for the nodes of a table.
+fn given(
+    args: &ShaderArgs,
+    language: Language,
+    table: &Path,
+    json: bool,
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
+    let usage = |what: String| CommandFailure::new(Exit::Usage, what);
+    if args.form != ShaderForm::Include || args.model != LightModel::Ltc {
+        return Err(usage("--nodes is for a text of model ltc to include".to_owned()));
+    }
+    check_form(args, language, true)?;
+    let out = Outputs::check(args, types_file(args)?)?;
+    let AnyTable { path, digest, table, origin } = AnyTable::named(table, &args.folder)?;
+    if let Some(gaussian) = table.lobe().gaussian() {
+        return Err(usage(format!("{}: --nodes is for tables of LTCs, not of lobe {gaussian}", path.display())));
+    }
+    let given = GivenAxes::of(&table).ok_or_else(|| {
+        let layout = table.layout();
+        usage(format!("{}: its nodes are those of layout {layout}: say --layout {layout}", path.display()))
+    })?;
+    let lit_by = LitBy::from(given.layout()).with(additions(args)).map_err(|error| usage(error.to_string()))?;
+    let recipe = if let Origin::Recipe(recipe) = &origin { Some(recipe) } else { None };
+    let about = About::of_table(digest, recipe, None);
+    let lights = args.lights.unwrap_or(Lights::ALL[0]);
+    let shader = include_given(language, lit_by, &given, about.lines(), reading(args), lights, &namespace(args))
+        .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
+    let value = json!({
+        "language": language.name(), "model": LightModel::Ltc, "layout": given.layout(), "table": digest,
+    });
+    hand_out(args, &out, shader.as_bytes(), value, json, context)
+}
+
+/// How the text reads a table.
+fn reading(args: &ShaderArgs) -> Reading {
+    let filter = if args.hardware_filter { Filter::Hardware } else { Filter::Exact };
+    let bound = if args.texture_array { Bound::Array } else { Bound::Volumes };
+    Reading { filter, bound, two_lobes: args.two_lobes }
 }
 
 /// The names and bindings of a text in the shader that includes it.
@@ -207,6 +250,7 @@ fn of_no_model(
         ("--model", args.model != LightModel::Ltc),
         ("--rule", args.rule.is_some()),
         ("--layout", args.layout.is_some()),
+        ("--nodes", args.nodes.is_some()),
         ("--lights", args.lights.is_some()),
         ("--cut", args.additions.cut),
         ("--compensate", args.additions.compensate),
@@ -230,10 +274,9 @@ fn of_no_model(
 }
 
 /// Refuses options that a language or a model does not have.
-fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailure> {
+fn check_form(args: &ShaderArgs, language: Language, has_table: bool) -> Result<(), CommandFailure> {
     let refused = |what: String| Err(CommandFailure::new(Exit::Usage, what));
     let name = language.name();
-    let has_table = args.layout.is_some();
     let binds = has_table || args.additions.textured.is_some();
     let is_numbered = matches!(language, Language::Wgsl | Language::Glsl | Language::Hlsl);
     let is_placed = args.first_binding.is_some() || args.group.is_some();

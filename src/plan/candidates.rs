@@ -47,7 +47,7 @@ impl Candidate {
     pub(crate) fn of(prediction: &Prediction, nodes: Nodes, precision: Precision, preset: Preset) -> Self {
         let fit = FitSettings { seed: prediction.base().fit.seed, ..preset.fit() };
         let recipe = Recipe { precision, fit, ..prediction.recipe(nodes) };
-        let (error, bytes, seconds) = (prediction.error(&recipe), recipe.bytes(), fit_seconds(&recipe));
+        let (error, bytes, seconds) = (prediction.error(nodes, &recipe), recipe.bytes(), fit_seconds(&recipe));
         Self { recipe, preset, error, bytes, seconds }
     }
 }
@@ -80,18 +80,19 @@ pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
 fn choices(prediction: &Prediction) -> Vec<Nodes> {
     let range = &prediction.base().range;
     let counts = |[low, high]: [f64; 2], [from, to]: [u32; 2]| if low < high { from..=to } else { 1..=1 };
-    let surface = |axis: usize, range, limits| -> Vec<(u32, bool)> {
-        let given = prediction.given_on(axis).len() as u32;
-        counts(range, limits).map(|n| (n, false)).chain((given > 0).then_some((given, true))).collect()
+    let surface = |axis: usize, range, limits| -> Vec<(u32, Option<usize>)> {
+        let given = prediction.given_on(axis).iter().enumerate();
+        let given = given.map(|(number, placed)| (placed.nodes.len() as u32, Some(number)));
+        counts(range, limits).map(|n| (n, None)).chain(given).collect()
     };
     let ratios = surface(1, range.ratio, NODES.ratio);
     let mut all = Vec::new();
-    for (alpha, is_alpha_given) in surface(0, range.alpha, NODES.alpha) {
-        for (ratio, is_ratio_given) in &ratios {
+    for (alpha, given_alpha) in surface(0, range.alpha, NODES.alpha) {
+        for (ratio, given_ratio) in &ratios {
             for theta in counts(range.theta, NODES.theta) {
                 all.extend(counts(range.phi, NODES.phi).map(|phi| Nodes {
                     resolution: PerAxis { alpha, ratio: *ratio, theta, phi },
-                    given: [is_alpha_given, *is_ratio_given],
+                    given: [given_alpha, *given_ratio],
                     of_materials: false,
                 }));
             }
@@ -101,7 +102,7 @@ fn choices(prediction: &Prediction) -> Vec<Nodes> {
     for theta in counts(range.theta, NODES.theta).filter(|_| materials > 0) {
         all.extend(counts(range.phi, NODES.phi).map(|phi| Nodes {
             resolution: PerAxis { alpha: materials, ratio: 1, theta, phi },
-            given: [false; 2],
+            given: [None; 2],
             of_materials: true,
         }));
     }

@@ -8,6 +8,7 @@ mod histogram;
 mod needs;
 mod outside;
 mod picture;
+mod placement;
 mod plan;
 mod prediction;
 mod resampled;

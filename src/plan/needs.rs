@@ -92,6 +92,12 @@ impl<'a> Needs<'a> {
         [of(|spot| spot.alpha, ALPHA_FLOOR), of(|spot| spot.ratio, RATIO_FLOOR)]
     }
 
+    /// The values of alpha, and of ratio, with their weights.
+    pub(crate) fn weighed(&self) -> [Vec<(f64, f64)>; 2] {
+        let of = |value: fn(&crate::Spot) -> f64| self.spots().map(|(spot, _)| (value(spot), spot.weight)).collect();
+        [of(|spot| spot.alpha), of(|spot| spot.ratio)]
+    }
+
     /// The different pairs of alpha and ratio, in the order of the lobes; none where they are more than a table of materials has.
     #[must_use]
     pub fn pairs(&self) -> Vec<[f64; 2]> {
@@ -149,7 +155,7 @@ pub(crate) fn pair(spot: &crate::Spot) -> [f64; 2] {
 }
 
 /// A number without digits of rounding.
-fn decimal(x: f64) -> f64 {
+pub(crate) fn decimal(x: f64) -> f64 {
     (x * DECIMALS).round() / DECIMALS
 }
 

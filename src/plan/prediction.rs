@@ -7,7 +7,11 @@
 
 use std::ops::ControlFlow;
 
-use crate::{needs::Needs, resampled::resampled};
+use crate::{
+    needs::Needs,
+    placement::{Placed, by_weight, of_values},
+    resampled::resampled,
+};
 use ltcforge_fit::{
     Configuration, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeModel, PerAxis, Plan, Precision, Recipe,
     StoredTerms, Table, expectation, figures_of, fit_plan,
@@ -24,9 +28,6 @@ const STRETCHED: [u32; 4] = [11, 5, 11, 7];
 /// Nodes of an axis with which the coarse table is read again.
 const FEWER: [u32; 11] = [20, 16, 12, 9, 8, 7, 6, 5, 4, 3, 2];
 
-/// How many values of a scene may be nodes of an axis.
-const GIVEN: std::ops::RangeInclusive<usize> = 3..=16;
-
 /// Predicts the errors of tables over a scene's ranges, of one layout.
 #[derive(Debug, Clone)]
 pub(crate) struct Prediction {
@@ -35,8 +36,8 @@ pub(crate) struct Prediction {
     of_base: f64,
     /// For each axis squared steps, see `ltcforge_fit::Layout::steps`, and the error that each adds to the coarse table's.
     added: [Vec<[f64; 2]>; 4],
-    /// The scene's values of alpha and of ratio, where they are few and may be nodes.
-    given: [Vec<f64>; 2],
+    /// Nodes of alpha, and of ratio, that are not evenly spaced.
+    given: [Vec<Placed>; 2],
     /// The scene's pairs of alpha and ratio, where they are few and a table may have them as materials.
     materials: Vec<[f64; 2]>,
 }
@@ -46,8 +47,8 @@ pub(crate) struct Prediction {
 pub(crate) struct Nodes {
     /// How many each axis has.
     pub(crate) resolution: PerAxis<u32>,
-    /// Whether those of alpha, and of ratio, are the scene's values, given one by one.
-    pub(crate) given: [bool; 2],
+    /// Those of alpha, and of ratio, that are given one by one: their numbers in [`Prediction::given_on`].
+    pub(crate) given: [Option<usize>; 2],
     /// Whether they are the scene's pairs, a table of layout `materials`.
     pub(crate) of_materials: bool,
 }
@@ -55,7 +56,7 @@ pub(crate) struct Nodes {
 impl Nodes {
     /// Evenly spaced ones.
     pub(crate) fn even(resolution: PerAxis<u32>) -> Self {
-        Self { resolution, given: [false; 2], of_materials: false }
+        Self { resolution, given: [None; 2], of_materials: false }
     }
 
     /// Entries of the table.
@@ -113,11 +114,16 @@ impl Prediction {
         let places = needs.draw(POINTS);
         let of_base = error(&table, &places);
         let of_some = error(&table, &places[..POINTS_OF_AXIS]);
+        let is_free = layout.only_ranges().is_none();
         let mut added = [const { Vec::new() }; 4];
+        let mut given = [const { Vec::new() }; 2];
+        if any_nodes && is_free {
+            given = needs.values().map(|values| of_values(&values).into_iter().collect());
+        }
+        let weighed = needs.weighed();
         for (axis, added) in added.iter_mut().enumerate() {
             let (squared, nodes) = (squared_steps(&base), *resolution.named()[axis].1);
             added.push([squared[axis], 0.0]);
-            let is_free = layout.only_ranges().is_none();
             for fewer in FEWER.into_iter().filter(|fewer| is_free && *fewer < nodes) {
                 if !go_on() {
                     return Err(Stopped);
@@ -128,10 +134,18 @@ impl Prediction {
                 let more = error(&read, &places[..POINTS_OF_AXIS]) - of_some;
                 let squared = squared_steps(&Recipe { resolution: coarse, ..base.clone() });
                 added.push([squared[axis], more.max(0.0)]);
+                if !any_nodes || axis >= given.len() || fewer < 3 {
+                    continue;
+                }
+                let mut axes = layout.nodes(&range, &coarse);
+                let nodes = by_weight(layout, &range, axis, &weighed[axis], fewer);
+                [&mut axes.alpha, &mut axes.ratio][axis].clone_from(&nodes);
+                let by_weight = error(&resampled(&table, axes), &places[..POINTS_OF_AXIS]) - of_some;
+                if by_weight < more {
+                    given[axis].push(Placed { nodes, added: Some(by_weight.max(0.0)) });
+                }
             }
         }
-        let is_free = any_nodes && layout.only_ranges().is_none();
-        let given = if is_free { needs.values().map(|values| few(&values)) } else { [const { Vec::new() }; 2] };
         // Tables of materials have two thetas at least.
         let has_thetas = range.theta[0] < range.theta[1];
         let materials = if layout == Layout::Reflected && has_thetas { needs.pairs() } else { Vec::new() };
@@ -144,10 +158,11 @@ impl Prediction {
         &self.base
     }
 
-    /// The error of a recipe's table on the scene. Domain: one that differs from [`Prediction::base`] as said there.
+    /// The error of a recipe's table on the scene. Domain: one with these nodes that differs from [`Prediction::base`] as said
+    /// there.
     #[must_use]
-    pub(crate) fn error(&self, recipe: &Recipe) -> f64 {
-        self.of_base + self.interpolation(squared_steps(recipe)) + effort(recipe) - effort(&self.base)
+    pub(crate) fn error(&self, nodes: Nodes, recipe: &Recipe) -> f64 {
+        self.of_base + self.of_nodes(nodes) + effort(recipe) - effort(&self.base)
     }
 
     /// The error that even the finest table has.
@@ -161,20 +176,34 @@ impl Prediction {
     pub(crate) fn corrected(&self, factor: f64) -> Self {
         let added =
             self.added.clone().map(|axis| axis.into_iter().map(|[step, error]| [step, factor * error]).collect());
-        Self { of_base: factor * self.of_base, added, ..self.clone() }
+        let scaled = |placed: Placed| Placed { added: placed.added.map(|error| factor * error), ..placed };
+        let given = self.given.clone().map(|placed| placed.into_iter().map(scaled).collect());
+        Self { of_base: factor * self.of_base, added, given, ..self.clone() }
     }
 
     /// The error that nodes add to that of the coarse table.
     #[must_use]
     pub(crate) fn of_nodes(&self, nodes: Nodes) -> f64 {
         let Nodes { resolution, given, of_materials } = nodes;
-        let given = given.map(|given| given || of_materials);
-        self.interpolation(between_given(self.base.layout.steps(&self.base.range, &resolution), given))
+        let placed = [0, 1].map(|axis| given[axis].map(|number| &self.given[axis][number]));
+        let mut squared = squared_of(self.base.layout.steps(&self.base.range, &resolution));
+        let mut more = 0.0;
+        for (axis, placed) in placed.into_iter().enumerate() {
+            match placed {
+                None if !of_materials => {}
+                None | Some(Placed { added: None, .. }) => squared[axis] = 0.0,
+                Some(Placed { added: Some(added), .. }) => {
+                    // In place of what evenly spaced nodes add.
+                    more += added - along(&self.added[axis], squared[axis]);
+                }
+            }
+        }
+        self.interpolation(squared) + more
     }
 
-    /// The scene's values of alpha, 0, or of ratio, 1; none where they are too many to be nodes.
+    /// Nodes of alpha, 0, or of ratio, 1, that are not evenly spaced: the scene's values, where they are few, and nodes by their weight.
     #[must_use]
-    pub(crate) fn given_on(&self, axis: usize) -> &[f64] {
+    pub(crate) fn given_on(&self, axis: usize) -> &[Placed] {
         &self.given[axis]
     }
 
@@ -192,7 +221,7 @@ impl Prediction {
             let given = GivenNodes::default().with_materials(&self.materials);
             return Recipe { layout: Layout::Materials, resolution, given, ..self.base.clone() };
         }
-        let of = |axis: usize| if given[axis] { self.given[axis].clone() } else { Vec::new() };
+        let of = |axis: usize| given[axis].map_or(Vec::new(), |number| self.given[axis][number].nodes.clone());
         let given = GivenNodes::new(PerAxis { alpha: of(0), ratio: of(1), theta: Vec::new(), phi: Vec::new() });
         Recipe { resolution, given, ..self.base.clone() }
     }
@@ -210,22 +239,13 @@ fn along(points: &[[f64; 2]], x: f64) -> f64 {
     pair.map_or(last[1], |pair| pair[0][1] + (pair[1][1] - pair[0][1]) * (x - pair[0][0]) / (pair[1][0] - pair[0][0]))
 }
 
-/// The squared step of each axis. Where all values of a scene are nodes, there is none.
+/// The squared step of each axis.
 fn squared_steps(recipe: &Recipe) -> [f64; 4] {
-    let given = recipe.given().axes();
-    let is_given = [&given.alpha, &given.ratio].map(|nodes| !nodes.is_empty());
-    between_given(recipe.layout.steps(&recipe.range, &recipe.resolution), is_given)
+    squared_of(recipe.layout.steps(&recipe.range, &recipe.resolution))
 }
 
-fn between_given(steps: PerAxis<f64>, [alpha, ratio]: [bool; 2]) -> [f64; 4] {
-    let is_given = [alpha, ratio, false, false];
-    let squared = steps.named().map(|(_, step)| step * step);
-    std::array::from_fn(|axis| if is_given[axis] { 0.0 } else { squared[axis] })
-}
-
-/// Values that can be nodes: more than evenly spaced nodes are sure to fall on, and not many.
-fn few(values: &[f64]) -> Vec<f64> {
-    if GIVEN.contains(&values.len()) { values.to_vec() } else { Vec::new() }
+fn squared_of(steps: PerAxis<f64>) -> [f64; 4] {
+    steps.named().map(|(_, step)| step * step)
 }
 
 /// The error that a bound of effort adds, by the expectation: over that of a fit without one.

@@ -92,6 +92,36 @@ fn nodes_may_stand_on_the_roughnesses_of_a_scene() {
     assert!((0.85..1.15).contains(&measured.off_by), "{measured:?}");
 }
 
+/// More roughnesses than a table lists, most of them near each other: nodes are closer together there, and serve better.
+#[test]
+fn nodes_stand_closer_together_where_more_surface_is() {
+    let materials: Vec<serde_json::Value> = (0..300)
+        .map(|i| {
+            let alpha = 0.3 + 2e-4 * f64::from(i);
+            serde_json::json!({ "alpha_x": alpha, "alpha_y": alpha, "weight": 1 })
+        })
+        .chain([0.01, 0.9].map(|alpha| serde_json::json!({ "alpha_x": alpha, "alpha_y": alpha, "weight": 3 })))
+        .collect();
+    let scene = listed(&serde_json::json!({ "materials": materials }).to_string());
+    let chosen = |any_nodes| {
+        let form = Form { any_nodes, ..Form::default() };
+        let needs = Needs::of(&scene, false).expect("lobes");
+        TablePlan::new(needs, Budget::Bytes(1100), form, &|| true).expect("nothing stops it").chosen
+    };
+    let (even, placed) = (chosen(false), chosen(true));
+    let nodes = placed.recipe.given().axes().alpha.clone();
+    assert!(placed.error < even.error && even.recipe.given().is_none(), "{} {}", placed.error, even.error);
+    assert!(nodes.iter().filter(|alpha| (0.28..0.38).contains(*alpha)).count() >= 2, "{nodes:?}");
+    let measured = |candidate: &Candidate| {
+        let mut plan = planned(&scene, Budget::Knee);
+        plan.chosen = candidate.clone();
+        plan.measure(&fitted(&candidate.recipe), None);
+        plan.measured.expect("the prediction was near").error
+    };
+    let (even, placed) = (measured(&even), measured(&placed));
+    assert!(placed < even, "{placed} {even}");
+}
+
 /// Materials far apart in both roughness and ratio: a grid would have most of its nodes where there is none.
 #[test]
 fn materials_far_apart_have_a_table_of_their_own() {

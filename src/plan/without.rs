@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::needs::Needs;
-use ltcforge_fit::{BrdfKind, Table};
+use ltcforge_fit::{BrdfKind, PerAxis, Table};
 use ltcforge_light::{LightError, LightModel, Lighting, RandomLights, light_error, normals::NormalsRule};
 use ltcforge_shaders::GpuCost;
 
@@ -45,17 +45,28 @@ impl Beside {
         Self { gpu_cost, light_error: None, without_table: rules.iter().map(of).collect() }
     }
 
-    /// Measures the light of the table and of the rules, over the scene's ranges, for a Fresnel factor of one. Runs on the
-    /// current rayon pool.
+    /// Measures the light of the table and of the rules, over the scene's ranges or at the materials of the table, for a
+    /// Fresnel factor of one. Runs on the current rayon pool.
     ///
     /// # Errors
     /// Where the table's light cannot be told.
     pub(crate) fn measure(&mut self, needs: &Needs<'_>, table: &Table) -> Result<(), LightError> {
-        let lights = RandomLights::draw(&needs.brdf().kind().into(), &needs.range(), LIGHTS)?;
-        self.light_error = Some(light_error(Lighting::by(table), &lights)?.mean);
+        let of_pair = |[alpha, ratio]: [f64; 2]| PerAxis { alpha: [alpha; 2], ratio: [ratio; 2], ..needs.range() };
+        let mut ranges: Vec<PerAxis<[f64; 2]>> = table.materials().map(of_pair).collect();
+        if ranges.is_empty() {
+            ranges.push(needs.range());
+        }
+        let each = LIGHTS.div_ceil(ranges.len());
+        let draw = |range| RandomLights::draw(&needs.brdf().kind().into(), range, each);
+        let lights = ranges.iter().map(draw).collect::<Result<Vec<_>, _>>()?;
+        let mean = |lighting: Lighting<'_>| -> Result<f64, LightError> {
+            let errors = lights.iter().map(|lights| light_error(lighting, lights).map(|error| error.mean));
+            Ok(errors.collect::<Result<Vec<_>, _>>()?.iter().sum::<f64>() / lights.len() as f64)
+        };
+        self.light_error = Some(mean(Lighting::by(table))?);
         for without in &mut self.without_table {
             if let Some(form) = LightModel::Normals.closed_form(Some(without.rule)) {
-                without.light_error = Some(light_error(Lighting::ClosedForm(form), &lights)?.mean);
+                without.light_error = Some(mean(Lighting::ClosedForm(form))?);
             }
         }
         Ok(())

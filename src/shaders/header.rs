@@ -209,13 +209,23 @@ fn table_include_header(
     lights: Lights,
     namespace: &Namespace,
 ) -> String {
+    let check = commented(&check(layout, reading.two_lobes));
+    include_comment_of(language, layout, reading, lights, namespace, &check)
+}
+
+/// The same with other lines at its end, in lines that begin with `//`.
+pub(super) fn include_comment_of(
+    language: Language,
+    layout: Layout,
+    reading: Reading,
+    lights: Lights,
+    namespace: &Namespace,
+    last: &str,
+) -> String {
     let table = bound_table(reading.bound, layout);
     let bindings = included_bindings(language, reading, namespace);
-    commented(&format!(
-        "{}{USE}\n{table}  {bindings}\n\n{}",
-        about(layout, reading.two_lobes, lights),
-        check(layout, reading.two_lobes)
-    ))
+    let about = about(layout, reading.two_lobes, lights);
+    commented(&format!("{about}{USE}\n{table}  {bindings}\n\n")) + last
 }
 
 /// The text in lines that begin with `//`.

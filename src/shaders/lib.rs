@@ -13,6 +13,7 @@ mod bindings;
 mod es_module;
 mod gaussians_header;
 mod gaussians_table_header;
+mod given;
 mod golden;
 mod gpu_cost;
 mod header;
@@ -32,6 +33,7 @@ mod textured;
 pub use additions::{AdditionError, Additions};
 pub use es_module::{DECLARATIONS, es_module};
 pub use gaussians_header::SG_LIGHT;
+pub use given::GivenAxes;
 pub use golden::{
     BLENDED, CASES, CORNERS, Case, Golden, SecondGolden, TOLERANCE, table as golden_table,
     table_of_two_lobes as golden_table_of_two_lobes,

@@ -137,6 +137,7 @@ impl Export {
                 let textures = layout.textures(table)?;
                 let about = about.and(sampling_of(table, layout));
                 let made = engine.bundle(table.brdf(), &textures, &table.shader_axes(), &about);
+                let made = made.map(|bundle| with_search(bundle, table));
                 made.map_err(|source| match source {
                     TextureFileError::Missing { .. } => {
                         let recipe = recipe_like(layout.sampling().recipe, table.layout(), true, table);
@@ -204,6 +205,15 @@ impl Export {
     }
 }
 
+/// The files of a table, with a step more where its recipe gives nodes one by one.
+fn with_search(mut bundle: Bundle, table: &Table) -> Bundle {
+    if !table.layout.is_even(&table.axes) {
+        let text = "The recipe gives nodes one by one: of the shader's texts only that of ltcforge shader --nodes TABLE finds them.";
+        bundle.steps.push(text.to_owned());
+    }
+    bundle
+}
+
 /// Refuses matrices without an inverse.
 fn check_inverses(table: &Table) -> Result<(), ExportError> {
     let mut singular = table.determinants().enumerate().filter(|(_, x)| *x == 0.0 || !x.is_finite());
@@ -225,9 +235,6 @@ fn engine_textures(engine: Engine, table: &Table) -> Result<TextureLayout, NoTex
         return Err(NoTextures::OtherBrdf { engine: engine.name(), known, brdf: table.brdf(), layout: there_is });
     }
     checked?;
-    if !table.layout.is_even(&table.axes) {
-        return Err(NoTextures::GivenNodes { engine: engine.name(), layout: layout.name() });
-    }
     Ok(layout)
 }
 

@@ -4,7 +4,7 @@ use super::{
     PortError,
     translation::{Included, translate_functions},
 };
-use ltcforge_shaders::{Language, Lights, LitBy, Namespace, Reading, functions, stamped};
+use ltcforge_shaders::{GivenAxes, Language, Lights, LitBy, Namespace, Reading, functions, stamped};
 
 /// The functions in `language`, under a comment that explains how to call them, what to bind where, and which values a
 /// port has to reproduce.
@@ -26,12 +26,42 @@ pub fn include(
     let lit_by = lit_by.into();
     let reading = lit_by.layout().map(|_| reading);
     let read = reading.unwrap_or_default();
-    let caller = lit_by.caller(read, lights);
-    let source = format!("{}{caller}", functions(lit_by, read, lights));
+    let header = lit_by.include_comment(language, read, lights, namespace);
+    made(language, lit_by, reading, lights, namespace, &functions(lit_by, read, lights), &header)
+}
+
+/// The functions that read a table whose nodes are given one by one, with the lines `about` it; else as [`include`].
+///
+/// # Errors
+/// As [`include`].
+pub fn include_given(
+    language: Language,
+    lit_by: LitBy,
+    given: &GivenAxes,
+    about: &[String],
+    reading: Reading,
+    lights: Lights,
+    namespace: &Namespace,
+) -> Result<String, PortError> {
+    let header = given.comment(language, reading, lights, namespace, about);
+    let functions = given.functions(lit_by, reading, lights);
+    made(language, lit_by, Some(reading), lights, namespace, &functions, &header)
+}
+
+fn made(
+    language: Language,
+    lit_by: LitBy,
+    reading: Option<Reading>,
+    lights: Lights,
+    namespace: &Namespace,
+    functions: &str,
+    header: &str,
+) -> Result<String, PortError> {
+    let caller = lit_by.caller(reading.unwrap_or_default(), lights);
+    let source = format!("{functions}{caller}");
     let included = Included { source: &source, entry: "ltc_included", reading };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
-    let header = lit_by.include_comment(language, read, lights, namespace);
-    let header = lit_by.explained(&header, lights);
+    let header = lit_by.explained(header, lights);
     let [header, text] = [header, namespace.bound(&text, language)].map(|part| namespace.named(&part, lit_by));
     Ok(stamped(&header, &text))
 }

@@ -19,7 +19,7 @@ mod translation;
 mod wgsl;
 
 pub use function::include_function;
-pub use include::include;
+pub use include::{include, include_given};
 pub use layers::include_layers;
 pub use port::{PortError, port};
 pub use prefilter::include_prefilter;

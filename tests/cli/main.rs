@@ -11,6 +11,7 @@ mod exports;
 mod foreign_texts;
 mod light_textures;
 mod lights;
+mod listed;
 mod lock_file;
 mod materials;
 mod outputs;

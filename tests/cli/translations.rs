@@ -28,7 +28,7 @@ fn assert_sound(output: &Output) {
 }
 
 /// The kinds of shaders: by each layout of tables, and without a table.
-const LIT_BY: [&[&str]; 14] = [
+const LIT_BY: [&[&str]; 15] = [
     &["--layout", "kt2022"],
     &["--layout", "reflected"],
     &["--layout", "ltc2017"],
@@ -37,6 +37,7 @@ const LIT_BY: [&[&str]; 14] = [
     &["--layout", "hdrp"],
     &["--layout", "inverse"],
     &["--layout", "matrix33"],
+    &["--layout", "materials"],
     &["--model", "normals"],
     &["--model", "normals", "--rule", "fast"],
     &["--model", "normals", "--rule", "fine"],

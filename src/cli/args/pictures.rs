@@ -224,6 +224,10 @@ pub struct ShaderArgs {
     /// Put this table of isotropic surfaces into the code as polynomials: the shader reads no texture
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "hardware_filter", "texture_array", "two_lobes", "first_binding", "group"])]
     pub without_textures: Option<PathBuf>,
+    /// Read this table of LTCs alone, whose recipe gives nodes one by one: they stand in the text, which searches for
+    /// them
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "without_textures"])]
+    pub nodes: Option<PathBuf>,
     /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,

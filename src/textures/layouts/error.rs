@@ -51,17 +51,6 @@ pub enum NoTextures {
         /// A layout of textures that the table has.
         layout: &'static str,
     },
-    /// Our shader finds places among evenly spaced nodes, and the table's were given one by one.
-    #[error(
-        "the shader of {engine} searches for no nodes, and those of the table are not evenly spaced, as its recipe gives them; \
-         numbers and nodes in files of one's own are export {layout}.ktx2.f32: --layout {layout} --container ktx2"
-    )]
-    GivenNodes {
-        /// The engine.
-        engine: &'static str,
-        /// A layout of textures that the table has.
-        layout: &'static str,
-    },
     /// An engine lights by LTCs, and the table is of another lobe model.
     #[error(
         "{engine} takes its textures for those of LTCs, and the table has lobe {lobe}; its numbers in files of one's own \

@@ -155,3 +155,37 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
         assert_eq!(hlsl.matches(&format!("register({register}")).count(), 1, "{register}");
     }
 }
+
+/// In every language the text has the nodes that are not evenly spaced, and no others.
+#[test]
+fn nodes_given_one_by_one_stand_in_the_text() {
+    let mut table = ltcforge_shaders::golden_table(Layout::Reflected);
+    assert_eq!(GivenAxes::of(&table), None);
+    table.axes.alpha = vec![0.04, 0.09, 0.25];
+    let given = GivenAxes::of(&table).expect("uneven nodes");
+    let about = ["table sha256:12".to_owned()];
+    for language in Language::ALL.iter().copied().filter(|language| language.has_includes()) {
+        let made = |reading| {
+            let lit_by = LitBy::from(Layout::Reflected);
+            include_given(language, lit_by, &given, &about, reading, Lights::All, &namespace("brushed", 5))
+        };
+        for reading in Reading::ALL.into_iter().filter(|reading| reading.filter == Filter::Exact) {
+            let text = made(reading).unwrap_or_else(|error| panic!("{error}"));
+            assert!(text.contains("BRUSHED_NODES_OF_ALPHA") && text.contains("0.04"), "{text}");
+            assert!(!text.contains("NODES_OF_RATIO") && text.contains("table sha256:12"), "{text}");
+            assert!(!text.contains("CHECK"), "no cases of another table");
+        }
+    }
+    assert!(
+        include_given(
+            Language::Spirv,
+            LitBy::from(Layout::Reflected),
+            &given,
+            &about,
+            Reading::default(),
+            Lights::All,
+            &Namespace::default()
+        )
+        .is_err()
+    );
+}

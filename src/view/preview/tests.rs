@@ -3,6 +3,7 @@
 mod closed_form;
 mod cut;
 mod layers;
+mod listed;
 mod lookups;
 mod normals;
 mod pictures;

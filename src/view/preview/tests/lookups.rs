@@ -22,7 +22,7 @@ use ltcforge_fit::{
 use ltcforge_shaders::{Bound, table_reader};
 
 /// The lookup alone, of the configurations of a case.
-const ENTRY: &str = "
+pub(super) const ENTRY: &str = "
 struct Case {
     alpha: vec4<f32>,
     wo: vec4<f32>,
@@ -100,7 +100,7 @@ fn corners() -> Vec<Configuration> {
 }
 
 /// Configurations with roughnesses of every size down to a tenth of the least, looked at from everywhere.
-fn random(count: usize) -> impl Iterator<Item = Configuration> {
+pub(super) fn random(count: usize) -> impl Iterator<Item = Configuration> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
     let mut uniform = move || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
     (0..count).map(move |_| Configuration {
@@ -114,21 +114,26 @@ fn random(count: usize) -> impl Iterator<Item = Configuration> {
 /// A configuration as the shader is given it.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-struct Case {
-    alpha: [f32; 4],
-    wo: [f32; 4],
+pub(super) struct Case {
+    pub(super) alpha: [f32; 4],
+    pub(super) wo: [f32; 4],
 }
 
 impl Case {
-    fn of(c: &Configuration) -> Self {
+    pub(super) fn of(c: &Configuration) -> Self {
         let [x, y, z] = direction(c.theta, c.phi).as_vec3().to_array();
         Self { alpha: [c.alpha_x as f32, c.alpha_y as f32, 0.0, 0.0], wo: [x, y, z, 0.0] }
+    }
+
+    /// That of a material's number and the view of a configuration.
+    pub(super) fn numbered(number: usize, c: &Configuration) -> Self {
+        Self { alpha: [number as f32, 0.0, 0.0, 0.0], ..Self::of(c) }
     }
 }
 
 /// How far a lookup in 32 bits is from that of the table: the columns of `M` as parts of their own lengths, since the
 /// second column of a needle is tiny, and the terms.
-fn error(found: &[f32; 12], wanted: &LookedUp) -> f64 {
+pub(super) fn error(found: &[f32; 12], wanted: &LookedUp) -> f64 {
     let found = found.map(f64::from);
     let matrix = |numbers: &[f64]| DMat3::from_cols_slice(numbers).transpose();
     let (m, w) = (matrix(&found[..9]), matrix(&wanted.matrix));
@@ -140,10 +145,10 @@ fn error(found: &[f32; 12], wanted: &LookedUp) -> f64 {
 
 /// The error of 32 bits. Directions in f32 are 6e-8 apart; where the table changes fast, near the horizon, and in
 /// columns that are differences of larger ones, that grows.
-const TOLERANCE: f64 = 2e-3;
+pub(super) const TOLERANCE: f64 = 2e-3;
 
 /// The configurations in which lookups are compared, in whole workgroups.
-fn configurations() -> Vec<Configuration> {
+pub(super) fn configurations() -> Vec<Configuration> {
     let corners = corners();
     let count = (10_000 + corners.len()).next_multiple_of(256);
     let extra = count - corners.len();
@@ -162,7 +167,7 @@ fn readers(table: &Table) -> [(&'static str, Bound, Vec<Layout>); 4] {
 }
 
 /// What an entry point gives for all cases, by every reader; none where there is no adapter.
-fn by_shaders(
+pub(super) fn by_shaders(
     table: &ShaderTable,
     of: &Table,
     variant: Variant,
@@ -273,72 +278,6 @@ fn shader_twin_and_table_agree_at_every_corner_and_ten_thousand_places() {
                 let PerAxis { ratio, .. } = table.axes().lengths();
                 assert_eq!(isotropic, ratio == 1);
                 compare(&table, format, &format!("{layout} {precision}, isotropic: {isotropic}"));
-            }
-        }
-    }
-}
-
-/// The lookup by the number of a material, which stands in place of alpha.
-const MATERIAL_ENTRY: &str = "
-@compute @workgroup_size(256)
-fn looked_up_material(@builtin(local_invocation_index) index: u32) {
-    let given = given[index];
-    let lobe = ltc_lookup_material(u32(given.alpha.x), given.wo.xyz);
-    let m = transpose(lobe.m);
-    found[index] = Found(
-        vec4(m[0], m[1].x),
-        vec4(m[1].yz, m[2].xy),
-        vec4(m[2].z, lobe.amplitude, lobe.fresnel, 0.0),
-    );
-}
-";
-
-/// By its number and by its roughness, in either direction, a material is found among all, from everywhere.
-#[test]
-fn materials_are_found_by_number_and_by_roughness() {
-    let document = r#"{"layout": "materials", "fit": {"samples": 64, "directions": 6, "steps": 8},
-        "materials": [{"alpha": 0.3, "ratio": 0.5}, {"alpha": 0.01}, {"alpha": 1}, {"alpha": 0.3, "ratio": 0.04}, {"alpha": 0.2, "ratio": 0.5}],
-        "resolution": {"theta": 5, "phi": 4}}"#;
-    let recipe = recipe_document::parse(document.as_bytes(), u64::MAX).expect("a recipe");
-    let table = fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it");
-    let pairs: Vec<[f64; 2]> = table.materials().collect();
-    let places: Vec<(usize, Configuration)> = random(2560)
-        .enumerate()
-        .map(|(i, at)| {
-            let [alpha, ratio] = pairs[i % pairs.len()];
-            let [alpha_x, alpha_y] = if i % 2 == 0 { [alpha, alpha * ratio] } else { [alpha * ratio, alpha] };
-            (i % pairs.len(), Configuration { alpha_x, alpha_y, ..at })
-        })
-        .collect();
-    for format in [TexelFormat::F32, TexelFormat::F16] {
-        let shader_table = ShaderTable::new(&table, format);
-        // Numbers of 11 bits move a lobe by more than the arithmetic does.
-        let tolerance = if format == TexelFormat::F16 { 0.02 } else { TOLERANCE };
-        let cases: Vec<Case> = places.iter().map(|(_, c)| Case::of(c)).collect();
-        let twin = cases.iter().map(|case| cpu::looked_up(&shader_table, case.alpha, case.wo)).collect();
-        let mut all = vec![("twin", twin)];
-        all.extend(by_shaders(&shader_table, &table, Variant::default(), "looked_up", &cases));
-        for (who, found) in all {
-            for (found, (_, at)) in found.iter().zip(&places) {
-                let off = error(found, &table.lookup(at));
-                assert!(off < tolerance, "{who} {format}: off by {off} at {at:?}");
-            }
-        }
-        let numbered: Vec<Case> =
-            places.iter().map(|(number, c)| Case { alpha: [*number as f32, 0.0, 0.0, 0.0], ..Case::of(c) }).collect();
-        let (groups, _) = numbered.as_chunks::<256>();
-        for textures in [Bound::Volumes, Bound::Array] {
-            let source = table_reader(textures, &[table.layout]) + ENTRY + MATERIAL_ENTRY;
-            let bound = Some((&shader_table, textures));
-            let found = match example::run::<_, [[f32; 12]; 256]>(&source, "looked_up_material", bound, groups) {
-                Ok(found) => found.into_flattened(),
-                Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
-                Err(failure) => panic!("{failure}"),
-            };
-            for (found, (number, at)) in found.iter().zip(&places) {
-                let wanted = table.lookup_material(*number, at.theta, at.phi).expect("it is there");
-                let off = error(found, &wanted);
-                assert!(off < tolerance, "{format}: off by {off} at {number} {at:?}");
             }
         }
     }
