@@ -1,6 +1,5 @@
 //! Functions that a text to include has only where they are chosen.
 
-use super::textured::has_pictures;
 use ltcforge_light::{LightModel, textured::Readings};
 
 /// What is added to the text of a model of light; nothing by default.
@@ -25,6 +24,15 @@ pub enum AdditionError {
     NoPictures(LightModel),
 }
 
+/// The beginning of a model's names, and the type of its lobe, where rectangles with pictures can be lit by it.
+pub(super) fn pictured(model: LightModel) -> Option<[&'static str; 2]> {
+    match model {
+        LightModel::Normals => Some(["normals", "NormalsView"]),
+        LightModel::Ltc => Some(["ltc", "LtcInverse"]),
+        LightModel::Sg | LightModel::Asg => None,
+    }
+}
+
 impl Additions {
     /// Whether the text of a model can have them.
     ///
@@ -34,7 +42,7 @@ impl Additions {
         if self.cut && model != LightModel::Ltc {
             return Err(AdditionError::NothingBelow(model));
         }
-        if self.textured.is_some() && !has_pictures(model) {
+        if self.textured.is_some() && pictured(model).is_none() {
             return Err(AdditionError::NoPictures(model));
         }
         Ok(())

@@ -1,6 +1,8 @@
 //! The text of lights with pictures: the readings, which all models share under names of their own, and a model's lobe.
 
-use super::{Bound, LitBy, Reading, namespace::prefixed, normals_header::normals_files, sources::joined};
+use super::{
+    Bound, LitBy, Reading, additions::pictured, namespace::prefixed, normals_header::normals_files, sources::joined,
+};
 use ltcforge_light::{LightModel, textured::Readings};
 
 /// What the text to include says of it.
@@ -25,24 +27,10 @@ fn bindings(lit_by: LitBy, reading: Reading) -> [u32; 2] {
     [first, first + 1]
 }
 
-/// The beginning of a model's names, and the type of its lobe.
-fn lobe(model: LightModel) -> Option<[&'static str; 2]> {
-    match model {
-        LightModel::Normals => Some(["normals", "NormalsView"]),
-        LightModel::Ltc => Some(["ltc", "LtcInverse"]),
-        LightModel::Sg | LightModel::Asg => None,
-    }
-}
-
-/// Whether a model's text can light by pictures.
-pub(super) fn has_pictures(model: LightModel) -> bool {
-    lobe(model).is_some()
-}
-
 impl LitBy {
     /// The text of pictures on lights; empty where they are not chosen.
     pub(super) fn textured(self, reading: Reading) -> String {
-        let (Some(number), Some([own, lobe])) = (self.additions().textured, lobe(self.model())) else {
+        let (Some(number), Some([own, lobe])) = (self.additions().textured, pictured(self.model())) else {
             return String::new();
         };
         let [pictures, sampler] = bindings(self, reading);
@@ -91,14 +79,16 @@ impl LitBy {
 
     /// A call of the function that is added.
     pub(super) fn textured_call(self) -> String {
-        let (Some(_), Some([own, _])) = (self.additions().textured, lobe(self.model())) else { return String::new() };
+        let (Some(_), Some([own, _])) = (self.additions().textured, pictured(self.model())) else {
+            return String::new();
+        };
         let of = if self.model() == LightModel::Ltc { "inverse" } else { "view" };
         format!("    let textured = {own}_textured_rectangle({of}, corners, true, 0u, 8.0);\n")
     }
 
     /// What the comment says of it.
     pub(super) fn about_textured(self) -> String {
-        let (Some(number), Some([own, _])) = (self.additions().textured, lobe(self.model())) else {
+        let (Some(number), Some([own, _])) = (self.additions().textured, pictured(self.model())) else {
             return String::new();
         };
         let (of, result) = match self.model() {

@@ -30,10 +30,10 @@ pub fn include(
     made(language, lit_by, reading, lights, namespace, &functions(lit_by, read, lights), &header)
 }
 
-/// The functions that read a table whose nodes are given one by one, with the lines `about` it; else as [`include`].
+/// The functions that read a table whose nodes are given one by one, with the lines `about` it; else as [`include()`].
 ///
 /// # Errors
-/// As [`include`].
+/// As [`include()`].
 pub fn include_given(
     language: Language,
     lit_by: LitBy,

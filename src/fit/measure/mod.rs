@@ -81,7 +81,10 @@ pub fn report_while(
 ) -> Option<Report> {
     let places = Places::of(table, points.into());
     let measured = figures::all_while(go_on, table, &places.all)?;
-    let second = SecondReport::of(go_on, table, &places.all[places.nodes..])?;
+    let second = match table.second_lobe() {
+        Some(second) => Some(SecondReport::of(go_on, table, second, &places.all[places.nodes..])?),
+        None => None,
+    };
     Some(places.report(&measured, second, table, range))
 }
 

@@ -24,9 +24,8 @@ pub struct SecondReport {
 }
 
 impl SecondReport {
-    /// `None` as soon as `go_on` says no; of a table with one lobe an entry there is nothing to tell.
-    pub(super) fn of(go_on: &GoOn, table: &Table, places: &[Configuration]) -> Option<Option<Self>> {
-        let Some(second) = table.second_lobe() else { return Some(None) };
+    /// `None` as soon as `go_on` says no.
+    pub(super) fn of(go_on: &GoOn, table: &Table, second: SecondLobe, places: &[Configuration]) -> Option<Self> {
         let f0 = match second {
             SecondLobe::Integrated => second.fitted_f0(),
             SecondLobe::Blended => PLASTIC,
@@ -35,7 +34,7 @@ impl SecondReport {
         let brdf = table.brdf.clone().with_fresnel(material);
         let found = |at: &Configuration| of_material(second, f0, table.lookup(at));
         let measured = figures::found_while(go_on, &brdf, table.lobe, places, found)?;
-        Some(Some(Self { f0, between: Accuracy::of(&measured) }))
+        Some(Self { f0, between: Accuracy::of(&measured) })
     }
 }
 

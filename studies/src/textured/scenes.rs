@@ -56,8 +56,10 @@ fn sphere(x: f64, y: f64) -> Option<Point> {
 fn floor(x: f64, y: f64) -> Option<Point> {
     let eye = DVec3::new(0.0, 0.5, 4.0);
     let ray = DVec3::new(0.34 * x, -0.155 + 0.075 * y, -1.0);
-    let place = eye + ray * (eye.y / -ray.y);
-    Some(Point { place, tangent: DVec3::X, normal: DVec3::Y, wo: -ray.normalize() })
+    (ray.y < 0.0).then(|| {
+        let place = eye + ray * (eye.y / -ray.y);
+        Point { place, tangent: DVec3::X, normal: DVec3::Y, wo: -ray.normalize() }
+    })
 }
 
 const LAMP: [DVec3; 4] =
