@@ -1,4 +1,4 @@
-//! RGB9E5: three numbers of nine bits and one exponent, a texel in four bytes [`EXT_texture_shared_exponent`].
+//! RGB9E5: three numbers of nine bits and one exponent, a texel in four bytes \[`EXT_texture_shared_exponent`\].
 
 /// The largest number, `511 / 512 2^16`.
 pub(super) const LARGEST: f32 = 65_408.0;
