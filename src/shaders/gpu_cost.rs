@@ -16,7 +16,7 @@ pub struct GpuCost {
 pub const COMPILER: &str = "Null hardware (RADV NAVI21), Mesa 22.3.6";
 
 /// The costs of all texts, by the names that [`LitBy::name`](super::LitBy::name) has for them, `cheap horizon` where
-/// `LTC_CHEAP_HORIZON` is chosen, of two lobes with how they are used, and of engines' ways by theirs: registers, instructions
+/// `LTC_CHEAP_HORIZON` is chosen, of two lobes with how they are used, of `layers` over a metal, and of engines' ways by theirs: registers, instructions
 /// and inverse throughput. `cargo run --release -p ltcforge-studies -- gpu-costs` finds them.
 const COSTS: &[(&str, [u32; 3])] = &[
     ("ltc reflected", [48, 692, 1261]),
@@ -52,6 +52,8 @@ const COSTS: &[(&str, [u32; 3])] = &[
     ("ltc reflected, compensated", [48, 703, 1277]),
     ("normals balanced, compensated", [72, 1521, 2309]),
     ("asg, compensated", [64, 1898, 2992]),
+    ("ltc reflected, layers", [64, 1562, 2955]),
+    ("ltc ltc2017, layers", [64, 1019, 1936]),
     ("normals balanced, textured 4", [80, 2066, 3067]),
     ("normals balanced, textured 1", [80, 1797, 2676]),
     ("normals balanced, textured 2", [80, 1886, 2805]),

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use ltcforge::{
     fit::Layout,
     light::{LightModel, NormalsRule, engines::EngineWay, textured::Readings},
-    shaders::{Additions, Lights, LitBy, Reading, functions},
+    shaders::{Additions, Lights, LitBy, Reading, functions, joined},
 };
 use ltcforge_driver::{Driver, DriverError, Figures, Resource};
 use naga::{
@@ -74,7 +74,7 @@ pub(crate) fn programs() -> Vec<Program> {
     let two =
         [Layout::Reflected, Layout::Ltc2017].into_iter().flat_map(|layout| TWO_LOBES.map(|way| of_two(layout, way)));
     let ways = EngineWay::ALL.iter().map(|way| of_way(*way));
-    texts.chain(two).chain(by_choice()).chain(compensated()).chain(textured()).chain(ways).collect()
+    texts.chain(two).chain(by_choice()).chain(compensated()).chain(layered()).chain(textured()).chain(ways).collect()
 }
 
 /// Tables' texts by what may be chosen of them: cut at the surface, the horizon by the cheap fit, both.
@@ -96,6 +96,29 @@ fn compensated() -> impl Iterator<Item = Program> {
     models
         .into_iter()
         .filter_map(move |(model, layout)| Some(of_text(LitBy::new(model, layout).ok()?.with(additions).ok()?)))
+}
+
+/// A metal by F82, a coat over it, fuzz over both: two lookups and three integrals.
+fn layered() -> impl Iterator<Item = Program> {
+    let calls = "
+    let base = ltc_lookup(alpha.x, alpha.y, seen.wo);
+    let coat = ltc_lookup(0.1 * alpha.y, 0.1 * alpha.y, seen.wo);
+    let fuzz = layers_fuzz(alpha.y, seen.wo);
+    let base_covered = ltc_rectangle(ltc_inverse(base.m), seen.corners, false);
+    let metal = layers_metal(vec2(base.amplitude, base.fresnel) * base_covered, vec3(0.9, 0.8, 0.7), vec3(0.8, 0.9, 1.0));
+    let albedo = layers_albedo(coat.amplitude, coat.fresnel, 0.04);
+    let shine = vec3(albedo * ltc_rectangle(ltc_inverse(coat.m), seen.corners, false));
+    let coated = layers_coated(metal, shine, albedo, 0.8, vec3(0.9));
+    let fibres = vec3(fuzz.albedo * ltc_rectangle(LtcInverse(fuzz.inverse, 1.0), seen.corners, false));
+    return vec4(layers_fuzzed(coated, fibres, fuzz.albedo, alpha.x), 0.0);
+";
+    let layers = joined(&["layers"]);
+    [Layout::Reflected, Layout::Ltc2017].into_iter().map(move |layout| {
+        let lit_by = LitBy::from(layout);
+        let text = functions(lit_by, Reading::default(), Lights::Polygons);
+        let lit = format!("fn lit(alpha: vec2<f32>, seen: Seen) -> vec4<f32> {{{calls}}}\n");
+        program(format!("{}, layers", lit_by.name()), &[&text, &layers, &lit], Some((layout, false)))
+    })
 }
 
 /// Texts with pictures on lights.
