@@ -263,8 +263,8 @@ fn samplers_weigh_entries_as_shaders_do() {
     }
 }
 
-/// Samplers of GPUs weigh by 8 bits, between numbers that differ by about one.
-const SAMPLED: f32 = 0.02;
+/// Samplers of GPUs weigh by 8 bits, between numbers that differ by about one, of needles by more.
+const SAMPLED: f32 = 0.05;
 
 #[test]
 fn shader_twin_and_table_agree_at_every_corner_and_ten_thousand_places() {

@@ -147,7 +147,7 @@ fn thousands_of_lights_in_32_bits_are_those_of_f64() {
             let [p50, p99, p999] = [50, 990, 999].map(|part| errors[COUNT * part / 1000]);
             println!("{who} {name}: {p50:e} {p99:e} {p999:e} {:e}", errors[COUNT - 1]);
             // One in sixty-four lines points at the shaded point, where rounding must cancel.
-            let most = if name == "line" { 1e-4 } else { 1e-3 };
+            let most = if name == "line" { 5e-4 } else { 1e-3 };
             assert!(p99 < 2e-5 && p999 < most, "{who} {name}: {p99:e} {p999:e}");
         }
     }
