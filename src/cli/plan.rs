@@ -17,7 +17,9 @@ use ltcforge_files::{
     replace::{replace_file, replace_pair},
 };
 use ltcforge_fit::{Layout, Plan, Recipe, Table};
-use ltcforge_plan::{Budget, Form, Needs, Scene, SceneError, TablePlan, document, outside, picture, words};
+use ltcforge_plan::{
+    Budget, Form, Needs, Scene, SceneError, TablePlan, document, left_out, of_other_models, outside, picture, words,
+};
 use ltcforge_textures::{Engine, Export, TextureLayout};
 
 /// The longest list of materials.
@@ -157,8 +159,18 @@ fn check(scene: &Scene, of: &AnyTable, json: bool, context: &mut Context<'_>) ->
         });
         format!("{}: {}", material.material, axes.collect::<Vec<_>>().join("; "))
     };
-    let lines: Vec<String> = outside.iter().map(line).collect();
-    let text = if lines.is_empty() { "every material lies within the table".to_owned() } else { lines.join("\n") };
-    print(context.stdout, json, &json!({ "table": of.digest, "outside": outside }), &text)?;
+    let mut lines: Vec<String> = outside.iter().map(line).collect();
+    if lines.is_empty() {
+        lines.push("every lobe of the table's model lies within the table".to_owned());
+    }
+    let others = of_other_models(scene, &of.table);
+    let other = |(material, kind): &(String, _)| {
+        format!("{material}: its {} is of another model", json!(kind).as_str().unwrap_or("lobe"))
+    };
+    let mut left: Vec<String> = others.iter().map(other).collect();
+    left.extend(left_out(scene));
+    let value = json!({ "table": of.digest, "outside": outside, "not_checked": left });
+    lines.extend(left);
+    print(context.stdout, json, &value, &lines.join("\n"))?;
     Ok(if outside.is_empty() { Exit::Ok } else { Exit::Mismatch })
 }

@@ -134,6 +134,14 @@ pub fn words(scene: &Scene, plans: &[TablePlan<'_>]) -> Vec<String> {
     for plan in plans {
         lines.extend(words_of(plan));
     }
+    lines.extend(left_out(scene));
+    lines
+}
+
+/// What of a scene no table serves, and what could not be read of it, a line each.
+#[must_use]
+pub fn left_out(scene: &Scene) -> Vec<String> {
+    let mut lines = Vec::new();
     for material in &scene.materials {
         for what in &material.uncovered {
             lines.push(format!("not covered, {}: {what}", material.name));

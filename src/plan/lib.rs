@@ -18,10 +18,10 @@ mod tests;
 mod without;
 
 pub use candidates::{Budget, Candidate};
-pub use document::{document, recipe_value, words};
+pub use document::{document, left_out, recipe_value, words};
 pub use histogram::{Spot, Views};
 pub use needs::Needs;
-pub use outside::{Outside, OutsideAxis, outside};
+pub use outside::{Outside, OutsideAxis, of_other_models, outside};
 pub use picture::picture;
 pub use plan::{Form, Measured, TablePlan, Whole};
 pub use prediction::Stopped;

@@ -30,13 +30,29 @@ pub struct OutsideAxis {
     pub table: [f64; 2],
 }
 
+/// The materials with lobes of other scattering models than the table's: that table is not for these.
+#[must_use]
+pub fn of_other_models(scene: &Scene, table: &Table) -> Vec<(String, LobeKind)> {
+    let lobes = scene.materials.iter().flat_map(|material| material.lobes.iter().map(move |lobe| (material, lobe)));
+    let other = lobes.filter(|(_, lobe)| !is_for(table, lobe.kind));
+    other.map(|(material, lobe)| (material.name.clone(), lobe.kind)).collect()
+}
+
+/// Whether a table's scattering model is that of a kind of lobe.
+fn is_for(table: &Table, kind: LobeKind) -> bool {
+    match table.brdf() {
+        BrdfKind::Ggx => kind != LobeKind::Sheen,
+        BrdfKind::Charlie | BrdfKind::CharlieNeubelt => kind == LobeKind::Sheen,
+        _ => false,
+    }
+}
+
 /// The lobes of a scene, of those that the table's scattering model is for, that go beyond the table's nodes; in the
 /// scene's order.
 #[must_use]
 pub fn outside(scene: &Scene, table: &Table) -> Vec<Outside> {
-    let is_sheen = matches!(table.brdf(), BrdfKind::Charlie | BrdfKind::CharlieNeubelt);
     let lobes = scene.materials.iter().flat_map(|material| material.lobes.iter().map(move |lobe| (material, lobe)));
-    let of_model = lobes.filter(|(_, lobe)| (lobe.kind == LobeKind::Sheen) == is_sheen);
+    let of_model = lobes.filter(|(_, lobe)| is_for(table, lobe.kind));
     of_model
         .filter_map(|(material, lobe)| {
             let axes = beyond(lobe, table);

@@ -28,7 +28,7 @@ pub struct PlanArgs {
     /// Plan tables of this engine's layout, and with `--fit` write its files
     #[arg(long = "for", value_name = "ENGINE", value_parser = named(Engine::ALL, Engine::name))]
     pub engine: Option<Engine>,
-    /// Let nodes stand on the scene's own roughnesses, for readers of their own that search for nodes: our shaders do not
+    /// Let nodes stand on the scene's own roughnesses or be placed by its weights: a shader for them is `shader --nodes TABLE`
     #[arg(long, conflicts_with = "engine")]
     pub any_nodes: bool,
     /// Folder that the recipe, `plan.json` and `plan.svg` go to

@@ -20,9 +20,12 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// A camera at its node's place; `None` where it has no view.
+    /// A camera at its node's place, whatever the scale of the nodes above it [glTF 2.0, section 3.10.2]; `None` where it has
+    /// no view.
     pub(super) fn new(camera: &Camera, world: DMat4) -> Option<Self> {
-        let to_camera = world.inverse();
+        let axes =
+            [world.x_axis, world.y_axis, world.z_axis].map(|axis| axis.truncate().normalize_or_zero().extend(0.0));
+        let to_camera = DMat4::from_cols(axes[0], axes[1], axes[2], world.w_axis).inverse();
         let (half, depth) = match (&camera.perspective, &camera.orthographic) {
             (Some(of), _) => {
                 let (sin, cos) = ltcforge_fit::math::sin_cos(0.5 * of.yfov);

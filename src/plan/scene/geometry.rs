@@ -75,18 +75,27 @@ impl Shape {
         }
         let attribute = |name: &str| primitive.attributes.get(name).copied();
         let (mut normals, mut tangents, mut uv) = (None, None, BTreeMap::new());
-        if wanted.frames {
-            if let Some(index) = attribute("NORMAL") {
-                normals = buffers.numbers::<3>(document, index)?.ok();
+        // What stands there and cannot be read must not count as if it did not.
+        if let Some(index) = attribute("NORMAL").filter(|_| wanted.frames) {
+            match buffers.numbers::<3>(document, index)? {
+                Ok(read) => normals = Some(read),
+                Err(why) => return boxed(format!("its normals: {why}")),
             }
-            if let Some(index) = attribute("TANGENT") {
-                tangents = buffers.numbers::<4>(document, index)?.ok();
+        }
+        if let Some(index) = attribute("TANGENT").filter(|_| wanted.frames) {
+            match buffers.numbers::<4>(document, index)? {
+                Ok(read) => tangents = Some(read),
+                Err(why) => return boxed(format!("its tangents: {why}")),
             }
         }
         for set in &wanted.sets {
-            if let Some(index) = attribute(&format!("TEXCOORD_{set}")) {
-                uv.extend(buffers.numbers::<2>(document, index)?.ok().map(|uv| (*set, uv)));
-            }
+            let Some(index) = attribute(&format!("TEXCOORD_{set}")) else {
+                return boxed(format!("it has no TEXCOORD_{set}, at which its material has textures"));
+            };
+            match buffers.numbers::<2>(document, index)? {
+                Ok(read) => uv.insert(*set, read),
+                Err(why) => return boxed(format!("its texture coordinates: {why}")),
+            };
         }
         let corners = positions.len();
         let short = [normals.as_ref().map(Vec::len), tangents.as_ref().map(Vec::len)];

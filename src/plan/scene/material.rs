@@ -71,6 +71,16 @@ const NOT_COVERED: [(&str, &str); 6] = [
     ("KHR_materials_dispersion", "its dispersion"),
     ("KHR_materials_subsurface", "light below its surface"),
 ];
+/// Extensions that change no lobe, or that a plan takes into account.
+const KNOWN: [&str; 7] = [
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_texture_transform",
+];
 /// Extensions of materials whose lobe is none of GGX.
 const OTHER_LOBES: [(&str, &str); 2] = [
     ("KHR_materials_unlit", "nothing: it is unlit"),
@@ -131,6 +141,9 @@ impl Shaded {
             found.map(|(name, what)| format!("{what} ({name})")).collect()
         };
         let other = of_list(&OTHER_LOBES, extensions);
+        let listed = |name: &str| NOT_COVERED.iter().chain(&OTHER_LOBES).any(|(known, _)| *known == name);
+        let unknown = extensions.keys().filter(|name| !KNOWN.contains(&name.as_str()) && !listed(name));
+        let unknown: Vec<String> = unknown.map(|name| format!("what {name} changes")).collect();
         let shaded = Self {
             name: named(material.name.as_deref(), index),
             double_sided: material.double_sided,
@@ -144,7 +157,7 @@ impl Shaded {
             clearcoat,
             sheen,
             is_ggx: other.is_empty(),
-            uncovered: other.into_iter().chain(of_list(&NOT_COVERED, extensions)).collect(),
+            uncovered: other.into_iter().chain(of_list(&NOT_COVERED, extensions)).chain(unknown).collect(),
             missing,
         };
         shaded.check(&place)?;

@@ -157,6 +157,41 @@ fn cameras_tell_the_views() {
     assert!(low < 0.02 && (high - corner).abs() < 0.01, "{low} {high} {corner}");
 }
 
+/// The scale of nodes above a camera changes neither its picture nor its depths.
+#[test]
+fn a_camera_is_not_scaled() {
+    let views = |scale: f64| {
+        let mut glb = Glb::default();
+        let floor = glb.material(rough(0.3));
+        let mesh = glb.quad(Some(floor));
+        glb.node(json!({ "mesh": mesh }));
+        let perspective = json!({ "yfov": 1.0, "aspectRatio": 1.0, "znear": 0.1, "zfar": 10.0 });
+        let camera = glb.camera(json!({ "type": "perspective", "perspective": perspective }));
+        let at = [0.5 / scale, 0.5 / scale, 3.0 / scale];
+        let child = glb.child(json!({ "camera": camera, "translation": at }));
+        glb.node(json!({ "children": [child], "scale": [scale, scale, scale] }));
+        scene(&glb).materials[0].lobes[0].views.theta()
+    };
+    let (plain, scaled) = (views(1.0), views(0.01));
+    assert!(plain.iter().zip(scaled).all(|(a, b)| (a - b).abs() < 1e-9), "{plain:?} {scaled:?}");
+}
+
+#[test]
+fn what_is_not_known_or_not_there_is_told() {
+    let mut glb = Glb::default();
+    let texture = glb.texture(&checker(2, |x, _| 255 * x as u8), [33_071; 2]);
+    let info = json!({ "index": texture, "texCoord": 1 });
+    let extensions = json!({ "VENDOR_materials_glow": {} });
+    let pbr = json!({ "metallicRoughnessTexture": info });
+    let material = glb.material(json!({ "name": "m", "pbrMetallicRoughness": pbr, "extensions": extensions }));
+    let mesh = glb.quad(Some(material));
+    glb.node(json!({ "mesh": mesh }));
+    let found = scene(&glb);
+    assert!(found.materials[0].uncovered.iter().any(|what| what.contains("VENDOR_materials_glow")), "{found:?}");
+    assert!(found.notes.iter().any(|note| note.contains("TEXCOORD_1")), "{:?}", found.notes);
+    assert!(found.materials[0].lobes[0].spots.len() > 1, "both levels of the texture count");
+}
+
 #[test]
 fn phi_is_from_the_axis_of_the_larger_roughness() {
     for (rotation, wanted) in [(0.0, 0.0), (FRAC_PI_2, FRAC_PI_2)] {

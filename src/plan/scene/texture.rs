@@ -53,8 +53,8 @@ pub(super) struct Textures<'a> {
     document: &'a Document,
     buffers: &'a Buffers,
     container: &'a mut Container,
-    /// Channels of images that several textures may have, and how many pixels are kept.
-    kept: BTreeMap<(usize, Vec<usize>), Rc<Pixels>>,
+    /// Channels of images that several textures may have, or why there are none, and how many pixels are kept.
+    kept: BTreeMap<(usize, Vec<usize>), Result<Rc<Pixels>, String>>,
     pixels: u64,
 }
 
@@ -97,9 +97,17 @@ impl<'a> Textures<'a> {
     }
 
     fn pixels(&mut self, image: usize, channels: &[usize]) -> Result<Result<Rc<Pixels>, String>, SceneError> {
-        if let Some(pixels) = self.kept.get(&(image, channels.to_vec())) {
-            return Ok(Ok(Rc::clone(pixels)));
+        let key = (image, channels.to_vec());
+        if let Some(known) = self.kept.get(&key) {
+            return Ok(known.clone());
         }
+        // What cannot be had is kept too: a thousand materials may name one broken image.
+        let found = self.decoded(image, channels)?;
+        self.kept.insert(key, found.clone());
+        Ok(found)
+    }
+
+    fn decoded(&mut self, image: usize, channels: &[usize]) -> Result<Result<Rc<Pixels>, String>, SceneError> {
         let bytes = match self.image(image)? {
             Ok(bytes) => bytes,
             Err(why) => return Ok(Err(format!("image {image}: {why}"))),
@@ -109,9 +117,7 @@ impl<'a> Textures<'a> {
         };
         self.pixels += pixels.count();
         SceneError::above("pixels of all textures", self.pixels, MOST_PIXELS_OF_ALL)?;
-        let pixels = Rc::new(pixels);
-        self.kept.insert((image, channels.to_vec()), Rc::clone(&pixels));
-        Ok(Ok(pixels))
+        Ok(Ok(Rc::new(pixels)))
     }
 
     fn image(&mut self, index: usize) -> Result<Result<Vec<u8>, String>, SceneError> {
