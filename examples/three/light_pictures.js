@@ -1,8 +1,10 @@
 // Pictures on rectangular lights: their prefiltered pyramids, made on the GPU by the passes that
 // `ltcforge shader --as prefilter --language glsl-es` prints, as often as a picture changes.
 
-import { Camera, DoubleSide, GLSL3, HalfFloatType, BufferGeometry, Float32BufferAttribute, LinearFilter, LinearMipmapLinearFilter, Mesh, NearestFilter,
-	NoBlending, RawShaderMaterial, Vector2, WebGLArrayRenderTarget, WebGLRenderTarget } from 'three';
+import {
+	BufferGeometry, Camera, Float32BufferAttribute, GLSL3, HalfFloatType, LinearFilter, LinearMipmapLinearFilter, Mesh, NearestFilter,
+	NoBlending, RawShaderMaterial, Vector2, WebGLArrayRenderTarget, WebGLRenderTarget,
+} from 'three';
 
 /** What each pass writes, by its name: a colour at `texel`. `size` is that of `source`. */
 const PASSES = {
@@ -29,7 +31,12 @@ export class LightPictures {
 	 */
 	constructor( prefilterGlsl, width, height, layers = 1 ) {
 
-		if ( typeof prefilterGlsl !== 'string' || ! prefilterGlsl.includes( 'prefilter_level(' ) ) throw new TypeError( 'the shader has to be the text that `ltcforge shader --as prefilter --language glsl-es` prints' );
+		if ( typeof prefilterGlsl !== 'string' || ! prefilterGlsl.includes( 'prefilter_level(' ) ) {
+
+			throw new TypeError( 'the shader has to be the text that `ltcforge shader --as prefilter --language glsl-es` prints' );
+
+		}
+
 		const faults = Object.entries( { width, height, layers } ).filter( ( [ , value ] ) => ! Number.isInteger( value ) || value < 1 );
 		if ( faults.length ) throw new RangeError( faults.map( ( [ name, value ] ) => `${ name } is ${ value }: it has to be a whole number from 1 on` ).join( '; ' ) );
 
@@ -47,9 +54,12 @@ export class LightPictures {
 		// three makes a level for each.
 		this.array.texture.mipmaps = this.levels.map( () => ( {} ) );
 
-		const uniforms = { prefilter_source: { value: null }, prefilter_above: { value: null }, size: { value: size }, level: { value: 0 }, isFlipped: { value: false }, isCoded: { value: false } };
+		const uniforms = {
+			prefilter_source: { value: null }, prefilter_above: { value: null },
+			size: { value: size }, level: { value: 0 }, isFlipped: { value: false }, isCoded: { value: false },
+		};
 		this.passes = Object.fromEntries( Object.entries( PASSES ).map( ( [ name, body ] ) => [ name, new RawShaderMaterial( {
-			uniforms, glslVersion: GLSL3, depthTest: false, depthWrite: false, blending: NoBlending, side: DoubleSide,
+			uniforms, glslVersion: GLSL3, depthTest: false, depthWrite: false, blending: NoBlending,
 			vertexShader: 'in vec3 position;\nvoid main() { gl_Position = vec4( position, 1.0 ); }',
 			fragmentShader: `${ prefilterGlsl }
 				uniform uvec2 size;
@@ -107,7 +117,7 @@ export class LightPictures {
 		for ( let level = last - 1; level >= 0; level -- ) draw( 'level', [ levels[ level ] ], level, chain[ level ], levels[ level + 1 ].texture );
 		levels.forEach( ( from, level ) => {
 
-			// A layer's own size, for three sets the viewport of the first level.
+			// three takes the target's viewport at every level.
 			this.array.viewport.set( 0, 0, from.width, from.height );
 			draw( 'copy', [ this.array, layer, level ], level, from );
 

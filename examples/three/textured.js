@@ -62,7 +62,12 @@ async function textureOf( address, isVideo ) {
 
 }
 
-show.addEventListener( 'change', () => showTexture( null ) );
+show.addEventListener( 'change', () => {
+
+	file.value = '';
+	showTexture( null );
+
+} );
 file.addEventListener( 'change', async () => {
 
 	const [ chosen ] = file.files;
