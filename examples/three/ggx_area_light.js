@@ -7,9 +7,11 @@
 
 import { REVISION, ShaderChunk } from 'three';
 
-import { BY_NORMALS, BY_TABLE, PATCHES } from './patches.js';
+import { LightPictures } from './light_pictures.js';
+import { BY_NORMALS, BY_PICTURES, BY_TABLE, PATCHES } from './patches.js';
 
 export { setAlphas } from './alphas.js';
+export { LightPictures } from './light_pictures.js';
 
 /** What is known of a patched material. */
 const patches = new WeakMap();
@@ -41,6 +43,22 @@ export function withTableAreaLights( material, tableGlsl, table ) {
 	requireText( tableGlsl, 'ltc_rectangle(', 'ltcforge shader --layout reflected --language glsl-es' );
 	if ( ! table || ! table.uniforms ) throw new TypeError( 'table has to be what loadTable gave' );
 	return patch( material, tableGlsl + BY_TABLE, table.uniforms );
+
+}
+
+/**
+ * The same in closed form, where lights have pictures: in place of its colour alone, a light shines with its picture times its colour.
+ *
+ * @param {import('three').MeshStandardMaterial} material - Patched in place.
+ * @param {string} texturedGlsl - What `ltcforge shader --model normals --textured 4 --language glsl-es` prints, of any rule.
+ * @param {import('./light_pictures.js').LightPictures} pictures - Of the scene's first lights. Materials share them.
+ * @returns {import('three').MeshStandardMaterial} The material.
+ */
+export function withPictureAreaLights( material, texturedGlsl, pictures ) {
+
+	requireText( texturedGlsl, 'normals_textured_rectangle(', 'ltcforge shader --model normals --textured 4 --language glsl-es' );
+	if ( ! ( pictures instanceof LightPictures ) ) throw new TypeError( 'pictures have to be LightPictures' );
+	return patch( material, texturedGlsl + BY_PICTURES, pictures.uniforms );
 
 }
 

@@ -1,6 +1,6 @@
 // Area lights on anisotropic GGX for WebGLRenderer of three.js.
 
-import type { Material, MeshPhysicalMaterial, MeshStandardMaterial } from 'three';
+import type { Material, MeshPhysicalMaterial, MeshStandardMaterial, Texture, WebGLRenderer } from 'three';
 import type { KTX2Loader } from 'three/addons/loaders/KTX2Loader.js';
 
 /** A table's textures and numbers as the shader takes them. Materials share it. */
@@ -20,6 +20,28 @@ export function withClosedFormAreaLights<M extends MeshStandardMaterial>( materi
 
 /** The same with a table. `tableGlsl` is what `ltcforge shader --layout reflected --language glsl-es` prints. */
 export function withTableAreaLights<M extends MeshStandardMaterial>( material: M, tableGlsl: string, table: AreaLightTable ): M;
+
+/** Pictures on the first lights of a scene, in three's order, prefiltered on the GPU. Materials share them. */
+export class LightPictures {
+	/**
+	 * @param prefilterGlsl - What `ltcforge shader --as prefilter --language glsl-es` prints: `ltcforge-three/shaders/prefilter.glsl.js`.
+	 * @param width - Texels along the lights' width, best square on them.
+	 * @param height - Texels along their height.
+	 * @param layers - How many lights have a picture; 1.
+	 */
+	constructor( prefilterGlsl: string, width: number, height: number, layers?: number );
+	/** Prefilters a picture, a canvas or a video's frame for a light: whenever it changes, before the surfaces are drawn. */
+	update( renderer: WebGLRenderer, texture: Texture, layer?: number ): void;
+	/** Frees the textures, once no material uses them. */
+	dispose(): void;
+}
+
+/**
+ * As {@link withClosedFormAreaLights}, where lights have pictures.
+ *
+ * @param texturedGlsl - What `ltcforge shader --model normals --textured 4 --language glsl-es` prints.
+ */
+export function withPictureAreaLights<M extends MeshStandardMaterial>( material: M, texturedGlsl: string, pictures: LightPictures ): M;
 
 /** Takes the patch off a material, and leaves its own hooks. */
 export function withoutAreaLights<M extends Material>( material: M ): M;

@@ -32,9 +32,9 @@ function lightOf( lamp ) {
 /**
  * @param {Object[]} lamps - Lights as scene.js has them.
  * @param {function(THREE.Material): THREE.Material} patch - Patches a surface's material.
- * @param {{ Material?: function, shown?: Object[] }} [of] - The materials' class, and the surfaces.
+ * @param {{ Material?: function, shown?: Object[], picture?: THREE.Texture }} [of] - The materials' class, the surfaces, and what lamps show.
  */
-export function litScene( lamps, patch, { Material = THREE.MeshPhysicalMaterial, shown = surfaces } = {} ) {
+export function litScene( lamps, patch, { Material = THREE.MeshPhysicalMaterial, shown = surfaces, picture = null } = {} ) {
 
 	const scene = new THREE.Scene();
 	for ( const surface of shown ) {
@@ -49,7 +49,9 @@ export function litScene( lamps, patch, { Material = THREE.MeshPhysicalMaterial,
 	for ( const lamp of lamps ) {
 
 		scene.add( lightOf( lamp ) );
-		scene.add( new THREE.Mesh( geometryOf( glowOf( lamp ) ), new THREE.MeshBasicMaterial( { color: new THREE.Color( ...lamp.radiance ) } ) ) );
+		const glow = geometryOf( glowOf( lamp ) );
+		glow.setAttribute( 'uv', new THREE.Float32BufferAttribute( [ 0, 0, 1, 0, 1, 1, 0, 1 ], 2 ) );
+		scene.add( new THREE.Mesh( glow, new THREE.MeshBasicMaterial( { color: new THREE.Color( ...lamp.radiance ), map: picture } ) ) );
 
 	}
 

@@ -2,7 +2,7 @@
 
 /**
  * By chunk, what stands there and what stands in its place: a text, or what makes one of the text of the lobe, which is
- * `BY_NORMALS` or `BY_TABLE` behind what it calls.
+ * `BY_NORMALS`, `BY_PICTURES` or `BY_TABLE` behind what it calls.
  */
 export const PATCHES = {
 	lights_physical_pars_fragment: [
@@ -31,6 +31,7 @@ export const PATCHES = {
 
 	for ( int i = 0; i < NUM_RECT_AREA_LIGHTS; i ++ ) {
 
+		rectAreaNumber = i;
 		rectAreaLight = rectAreaLights[ i ];
 		RE_Direct_RectArea( rectAreaLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
 
@@ -40,7 +41,7 @@ export const PATCHES = {
 };
 
 /**
- * What both ways need.
+ * What all ways need.
  *
  * @param {string} members - Of a lobe as a light meets it.
  * @param {string} lobe - Sets these of `lobe` from `alphas` and `wo`.
@@ -54,6 +55,8 @@ const glossOf = ( members, lobe, gloss ) => /* glsl */ `
 	};
 	RectAreaLobe rectAreaBase;
 	RectAreaLobe rectAreaCoat;
+	// The light's, in the loop.
+	int rectAreaNumber = 0;
 
 	RectAreaLobe rect_area_lobe( const in vec3 normal, const in vec3 viewDir, const in vec3 along, const in vec2 alphas ) {
 
@@ -115,6 +118,21 @@ export const BY_NORMALS = glossOf(
 	`// Schlick: y is the part of x that (1 - cos)^5 weighs.
 		vec2 parts = normals_rectangle( lobe.view, corners, false );
 		return f0 * ( parts.x - parts.y ) + f90 * parts.y;` );
+
+/** Corners of three's lights begin at the upper left, seen from the lit side. */
+export const BY_PICTURES = `
+	uniform int rect_area_pictures;
+	uniform float rect_area_picture_base;
+` + glossOf(
+	'NormalsView view;',
+	'lobe.view = normals_view( alphas.x, alphas.y, wo );',
+	`NormalsTextured light = NormalsTextured( vec2( 0.0 ), vec3( 1.0 ) );
+		if ( rectAreaNumber < rect_area_pictures ) {
+			light = normals_textured_rectangle( lobe.view, corners, false, uint( rectAreaNumber ), rect_area_picture_base );
+		} else {
+			light.parts = normals_rectangle( lobe.view, corners, false );
+		}
+		return light.colour * ( f0 * ( light.parts.x - light.parts.y ) + f90 * light.parts.y );` );
 
 export const BY_TABLE = glossOf(
 	'LtcInverse inverse_; float amplitude; float fresnel;',

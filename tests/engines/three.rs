@@ -1,7 +1,7 @@
 //! `examples/three`: a package that patches materials of three.js, held to the truth.
 
 use super::{
-    examples::{RULES_GLSL, hold_errors, hold_shaders, packed},
+    examples::{Apart, RULES_GLSL, hold_errors, hold_shaders, packed},
     *,
 };
 
@@ -58,7 +58,7 @@ const CLEARCOAT_ERROR: f64 = 0.0002;
 #[test]
 fn the_package_patches_materials_and_leaves_what_is_the_user_s() {
     let folder = tempfile::tempdir().expect("a folder");
-    let more = ["webgpu.js", "webgpu.d.ts", "table/ltc.json"];
+    let more = ["light_pictures.js", "webgpu.js", "webgpu.d.ts", "table/ltc.json"];
     let files: Vec<&str> = more.into_iter().chain(EXAMPLE_SHADERS.map(|(file, _)| file)).collect();
     let Some(package) = packed("three", folder.path(), &files) else { return };
     let Some(patch) = script::<Patch>("patch.js", &["--package", &package.to_string_lossy()]) else { return };
@@ -80,6 +80,62 @@ fn the_package_patches_materials_and_leaves_what_is_the_user_s() {
     assert_eq!(patch.refusals.len(), REFUSALS.len());
     // The sky is black; the lamps and their images on the floor are a tenth of the page.
     assert!((0.05..0.5).contains(&patch.readme), "{}", patch.readme);
+}
+
+/// The output of `textured.js`.
+#[derive(Deserialize)]
+struct Textured {
+    /// What the light shows, by the example: how far it is from `ltcforge light --texture`; and `white`, `second` and `layer`
+    /// from lights without a picture, `stream` from the canvas that a video shows.
+    errors: BTreeMap<String, Apart>,
+    /// How far a picture is from one colour, and a video from its start.
+    changes: BTreeMap<String, Apart>,
+    refusals: BTreeMap<String, Option<String>>,
+    /// Whether the example's page moves, by what its light shows.
+    moves: BTreeMap<String, bool>,
+    faults: Vec<String>,
+}
+
+/// The errors of a picture lie below, in linear radiance under a light of up to 2: 0.00007 and 0.0043; of one colour 0.00011 and
+/// 0.0011. Texels have 16 bits, and the rectangle's rule in f32 is the rest.
+const PICTURE_ERROR: Apart = Apart { mean: 0.0002, most: 2.0 / 255.0 };
+
+/// Browsers code frames of a stream by fewer bits for colours: 0.00025 and 0.0077.
+const STREAM_ERROR: Apart = Apart { mean: 0.0006, most: 0.016 };
+
+const PICTURE_REFUSALS: [(&str, &str); 6] = [
+    ("text", "ltcforge shader --model normals --textured 4"),
+    ("pictures", "pictures have to be LightPictures"),
+    ("prefilter", "ltcforge shader --as prefilter"),
+    ("size", "width is 0: it has to be a whole number from 1 on; height is 4.5"),
+    ("layer", "layer is 1: it has to be a whole number from 0 to 0"),
+    ("texture", "the picture has to be a texture"),
+];
+
+#[test]
+fn the_example_shows_pictures_and_videos_on_lights() {
+    let Some(report) = script::<Textured>("textured.js", &[]) else { return };
+    let Textured { errors, changes, refusals, moves, faults } = report;
+    tell(&format!("examples/three, pictures on a light: {errors:.5?}, {changes:.5?}"));
+    assert_eq!(faults, [""; 0]);
+    for (name, most) in ["colour", "picture", "start", "later"]
+        .map(|name| (name, PICTURE_ERROR))
+        .into_iter()
+        .chain([("stream", STREAM_ERROR)])
+    {
+        assert!(errors[name].mean < most.mean && errors[name].most < most.most, "{name}: {errors:?}");
+    }
+    for name in ["white", "second", "layer"] {
+        assert!(errors[name].most < 1e-4, "{name}: {errors:?}");
+    }
+    assert!(changes["picture"].mean > 50.0 * PICTURE_ERROR.mean, "{changes:?}");
+    assert!(changes["later"].mean > 10.0 * PICTURE_ERROR.mean, "{changes:?}");
+    for (what, part) in PICTURE_REFUSALS {
+        let message = refusals[what].as_deref().unwrap_or_else(|| panic!("{what} is taken"));
+        assert!(message.contains(part), "{what}: {message}");
+    }
+    assert_eq!(refusals.len(), PICTURE_REFUSALS.len());
+    assert!(moves["video"] && !moves["picture"], "{moves:?}");
 }
 
 /// The output of `webgpu.js` for a backend of `WebGPURenderer`.
@@ -117,7 +173,7 @@ fn the_example_lights_webgpu_renderer() {
 
 /// The modules of `examples/three/shaders`, and the words after `ltcforge shader --es-module` that write them and their types.
 /// three's area lights are rectangles.
-const EXAMPLE_SHADERS: [(&str, &[&str]); 7] = [
+const EXAMPLE_SHADERS: [(&str, &[&str]); 9] = [
     RULES_GLSL[0],
     RULES_GLSL[1],
     RULES_GLSL[2],
@@ -125,6 +181,8 @@ const EXAMPLE_SHADERS: [(&str, &[&str]); 7] = [
     ("shaders/normals_balanced.wgsl.js", &["--language", "wgsl", "--model", "normals", "--rule", "balanced"]),
     ("shaders/normals_fine.wgsl.js", &["--language", "wgsl", "--model", "normals", "--rule", "fine"]),
     ("shaders/table.glsl.js", &["--language", "glsl-es", "--layout", "reflected", "--lights", "polygons"]),
+    ("shaders/normals_textured.glsl.js", &["--language", "glsl-es", "--model", "normals", "--textured", "4"]),
+    ("shaders/prefilter.glsl.js", &["--language", "glsl-es", "--as", "prefilter"]),
 ];
 
 #[test]
