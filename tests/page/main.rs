@@ -41,6 +41,11 @@ fn faults_are_told_at_their_fields() {
     let Some(seen) = script("faults.js", &[]) else { return };
     assert_eq!(seen["shown"], json!({ "samples": "3", "invalid": "true", "directions": "8" }), "{seen:#}");
     assert_eq!((&seen["isRefused"], &seen["left"], &seen["jobs"]), (&json!(true), &json!(""), &json!(0)), "{seen:#}");
+    let roughnesses = &seen["roughnesses"];
+    let list = json!([{ "alpha_x": 0.4, "alpha_y": 0.1 }, { "alpha": 0.09 }, { "alpha": 0.3, "ratio": 0.5 }]);
+    assert_eq!((&roughnesses["isHidden"], &roughnesses["materials"]), (&json!(true), &list), "{seen:#}");
+    assert_eq!((&roughnesses["text"], &roughnesses["resolution"]), (&json!("0.4 / 0.1, 0.09, 0.3 × 0.5"), &json!(null)));
+    assert!(roughnesses["item"].as_str().is_some_and(|fault| fault.contains("null is not a number")), "{seen:#}");
 }
 
 #[test]
