@@ -26,7 +26,26 @@ await withWorld( async ( { service, open } ) => {
 	await page.locator( '#field-layout' ).selectOption( 'kt2022' );
 	await page.locator( '#field-fit-steps' ).fill( '5' );
 	await page.locator( 'aside dd', { hasText: '%' } ).waitFor();
+
+	// A list of roughnesses is asked for with its layout, and decides the nodes of alpha and ratio.
+	const entered = async () => JSON.parse( await page.getByRole( 'region', { name: 'Recipe as JSON' } ).textContent() );
+	const list = page.locator( '#field-materials' );
+	const isHidden = await list.isHidden();
+	await page.locator( '#field-resolution-alpha' ).fill( '5' );
+	await page.locator( '#field-brdf' ).selectOption( 'ggx' );
+	await page.locator( '#field-layout' ).selectOption( 'materials' );
+	await fault( 'materials' ).filter( { hasText: 'needs its materials' } ).waitFor();
+	await list.fill( '0.4 / 0.1, 0.09, grey' );
+	const item = await fault( 'materials' ).filter( { hasText: 'materials/2/alpha: ' } ).textContent();
+	await list.fill( '0.4 / 0.1, 0.09, 0.3 × 0.5' );
+	await page.locator( 'aside dd', { hasText: '%' } ).waitFor();
+	const { materials, resolution } = await entered();
+	await page.reload();
+	await page.waitForFunction( () => document.querySelector( '#field-materials' )?.value );
+	const roughnesses = { isHidden, item, materials, resolution: resolution ?? null, text: await list.inputValue() };
+	await list.fill( '' );
+	await fault( 'materials' ).filter( { hasText: 'needs its materials' } ).waitFor();
 	const { items } = await service.call( '/v1/jobs' );
-	return { shown, isRefused, left: left.join( '' ), jobs: items.length };
+	return { shown, isRefused, left: left.join( '' ), jobs: items.length, roughnesses };
 
 } );

@@ -41,6 +41,14 @@ fn faults_are_told_at_their_fields() {
     let Some(seen) = script("faults.js", &[]) else { return };
     assert_eq!(seen["shown"], json!({ "samples": "3", "invalid": "true", "directions": "8" }), "{seen:#}");
     assert_eq!((&seen["isRefused"], &seen["left"], &seen["jobs"]), (&json!(true), &json!(""), &json!(0)), "{seen:#}");
+    let roughnesses = &seen["roughnesses"];
+    let list = json!([{ "alpha_x": 0.4, "alpha_y": 0.1 }, { "alpha": 0.09 }, { "alpha": 0.3, "ratio": 0.5 }]);
+    assert_eq!((&roughnesses["isHidden"], &roughnesses["materials"]), (&json!(true), &list), "{seen:#}");
+    assert_eq!(
+        (&roughnesses["text"], &roughnesses["resolution"]),
+        (&json!("0.4 / 0.1, 0.09, 0.3 × 0.5"), &json!(null))
+    );
+    assert!(roughnesses["item"].as_str().is_some_and(|fault| fault.contains("null is not a number")), "{seen:#}");
 }
 
 #[test]
@@ -94,6 +102,9 @@ const OFF: f64 = 2.0;
 /// The most by which the viewer's reference is off that of previews, as a part of all light.
 const REFERENCE_OFF: f64 = 0.01;
 
+/// The most by which the bytes of the shader ball by `normals` are off those of its reference, as a part of their sum.
+const BALL_OFF: f64 = 0.01;
+
 /// The most by which bytes of what engines ship are off those of our table, on average over a picture of a round surface.
 const ENGINES_OFF: f64 = 1.5;
 
@@ -123,6 +134,21 @@ fn the_viewer_is_used_and_its_link_holds_all() {
     assert_eq!((&seen["kept"], &seen["linked"]), (&json!(true), &json!(true)), "{seen:#}");
     assert_eq!((&seen["outlines"], &seen["left"], &seen["restored"]), (&json!(2), &json!(1), &json!(0)), "{seen:#}");
     assert!(seen["refused"].as_str().is_some_and(|reason| reason.contains("oren_nayar")), "{seen:#}");
+    assert!(seen["unlisted"].as_str().is_some_and(|reason| reason.contains("looks up by number")), "{seen:#}");
+}
+
+#[test]
+fn the_shader_ball_is_smooth_and_its_link_holds_it() {
+    let Some(seen) = script("ball.js", &[]) else { return };
+    let number = |name: &str| seen[name].as_f64().unwrap_or_else(|| panic!("{name}: {seen:#}"));
+    // It lies in the sphere that the camera sees; each normal is near the flat one, and across the tangent.
+    assert!(number("radius") <= 1.0 && number("radius") > 0.9, "{seen:#}");
+    assert!(number("cosine") > 0.9 && number("skew") < 1e-6 && number("length") < 1e-6, "{seen:#}");
+    assert_eq!((&seen["linked"], &seen["kept"]), (&json!(true), &json!("shader_ball")), "{seen:#}");
+    let [ball, foot, beside, corner] = [0, 1, 2, 3].map(|i| seen["places"][i].as_f64().expect("a byte"));
+    assert!(ball > 100.0 && foot > 50.0, "{seen:#}");
+    assert!((beside - corner).abs() < 0.5, "{seen:#}");
+    assert!((number("ratio") - 1.0).abs() < BALL_OFF, "{seen:#}");
 }
 
 #[test]

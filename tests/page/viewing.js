@@ -51,6 +51,8 @@ await withWorld( async ( { service, open } ) => {
 	await page.waitForFunction( ( z ) => Number( document.querySelector( '#view-light_z' ).value ) !== z, z );
 	const linked = await page.evaluate( () => location.hash.includes( 'lights=2' ) && location.hash.includes( 'light2_shape=tube' ) );
 	await page.getByRole( 'button', { name: 'Remove' } ).click();
+	// The next frame draws it.
+	await page.waitForFunction( () => document.querySelectorAll( '.stage polygon' ).length < 2 );
 	const left = await page.locator( '.stage polygon' ).count();
 
 	// A context that is lost comes back with its picture.
@@ -70,6 +72,11 @@ await withWorld( async ( { service, open } ) => {
 	const diffuse = await service.fit( { preset: 'draft', brdf: 'oren_nayar', fit: SMALL.fit } );
 	await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?table=${ diffuse }` );
 	const refused = await page.locator( '.page-viewer .notice' ).textContent();
-	return { kept, outlines, linked, left, restored, refused };
+
+	// A table of a list of materials, which this text does not look up.
+	const listed = await service.fit( { ...SMALL, layout: 'materials', materials: [ { alpha: 0.3 } ], resolution: { theta: 2, phi: 2 } } );
+	await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?table=${ listed }` );
+	const unlisted = await page.locator( '.page-viewer .notice', { hasText: 'list of materials' } ).textContent();
+	return { kept, outlines, linked, left, restored, refused, unlisted };
 
 } );

@@ -84,6 +84,7 @@ page_files![
     "progress.js",
     "report.js",
     "scene.js",
+    "shader_ball.js",
     "style.css",
     "table.js",
     "tables.js",

@@ -8,7 +8,7 @@ const choice = ( pointer, label, options ) => ( { pointer, label, kind: 'choice'
 const whole = ( pointer, label, min, max ) => ( { pointer, label, kind: 'whole', min, max } );
 const interval = ( pointer, label, max ) => ( { pointer, label, kind: 'interval', max } );
 
-/** Groups of fields, by their RFC 6901 pointers. */
+/** Groups of fields, by their RFC 6901 pointers. A field of one layout tells it, and which others it decides, which a change of it leaves out. */
 export const GROUPS = [
 	{ name: 'Surface', fields: [
 		choice( '/brdf', 'Scattering model', BRDFS ),
@@ -17,6 +17,7 @@ export const GROUPS = [
 	] },
 	{ name: 'Table', fields: [
 		choice( '/layout', 'Layout', LAYOUTS ),
+		{ pointer: '/materials', label: 'Roughnesses', kind: 'roughnesses', layout: 'materials', decides: [ '/range', '/resolution' ].flatMap( ( of ) => [ `${ of }/alpha`, `${ of }/ratio` ] ) },
 		choice( '/precision', 'Numbers', [ 'f32', 'f16' ] ),
 		choice( '/terms', 'Terms', [ true, false, 'f82' ] ),
 	] },

@@ -94,7 +94,33 @@ function materials( field, id, changed ) {
 
 }
 
-const KINDS = { choice, whole, interval, materials };
+/** A surface from its text: alpha, `0.3`; alpha and ratio, `0.3 × 0.5`; or the roughness along and across, `0.4 / 0.1`. */
+function roughness( text ) {
+
+	const [ , first, sign, second ] = /^([^×x*/]*)([×x*/]?)(.*)$/s.exec( text );
+	const number = ( part ) => part.trim() === '' ? null : Number( part );
+	if ( sign === '/' ) return { alpha_x: number( first ), alpha_y: number( second ) };
+	return sign ? { alpha: number( first ), ratio: number( second ) } : { alpha: number( first ) };
+
+}
+
+function roughnesses( field, id, changed ) {
+
+	// No text is no list, which other layouts need.
+	const read = () => input.value.trim() === '' ? undefined : input.value.split( ',' ).map( roughness );
+	const input = el( 'input', { type: 'text', id, placeholder: '0.4 / 0.1, 0.3 × 0.5, 0.09', title: 'Each alpha, alpha × ratio, or alpha along / across, with commas between', oninput: () => changed( read() ) } );
+	const text = ( { alpha, ratio = 1, alpha_x: along, alpha_y: across } ) => along !== undefined ? `${ along } / ${ across }` : ratio === 1 ? alpha : `${ alpha } × ${ ratio }`;
+	const show = ( value ) => {
+
+		if ( document.activeElement !== input ) input.value = Array.isArray( value ) ? value.map( ( item ) => text( Object( item ) ) ).join( ', ' ) : '';
+
+	};
+
+	return { parts: [ input ], main: input, show };
+
+}
+
+const KINDS = { choice, whole, interval, materials, roughnesses };
 
 /**
  * A field with its label and the place of its faults. `changed` gets the value that was entered; `show` takes the one that is

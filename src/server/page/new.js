@@ -20,8 +20,10 @@ export async function show( root, rest, parameters, signal ) {
 	let timer = 0;
 	let asked = 0;
 	let isFilled = false;
-	const inputs = GROUPS.flatMap( ( { fields } ) => fields ).map( ( field ) => input( field, ( value ) => change( field.pointer, value ) ) );
-	const presets = PRESETS.map( ( preset ) => el( 'label', {}, el( 'input', { type: 'radio', name: 'preset', value: preset, checked: preset === ( recipe.preset || 'standard' ), onchange: () => change( '/preset', preset ) } ), preset ) );
+	const inputs = GROUPS.flatMap( ( { fields } ) => fields ).map( ( field ) => input( field, ( value ) => change( field, value ) ) );
+	// Until the service has told the layout.
+	for ( const { field, row } of inputs ) row.hidden = Boolean( field.layout );
+	const presets = PRESETS.map( ( preset ) => el( 'label', {}, el( 'input', { type: 'radio', name: 'preset', value: preset, checked: preset === ( recipe.preset || 'standard' ), onchange: () => change( { pointer: '/preset' }, preset ) } ), preset ) );
 	const expected = el( 'div', { 'aria-live': 'polite' } );
 	const others = el( 'div' );
 	const json = el( 'pre', { tabindex: 0, role: 'region', 'aria-label': 'Recipe as JSON' } );
@@ -46,9 +48,10 @@ export async function show( root, rest, parameters, signal ) {
 				el( 'div', { class: 'bar' }, el( 'h2', {}, 'Recipe' ), copyButton( 'Copy', () => json.textContent ) ), json,
 				el( 'div', { class: 'bar' }, el( 'h2', {}, 'The same by curl' ), copyButton( 'Copy', () => curl.textContent ) ), curl ) ) );
 
-	function change( pointer, value ) {
+	function change( { pointer, decides = [] }, value ) {
 
 		set( recipe, pointer, value );
+		for ( const decided of decides ) set( recipe, decided, undefined );
 		changed();
 
 	}
@@ -112,11 +115,13 @@ export async function show( root, rest, parameters, signal ) {
 
 		const faults = problem?.errors || [];
 		const placed = new Set();
-		for ( const { field, blame } of inputs ) {
+		for ( const { field, row, blame } of inputs ) {
 
 			const own = faults.filter( ( { pointer } ) => pointer === field.pointer || pointer.startsWith( `${ field.pointer }/` ) );
 			own.forEach( ( fault ) => placed.add( fault ) );
-			blame( own.map( ( { detail } ) => detail ) );
+			// Of a list, the item and its member too.
+			blame( own.map( ( { pointer, detail } ) => pointer === field.pointer ? detail : `${ pointer.slice( 1 ) }: ${ detail }` ) );
+			row.hidden = Boolean( field.layout ) && ! own.length && ( complete || recipe ).layout !== field.layout;
 
 		}
 

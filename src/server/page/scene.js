@@ -45,7 +45,7 @@ export const METALS = { silver: [ 0.91, 0.92, 0.92 ], gold: [ 1, 0.71, 0.29 ], c
 
 /** Choices beside the numbers; the first of each is the default. */
 export const CHOICES = {
-	surface: [ 'sphere', 'floor' ],
+	surface: [ 'sphere', 'floor', 'shader_ball' ],
 	metal: Object.keys( METALS ),
 	show: [ 'split', 'model', 'reference', 'difference' ],
 };

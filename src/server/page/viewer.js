@@ -8,6 +8,7 @@ import { short } from './format.js';
 import { lightsPanel } from './lights.js';
 import { ENGINES, modelOf } from './models.js';
 import { camera, CHOICES, link, METALS, moved, outline, PARAMETERS, placed, read, seen, uniformsOf } from './scene.js';
+import { shaderBall } from './shader_ball.js';
 
 /** Pixels a side. */
 const SIZE = 512;
@@ -20,6 +21,9 @@ const SHOWN = [ 'show', 'split', 'exposure' ];
 
 /** What is shown of both sides, by its names in a link. */
 const SIDES = [ [ 'split', 'both' ], [ 'model', 'left' ], [ 'reference', 'right' ], [ 'difference', 'difference' ] ];
+
+/** Surfaces by their names in a link. */
+const SURFACES = CHOICES.surface.map( ( name ) => [ name, name.replace( '_', ' ' ) ] );
 
 const SVG = 'http://www.w3.org/2000/svg';
 
@@ -38,7 +42,7 @@ export async function show( root, rest, parameters, signal ) {
 	const models = [ [ ENGINES, 'engines, the table of 2017' ], ...known.map( ( digest ) => [ digest, `table ${ short( digest ) }` ] ) ];
 	const table = choice( 'model', 'Lit by', [ [ '', 'normals, without a table' ], ...models ], scene.table, ( name ) => change( 'table', name ) );
 	const against = choice( 'against', 'Beside', [ [ '', 'Monte Carlo integration' ], [ 'normals', 'normals, without a table' ], ...models ], scene.against, ( name ) => change( 'against', name ) );
-	const choices = Object.fromEntries( [ [ 'surface', 'Surface' ], [ 'metal', 'Material' ], [ 'show', 'Shown' ] ].map( ( [ name, label ] ) => [ name, choice( `view-${ name }`, label, name === 'show' ? SIDES : CHOICES[ name ], scene[ name ], ( value ) => change( name, value ) ) ] ) );
+	const choices = Object.fromEntries( [ [ 'surface', 'Surface' ], [ 'metal', 'Material' ], [ 'show', 'Shown' ] ].map( ( [ name, label ] ) => [ name, choice( `view-${ name }`, label, { show: SIDES, surface: SURFACES }[ name ] || CHOICES[ name ], scene[ name ], ( value ) => change( name, value ) ) ] ) );
 	const sliders = PARAMETERS.map( ( field ) => slider( field, '', change ) );
 	const split = slider( { name: 'split', label: 'Split at', min: 0, max: 1, step: 0.01 }, '', change );
 	const files = el( 'input', { type: 'file', id: 'mesh', accept: '.glb,.gltf', class: 'hidden', onchange: () => open( files.files[ 0 ] ) } );
@@ -120,7 +124,7 @@ export async function show( root, rest, parameters, signal ) {
 			const { meshes, triangles, notes } = readGltf( await file.arrayBuffer() );
 			if ( signal.aborted ) return;
 			mesh = meshes;
-			choices.surface.offer( [ ...CHOICES.surface, [ 'mesh', file.name ] ], 'mesh' );
+			choices.surface.offer( [ ...SURFACES, [ 'mesh', file.name ] ], 'mesh' );
 			fill( opened, el( 'p', { class: 'muted' }, [ `${ triangles.toLocaleString( 'en' ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes ].join( '; ' ) ) );
 			change( 'surface', 'mesh' );
 
@@ -213,11 +217,13 @@ export async function show( root, rest, parameters, signal ) {
 			const colour = ( f0 ) => left.brdf === 'ggx' ? f0 : METALS.white;
 			const ofMaterial = ( { alpha_x, alpha_y, rotation, f0 } ) => ( { f0: colour( f0 ), material: [ alpha_x, alpha_y, Math.cos( rotation ), Math.sin( rotation ) ] } );
 			const view = { ...numbers, right, up, forward };
-			if ( scene.surface === 'mesh' ) drawn.seeMeshes( view, mesh.map( ( { numbers, material } ) => ( { numbers, ofMaterial: ofMaterial( material ) } ) ) );
-			else drawn.see( { ...view, ...ofMaterial( { ...scene, f0: METALS[ scene.metal ] } ), pixel_width: 2 * half / SIZE, surface: CHOICES.surface.indexOf( scene.surface ) } );
+			const own = { ...scene, f0: METALS[ scene.metal ] };
+			const meshes = { mesh, shader_ball: [ { numbers: shaderBall(), material: own } ] }[ scene.surface ];
+			if ( meshes ) drawn.seeMeshes( view, meshes.map( ( { numbers, material } ) => ( { numbers, ofMaterial: ofMaterial( material ) } ) ) );
+			else drawn.see( { ...view, ...ofMaterial( own ), pixel_width: 2 * half / SIZE, surface: CHOICES.surface.indexOf( scene.surface ) } );
 			drawn.light( 'left', left, numbers, shapes );
 			if ( other ) drawn.light( 'right', other, numbers, shapes );
-			calls += ( scene.surface === 'mesh' ? mesh.length : 1 ) + ( other ? 2 : 1 );
+			calls += ( meshes?.length || 1 ) + ( other ? 2 : 1 );
 			isSeen = true;
 
 		}
