@@ -23,8 +23,7 @@ pub(super) fn read_fresnel(root: &Object, brdf: BrdfKind, faults: &mut Faults) -
     if !brdf.has_fresnel() {
         let others = listed(BrdfKind::ALL, BrdfKind::has_fresnel);
         let detail = format!("brdf \"{brdf}\" has no Fresnel factor: leave this field out, or choose brdf {others}");
-        faults.note(pointer, detail);
-        return LobeFresnel::One;
+        faults.note(&*pointer, detail);
     }
     let second = SecondLobe::ALL.into_iter().find(|second| value.as_str() == Some(second.name()));
     if let Some(second) = second {

@@ -84,6 +84,8 @@ fn faults_of_materials_are_reported_at_their_place() {
     ] {
         assert_eq!(pointers(alone), ["/fresnel"], "{alone}");
     }
+    let wrong_too = r#"{"brdf": "charlie", "fresnel": [{"f0": 1.5, "weight": -1}]}"#;
+    assert_eq!(pointers(wrong_too), ["/fresnel", "/fresnel/0/f0", "/fresnel/0/weight"]);
     assert_eq!(pointers(r#"{"lobe": "sg", "fresnel": "two_lobes", "terms": false}"#), ["/terms", "/fresnel", "/terms"]);
     for two in ["two_lobes", "blended_lobes"] {
         let read = recipe(&format!(r#"{{"brdf": "beckmann", "fresnel": "{two}"}}"#)).expect("a recipe");
