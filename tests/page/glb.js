@@ -29,6 +29,33 @@ export function sphere( rows, material ) {
 
 }
 
+/** That sphere with places in textures, east around it and down, and with images in the file; without `hasTangents` it has none. */
+export function texturedSphere( rows, material, images, hasTangents = true ) {
+
+	const { document, binary } = sphere( rows, material );
+	const places = Array.from( { length: rows + 1 }, ( _, row ) => Array.from( { length: 2 * rows + 1 }, ( _, column ) => [ column / ( 2 * rows ), row / rows ] ) ).flat( 2 );
+	const chunks = [ Buffer.from( new Float32Array( places ).buffer ), ...images ];
+	// Each begins at a multiple of four bytes.
+	const padded = chunks.map( ( chunk ) => Buffer.concat( [ chunk, Buffer.alloc( - chunk.length & 3 ) ] ) );
+	let at = binary.length;
+	for ( const [ i, chunk ] of chunks.entries() ) {
+
+		document.bufferViews.push( { buffer: 0, byteOffset: at, byteLength: chunk.length } );
+		at += padded[ i ].length;
+
+	}
+
+	document.accessors.push( { type: 'VEC2', componentType: 5126, count: places.length / 2, bufferView: 3 } );
+	const { attributes } = document.meshes[ 0 ].primitives[ 0 ];
+	attributes.TEXCOORD_0 = 3;
+	if ( ! hasTangents ) delete attributes.TANGENT;
+	document.images = images.map( ( _, i ) => ( { bufferView: 4 + i } ) );
+	document.textures = images.map( ( _, source ) => ( { source } ) );
+	document.buffers[ 0 ].byteLength = at;
+	return { document, binary: Buffer.concat( [ binary, ...padded ] ) };
+
+}
+
 /** The bytes of a GLB. */
 export function glb( { document, binary } ) {
 

@@ -172,6 +172,31 @@ fn a_gltf_file_that_is_dropped_is_seen_with_its_own_materials() {
 }
 
 #[test]
+fn textures_of_a_gltf_file_are_shown_or_told_to_be_left_out() {
+    let Some(seen) = script("textures.js", &[]) else { return };
+    let number = |name: &str| seen[name].as_f64().unwrap_or_else(|| panic!("{name}: {seen:#}"));
+    // An image of one colour does what a factor does, as PNG, and as JPEG within its own rounding.
+    assert!(number("bright") > 60.0 && number("constant") <= OFF && number("jpeg") <= 2.0 * OFF, "{seen:#}");
+    // The left half of the image wraps around the right half of what is seen, and is red.
+    assert!(seen["halves"][0].as_f64() < Some(0.45) && seen["halves"][1].as_f64() > Some(0.52), "{seen:#}");
+    // Normals that lean up move the light of a lamp above down, alike with tangents of the file and without.
+    assert!(number("moved") > 4.0 && number("derived") <= OFF, "{seen:#}");
+    let notes = seen["notes"].as_str().unwrap_or_default();
+    for note in [
+        "baseColorTexture is left out: images/0 is neither PNG nor JPEG",
+        "metallicRoughnessTexture is left out: images/1 has 65536 x 1 pixels; at most 4096",
+        "normalTexture is left out: images/2 cannot be decoded",
+        "of other textures than",
+    ] {
+        assert!(notes.contains(note), "{note}: {notes}");
+    }
+    let beside = seen["beside"].as_str().unwrap_or_default();
+    for note in ["images/0 is not in the file", "it is of TEXCOORD_1", "it has a KHR_texture_transform"] {
+        assert!(beside.contains(note), "{note}: {beside}");
+    }
+}
+
+#[test]
 fn looks_right_to_everyone_at_every_width_and_below_a_prefix() {
     let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/page");
     let pictures = pictures.to_string_lossy();

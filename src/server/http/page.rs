@@ -67,6 +67,7 @@ page_files![
     "glsl_reference.js",
     "glsl_surface.js",
     "gltf.js",
+    "gltf_textures.js",
     "icon.svg",
     "index.html",
     "inputs.js",

@@ -2,7 +2,7 @@
 
 import { modelShader } from './glsl_models.js';
 import { referenceShader } from './glsl_reference.js';
-import { DISPLAY_SHADER, MESH_SHADER, MESH_VERTEX, SURFACE_SHADER, VERTEX } from './glsl_surface.js';
+import { DISPLAY_SHADER, MESH_VERTEX, meshShader, SURFACE_SHADER, VERTEX } from './glsl_surface.js';
 
 /** Textures of a pixel, as the programs that read them call them. */
 const SEEN = [ 'seen_place', 'seen_tangent', 'seen_normal', 'seen_f0' ];
@@ -50,8 +50,25 @@ function uploaded( gl, { name, width, height, depth, numbers, halves } ) {
 
 }
 
-/** The corners of a mesh on the graphics card: place, normal, tangent with its side. */
-function buffered( gl, numbers ) {
+/** An image on the graphics card with its smaller levels, or one pixel where there is none. */
+function imaged( gl, { image, pixel, isColour, wrap } ) {
+
+	const [ texture, format ] = [ gl.createTexture(), isColour ? gl.SRGB8_ALPHA8 : gl.RGBA8 ];
+	gl.bindTexture( gl.TEXTURE_2D, texture );
+	if ( image ) gl.texImage2D( gl.TEXTURE_2D, 0, format, gl.RGBA, gl.UNSIGNED_BYTE, image );
+	else gl.texImage2D( gl.TEXTURE_2D, 0, format, 1, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, pixel );
+	gl.generateMipmap( gl.TEXTURE_2D );
+	[ gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T ].forEach( ( parameter, i ) => gl.texParameteri( gl.TEXTURE_2D, parameter, wrap[ i ] ) );
+	gl.texParameteri( gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR );
+	return texture;
+
+}
+
+/** What a textured mesh reads where it lacks an image. */
+const NO_IMAGES = Object.fromEntries( Object.entries( { base_texture: [ 255, 255, 255, 255 ], rough_texture: [ 255, 255, 255, 255 ], normal_texture: [ 128, 128, 255, 255 ] } ).map( ( [ name, pixel ] ) => [ name, { pixel: new Uint8Array( pixel ), wrap: [ 33071, 33071 ] } ] ) );
+
+/** The corners of a mesh on the graphics card: place, normal, tangent with its side, and the place in textures where there are some. */
+function buffered( gl, numbers, uv ) {
 
 	const array = gl.createVertexArray();
 	gl.bindVertexArray( array );
@@ -63,6 +80,15 @@ function buffered( gl, numbers ) {
 		gl.vertexAttribPointer( i, width, gl.FLOAT, false, 40, offset );
 
 	} );
+	if ( uv ) {
+
+		gl.bindBuffer( gl.ARRAY_BUFFER, gl.createBuffer() );
+		gl.bufferData( gl.ARRAY_BUFFER, uv, gl.STATIC_DRAW );
+		gl.enableVertexAttribArray( 3 );
+		gl.vertexAttribPointer( 3, 2, gl.FLOAT, false, 0, 0 );
+
+	}
+
 	return array;
 
 }
@@ -150,19 +176,25 @@ export function device( canvas ) {
 			run( surface, seen, uniforms, [] );
 
 		},
-		/** Finds what each pixel shows of meshes, each with its numbers of ten a corner and the uniforms of its material. */
+		/** Finds what each pixel shows of meshes, each with its numbers of ten a corner, the uniforms of its material, and maybe textures. */
 		seeMeshes( uniforms, meshes ) {
 
-			const shader = known( 'mesh', () => MESH_SHADER, MESH_VERTEX );
 			gl.bindFramebuffer( gl.FRAMEBUFFER, seen.framebuffer );
 			SEEN.forEach( ( _, i ) => gl.clearBufferfv( gl.COLOR, i, [ 0, 0, 0, 0 ] ) );
 			gl.clear( gl.DEPTH_BUFFER_BIT );
 			gl.enable( gl.DEPTH_TEST );
-			for ( const { numbers, ofMaterial } of meshes ) {
+			for ( const { numbers, uv, textures: images, ofMaterial } of meshes ) {
 
-				if ( ! vertices.has( numbers ) ) vertices.set( numbers, buffered( gl, numbers ) );
+				const shader = known( images ? 'textured mesh' : 'mesh', () => meshShader( Boolean( images ) ), MESH_VERTEX );
+				const bound = Object.entries( images ? { ...NO_IMAGES, ...images } : {} ).map( ( [ name, image ] ) => {
+
+					if ( ! textures.has( image ) ) textures.set( image, imaged( gl, image ) );
+					return { name, texture: textures.get( image ) };
+
+				} );
+				if ( ! vertices.has( numbers ) ) vertices.set( numbers, buffered( gl, numbers, uv ) );
 				gl.bindVertexArray( vertices.get( numbers ) );
-				run( shader, seen, { ...uniforms, ...ofMaterial }, [], numbers.length / 10 );
+				run( shader, seen, { ...uniforms, ...ofMaterial, ...( images && ! images.normal_texture ? { normal_scale: 0 } : {} ) }, bound, numbers.length / 10 );
 
 			}
 

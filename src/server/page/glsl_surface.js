@@ -60,9 +60,11 @@ export const MESH_VERTEX = `#version 300 es
 layout( location = 0 ) in vec3 place;
 layout( location = 1 ) in vec3 normal;
 layout( location = 2 ) in vec4 tangent;
+layout( location = 3 ) in vec2 uv;
 uniform vec3 eye, right, up, forward;
 out vec3 at_place, at_normal;
 out vec4 at_tangent;
+out vec2 at_uv;
 const float NEAR = 0.05, FAR = 100.0;
 void main() {
 	vec3 way = place - eye;
@@ -71,24 +73,60 @@ void main() {
 	at_place = place;
 	at_normal = normal;
 	at_tangent = tangent;
+	at_uv = uv;
 }`;
 
+/** What textures make of a normal, the reflectance and the roughness, as glTF 2.0 has them, 3.9. */
+const TEXTURED = `
+in vec2 at_uv;
+uniform sampler2D base_texture, rough_texture, normal_texture;
+uniform vec3 base;
+uniform vec4 factors;
+uniform float normal_scale, is_white;
+
+/** Without tangents, x and y of a normal run along u and against v, by how both change from pixel to pixel. */
+vec3 bent( vec3 normal ) {
+	vec3 px = dFdx( at_place ), py = dFdy( at_place );
+	vec2 ux = dFdx( at_uv ), uy = dFdy( at_uv );
+	float side = ux.x * uy.y < uy.x * ux.y ? - 1.0 : 1.0;
+	bool is_given = dot( at_tangent.xyz, at_tangent.xyz ) > 1e-12;
+	vec3 x = is_given ? at_tangent.xyz : side * ( px * uy.y - py * ux.y );
+	x -= normal * dot( normal, x );
+	if ( dot( x, x ) < 1e-24 ) return normal;
+	x = normalize( x );
+	vec3 y = cross( normal, x );
+	y *= is_given ? at_tangent.w : dot( y, side * ( px * uy.x - py * ux.x ) ) < 0.0 ? - 1.0 : 1.0;
+	vec3 stored = texture( normal_texture, at_uv ).xyz * 2.0 - 1.0;
+	return normalize( x * stored.x * normal_scale + y * stored.y * normal_scale + normal * max( stored.z, 1e-3 ) );
+}
+
+void read_textures( out vec3 reflected, out vec2 alpha ) {
+	vec4 rough = texture( rough_texture, at_uv );
+	alpha.y = factors.y * rough.g * factors.y * rough.g;
+	alpha.x = mix( alpha.y, 1.0, factors.w );
+	reflected = mix( mix( vec3( factors.z ), base * texture( base_texture, at_uv ).rgb, factors.x * rough.b ), vec3( 1.0 ), is_white );
+}
+`;
+
 /** A mesh seen from behind shows its back. Where there is no tangent it runs around the vertical, as that of the sphere. */
-export const MESH_SHADER = `${ HEAD }${ TARGETS }
+export const meshShader = ( isTextured ) => `${ HEAD }${ TARGETS }
 in vec3 at_place, at_normal;
 in vec4 at_tangent;
 uniform vec3 f0;
 uniform vec4 material;
-
+${ isTextured ? TEXTURED : '' }
 void main() {
 	vec3 normal = normalize( gl_FrontFacing ? at_normal : - at_normal );
+	vec3 reflected = f0;
+	vec2 alpha = material.xy;
+${ isTextured ? '	normal = bent( normal );\n	read_textures( reflected, alpha );' : '' }
 	vec3 along = dot( at_tangent.xyz, at_tangent.xyz ) > 1e-12 ? at_tangent.xyz : vec3( normal.z, 0.0, - normal.x );
 	along -= normal * dot( normal, along );
 	along = dot( along, along ) > 1e-8 ? normalize( along ) : normalize( cross( normal, abs( normal.x ) > 0.7 ? vec3( 0.0, 1.0, 0.0 ) : vec3( 1.0, 0.0, 0.0 ) ) );
 	out_place = vec4( at_place, 1.0 );
-	out_tangent = vec4( material.z * along + material.w * at_tangent.w * cross( normal, along ), material.x );
-	out_normal = vec4( normal, material.y );
-	out_f0 = vec4( f0, 1.0 );
+	out_tangent = vec4( material.z * along + material.w * at_tangent.w * cross( normal, along ), alpha.x );
+	out_normal = vec4( normal, alpha.y );
+	out_f0 = vec4( reflected, 1.0 );
 }`;
 
 /** How the other programs read a pixel. A view below the surface is raised above it. */

@@ -2,6 +2,8 @@
 //
 // Invariant: a file that is broken or too large gives an error that names every fault found, within bounded time and memory.
 
+import { textureReader } from './gltf_textures.js';
+
 /** Bytes of a file, triangles of all instances, nodes of a scene, and nodes below each other. */
 const [ MOST_BYTES, MOST_TRIANGLES, MOST_NODES, MOST_DEPTH ] = [ 2 ** 26, 2 ** 18, 2 ** 16, 64 ];
 
@@ -77,10 +79,23 @@ function bufferOf( document, index, binary ) {
 
 }
 
-/** What reads accessors: each as numbers one behind the other, whole ones of normalized types from -1 to 1. */
-function reader( document, binary ) {
+/** What finds the bytes of buffers, each decoded once. */
+function bufferReader( document, binary ) {
 
-	const [ buffers, known ] = [ new Map(), new Map() ];
+	const known = new Map();
+	return ( index ) => {
+
+		if ( ! known.has( index ) ) known.set( index, bufferOf( document, index, binary ) );
+		return known.get( index );
+
+	};
+
+}
+
+/** What reads accessors: each as numbers one behind the other, whole ones of normalized types from -1 to 1. */
+function reader( document, bufferOf ) {
+
+	const known = new Map();
 	return ( index, type, what ) => {
 
 		// Instances read the same numbers again.
@@ -92,8 +107,7 @@ function reader( document, binary ) {
 		if ( accessor.type !== type ) throw new Error( `${ at } is ${ accessor.type }, not ${ type }` );
 		const [ Of, view ] = [ COMPONENTS[ accessor.componentType ], document.bufferViews?.[ accessor.bufferView ] ];
 		if ( ! Of || ! view ) throw new Error( `${ at } has ${ Of ? 'no buffer view' : `the component type ${ accessor.componentType }` }` );
-		if ( ! buffers.has( view.buffer ) ) buffers.set( view.buffer, bufferOf( document, view.buffer, binary ) );
-		const buffer = buffers.get( view.buffer );
+		const buffer = bufferOf( view.buffer );
 		const width = WIDTHS[ type ];
 		const { count } = accessor;
 		const stride = view.byteStride || width * Of.BYTES_PER_ELEMENT;
@@ -111,8 +125,8 @@ function reader( document, binary ) {
 
 }
 
-/** What GGX needs of a material: its roughnesses, the turn of its tangent, and the reflectance at normal incidence. */
-export function materialOf( { pbrMetallicRoughness: pbr = {}, extensions = {} } = {} ) {
+/** What GGX needs of a material: its roughnesses, the turn of its tangent, the reflectance at normal incidence; and what textures multiply of it. */
+export function materialOf( { pbrMetallicRoughness: pbr = {}, normalTexture, extensions = {} } = {} ) {
 
 	const alpha = Math.min( 1, Math.max( 0, numberOf( pbr.roughnessFactor, 1 ) ) ) ** 2;
 	const { anisotropyStrength, anisotropyRotation } = extensions.KHR_materials_anisotropy || {};
@@ -120,8 +134,11 @@ export function materialOf( { pbrMetallicRoughness: pbr = {}, extensions = {} } 
 	const ior = numberOf( extensions.KHR_materials_ior?.ior, 1.5 );
 	const dielectric = ( ( ior - 1 ) / ( ior + 1 ) ) ** 2 * numberOf( extensions.KHR_materials_specular?.specularFactor, 1 );
 	const metal = Math.min( 1, Math.max( 0, numberOf( pbr.metallicFactor, 1 ) ) );
-	const f0 = [ 0, 1, 2 ].map( ( c ) => dielectric + ( numberOf( pbr.baseColorFactor?.[ c ], 1 ) - dielectric ) * metal );
-	return { alpha_x: alpha + ( 1 - alpha ) * strength * strength, alpha_y: alpha, rotation: numberOf( anisotropyRotation, 0 ), f0 };
+	const base = [ 0, 1, 2 ].map( ( c ) => numberOf( pbr.baseColorFactor?.[ c ], 1 ) );
+	const f0 = base.map( ( colour ) => dielectric + ( colour - dielectric ) * metal );
+	// What textures multiply.
+	const factors = { base, factors: [ metal, Math.sqrt( alpha ), dielectric, strength * strength ], normal_scale: numberOf( normalTexture?.scale, 1 ) };
+	return { factors, alpha_x: alpha + ( 1 - alpha ) * strength * strength, alpha_y: alpha, rotation: numberOf( anisotropyRotation, 0 ), f0 };
 
 }
 
@@ -181,15 +198,17 @@ function triangles( mode, indices ) {
 
 }
 
-/** Appends the triangles of an instance of a primitive, in the world: place, normal and tangent with its side, ten numbers a corner. */
-function append( numbers, budget, primitive, world, read, what ) {
+/** Appends the triangles of an instance of a primitive, in the world: place, normal and tangent with its side, ten numbers a corner, and its place in textures where they are shown. */
+function append( { numbers, uv, textures }, budget, primitive, world, read, what ) {
 
 	const { attributes = {} } = primitive;
 	if ( attributes.POSITION === undefined ) throw new Error( `${ what }/attributes/POSITION is missing` );
 	const positions = read( attributes.POSITION, 'VEC3', `${ what }/attributes/POSITION` );
 	const normals = attributes.NORMAL === undefined ? null : read( attributes.NORMAL, 'VEC3', `${ what }/attributes/NORMAL` );
 	const tangents = attributes.TANGENT === undefined ? null : read( attributes.TANGENT, 'VEC4', `${ what }/attributes/TANGENT` );
+	const places = textures ? read( attributes.TEXCOORD_0, 'VEC2', `${ what }/attributes/TEXCOORD_0` ) : null;
 	const count = positions.length / 3;
+	if ( places && places.length !== 2 * count ) throw new Error( `${ what }: ${ places.length / 2 } places in textures of ${ count } corners` );
 	const all = primitive.indices === undefined ? Uint32Array.from( { length: count }, ( _, i ) => i ) : read( primitive.indices, 'SCALAR', `${ what }/indices` );
 	const corners = triangles( primitive.mode ?? 4, all );
 	if ( ! corners ) return 'points and lines are left out';
@@ -207,13 +226,14 @@ function append( numbers, budget, primitive, world, read, what ) {
 	for ( let i = 0; i < corners.length; i += 3 ) {
 
 		const three = side < 0 ? [ corners[ i ], corners[ i + 2 ], corners[ i + 1 ] ] : [ corners[ i ], corners[ i + 1 ], corners[ i + 2 ] ];
-		const places = three.map( ( k ) => turned( positions.subarray( 3 * k, 3 * k + 3 ), 1 ) );
-		const flat = cross( places[ 1 ].map( ( x, r ) => x - places[ 0 ][ r ] ), places[ 2 ].map( ( x, r ) => x - places[ 0 ][ r ] ) );
+		const at = three.map( ( k ) => turned( positions.subarray( 3 * k, 3 * k + 3 ), 1 ) );
+		const flat = cross( at[ 1 ].map( ( x, r ) => x - at[ 0 ][ r ] ), at[ 2 ].map( ( x, r ) => x - at[ 0 ][ r ] ) );
 		three.forEach( ( k, corner ) => {
 
 			const normal = normals ? [ 0, 1, 2 ].map( ( r ) => side * cofactors.reduce( ( sum, row, c ) => sum + row[ r ] * normals[ 3 * k + c ], 0 ) ) : flat;
 			const tangent = tangents ? [ ...turned( tangents.subarray( 4 * k, 4 * k + 3 ) ), side * tangents[ 4 * k + 3 ] ] : [ 0, 0, 0, 1 ];
-			numbers.push( ...places[ corner ], ...normal, ...tangent );
+			numbers.push( ...at[ corner ], ...normal, ...tangent );
+			if ( places ) uv.push( places[ 2 * k ], places[ 2 * k + 1 ] );
 
 		} );
 
@@ -238,16 +258,16 @@ function fitted( meshes ) {
 	for ( const { numbers } of meshes ) for ( let i = 0; i < numbers.length; i += 10 ) radius = Math.max( radius, Math.hypot( ...middle.map( ( x, r ) => numbers[ i + r ] - x ) ) );
 	if ( ! ( radius > 0 && Number.isFinite( radius ) ) ) throw new Error( 'the triangles have no extent' );
 	for ( const { numbers } of meshes ) for ( let i = 0; i < numbers.length; i += 10 ) for ( let r = 0; r < 3; r ++ ) numbers[ i + r ] = ( numbers[ i + r ] - middle[ r ] ) / radius;
-	return meshes.map( ( mesh ) => ( { ...mesh, numbers: new Float32Array( mesh.numbers ) } ) );
+	return meshes.map( ( mesh ) => ( { ...mesh, numbers: new Float32Array( mesh.numbers ), uv: mesh.textures && new Float32Array( mesh.uv ) } ) );
 
 }
 
 /** The meshes of a file, one a material, in a sphere of radius one, and notes on what was not read. */
-export function readGltf( buffer ) {
+export async function readGltf( buffer ) {
 
 	try {
 
-		return found( buffer );
+		return await found( buffer );
 
 	} catch ( error ) {
 
@@ -258,25 +278,29 @@ export function readGltf( buffer ) {
 
 }
 
-function found( buffer ) {
+async function found( buffer ) {
 
 	const { document, binary } = parts( buffer );
-	const read = reader( document, binary );
+	const bufferOf = bufferReader( document, binary );
+	const read = reader( document, bufferOf );
 	const byMaterial = new Map();
 	const budget = { triangles: 0 };
 	const [ faults, notes ] = [ new Set(), new Set() ];
+	const texturesOf = textureReader( document, bufferOf, notes );
 	for ( const { mesh, world } of instances( document ) ) {
 
 		const { primitives } = document.meshes?.[ mesh ] || {};
 		if ( ! primitives ) faults.add( `meshes/${ mesh } is not there` );
-		list( primitives ).forEach( ( primitive, i ) => {
+		for ( const [ i, primitive ] of list( primitives ).entries() ) {
 
 			const material = document.materials?.[ primitive.material ];
-			if ( ! byMaterial.has( material ) ) byMaterial.set( material, { material: materialOf( material ), numbers: [] } );
-			if ( /"index":/.test( JSON.stringify( material ?? {} ) ) ) notes.add( 'of textures the factors are shown' );
+			const hasPlaces = primitive.attributes?.TEXCOORD_0 !== undefined;
+			const isTextured = hasPlaces && /"index":/.test( JSON.stringify( material ?? {} ) );
+			const key = `${ material ? primitive.material : '' } ${ isTextured }`;
+			if ( ! byMaterial.has( key ) ) byMaterial.set( key, { material: materialOf( material ), textures: await texturesOf( material ?? {}, hasPlaces ), numbers: [], uv: [] } );
 			try {
 
-				notes.add( append( byMaterial.get( material ).numbers, budget, primitive, world, read, `meshes/${ mesh }/primitives/${ i }` ) );
+				notes.add( append( byMaterial.get( key ), budget, primitive, world, read, `meshes/${ mesh }/primitives/${ i }` ) );
 
 			} catch ( error ) {
 
@@ -284,7 +308,7 @@ function found( buffer ) {
 
 			}
 
-		} );
+		}
 
 	}
 

@@ -121,7 +121,7 @@ export async function show( root, rest, parameters, signal ) {
 		try {
 
 			const { readGltf } = await import( './gltf.js' );
-			const { meshes, triangles, notes } = readGltf( await file.arrayBuffer() );
+			const { meshes, triangles, notes } = await readGltf( await file.arrayBuffer() );
 			if ( signal.aborted ) return;
 			mesh = meshes;
 			choices.surface.offer( [ ...SURFACES, [ 'mesh', file.name ] ], 'mesh' );
@@ -215,11 +215,11 @@ export async function show( root, rest, parameters, signal ) {
 		if ( ! isSeen ) {
 
 			const colour = ( f0 ) => left.brdf === 'ggx' ? f0 : METALS.white;
-			const ofMaterial = ( { alpha_x, alpha_y, rotation, f0 } ) => ( { f0: colour( f0 ), material: [ alpha_x, alpha_y, Math.cos( rotation ), Math.sin( rotation ) ] } );
+			const ofMaterial = ( { alpha_x, alpha_y, rotation, f0, factors } ) => ( { ...factors, is_white: Number( left.brdf !== 'ggx' ), f0: colour( f0 ), material: [ alpha_x, alpha_y, Math.cos( rotation ), Math.sin( rotation ) ] } );
 			const view = { ...numbers, right, up, forward };
 			const own = { ...scene, f0: METALS[ scene.metal ] };
 			const meshes = { mesh, shader_ball: [ { numbers: shaderBall(), material: own } ] }[ scene.surface ];
-			if ( meshes ) drawn.seeMeshes( view, meshes.map( ( { numbers, material } ) => ( { numbers, ofMaterial: ofMaterial( material ) } ) ) );
+			if ( meshes ) drawn.seeMeshes( view, meshes.map( ( { material, ...of } ) => ( { ...of, ofMaterial: ofMaterial( material ) } ) ) );
 			else drawn.see( { ...view, ...ofMaterial( own ), pixel_width: 2 * half / SIZE, surface: CHOICES.surface.indexOf( scene.surface ) } );
 			drawn.light( 'left', left, numbers, shapes );
 			if ( other ) drawn.light( 'right', other, numbers, shapes );
