@@ -238,8 +238,8 @@ fn ltc_sphere(inverse: LtcInverse, centre: vec3<f32>, radius: f32) -> f32 {
 /// A line between two points, of a width that faces the shaded point everywhere: the limit of a thin tube, in proportion to
 /// its diameter. In place of a tube it is too dark, by some 2 % where the radius is a fiftieth of the distance.
 fn ltc_line(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, width: f32) -> f32 {
-    // Of a line that points at the shaded point, normals and distance are rounding: taken from the difference of its ends, and
-    // once for both of them, they cancel.
+    // Where the line points at the shaded point, its normal and its distance are rounding errors. They cancel if both come
+    // from the difference of the ends and serve both ends.
     let middle = 0.5 * (start + end);
     let lit = cross(middle, end - start);
     var p = inverse.m * start;

@@ -13,7 +13,7 @@ use ltcforge_textures::{LightTexture, LightTextureError, LightTextureOptions, MO
 /// The longest picture that is read.
 const PICTURE_LIMIT_BYTES: u64 = 1 << 28;
 
-/// Writes the files, and prints what they are. Nothing is written of a picture that is none.
+/// Writes the files, and prints what they are. A file that is no picture is refused before anything is written.
 pub(super) fn run(args: &LightTextureArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     check_output_folder(&args.out)?;
     let refuse = |error: &dyn std::fmt::Display| file_failure(&args.picture, error);

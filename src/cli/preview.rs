@@ -82,12 +82,7 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
 
 fn failure(error: &PreviewError) -> CommandFailure {
     let exit = match error {
-        PreviewError::Scene(_)
-        | PreviewError::OtherBrdf(_)
-        | PreviewError::NoFacets(_)
-        | PreviewError::NoFresnel(_)
-        | PreviewError::GaussianLobe(_)
-        | PreviewError::CpuOnly(_) => Exit::Usage,
+        PreviewError::Scene(_) | PreviewError::Table(_) | PreviewError::CpuOnly(_) => Exit::Usage,
         PreviewError::NoBrdfFile(_) | PreviewError::NoAdapter(_) | PreviewError::Gpu(_) | PreviewError::Stopped => {
             Exit::Failed
         }

@@ -26,8 +26,8 @@ const DIRECTIONS: [f64; 2] = [0.04, -2.0];
 /// `error = limit + sum over axes of c h^2 + 2.56 samples^-1.3 + 0.04 directions^-2`, with `h` the step between nodes
 /// as the layout spaces them, 1 for the whole domain. Steps and precision do not enter: ten steps of `bfgs` are as good
 /// as sixty within 1 %, and f16 is as good as f32. The formula is calibrated with LTCs of GGX over the whole domain, by
-/// `bfgs`; in a part of the domain the limit differs. Tables of other scattering and lobe models are taken to be worse,
-/// or better, by a factor.
+/// `bfgs`; in a part of the domain the limit differs, of `fuzz` by a factor of five. The materials of `fresnel` do not
+/// enter. Tables of other scattering and lobe models are taken to be worse, or better, by a factor.
 #[must_use]
 pub fn expectation(recipe: &Recipe) -> Expectation {
     let Interpolation { limit, step: c } = recipe.layout.rules().interpolation();

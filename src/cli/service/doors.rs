@@ -7,7 +7,7 @@ impl ServeSettings {
     /// The tokens of the service.
     ///
     /// # Errors
-    /// When they have faults, or when there are none where others than this machine reach the service.
+    /// When the tokens have faults, or when a service that other machines reach has no token.
     pub(super) fn tokens(&self) -> Result<WatchedTokens, CommandFailure> {
         let listed = self.token_list.as_ref().map(|list| list.replace(';', "\n"));
         let tokens = WatchedTokens::open(listed, self.tokens.clone());

@@ -16,8 +16,8 @@ const PLASTIC: f64 = 0.04;
 /// How good the second lobes of a table are.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SecondReport {
-    /// The reflectance of the material whose lobe stood for the truth. Of lobes that are integrated by themselves it is so
-    /// small that Schlick's fifth power is all, of blended ones that of plastic, and the table's is the blend.
+    /// The reflectance, seen from above, of the material that was measured: next to 0 where second lobes are integrated by
+    /// themselves, so that Schlick's fifth power is all of it; that of plastic where lobes are blended.
     pub f0: f64,
     /// Errors between nodes, at the places of the report's own. Terms are the first lobe's.
     pub between: Accuracy,

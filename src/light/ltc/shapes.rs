@@ -89,8 +89,8 @@ impl<T: Scalar> CosineSpace<T> {
     #[must_use]
     pub fn line<V: Into<Triple<T>>>(&self, ends: [V; 2], width: T) -> T {
         let [a, b] = ends.map(V::into);
-        // Of a line that points at the origin, normals and distance are rounding: taken from the difference of its ends, and
-        // once for both of them, they cancel.
+        // Where the line points at the origin, its normal and its distance are rounding errors. They cancel if both come from
+        // the difference of the ends and serve both ends.
         let (middle, along) = (scaled(plus(a, b), T::of(0.5)), minus(b, a));
         let lit = cross(middle, along);
         let (mut p, mut q) = (self.of(a), self.of(b));

@@ -9,20 +9,9 @@ pub enum PreviewError {
     /// Parameters are out of their bounds.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Scene(Vec<SceneFault>),
-    /// The picture compares a table with models that are GGX's alone.
-    #[error("the closed forms light GGX, and the table is of brdf {0}: choose model ltc, or a table of brdf ggx")]
-    OtherBrdf(BrdfKind),
-    /// The picture gives back what facets lose, and the table is of a model without any.
-    #[error(
-        "compensate gives back what facets lose to each other, and the table is of brdf {0}: leave it out, or take a table of ggx or beckmann"
-    )]
-    NoFacets(BrdfKind),
-    /// The material has a reflectance, and the table is of a model without a Fresnel factor.
-    #[error("f0 is of Schlick's Fresnel factor, which brdf {0} does not have: leave it out, or say 1,1,1")]
-    NoFresnel(BrdfKind),
-    /// The picture draws a lobe, and the table has Gaussians.
-    #[error("mode lobe draws the lobes of LTCs, and the table has lobe {0}: choose mode strip, or a table of lobe ltc")]
-    GaussianLobe(LobeModel),
+    /// The table cannot be shown so.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Table(Vec<TableFault>),
     /// A GPU was asked for, and shaders do not know the reference.
     #[error("only the CPU renders the reference of brdf {0}: choose mode ltc, or another adapter than the GPU")]
     CpuOnly(BrdfKind),
@@ -40,4 +29,23 @@ pub enum PreviewError {
     /// The caller told the renderer to stop.
     #[error("stopped")]
     Stopped,
+}
+
+/// Why a scene cannot show a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum TableFault {
+    /// The picture compares a table with models that are GGX's alone.
+    #[error("the closed forms light GGX, and the table is of brdf {0}: choose model ltc, or a table of brdf ggx")]
+    OtherBrdf(BrdfKind),
+    /// The picture gives back what facets lose, and the table is of a model without any.
+    #[error(
+        "compensate gives back what facets lose to each other, and the table is of brdf {0}: leave it out, or take a table of ggx or beckmann"
+    )]
+    NoFacets(BrdfKind),
+    /// The material has a reflectance, and the table is of a model without a Fresnel factor.
+    #[error("f0 is of Schlick's Fresnel factor, which brdf {0} does not have: leave it out, or say 1,1,1")]
+    NoFresnel(BrdfKind),
+    /// The picture draws a lobe, and the table has Gaussians.
+    #[error("mode lobe draws the lobes of LTCs, and the table has lobe {0}: choose mode strip, or a table of lobe ltc")]
+    GaussianLobe(LobeModel),
 }

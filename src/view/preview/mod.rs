@@ -28,7 +28,7 @@ mod tone;
 
 pub use bounds::SceneFault;
 pub use choices::Choices;
-pub use error::PreviewError;
+pub use error::{PreviewError, TableFault};
 pub use estimator::{Estimator, Stop};
 #[cfg(test)]
 pub(super) use gpu::{GpuFailure, tests::decoder::run as run_decoder};

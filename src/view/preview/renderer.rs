@@ -3,7 +3,7 @@
 use std::{borrow::Cow, sync::Arc};
 
 use super::{
-    Material, Mode, PreviewError, Radiances, Scene, ShaderTable, compose, cpu,
+    Material, Mode, PreviewError, Radiances, Scene, ShaderTable, TableFault, compose, cpu,
     estimator::{Estimator, Stop},
     frame::Frame,
     gpu::{Gpu, GpuFailure, RenderTask, Variant},
@@ -106,8 +106,10 @@ impl Preview {
         if !faults.is_empty() {
             return Err(PreviewError::Scene(faults));
         }
-        self.begin(table, scene)?;
-        let scene = &*material_shown(&table.brdf, scene)?;
+        let mut faults = faults_of_table(table, scene);
+        faults.extend(fault_of_f0(&table.brdf, scene));
+        self.begin(table, scene, faults)?;
+        let scene = &*material_shown(&table.brdf, scene);
         let rendered = self.attempt(table, scene, stop)?;
         if self.drawn_by == DrawnBy::Mixed {
             // A picture comes from one renderer: the CPU renders all of it.
@@ -118,16 +120,9 @@ impl Preview {
     }
 
     /// Nothing of a picture is rendered yet; one whose reference shaders do not know is the CPU's.
-    fn begin(&mut self, table: &ShaderTable, scene: &Scene) -> Result<(), PreviewError> {
-        let is_of_ggx = LightModel::ALL.iter().any(|model| !model.needs_table() && scene.shows(*model));
-        if table.brdf != BrdfKind::Ggx && is_of_ggx {
-            return Err(PreviewError::OtherBrdf(table.brdf.kind()));
-        }
-        if scene.compensate && scene.mode != Mode::Lobe && !table.brdf.follows_reflection() {
-            return Err(PreviewError::NoFacets(table.brdf.kind()));
-        }
-        if scene.mode == Mode::Lobe && table.lobe.gaussian().is_some() {
-            return Err(PreviewError::GaussianLobe(table.lobe));
+    fn begin(&mut self, table: &ShaderTable, scene: &Scene, faults: Vec<TableFault>) -> Result<(), PreviewError> {
+        if !faults.is_empty() {
+            return Err(PreviewError::Table(faults));
         }
         self.drawn_by = DrawnBy::Nobody;
         if table.has_reference_on_cpu_only(scene) {
@@ -215,7 +210,9 @@ impl Preview {
     ) -> Result<Radiances, PreviewError> {
         let mode = if estimator.is_lobe() { Mode::Lobe } else { Mode::Reference };
         let mode = if estimator.is_reference() { mode } else { Mode::Ltc };
-        self.begin(table, &Scene { mode, ..scene.clone() })?;
+        // Of a part f0 is a factor, whatever the model.
+        let scene_of_part = Scene { mode, ..scene.clone() };
+        self.begin(table, &scene_of_part, faults_of_table(table, &scene_of_part))?;
         let frame = Frame::new(scene, estimator.is_lobe());
         let task = RenderTask { frame: &frame, estimator, corner, extent, as_bytes: false };
         let Some(words) = self.on_gpu(|gpu| gpu.render(table, &task, &|| false))? else {
@@ -314,15 +311,33 @@ impl Preview {
 
 /// The scene with a reflectance that surfaces of a scattering model have: of those without a Fresnel factor it is one, which
 /// leaving it out means.
-fn material_shown<'a>(brdf: &BrdfModel, scene: &'a Scene) -> Result<Cow<'a, Scene>, PreviewError> {
-    let kind = brdf.kind();
-    if kind.has_fresnel() || scene.mode == Mode::Lobe || scene.f0 == NO_FRESNEL {
-        return Ok(Cow::Borrowed(scene));
-    }
-    if scene.f0 != Scene::default().f0 {
-        return Err(PreviewError::NoFresnel(kind));
-    }
-    Ok(Cow::Owned(Scene { f0: NO_FRESNEL, ..scene.clone() }))
+fn material_shown<'a>(brdf: &BrdfModel, scene: &'a Scene) -> Cow<'a, Scene> {
+    if takes_f0(brdf, scene) { Cow::Borrowed(scene) } else { Cow::Owned(Scene { f0: NO_FRESNEL, ..scene.clone() }) }
+}
+
+/// Whether a picture has a Fresnel factor, of which f0 is.
+fn takes_f0(brdf: &BrdfModel, scene: &Scene) -> bool {
+    brdf.kind().has_fresnel() || scene.mode == Mode::Lobe
+}
+
+/// A reflectance of a material that has none.
+fn fault_of_f0(brdf: &BrdfModel, scene: &Scene) -> Option<TableFault> {
+    let is_given = scene.f0 != NO_FRESNEL && scene.f0 != Scene::default().f0;
+    (is_given && !takes_f0(brdf, scene)).then_some(TableFault::NoFresnel(brdf.kind()))
+}
+
+/// Why a scene cannot show a table: all that stands against it.
+fn faults_of_table(table: &ShaderTable, scene: &Scene) -> Vec<TableFault> {
+    let kind = table.brdf.kind();
+    let is_of_ggx = LightModel::ALL.iter().any(|model| !model.needs_table() && scene.shows(*model));
+    let is_lobe = scene.mode == Mode::Lobe;
+    let loses_nothing = scene.compensate && !is_lobe && !table.brdf.follows_reflection();
+    let faults = [
+        (table.brdf != BrdfKind::Ggx && is_of_ggx).then_some(TableFault::OtherBrdf(kind)),
+        loses_nothing.then_some(TableFault::NoFacets(kind)),
+        (is_lobe && table.lobe.gaussian().is_some()).then_some(TableFault::GaussianLobe(table.lobe)),
+    ];
+    faults.into_iter().flatten().collect()
 }
 
 /// The shown materials whose roughness lies outside the table's nodes.

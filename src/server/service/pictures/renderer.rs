@@ -138,12 +138,9 @@ fn check_complete(table: &Table) -> Result<(), PictureError> {
 fn failure(error: PreviewError, queue: &PictureQueue) -> PictureError {
     match error {
         PreviewError::Stopped => queue.stopped(),
-        other @ (PreviewError::OtherBrdf(_)
-        | PreviewError::NoFacets(_)
-        | PreviewError::NoFresnel(_)
-        | PreviewError::GaussianLobe(_)
-        | PreviewError::CpuOnly(_)
-        | PreviewError::NoBrdfFile(_)) => PictureError::OtherBrdf(other.to_string()),
+        other @ (PreviewError::Table(_) | PreviewError::CpuOnly(_) | PreviewError::NoBrdfFile(_)) => {
+            PictureError::OtherBrdf(other.to_string())
+        }
         other => PictureError::Failed(other.to_string()),
     }
 }

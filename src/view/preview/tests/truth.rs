@@ -7,7 +7,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{planted::diffuse, *};
 use crate::preview::{
-    Camera, Estimator, Light, LightKind, Material, Mode, Scene,
+    Camera, Estimator, Light, LightKind, Material, Mode, Scene, TableFault,
     light::{Ellipse, Shape},
 };
 use ltcforge_fit::{
@@ -265,20 +265,25 @@ fn pictures_that_would_compare_different_models_are_refused() {
     let planted = Table { brdf: BrdfKind::Charlie.into(), ..planted() };
     let table = Arc::new(ShaderTable::new(&planted, TexelFormat::F32));
     let scene = |mode, model| Scene { mode, model, size: 64, spp: 1, ..Scene::default() };
+    let refused = |fault| Err(PreviewError::Table(vec![fault]));
     let mut cpu = Preview::new(Adapter::Cpu);
     for scene in [
         scene(Mode::Strip, LightModel::Normals),
         scene(Mode::Ltc, LightModel::Normals),
         scene(Mode::Models, LightModel::Ltc),
     ] {
-        assert_eq!(cpu.render(&table, &scene, &|| false), Err(PreviewError::OtherBrdf(BrdfKind::Charlie)));
+        assert_eq!(cpu.render(&table, &scene, &|| false), refused(TableFault::OtherBrdf(BrdfKind::Charlie)));
     }
     // Its lobes are of no facets that lose light to each other.
     let compensated = Scene { compensate: true, ..scene(Mode::Ltc, LightModel::Ltc) };
-    assert_eq!(cpu.render(&table, &compensated, &|| false), Err(PreviewError::NoFacets(BrdfKind::Charlie)));
+    assert_eq!(cpu.render(&table, &compensated, &|| false), refused(TableFault::NoFacets(BrdfKind::Charlie)));
     // Nor has it a Fresnel factor: a reflectance is one, which leaving it out means.
     let dark = Scene { f0: [0.04; 3], ..scene(Mode::Ltc, LightModel::Ltc) };
-    assert_eq!(cpu.render(&table, &dark, &|| false), Err(PreviewError::NoFresnel(BrdfKind::Charlie)));
+    assert_eq!(cpu.render(&table, &dark, &|| false), refused(TableFault::NoFresnel(BrdfKind::Charlie)));
+    // All that stands against a picture is told at once.
+    let all = Scene { compensate: true, f0: [0.04; 3], ..scene(Mode::Strip, LightModel::Normals) };
+    let faults = [TableFault::OtherBrdf, TableFault::NoFacets, TableFault::NoFresnel].map(|of| of(BrdfKind::Charlie));
+    assert_eq!(cpu.render(&table, &all, &|| false), Err(PreviewError::Table(faults.to_vec())));
     let of_one = Scene { f0: [1.0; 3], ..scene(Mode::Ltc, LightModel::Ltc) };
     let [left_out, of_one] = [scene(Mode::Ltc, LightModel::Ltc), of_one]
         .map(|scene| cpu.render(&table, &scene, &|| false).expect("a picture").picture);

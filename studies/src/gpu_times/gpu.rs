@@ -1,39 +1,21 @@
-//! Times of the texts on the GPU that is there: the programs of [`gpu_costs`](crate::gpu_costs), run.
-//!
-//! Each pixel of a picture is a place on a floor, as a camera sees it, with [`LIGHTS`] rectangles one after another, each from
-//! a place and by a roughness of its own, so that nothing is computed once for all and what a pixel reads and writes counts
-//! little. The frame and the corners that are turned into it are part of it, as they are of a surface in an engine.
+//! The GPU, and a text's run on it.
 
-use std::{
-    collections::{HashMap, hash_map::Entry},
-    fmt::Write as _,
-    iter,
-    time::Instant,
-};
+use std::time::Instant;
 
-use half::f16;
-use ltcforge::{Error, Layout, Recipe, RecipeDocument as _, SecondLobe, Table, shaders::GpuCost};
-use naga::{AddressSpace, ImageDimension, TypeInner};
+use ltcforge::{Error, Table};
+use naga::{AddressSpace, TypeInner};
 use wgpu::util::DeviceExt as _;
 
-use crate::{
-    gpu_costs::{Program, programs},
-    tables::fitted,
-};
+use super::textures::{pictures, texels, texture};
+use crate::gpu_costs::Program;
 
 /// Lights of a pixel; [`MAIN`] has them too.
 const LIGHTS: u32 = 16;
 /// The part of the pixels that light has to reach, or nothing was measured.
 const LEAST_LIT: f64 = 0.5;
-/// Pictures on lights, and the binary logarithm of their side.
-const PICTURES: usize = 8;
-const PICTURE_LEVEL: u32 = 8;
 /// A rectangle that stands on the floor and faces the camera, at the origin.
 const LIGHT: [[f32; 4]; 4] =
     [[-3.0, 9.0, 2.0, 0.0], [3.0, 9.0, 2.0, 0.0], [3.0, 9.0, -1.2, 0.0], [-3.0, 9.0, -1.2, 0.0]];
-/// The text that others are compared with: what engines pay.
-const STOCK: &str = "ltc2017, clipless";
-
 const MAIN: &str = "
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -82,56 +64,9 @@ pub enum TimesError {
     },
 }
 
-/// A row a text, in Markdown: milliseconds a light over the picture, their ratio to [`STOCK`], and that of the counts of
-/// `gpu-costs`.
-///
-/// # Errors
-/// [`TimesError`]
-pub fn told(effort: &Effort) -> Result<String, TimesError> {
-    let gpu = Gpu::open(effort)?;
-    let mut tables = HashMap::new();
-    let mut rows = Vec::new();
-    for program in programs() {
-        let table = match program.table {
-            None => None,
-            Some(wanted) => Some(match tables.entry(wanted) {
-                Entry::Occupied(known) => known.into_mut(),
-                Entry::Vacant(new) => new.insert(table(wanted)?),
-            }),
-        };
-        let time = gpu.milliseconds(&program, table.as_deref(), effort)?;
-        rows.push((program.name, time));
-    }
-    let stock = rows.iter().find(|(name, _)| name == STOCK).map_or(f64::NAN, |(_, time)| *time);
-    let counted = |name: &str| GpuCost::of(name).map_or(f64::NAN, |cost| f64::from(cost.inverse_throughput));
-    let [width, height] = effort.picture;
-    let mut out = format!(
-        "{}, {width} x {height} pixels, one light\n\n| text | ms | of engines' | counted |\n|---|---|---|---|\n",
-        gpu.name
-    );
-    for (name, time) in rows {
-        let counted = counted(&name) / counted(STOCK);
-        // Writing to a String cannot fail.
-        let _ = writeln!(out, "| {name} | {time:.3} | {:.2} | {counted:.2} |", time / stock);
-    }
-    Ok(out)
-}
-
-/// A table of the default axes. Fitted with little, since no time depends on it.
-fn table((layout, has_two): (Layout, bool)) -> Result<Table, Error> {
-    let builder = match layout {
-        Layout::Materials => {
-            Recipe::builder().surfaces(&[0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 1.0].map(|alpha| [alpha, 0.5]))
-        }
-        _ => Recipe::builder().layout(layout),
-    };
-    let builder = builder.samples(64).directions(8).steps(4);
-    let builder = if has_two { builder.two_lobes(SecondLobe::Blended) } else { builder };
-    Ok(fitted(&builder.build()?))
-}
-
-struct Gpu {
-    name: String,
+/// A device, and the picture that texts light on it.
+pub(super) struct Gpu {
+    pub(super) name: String,
     device: wgpu::Device,
     queue: wgpu::Queue,
     surfaces: wgpu::Buffer,
@@ -141,7 +76,7 @@ struct Gpu {
 }
 
 impl Gpu {
-    fn open(effort: &Effort) -> Result<Self, TimesError> {
+    pub(super) fn open(effort: &Effort) -> Result<Self, TimesError> {
         let absent = |error: &dyn std::fmt::Display| TimesError::Gpu(error.to_string());
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
             backends: wgpu::Backends::VULKAN,
@@ -178,7 +113,12 @@ impl Gpu {
     }
 
     /// Milliseconds of a light over the picture, the median of the runs.
-    fn milliseconds(&self, program: &Program, table: Option<&Table>, effort: &Effort) -> Result<f64, TimesError> {
+    pub(super) fn milliseconds(
+        &self,
+        program: &Program,
+        table: Option<&Table>,
+        effort: &Effort,
+    ) -> Result<f64, TimesError> {
         let refused = |reason: String| TimesError::Text { name: program.name.clone(), reason };
         let (pipeline, groups) = self.pipeline(program, table).map_err(refused)?;
         self.run(&pipeline, &groups, 1).map_err(refused)?;
@@ -243,8 +183,12 @@ impl Gpu {
             match (global.space, &module.types[global.ty].inner) {
                 (AddressSpace::Uniform, _) if binding == 0 => buffers.extend(header.as_ref().map(|header| (0, header))),
                 (_, TypeInner::Sampler { .. }) => samplers.push(binding),
-                (_, TypeInner::Image { arrayed: true, .. }) => views.push((binding, self.pictures())),
-                (_, TypeInner::Image { dim, .. }) => views.push((binding, self.texture(*dim, table.zip(parts.next())))),
+                (_, TypeInner::Image { arrayed: true, .. }) => {
+                    views.push((binding, pictures((&self.device, &self.queue))));
+                }
+                (_, TypeInner::Image { dim, .. }) => {
+                    views.push((binding, texture((&self.device, &self.queue), *dim, table.zip(parts.next()))));
+                }
                 _ => {}
             }
         }
@@ -262,63 +206,6 @@ impl Gpu {
             entries: &entries,
         });
         Ok((pipeline, group))
-    }
-
-    /// A table's texels, or a matrix of ones in the size of engines' textures.
-    fn texture(&self, dimension: ImageDimension, table: Option<(&Table, &Vec<[f16; 4]>)>) -> wgpu::TextureView {
-        let [zero, one] = [f16::ZERO, f16::ONE];
-        let is_flat = dimension == ImageDimension::D2;
-        let (size, texels) = match table {
-            Some((table, texels)) => {
-                let axes = table.axes();
-                let [width, height] = [axes.phi.len(), axes.ratio.len() * axes.theta.len()];
-                ([width, height, texels.len() / (width * height)], texels.clone())
-            }
-            // The inverse of the isotropic table has its second one last.
-            None if is_flat => ([64, 64, 1], vec![[one, zero, zero, one]; 64 * 64]),
-            None => ([8, 8, 64], vec![[one, zero, zero, zero]; 8 * 8 * 64]),
-        };
-        let [width, height, depth_or_array_layers] = size.map(|n| u32::try_from(n).unwrap_or(u32::MAX));
-        let descriptor = wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width, height, depth_or_array_layers },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: if is_flat { wgpu::TextureDimension::D2 } else { wgpu::TextureDimension::D3 },
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        };
-        let order = wgpu::util::TextureDataOrder::LayerMajor;
-        let bytes: Vec<u8> = texels.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
-        let texture = self.device.create_texture_with_data(&self.queue, &descriptor, order, &bytes);
-        texture.create_view(&wgpu::TextureViewDescriptor::default())
-    }
-
-    /// Pictures of lights, a layer each: numbers without a pattern on all levels.
-    fn pictures(&self) -> wgpu::TextureView {
-        let mut state = 1_u32;
-        let texels = PICTURES * (0..=PICTURE_LEVEL).map(|level| 1 << (2 * level)).sum::<usize>();
-        let noise = iter::repeat_with(|| {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f16::from_f32((state >> 24) as f32 / 256.0).to_le_bytes()
-        });
-        let bytes: Vec<u8> = noise.take(4 * texels).flatten().collect();
-        let side = 1 << PICTURE_LEVEL;
-        let descriptor = wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: PICTURES as u32 },
-            mip_level_count: PICTURE_LEVEL + 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        };
-        let order = wgpu::util::TextureDataOrder::LayerMajor;
-        let texture = self.device.create_texture_with_data(&self.queue, &descriptor, order, &bytes);
-        let dimension = Some(wgpu::TextureViewDimension::D2Array);
-        texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..Default::default() })
     }
 
     /// Seconds until as many dispatches are done.
@@ -369,40 +256,4 @@ fn surfaces([width, height]: [u32; 2]) -> Vec<[f32; 8]> {
         [bump, 0.0, alpha, 0.5 * alpha + 0.02, 1.6 * u * distance, distance, -1.5, 0.0].map(|x| x as f32)
     };
     tiles.flat_map(|[x, y]| (0..64).map(move |i| pixel([x + i % 8, y + i / 8]))).collect()
-}
-
-/// `m00 m01 m02 m10`, `m11 m12 m20 m21`, `m22 amplitude fresnel 0` of each entry, then of each second lobe.
-fn texels(table: &Table) -> [Vec<[f16; 4]>; 3] {
-    let terms = |i: usize| table.terms().map_or([1.0, 0.0], |terms| [terms.amplitude()[i], terms.fresnel()[i]]);
-    let lobes = [Some(table.matrices()), table.second_matrices()].into_iter().flatten();
-    let entries: Vec<[f32; 12]> = lobes
-        .flat_map(|lobe| {
-            lobe.iter().enumerate().map(|(i, [a, b, c, d, e, f, g, h, k])| {
-                let [amplitude, fresnel] = terms(i);
-                [*a, *b, *c, *d, *e, *f, *g, *h, *k, amplitude, fresnel, 0.0]
-            })
-        })
-        .collect();
-    let part =
-        |first: usize| entries.iter().map(|entry| [0, 1, 2, 3].map(|i| f16::from_f32(entry[first + i]))).collect();
-    [part(0), part(4), part(8)]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_text_is_timed() {
-        let times = match told(&Effort { picture: [64, 64], runs: 1, least: 0.0 }) {
-            Err(TimesError::Gpu(reason)) => return println!("skipped: no GPU, not even in software: {reason}"),
-            times => times.expect("every text lights the floor"),
-        };
-        for program in programs() {
-            let row = times.lines().find(|line| line.starts_with(&format!("| {} |", program.name)));
-            let numbers: Vec<f64> =
-                row.expect("a row").split('|').filter_map(|cell| cell.trim().parse().ok()).collect();
-            assert!(numbers.len() == 3 && numbers.iter().all(|x| *x > 0.0), "{row:?}");
-        }
-    }
 }

@@ -1,0 +1,89 @@
+//! Times of the texts on the GPU that is there: the programs of [`gpu_costs`](crate::gpu_costs), run.
+//!
+//! Each pixel of a picture is a place on a floor, as a camera sees it, with [`LIGHTS`] rectangles one after another, each from
+//! a place and by a roughness of its own, so that nothing is computed once for all and what a pixel reads and writes counts
+//! little. The frame and the corners that are turned into it are part of it, as they are of a surface in an engine.
+
+mod gpu;
+mod textures;
+
+use std::{
+    collections::{HashMap, hash_map::Entry},
+    fmt::Write as _,
+};
+
+use ltcforge::{Error, Layout, Recipe, RecipeDocument as _, SecondLobe, Table, shaders::GpuCost};
+
+use crate::{gpu_costs::programs, tables::fitted};
+use gpu::Gpu;
+pub use gpu::{Effort, TimesError};
+
+/// The text that others are compared with: what engines pay.
+const STOCK: &str = "ltc2017, clipless";
+
+/// A row a text, in Markdown: milliseconds a light over the picture, their ratio to [`STOCK`], and that of the counts of
+/// `gpu-costs`.
+///
+/// # Errors
+/// [`TimesError`]
+pub fn told(effort: &Effort) -> Result<String, TimesError> {
+    let gpu = Gpu::open(effort)?;
+    let mut tables = HashMap::new();
+    let mut rows = Vec::new();
+    for program in programs() {
+        let table = match program.table {
+            None => None,
+            Some(wanted) => Some(match tables.entry(wanted) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => new.insert(table(wanted)?),
+            }),
+        };
+        let time = gpu.milliseconds(&program, table.as_deref(), effort)?;
+        rows.push((program.name, time));
+    }
+    let stock = rows.iter().find(|(name, _)| name == STOCK).map_or(f64::NAN, |(_, time)| *time);
+    let counted = |name: &str| GpuCost::of(name).map_or(f64::NAN, |cost| f64::from(cost.inverse_throughput));
+    let [width, height] = effort.picture;
+    let mut out = format!(
+        "{}, {width} x {height} pixels, one light\n\n| text | ms | of engines' | counted |\n|---|---|---|---|\n",
+        gpu.name
+    );
+    for (name, time) in rows {
+        let counted = counted(&name) / counted(STOCK);
+        // Writing to a String cannot fail.
+        let _ = writeln!(out, "| {name} | {time:.3} | {:.2} | {counted:.2} |", time / stock);
+    }
+    Ok(out)
+}
+
+/// A table of the default axes. Fitted with little, since no time depends on it.
+fn table((layout, has_two): (Layout, bool)) -> Result<Table, Error> {
+    let builder = match layout {
+        Layout::Materials => {
+            Recipe::builder().surfaces(&[0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 1.0].map(|alpha| [alpha, 0.5]))
+        }
+        _ => Recipe::builder().layout(layout),
+    };
+    let builder = builder.samples(64).directions(8).steps(4);
+    let builder = if has_two { builder.two_lobes(SecondLobe::Blended) } else { builder };
+    Ok(fitted(&builder.build()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_text_is_timed() {
+        let times = match told(&Effort { picture: [64, 64], runs: 1, least: 0.0 }) {
+            Err(TimesError::Gpu(reason)) => return println!("skipped: no GPU, not even in software: {reason}"),
+            times => times.expect("every text lights the floor"),
+        };
+        for program in programs() {
+            let row = times.lines().find(|line| line.starts_with(&format!("| {} |", program.name)));
+            let numbers: Vec<f64> =
+                row.expect("a row").split('|').filter_map(|cell| cell.trim().parse().ok()).collect();
+            assert!(numbers.len() == 3 && numbers.iter().all(|x| *x > 0.0), "{row:?}");
+        }
+    }
+}
