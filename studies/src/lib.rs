@@ -9,6 +9,7 @@ pub mod below;
 pub mod best;
 pub mod clock;
 pub mod costs;
+mod draw;
 pub mod expected;
 pub mod figures;
 pub mod glass;

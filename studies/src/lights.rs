@@ -12,9 +12,9 @@ use ltcforge::{
     },
     light::{LightError, PolygonLight, TRUTH_TOLERANCE, truth_within},
 };
-use rand_core::{Rng, SeedableRng};
-use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
+
+use crate::draw::Draw;
 
 /// The truth's tolerance: a thirtieth of the mean error of the best model.
 const TOLERANCE: f64 = 1e-5;
@@ -149,7 +149,7 @@ pub struct Case {
 /// `count` cases of a kind. Equal arguments give equal cases.
 #[must_use]
 pub fn cases(kind: Kind, seed: u64, count: usize) -> Vec<Case> {
-    let mut draw = Draw(Xoshiro256PlusPlus::seed_from_u64(seed));
+    let mut draw = Generator(Draw::new(seed));
     let drawn: Vec<(Lit, PolygonLight)> = (0..count).map(|_| draw.valid(kind)).collect();
     let case = |(lit, light): (Lit, PolygonLight)| {
         let tolerance = if kind == Kind::Extreme { TOLERANCE_OF_EXTREMES } else { TOLERANCE };
@@ -196,12 +196,13 @@ pub fn errors(cases: &[Case], reflected: impl Fn(&Lit) -> [f64; 2] + Sync) -> [S
     [0, 1].map(|part| Spread::of(both.iter().map(|errors| errors[part]).collect()))
 }
 
-struct Draw(Xoshiro256PlusPlus);
+/// Surfaces and lights, drawn at random.
+struct Generator(Draw);
 
 /// Where roughness, ratio and theta are drawn from.
 struct Surfaces {
-    alpha: fn(&mut Draw) -> f64,
-    ratio: fn(&mut Draw) -> f64,
+    alpha: fn(&mut Generator) -> f64,
+    ratio: fn(&mut Generator) -> f64,
     /// Least roughness across.
     least: f64,
     /// Degrees.
@@ -209,47 +210,34 @@ struct Surfaces {
 }
 
 const ALL: Surfaces = Surfaces {
-    alpha: |draw| draw.within(0.0, 1.0).powi(2).max(0.01),
-    ratio: |draw| draw.within(0.0, 1.0),
+    alpha: |draw| draw.0.within(0.0, 1.0).powi(2).max(0.01),
+    ratio: |draw| draw.0.within(0.0, 1.0),
     least: 0.005,
     theta: [0.0, 88.0],
 };
 const ANISOTROPIC: Surfaces =
-    Surfaces { alpha: |draw| draw.within(0.1, 0.6), ratio: |draw| draw.within(0.03, 0.23), ..ALL };
+    Surfaces { alpha: |draw| draw.0.within(0.1, 0.6), ratio: |draw| draw.0.within(0.03, 0.23), ..ALL };
 const EXTREME: Surfaces = Surfaces {
-    alpha: |draw| draw.logarithmic(1e-4, 1.0),
-    ratio: |draw| draw.within(0.05, 1.0),
+    alpha: |draw| draw.0.logarithmic(1e-4, 1.0),
+    ratio: |draw| draw.0.within(0.05, 1.0),
     least: 1e-5,
     theta: [0.0, 89.9],
 };
 const GRAZING: Surfaces = Surfaces { theta: [75.0, 89.0], ..ALL };
 const STEEP: Surfaces = Surfaces { theta: [80.0, 89.0], ..ALL };
-const SHARP: Surfaces = Surfaces { alpha: |draw| draw.within(0.01, 0.05), ratio: |draw| draw.within(0.2, 1.0), ..ALL };
+const SHARP: Surfaces =
+    Surfaces { alpha: |draw| draw.0.within(0.01, 0.05), ratio: |draw| draw.0.within(0.2, 1.0), ..ALL };
 
 /// Half the width of a light at distance one, before one side is stretched by up to e and the other shrunk.
 const USUAL: [f64; 2] = [0.05, 1.2];
 
-impl Draw {
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * ((self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
-    }
-
-    fn logarithmic(&mut self, low: f64, high: f64) -> f64 {
-        self.within(low.ln(), high.ln()).exp()
-    }
-
-    /// A vector of normally distributed numbers.
-    fn vector(&mut self) -> DVec3 {
-        let mut normal = || (-2.0 * (1.0 - self.within(0.0, 1.0)).ln()).sqrt() * self.within(0.0, TAU).cos();
-        DVec3::new(normal(), normal(), normal())
-    }
-
+impl Generator {
     fn configuration(&mut self, surfaces: &Surfaces) -> Configuration {
         let long = (surfaces.alpha)(self);
         let short = (long * (surfaces.ratio)(self)).max(surfaces.least);
-        let [alpha_x, alpha_y] = if self.within(0.0, 1.0) < 0.5 { [long, short] } else { [short, long] };
+        let [alpha_x, alpha_y] = if self.0.within(0.0, 1.0) < 0.5 { [long, short] } else { [short, long] };
         let [low, high] = surfaces.theta.map(f64::to_radians);
-        Configuration { alpha_x, alpha_y, theta: self.within(low, high), phi: self.within(0.0, TAU) }
+        Configuration { alpha_x, alpha_y, theta: self.0.within(low, high), phi: self.0.within(0.0, TAU) }
     }
 
     /// Draws until what comes is a light; a rectangle that the surface sees edge on may not look convex.
@@ -273,8 +261,8 @@ impl Draw {
             Kind::Grazing => self.around_lobe(&GRAZING, USUAL, 1.0),
             Kind::Around => {
                 let at = self.configuration(&ALL);
-                let size = self.logarithmic(2.0, 50.0);
-                let centre = self.vector().normalize() * self.within(0.2, 1.0);
+                let size = self.0.logarithmic(2.0, 50.0);
+                let centre = self.0.vector().normalize() * self.0.within(0.2, 1.0);
                 (at, self.rectangle(centre, [size, size]))
             }
             Kind::Steep => self.around_lobe(&STEEP, USUAL, 1.0),
@@ -283,25 +271,25 @@ impl Draw {
             Kind::Across => {
                 let (at, vertices) = self.around_lobe(&ALL, USUAL, 1.0);
                 let centre = 0.5 * (vertices[0] + vertices[2]);
-                let height = 0.2 * self.within(-1.0, 1.0);
+                let height = 0.2 * self.0.within(-1.0, 1.0);
                 (at, vertices.map(|v| v + DVec3::Z * (height - centre.z)))
             }
             Kind::Strip => {
                 let at = self.configuration(&ALL);
-                let towards = at.phi + TAU * self.within(0.4, 0.6);
-                let middle = DVec3::new(towards.cos(), towards.sin(), 0.0) * self.logarithmic(0.5, 4.0);
-                let turned = towards + self.within(-0.6, 0.6);
-                let x = DVec3::new(-turned.sin(), turned.cos(), 0.0) * self.logarithmic(0.5, 4.0);
-                let top = DVec3::Z * self.logarithmic(0.02, 0.5);
+                let towards = at.phi + TAU * self.0.within(0.4, 0.6);
+                let middle = DVec3::new(towards.cos(), towards.sin(), 0.0) * self.0.logarithmic(0.5, 4.0);
+                let turned = towards + self.0.within(-0.6, 0.6);
+                let x = DVec3::new(-turned.sin(), turned.cos(), 0.0) * self.0.logarithmic(0.5, 4.0);
+                let top = DVec3::Z * self.0.logarithmic(0.02, 0.5);
                 (at, [middle - x, middle + x, middle + x + top, middle - x + top])
             }
             Kind::Wall { foot, tilt } => self.wall([0.1, 1.2], [0.1, 2.0], foot, tilt),
             Kind::NearHorizon => {
-                let (foot, tilt) = (self.within(-0.1, 0.25), self.within(-0.05, 0.05));
+                let (foot, tilt) = (self.0.within(-0.1, 0.25), self.0.within(-0.05, 0.05));
                 self.wall([0.1, 1.2], [0.1, 2.0], foot, tilt)
             }
             Kind::Floor => {
-                let (width, height) = (self.logarithmic(0.3, 20.0), self.logarithmic(0.3, 20.0));
+                let (width, height) = (self.0.logarithmic(0.3, 20.0), self.0.logarithmic(0.3, 20.0));
                 self.wall([width, width], [height, height], 0.0, 0.0)
             }
         }
@@ -313,12 +301,12 @@ impl Draw {
         loop {
             let at = self.configuration(surfaces);
             let ggx = Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y };
-            let u = [self.within(0.0, 1.0), self.within(0.0, 1.0)];
+            let u = [self.0.within(0.0, 1.0), self.0.within(0.0, 1.0)];
             let centre = ggx.sample(direction(at.theta, at.phi), u).wi;
             if centre.z > 0.0 {
-                let size = self.logarithmic(sizes[0], sizes[1]);
+                let size = self.0.logarithmic(sizes[0], sizes[1]);
                 let least = if stretch > 1.0 { 1.5 } else { -stretch };
-                let aspect = self.within(least, stretch).exp();
+                let aspect = self.0.within(least, stretch).exp();
                 return (at, self.rectangle(centre, [size * aspect, size / aspect]));
             }
         }
@@ -326,18 +314,18 @@ impl Draw {
 
     /// A rectangle around a place, turned and tilted at random, with these half sides.
     fn rectangle(&mut self, centre: DVec3, [width, height]: [f64; 2]) -> [DVec3; 4] {
-        let normal = (0.5 * self.vector() - centre).normalize();
-        let x = normal.cross(self.vector()).normalize();
+        let normal = (0.5 * self.0.vector() - centre).normalize();
+        let x = normal.cross(self.0.vector()).normalize();
         let (x, y) = (x * width, normal.cross(x) * height);
         [centre - x - y, centre + x - y, centre + x + y, centre - x + y]
     }
 
     fn wall(&mut self, half_width: [f64; 2], height: [f64; 2], foot: f64, tilt: f64) -> (Configuration, [DVec3; 4]) {
         let at = self.configuration(&ALL);
-        let towards = at.phi + TAU * self.within(0.4, 0.6);
-        let middle = DVec3::new(towards.cos(), towards.sin(), 0.0) * self.within(0.3, 2.0);
-        let x = DVec3::new(-towards.sin(), towards.cos(), 0.0) * self.within(half_width[0], half_width[1]);
-        let top = DVec3::Z * self.within(height[0], height[1]);
+        let towards = at.phi + TAU * self.0.within(0.4, 0.6);
+        let middle = DVec3::new(towards.cos(), towards.sin(), 0.0) * self.0.within(0.3, 2.0);
+        let x = DVec3::new(-towards.sin(), towards.cos(), 0.0) * self.0.within(half_width[0], half_width[1]);
+        let top = DVec3::Z * self.0.within(height[0], height[1]);
         let (low, x) = (middle + top * foot, x + top * tilt);
         (at, [low - x, low + x, low + x + top, low - x + top])
     }

@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 
-use ltcforge::light::textured::{LightImage, LightPyramid, OWN_PARTS};
+use ltcforge::light::textured::{LightImage, LightPyramid, OWN_PARTS, kernel_sum};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
@@ -44,25 +44,6 @@ fn picture(size: [usize; 2]) -> LightImage {
     };
     let places = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y]));
     LightImage::new(size[0], size[1], places.map(texel).collect()).expect("texels that are finite")
-}
-
-/// The kernel `(1 + r^2 / sigma^2)^-2.5` summed over the picture, divided by its sum.
-fn kernel_sum(image: &LightImage, [u, v]: [f64; 2], sigma: f64) -> [f64; 3] {
-    const GRID: usize = 3;
-    let middle = [u * image.width() as f64, v * image.height() as f64];
-    let at = |i: usize, axis: usize| ((i as f64 + 0.5) / GRID as f64 - middle[axis]) / sigma;
-    let (mut mass, mut sum) = (0.0, [0.0; 3]);
-    for y in 0..image.height() * GRID {
-        for x in 0..image.width() * GRID {
-            let q = 1.0 + at(x, 0).powi(2) + at(y, 1).powi(2);
-            let weight = 1.0 / (q * q * q.sqrt());
-            mass += weight;
-            for (sum, texel) in sum.iter_mut().zip(image.row(y / GRID)[x / GRID]) {
-                *sum += weight * f64::from(texel);
-            }
-        }
-    }
-    sum.map(|sum| sum / mass)
 }
 
 /// Points anywhere in the pictures, with sigma from 2 texels to that of the last level, even in its logarithm.

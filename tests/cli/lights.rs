@@ -299,7 +299,7 @@ fn light_tells_the_channels_of_a_picture() {
     let refused = with(&["tv.png", "--light", "sphere", "--model", "sg"]).exited(2);
     assert!(refused.stderr.contains("leave out --light; model sg reads no pictures"), "{}", refused.stderr);
     fs::write(folder.path().join("no.png"), "no picture").expect("a file");
-    assert!(with(&["no.png"]).exited(1).stderr.contains("no.png: this is no image that can be read"));
+    assert!(with(&["no.png"]).exited(1).stderr.contains("no.png: this file is not an image that can be read"));
     let triangle = "0.5,0.5,0,0,2,-1,-1,2,1,-1,2,0,1,2\n";
     let refused = run_with_stdin(folder.path(), ["light", "-", "--texture", "tv.png"], triangle).exited(2);
     assert!(refused.stderr.contains("a light of four corners with right angles"), "{}", refused.stderr);

@@ -87,7 +87,7 @@ fn what_is_no_picture_is_refused_and_not_kept() {
         ("", OCTETS, b"no picture".as_slice(), 422, "allowed: PNG, OpenEXR, Radiance HDR, JPEG"),
         ("", OCTETS, large, 422, "3000 x 3000 pixels; 1 to 16384 along a side are allowed, and 4194304 in all"),
         ("?light=1x1", OCTETS, &strip, 422, "2100 x 2100 texels are square on the light; 4194304 are allowed in all"),
-        ("?light=1", PNG, &picture(1), 400, "«1» is no size of a light"),
+        ("?light=1", PNG, &picture(1), 400, "«1» is not a size of a light"),
         ("?texels=rgb8", PNG, &picture(1), 400, "rgb8"),
         ("?as=exr", PNG, &picture(1), 400, "exr"),
         ("?size=1x1", PNG, &picture(1), 400, "size"),

@@ -10,6 +10,8 @@ mod engines;
 mod filters;
 mod ggx;
 mod image;
+#[cfg(any(test, feature = "testing"))]
+mod kernel_sum;
 #[cfg(test)]
 mod kernel_tests;
 mod light;
@@ -23,6 +25,8 @@ mod tests;
 
 pub use engines::engines_reading;
 pub use image::{ImageError, LightImage};
+#[cfg(any(test, feature = "testing"))]
+pub use kernel_sum::kernel_sum;
 pub use light::{TexturedLight, TexturedReflection, ltc_readings, normals_readings};
 pub use pyramid::{LightPyramid, OWN_PARTS};
 pub use readings::{Reading, Readings, colour};

@@ -3,6 +3,7 @@
 use super::{
     ImageError, LightImage, LightPyramid,
     filters::{Filter, Taps, beside, enlarged, halved, size_of, widened},
+    kernel_sum,
 };
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -32,25 +33,6 @@ fn patterns(size: [usize; 2]) -> LightImage {
         let checker = f32::from(((u * 6.0) as i32 + (v * 6.0) as i32) % 2 == 1);
         [disk, checker, u as f32]
     })
-}
-
-/// The kernel summed over a grid of 3 x 3 points a texel.
-fn kernel_sum(image: &LightImage, [u, v]: [f64; 2], sigma: f64) -> [f64; 3] {
-    const GRID: usize = 3;
-    let middle = [u * image.width() as f64, v * image.height() as f64];
-    let at = |i: usize, axis: usize| ((i as f64 + 0.5) / GRID as f64 - middle[axis]) / sigma;
-    let (mut mass, mut sum) = (0.0, [0.0; 3]);
-    for y in 0..image.height() * GRID {
-        for x in 0..image.width() * GRID {
-            let q = 1.0 + at(x, 0).powi(2) + at(y, 1).powi(2);
-            let weight = 1.0 / (q * q * q.sqrt());
-            mass += weight;
-            for (sum, texel) in sum.iter_mut().zip(image.row(y / GRID)[x / GRID]) {
-                *sum += weight * f64::from(texel);
-            }
-        }
-    }
-    sum.map(|sum| sum / mass)
 }
 
 /// The mean and the largest difference from [`kernel_sum`] at random points and levels, each channel of

@@ -130,7 +130,10 @@ fn the_file_or_the_caller_says_what_numbers_mean() {
 #[test]
 fn what_is_no_light_is_named() {
     let said = |bytes: &[u8]| LightPicture::decode(bytes, None).expect_err("no light").to_string();
-    assert_eq!(said(b"GIF89a"), "this is no image that can be read; allowed: PNG, OpenEXR, Radiance HDR, JPEG");
+    assert_eq!(
+        said(b"GIF89a"),
+        "this file is not an image that can be read; allowed: PNG, OpenEXR, Radiance HDR, JPEG"
+    );
     assert_eq!(said(b""), said(b"GIF89a"));
     assert!(said(&exr(&["R", "G", "B"], vec![0.5, -2.0, 1.0, 0.0, 3.0, -7.0])).contains("x 0, y 0 has green -2; 2 of"));
     assert!(said(&exr(&["A", "Z"], vec![0.5; 4])).contains("its channels are A, Z; R, G and B are read, or Y"));

@@ -1,6 +1,6 @@
 //! Times of the texts on the GPU that is there: the programs of [`gpu_costs`](crate::gpu_costs), run.
 //!
-//! Each pixel of a picture is a place on a floor, as a camera sees it, with [`LIGHTS`] rectangles one after another, each from
+//! Each pixel of a picture is a place on a floor, as a camera sees it, with sixteen rectangles one after another, each from
 //! a place and by a roughness of its own, so that nothing is computed once for all and what a pixel reads and writes counts
 //! little. The frame and the corners that are turned into it are part of it, as they are of a surface in an engine.
 

@@ -14,11 +14,10 @@ use ltcforge::{
         textured::{TexturedLight, TexturedReflection},
     },
 };
-use rand_core::{Rng, SeedableRng};
-use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
 use super::pictures::{CHANNELS, Pictures};
+use crate::draw::Draw;
 
 /// Texels of the pictures: of squares, and of rectangles two and four times as long as wide.
 pub(super) const FORMS: [[usize; 2]; 5] = [[512, 512], [512, 256], [256, 512], [512, 128], [128, 512]];
@@ -72,7 +71,7 @@ pub(super) struct Case {
 
 /// `count` cases of a set. Equal arguments give equal cases.
 pub(super) fn cases(set: Set, count: usize, pictures: &[Pictures]) -> Vec<Case> {
-    let mut draw = Draw(Xoshiro256PlusPlus::seed_from_u64(44_000 + set as u64));
+    let mut draw = Generator(Draw::new(44_000 + set as u64));
     let drawn: Vec<_> = (0..count).map(|_| draw.valid(set)).collect();
     let case = |(at, light, form): (Configuration, TexturedLight, usize)| {
         let Pictures { images, .. } = &pictures[form];
@@ -89,39 +88,26 @@ pub(super) fn cases(set: Set, count: usize, pictures: &[Pictures]) -> Vec<Case> 
     drawn.into_par_iter().map(case).collect()
 }
 
-struct Draw(Xoshiro256PlusPlus);
+/// Surfaces and lights, drawn at random.
+struct Generator(Draw);
 
-impl Draw {
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * ((self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
-    }
-
-    fn logarithmic(&mut self, low: f64, high: f64) -> f64 {
-        self.within(low.ln(), high.ln()).exp()
-    }
-
-    /// A vector of normally distributed numbers.
-    fn vector(&mut self) -> DVec3 {
-        let mut normal = || (-2.0 * (1.0 - self.within(0.0, 1.0)).ln()).sqrt() * self.within(0.0, TAU).cos();
-        DVec3::new(normal(), normal(), normal())
-    }
-
+impl Generator {
     fn configuration(&mut self, set: Set) -> Configuration {
         let (long, ratio) = match set {
-            Set::Anisotropic => (self.within(0.1, 0.6), self.within(0.03, 0.23)),
-            Set::Rough => (self.within(0.6, 1.0), self.within(0.5, 1.0)),
-            _ => (self.within(0.0, 1.0).powi(2).max(0.01), self.within(0.0, 1.0)),
+            Set::Anisotropic => (self.0.within(0.1, 0.6), self.0.within(0.03, 0.23)),
+            Set::Rough => (self.0.within(0.6, 1.0), self.0.within(0.5, 1.0)),
+            _ => (self.0.within(0.0, 1.0).powi(2).max(0.01), self.0.within(0.0, 1.0)),
         };
         let short = (long * ratio).max(0.005);
-        let [alpha_x, alpha_y] = if self.within(0.0, 1.0) < 0.5 { [long, short] } else { [short, long] };
+        let [alpha_x, alpha_y] = if self.0.within(0.0, 1.0) < 0.5 { [long, short] } else { [short, long] };
         let [low, high] = if set == Set::Grazing { [75.0_f64, 89.0] } else { [0.0, 88.0] }.map(f64::to_radians);
-        Configuration { alpha_x, alpha_y, theta: self.within(low, high), phi: self.within(0.0, TAU) }
+        Configuration { alpha_x, alpha_y, theta: self.0.within(low, high), phi: self.0.within(0.0, TAU) }
     }
 
     /// Draws until what comes is a light.
     fn valid(&mut self, set: Set) -> (Configuration, TexturedLight, usize) {
         loop {
-            let form = (self.within(0.0, FORMS.len() as f64) as usize).min(FORMS.len() - 1);
+            let form = (self.0.within(0.0, FORMS.len() as f64) as usize).min(FORMS.len() - 1);
             let at = self.configuration(set);
             let [width, height] = FORMS[form].map(|texels| texels as f64);
             let stretch = (width / height).sqrt();
@@ -136,22 +122,22 @@ impl Draw {
 
     fn around_lobe(&mut self, at: &Configuration, stretch: f64) -> Option<[DVec3; 4]> {
         let ggx = Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y };
-        let u = [self.within(0.0, 1.0), self.within(0.0, 1.0)];
+        let u = [self.0.within(0.0, 1.0), self.0.within(0.0, 1.0)];
         let centre = ggx.sample(direction(at.theta, at.phi), u).wi;
-        let size = self.logarithmic(0.05, 1.2);
-        let normal = (0.5 * self.vector() - centre).normalize();
-        let x = normal.cross(self.vector()).normalize();
+        let size = self.0.logarithmic(0.05, 1.2);
+        let normal = (0.5 * self.0.vector() - centre).normalize();
+        let x = normal.cross(self.0.vector()).normalize();
         let (x, y) = (x * size * stretch, normal.cross(x) * size / stretch);
         (centre.z > 0.0).then_some([centre - x - y, centre + x - y, centre + x + y, centre - x + y])
     }
 
     fn wall(&mut self, at: &Configuration, stretch: f64) -> [DVec3; 4] {
-        let towards = at.phi + TAU * self.within(0.4, 0.6);
-        let middle = DVec3::new(towards.cos(), towards.sin(), 0.0) * self.within(0.3, 2.0);
-        let size = self.logarithmic(0.1, 1.0);
+        let towards = at.phi + TAU * self.0.within(0.4, 0.6);
+        let middle = DVec3::new(towards.cos(), towards.sin(), 0.0) * self.0.within(0.3, 2.0);
+        let size = self.0.logarithmic(0.1, 1.0);
         let x = DVec3::new(-towards.sin(), towards.cos(), 0.0) * size * stretch;
         let top = DVec3::Z * 2.0 * size / stretch;
-        let low = middle + top * self.within(-0.1, 0.25);
+        let low = middle + top * self.0.within(-0.1, 0.25);
         [low - x, low + x, low + x + top, low - x + top]
     }
 }

@@ -60,7 +60,11 @@ fn admit(tokens: &Tokens, method: &Method, path: &str, headers: &HeaderMap) -> R
         return Ok(None);
     }
     let Some((name, scope)) = secret(headers).and_then(|secret| tokens.find(secret)) else {
-        let given = if headers.contains_key(header::AUTHORIZATION) { "is none of the service's" } else { "is missing" };
+        let given = if headers.contains_key(header::AUTHORIZATION) {
+            "is not one that the service knows"
+        } else {
+            "is missing"
+        };
         let detail =
             format!("the token {given}; send `Authorization: Bearer TOKEN`, and ask who runs the service for one");
         return Err(Problem::new(ProblemKind::NoToken, detail));

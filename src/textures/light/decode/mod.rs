@@ -53,7 +53,7 @@ pub struct LightPicture {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LightFileError {
     /// The file begins as none of the formats.
-    #[error("this is no image that can be read; allowed: {}", PictureFormat::ALL.iter().map(|format| format.name()).collect::<Vec<_>>().join(", "))]
+    #[error("this file is not an image that can be read; allowed: {}", PictureFormat::ALL.iter().map(|format| format.name()).collect::<Vec<_>>().join(", "))]
     Format,
     /// Sides that are too long, or zero.
     #[error("the image has {width} x {height} pixels; 1 to {MOST_ALONG} along a side are allowed, and {most} in all")]

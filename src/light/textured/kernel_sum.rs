@@ -1,0 +1,24 @@
+//! What the prefilter stands for, summed without it.
+
+use super::LightImage;
+
+/// The kernel `(1 + r^2 / sigma^2)^-2.5` around a place summed over the picture, divided by its sum: 3 x 3 points a texel. The
+/// place is in parts of the picture's sides, sigma in texels.
+#[must_use]
+pub fn kernel_sum(image: &LightImage, [u, v]: [f64; 2], sigma: f64) -> [f64; 3] {
+    const GRID: usize = 3;
+    let middle = [u * image.width() as f64, v * image.height() as f64];
+    let at = |i: usize, axis: usize| ((i as f64 + 0.5) / GRID as f64 - middle[axis]) / sigma;
+    let (mut mass, mut sum) = (0.0, [0.0; 3]);
+    for y in 0..image.height() * GRID {
+        for x in 0..image.width() * GRID {
+            let q = 1.0 + at(x, 0).powi(2) + at(y, 1).powi(2);
+            let weight = 1.0 / (q * q * q.sqrt());
+            mass += weight;
+            for (sum, texel) in sum.iter_mut().zip(image.row(y / GRID)[x / GRID]) {
+                *sum += weight * f64::from(texel);
+            }
+        }
+    }
+    sum.map(|sum| sum / mass)
+}
