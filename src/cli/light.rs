@@ -31,7 +31,7 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
     let used = TableUse { blend: args.blend, cut: args.cut };
     let lighting = table.map(|table| Lighting::Table(table, used));
     let formula = args.model.closed_form(args.rule).map(Lighting::ClosedForm);
-    let lighting = lighting.or(formula).ok_or_else(|| needs_table(args.model))?;
+    let lighting = lighting.or(formula).ok_or_else(|| CommandFailure::new(Exit::Usage, needs_table(args.model)))?;
     let brdf = table.map_or(BrdfKind::Ggx.into(), |table| table.model().clone());
     let mut picture = Picture::of(args, &brdf)?;
     let lines = CsvLines::open(&args.cases, "lights")?;
@@ -124,19 +124,48 @@ struct Printed {
     of_picture: Option<[f64; 3]>,
 }
 
-fn needs_table(model: LightModel) -> CommandFailure {
-    CommandFailure::new(Exit::Usage, format!("model {model} needs a table: --table TABLE"))
+fn needs_table(model: LightModel) -> String {
+    format!("model {model} needs a table: --table TABLE")
 }
 
-/// The table that the model lights by; `None` for a model without one.
+/// The table that the model lights by; `None` for a model without one. All that stands against the options is told at once.
 fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
-    let usage = |message: String| Err(CommandFailure::new(Exit::Usage, message));
+    let usage = |faults: &[String]| CommandFailure::new(Exit::Usage, faults.join("; "));
+    let faults = option_faults(args);
+    if !faults.is_empty() {
+        return Err(usage(&faults));
+    }
+    let Some(name) = &args.table else { return Ok(None) };
+    let chosen = AnyTable::named(name, &args.folder)?;
+    let AnyTable { path, table, .. } = &chosen;
+    let faults = table_faults(args, table);
+    if !faults.is_empty() {
+        return Err(usage(&[format!("{}: {}", path.display(), faults.join("; "))]));
+    }
+    if args.truth {
+        tabulated::check_complete(table, path)?;
+    }
+    if table.terms.is_none() {
+        let message = format!("{}: {}", path.display(), LightError::NoTerms);
+        return Err(CommandFailure::new(Exit::Failed, message));
+    }
+    Ok(Some(chosen))
+}
+
+/// What is wrong with the options, whatever the table.
+fn option_faults(args: &LightArgs) -> Vec<String> {
     let model = args.model;
+    let mut faults = Vec::new();
+    for (option, value) in [("--f0", args.f0), ("--f82", args.f82), ("--f90", Some(args.f90))] {
+        if let Some(value) = value.filter(|value| !(0.0..=1.0).contains(value)) {
+            faults.push(format!("{option} {value}: a reflectance is a number from 0 to 1"));
+        }
+    }
     if args.table.is_some() && model.lobe().is_none() {
-        return usage("--table is of model ltc; add --model ltc, or leave it out".to_owned());
+        faults.push("--table is of model ltc; add --model ltc, or leave it out".to_owned());
     }
     if args.table.is_none() && model.needs_table() {
-        return Err(needs_table(model));
+        faults.push(needs_table(model));
     }
     if args.rule.is_some() && model.rule_choices().is_empty() {
         let ruled = LightModel::names_of(|other| !other.rule_choices().is_empty());
@@ -144,48 +173,28 @@ fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
             |other: LightModel| other.rule_choices().is_empty() && other.needs_table() == model.needs_table();
         let alike = LightModel::names_of(is_alike);
         let has = if alike == model.name() { format!("model {model} has") } else { format!("models {alike} have") };
-        return usage(format!("--rule is of model {ruled}; {has} one rule"));
+        faults.push(format!("--rule is of model {ruled}; {has} one rule"));
     }
     if args.cut && model != LightModel::Ltc {
-        return usage(format!(
-            "--cut is of model ltc; by model {model} nothing shines through from below: leave it out"
-        ));
+        faults.push(format!("--cut is of model ltc; by model {model} nothing shines through from below: leave it out"));
     }
-    let Some(name) = &args.table else { return Ok(None) };
-    let chosen = AnyTable::named(name, &args.folder)?;
-    let AnyTable { path, table, .. } = &chosen;
-    if Some(table.lobe) != model.lobe() {
-        let (path, lobe) = (path.display(), table.lobe);
-        return usage(format!("{path}: the table has lobe {lobe}, not {model}: choose --model {lobe}"));
-    }
-    if args.truth {
-        tabulated::check_complete(table, path)?;
-    }
-    if args.compensate && !table.brdf().follows_reflection() {
-        return usage(format!("{}: {}", path.display(), LightError::NoFacets(table.brdf())));
-    }
-    if args.blend && table.second_matrices().is_none() {
-        return usage(format!("{}: {}", path.display(), LightError::OneLobe));
-    }
-    if table.terms.is_none() {
-        let message = format!("{}: {}", path.display(), LightError::NoTerms);
-        return Err(CommandFailure::new(Exit::Failed, message));
-    }
-    let faults = material_faults(args, table);
-    if !faults.is_empty() {
-        return usage(format!("{}: {}", path.display(), faults.join("; ")));
-    }
-    Ok(Some(chosen))
+    faults
 }
 
-/// Why the surface of a table cannot be the material of `--f0`, or a metal by `--f82`: every reason.
-fn material_faults(args: &LightArgs, table: &Table) -> Vec<String> {
-    let brdf = table.brdf();
-    let no_fresnel = (args.f0.is_some() && !brdf.has_fresnel())
-        .then(|| format!("--f0: brdf {brdf} has no Fresnel factor, and energy is all that it reflects: leave it out"));
-    let lacks_edge = args.f82.is_some() && table.terms().is_none_or(|terms| terms.edge().is_none());
-    let no_edge = lacks_edge.then(|| format!("--f82: {}", LightError::NoEdge));
-    no_fresnel.into_iter().chain(no_edge).collect()
+/// Why a table cannot light as the options say: the model, the material of `--f0`, a metal by `--f82`.
+fn table_faults(args: &LightArgs, table: &Table) -> Vec<String> {
+    let (brdf, lobe, model) = (table.brdf(), table.lobe, args.model);
+    let lacks_edge = table.terms().is_none_or(|terms| terms.edge().is_none());
+    let found = [
+        (Some(lobe) != model.lobe()).then(|| format!("the table has lobe {lobe}, not {model}: choose --model {lobe}")),
+        (args.compensate && !brdf.follows_reflection()).then(|| LightError::NoFacets(brdf).to_string()),
+        (args.blend && table.second_matrices().is_none()).then(|| LightError::OneLobe.to_string()),
+        (args.f0.is_some() && !brdf.has_fresnel()).then(|| {
+            format!("--f0: brdf {brdf} has no Fresnel factor, and energy is all that it reflects: leave it out")
+        }),
+        (args.f82.is_some() && lacks_edge).then(|| format!("--f82: {}", LightError::NoEdge)),
+    ];
+    found.into_iter().flatten().collect()
 }
 
 /// One line of CSV. Numbers are the shortest that read back as the same f64.

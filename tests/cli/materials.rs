@@ -33,6 +33,10 @@ fn light_of_a_material_is_its_share_of_both_parts() {
         (&["--f0", "nan"], "0 to 1"),
         (&["--f0", "0.5", "--f90=-1"], "0 to 1"),
         (&["--f90", "0.5"], "--f0"),
+        (&["--f0=2", "--f82=3", "--f90=-1", "--cut"], "--f0 2: a reflectance"),
+        (&["--f0=2", "--f82=3", "--f90=-1", "--cut"], "; --f82 3: a reflectance"),
+        (&["--f0=2", "--f82=3", "--f90=-1", "--cut"], "; --f90 -1: a reflectance"),
+        (&["--f0=2", "--f82=3", "--f90=-1", "--cut"], "; --cut is of model ltc"),
     ] {
         assert!(with(options).exited(2).stderr.contains(word), "{options:?}");
     }
@@ -183,6 +187,34 @@ fn two_lobes_are_near_for_metal_and_for_plastic() {
         engine.contains("two") && engine.contains(r#"this recipe gives a table that has them: {"layout": "ltc2017"}"#),
         "{engine}"
     );
+}
+
+/// The default anisotropic table with two lobes, of plastic: nearer than a quarter of what one lobe is off.
+#[test]
+fn two_lobes_serve_plastic_on_brushed_surfaces() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let lights = lights_around_reflections();
+    // Brushed along and across the view.
+    let brushed: Vec<String> = (lights.lines().enumerate())
+        .filter_map(|(i, line)| {
+            let mut fields = line.split(',').map(str::to_owned).collect::<Vec<_>>();
+            let alpha: f64 = fields[i % 2].parse().ok()?;
+            fields[i % 2] = (alpha / 4.0).to_string();
+            Some(fields.join(","))
+        })
+        .collect();
+    let brushed = brushed.join("\n");
+    let error = |fresnel: &str, options: &[&str]| {
+        let recipe = format!(r#"{{"preset": "draft", "fresnel": "{fresnel}"}}"#);
+        let table = run_with_stdin(folder.path(), ["fit", "-"], &recipe).exited(0).last_line().to_owned();
+        let words = ["light", "-", "--model", "ltc", "--table", &table, "--truth", "--f0", "0.04"];
+        let found = rows(&run_with_stdin(folder.path(), words.iter().chain(options), &brushed).exited(0).stdout);
+        let [off, all] = found.iter().fold([0.0; 2], |[off, all], row| [off + (row[2] - row[5]).abs(), all + row[5]]);
+        off / all
+    };
+    let found = [error("one", &[]), error("two_lobes", &[]), error("blended_lobes", &["--blend"])];
+    println!("plastic by one lobe, two and their blend, of all light: {found:.4?}");
+    assert!(found[1] < 0.5 * found[0] && found[2] < 0.6 * found[0], "{found:?}");
 }
 
 /// What a metal reflects is brighter by the albedo of its surface, and nothing else changes.

@@ -56,14 +56,14 @@ pub struct LightArgs {
     #[arg(long, value_name = "N", value_parser = named(Readings::ALL, Readings::name), requires = "texture")]
     pub readings: Option<Readings>,
     /// Print what a material of this reflectance, seen from above, reflects as well, by Schlick's Fresnel factor: 0 to 1
-    #[arg(long, value_parser = reflectance)]
+    #[arg(long, allow_negative_numbers = true)]
     pub f0: Option<f64>,
     /// The part of Schlick's reflectance that a metal has at 82 degrees, with `--f0`: what it reflects by F82, the Fresnel
     /// factor of OpenPBR's metals: 0 to 1. A table needs terms "f82" of its recipe
-    #[arg(long, value_name = "TINT", value_parser = reflectance, requires = "f0")]
+    #[arg(long, value_name = "TINT", allow_negative_numbers = true, requires = "f0")]
     pub f82: Option<f64>,
     /// The reflectance at grazing incidence, with `--f0`: 0 to 1
-    #[arg(long, default_value_t = 1.0, value_parser = reflectance, requires = "f0")]
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true, requires = "f0")]
     pub f90: f64,
     /// Find what the material of `--f0` reflects by one integral, of the blend of the two lobes that a table with field
     /// `fresnel` of `blended_lobes` has, in place of one integral a lobe
@@ -72,10 +72,4 @@ pub struct LightArgs {
     /// Give back what facets lose that shadow each other, with `--f0`: times `1 + f0 (1 / albedo - 1)`, for metals
     #[arg(long, requires = "f0")]
     pub compensate: bool,
-}
-
-/// A number from 0 to 1.
-fn reflectance(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number| (0.0..=1.0).contains(number));
-    number.ok_or_else(|| "a reflectance is a number from 0 to 1".to_owned())
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 
-use super::scattering::{Brdf, BrdfRules, BrdfSample, PredictionFactors};
+use super::scattering::{Brdf, BrdfRules, BrdfSample};
 use crate::math::{SquarePoint, cosine_hemisphere, exp};
 
 /// The multiple-scattering sheen of Zeltner, Burley and Chiang 2022, the fuzz of OpenPBR: light that a layer of upright
@@ -41,10 +41,6 @@ impl BrdfRules for FuzzRules {
 
     fn is_ltc(&self) -> bool {
         true
-    }
-
-    fn prediction_factors(&self) -> PredictionFactors {
-        PredictionFactors { sample: 1.0, error: 0.55 }
     }
 }
 
