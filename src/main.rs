@@ -103,14 +103,16 @@ fn fail(failure: &CommandFailure, json: bool) -> ExitCode {
     failure.exit.into()
 }
 
-/// Logs to standard error what `LTCFORGE_LOG` asks for, such as `debug` or `ltcforge_server::http=trace`.
+/// Logs to standard error what `LTCFORGE_LOG` asks for, such as `debug` or `ltcforge_server::http=trace`; with
+/// `LTCFORGE_LOG_FORMAT=json` a document a line.
 fn log_to_stderr(default: &str) {
     let filter = EnvFilter::try_from_env("LTCFORGE_LOG").unwrap_or_else(|_| EnvFilter::new(default));
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(io::stderr)
-        .with_ansi(io::stderr().is_terminal())
-        .init();
+    let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(io::stderr);
+    if env::var("LTCFORGE_LOG_FORMAT").is_ok_and(|format| format == "json") {
+        log.json().flatten_event(true).with_span_list(false).init();
+    } else {
+        log.with_ansi(io::stderr().is_terminal()).init();
+    }
 }
 
 /// The first SIGINT, and for a server SIGTERM, does what `on_interrupt` says; the second ends the process.

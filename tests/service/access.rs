@@ -25,6 +25,44 @@ fn call(server: &Server, method: &str, path: &str, secret: &str, body: Option<&[
 }
 
 #[test]
+fn callers_that_ask_too_often_are_told_when_to_come_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (farm, farm_kept) = token("farm", "read");
+    let (wiki, wiki_kept) = token("wiki", "read");
+    let list = format!("{farm_kept};{wiki_kept}");
+    let flags = ["--token-list", &list, "--requests-per-second", "1"];
+    let server = Server::start_in(
+        &folder.path().join("data"),
+        &flags,
+        &[("LTCFORGE_LOG", "debug"), ("LTCFORGE_LOG_FORMAT", "json")].map(|(a, b)| (a.to_owned(), b.to_owned())),
+    );
+    // More at once than a second allows, even where each takes long.
+    let refused = eventually("a refusal", || {
+        Some(call(&server, "GET", "/v1/jobs", &farm, None)).filter(|answer| answer.status != 200)
+    });
+    assert_eq!((refused.status, refused.header("retry-after")), (429, Some("1")));
+    let told = refused.json();
+    assert_eq!(told["type"], "/problems/too-many-requests");
+    assert!(text(&told["detail"]).contains("«farm» is beyond its 1 requests a second"), "{told}");
+    call(&server, "GET", "/v1/jobs", &wiki, None).with_status(200);
+    let unknown = eventually("a refusal", || Some(server.get("/v1/jobs")).filter(|answer| answer.status != 401));
+    assert!(text(&unknown.with_status(429).json()["detail"]).contains("address 127.0.0.1"));
+    for _ in 0..3 {
+        server.get("/healthz").with_status(200);
+        server.get("/page/main.js").with_status(200);
+    }
+    let named = server.request("GET", "/healthz", &[("x-request-id", "from-proxy.7")], None);
+    assert_eq!(named.header("x-request-id"), Some("from-proxy.7"));
+    let other = server.request("GET", "/healthz", &[("x-request-id", "no name")], None);
+    assert!(other.header("x-request-id").is_some_and(|name| name != "no name"), "{other:?}");
+    let log = server.kill_and_read();
+    let lines: Vec<Value> = log.lines().map(|line| serde_json::from_str(line).expect("a document a line")).collect();
+    let of_request = lines.iter().filter(|line| line["span"]["id"] == "from-proxy.7");
+    assert!(of_request.count() > 0, "{log}");
+    assert!(!log.contains(&farm) && !log.contains(&wiki), "a secret is in the log");
+}
+
+#[test]
 fn an_address_that_others_reach_is_not_opened_without_tokens() {
     let folder = tempfile::tempdir().expect("a folder");
     let refused = run(folder.path(), ["serve", "--listen", "0.0.0.0:0"]).exited(2);

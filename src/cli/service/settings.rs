@@ -5,7 +5,7 @@
 use std::{
     fmt::Display,
     net::{Ipv4Addr, SocketAddr},
-    num::{NonZeroU64, NonZeroUsize},
+    num::{NonZeroU32, NonZeroU64, NonZeroUsize},
     path::PathBuf,
     str::FromStr,
     sync::Arc,
@@ -119,6 +119,9 @@ pub(crate) struct ServeSettings {
     /// Connections open at the same time from one address [default: half of --connections]
     #[arg(long, env = "LTCFORGE_CONNECTIONS_PER_ADDRESS", value_name = "N")]
     pub connections_per_address: Option<NonZeroUsize>,
+    /// Requests a second, and at once, of each token, and of each address that sends none [default: any number]
+    #[arg(long, env = "LTCFORGE_REQUESTS_PER_SECOND", value_name = "N")]
+    pub requests_per_second: Option<NonZeroU32>,
     /// Seconds that a client may take to send a request's head, to send its body, or to read more of an answer, 1 to
     /// 86400 [default: 30]
     #[arg(long, env = "LTCFORGE_CLIENT_SECONDS", value_name = "N")]
@@ -154,6 +157,7 @@ impl Default for ServeSettings {
             allow_anyone: None,
             connections: None,
             connections_per_address: None,
+            requests_per_second: None,
             client_seconds: WaitSeconds::clamped(connections.client.as_secs()),
             replica: ReplicaArgs::default(),
         }
@@ -251,6 +255,7 @@ impl ServeSettings {
             limits: ConnectionLimits { per_address: per_address.min(connections), ..limits },
             origins: OriginPolicy { hosts: self.allow_host.clone(), origins: self.allow_origin.clone() },
             tokens: Arc::default(),
+            requests_per_second: self.requests_per_second,
             redirects: self.replica.redirect,
             only_operations: false,
         }
@@ -306,7 +311,7 @@ pub(super) mod tests {
                     job_days = 7\nexport_bytes = 8\nadapter = 'gpu'\npicture_seconds = 9\npicture_queue = 10\n\
                     picture_memory = 11\nallow_host = ['h']\nallow_origin = ['https://o']\nconnections = 12\n\
                     connections_per_address = 13\nclient_seconds = 14\nbrdf_limit = 15\nlight_texture_limit = 16\n\
-                    tokens = 't'\ntoken_list = 'l'\nallow_anyone = true";
+                    tokens = 't'\ntoken_list = 'l'\nallow_anyone = true\nrequests_per_second = 17";
         let flags: Vec<String> = file
             .lines()
             .map(|line| {

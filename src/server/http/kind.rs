@@ -85,6 +85,7 @@ problem_kinds! {
     WrongHost: MISDIRECTED_REQUEST, "wrong-host", "The service has another name";
     HeadTooLarge: REQUEST_HEADER_FIELDS_TOO_LARGE, "head-too-large", "The head is too large";
     QueueFull: TOO_MANY_REQUESTS, "queue-full", "The queue is full";
+    TooManyRequests: TOO_MANY_REQUESTS, "too-many-requests", "The caller asks too often";
     TooManyConnections: SERVICE_UNAVAILABLE, "too-many-connections", "Too many connections are open";
     TooSlow: SERVICE_UNAVAILABLE, "too-slow", "The picture took too long";
     RenderFailed: INTERNAL_SERVER_ERROR, "render-failed", "The renderer failed";

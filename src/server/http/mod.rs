@@ -25,6 +25,7 @@ mod pictures;
 mod plans;
 mod problem;
 mod recipes;
+mod request_id;
 mod routes;
 mod security_fields;
 mod serve;

@@ -1,6 +1,6 @@
 //! Serving until a shutdown.
 
-use std::{future::Future, sync::Arc};
+use std::{future::Future, num::NonZeroU32, sync::Arc};
 
 use axum::{
     Router,
@@ -11,16 +11,17 @@ use tokio::{
     net::TcpListener,
     sync::{Semaphore, watch},
 };
-use tower_http::trace::{DefaultMakeSpan, DefaultOnFailure, DefaultOnResponse, TraceLayer};
+use tower_http::trace::{DefaultOnFailure, DefaultOnResponse, TraceLayer};
 use tracing::Level;
 
 use super::{
-    access::{self, WatchedTokens},
+    access::{self, Access, Rates, WatchedTokens},
     api::{Api, READS},
     conditional, connection,
     extract::{BODY_LIMIT_BYTES, UPLOADS},
     limits::ConnectionLimits,
     origin_policy::{self, OriginPolicy},
+    request_id::{self, NamedSpan},
     routes, security_fields,
 };
 use crate::service::Service;
@@ -34,6 +35,8 @@ pub struct Options {
     pub origins: OriginPolicy,
     /// Who may call; without a token, anyone.
     pub tokens: Arc<WatchedTokens>,
+    /// Requests a second of each token, and of each address without one; `None` for any number.
+    pub requests_per_second: Option<NonZeroU32>,
     /// Whether clients that download a table are sent to the store of blobs, where it gives URLs for that.
     pub redirects: bool,
     /// Whether only operators are answered: health, readiness, metrics and version.
@@ -59,12 +62,9 @@ pub async fn serve(
         redirects: options.redirects,
     };
     let watched = Arc::clone(&options.tokens).watch(stopping.clone());
-    let served = connection::serve(
-        listener,
-        router(api, options.only_operations, options.origins, options.tokens),
-        limits,
-        stopping,
-    );
+    let access = Access { tokens: options.tokens, rates: options.requests_per_second.map(Rates::new) };
+    let served =
+        connection::serve(listener, router(api, options.only_operations, options.origins, access), limits, stopping);
     let stopped = async {
         shutdown.await;
         stop.send_replace(true);
@@ -74,19 +74,20 @@ pub async fn serve(
 
 /// The routes with the layers that every request passes. A line for each request is logged at level `debug`: at the
 /// default level the log tells of the service, not of its clients.
-fn router(api: Api, only_operations: bool, origins: OriginPolicy, tokens: Arc<WatchedTokens>) -> Router {
+fn router(api: Api, only_operations: bool, origins: OriginPolicy, access: Access) -> Router {
     let origins = Arc::new(origins);
     let trace = TraceLayer::new_for_http()
-        .make_span_with(DefaultMakeSpan::new().level(Level::INFO))
+        .make_span_with(NamedSpan)
         .on_response(DefaultOnResponse::new().level(Level::DEBUG))
         .on_failure(DefaultOnFailure::new().level(Level::DEBUG));
     routes::router(only_operations)
         .fallback(routes::no_such_path)
         .layer(DefaultBodyLimit::max(BODY_LIMIT_BYTES))
         .layer(from_fn(conditional::require_if_match))
-        .layer(from_fn_with_state(tokens, access::check))
+        .layer(from_fn_with_state(Arc::new(access), access::check))
         .layer(from_fn_with_state(Arc::clone(&origins), origin_policy::check))
         .layer(from_fn_with_state(origins, security_fields::add))
         .layer(trace)
+        .layer(from_fn(request_id::name))
         .with_state(api)
 }

@@ -3,10 +3,11 @@
 //! Invariant: where there are tokens, no request but those of [`is_open`] passes without one, wherever it comes from: a proxy
 //! on this machine brings the requests of others.
 
+mod rates;
 mod tokens;
 mod watched;
 
-use std::sync::Arc;
+use std::{net::IpAddr, sync::Arc};
 
 use axum::{
     extract::{Request, State},
@@ -15,11 +16,13 @@ use axum::{
     response::{IntoResponse as _, Response},
 };
 
+use self::rates::Asking;
+pub(super) use self::rates::Rates;
 pub use self::{
     tokens::{KeptToken, Scope, TOKEN_BYTES, Tokens},
     watched::{TokenFileError, WatchedTokens},
 };
-use super::{kind::ProblemKind, problem::Problem};
+use super::{connection::RemoteAddress, kind::ProblemKind, problem::Problem};
 
 /// Whether a path tells nothing but whether the service works, for probes, or is a file of the page, which is part of the
 /// program: browsers send no token with a link or a script.
@@ -77,10 +80,37 @@ fn admit(tokens: &Tokens, method: &Method, path: &str, headers: &HeaderMap) -> R
     Ok(Some(Caller(name.into())))
 }
 
-/// The layer that refuses requests by [`admit`], and keeps answers for one caller out of caches for all.
-pub(super) async fn check(State(tokens): State<Arc<WatchedTokens>>, mut request: Request, next: Next) -> Response {
-    let current = tokens.current();
+/// Who may call, and how often.
+#[derive(Debug)]
+pub(super) struct Access {
+    pub(super) tokens: Arc<WatchedTokens>,
+    /// `None` where requests are not counted.
+    pub(super) rates: Option<Rates>,
+}
+
+impl Access {
+    /// Counts a request for its caller, or for its address if it has no token that is known.
+    fn count(&self, admitted: &Result<Option<Caller>, Problem>, request: &Request) -> Result<(), Problem> {
+        let Some(rates) = self.rates.as_ref().filter(|_| !is_open(request.uri().path())) else { return Ok(()) };
+        let asking = match admitted {
+            Ok(Some(Caller(name))) => Asking::Token(Arc::clone(name)),
+            _ => Asking::Address(address(request)),
+        };
+        rates.count(&asking)
+    }
+}
+
+/// Where a request comes from; without a connection, as in tests, from nowhere.
+fn address(request: &Request) -> IpAddr {
+    let remote = request.extensions().get::<RemoteAddress>();
+    remote.map_or(IpAddr::V4(std::net::Ipv4Addr::UNSPECIFIED), |RemoteAddress(address)| *address)
+}
+
+/// The layer that refuses requests by [`admit`] and those that come too often, and keeps answers for one caller out of caches for all.
+pub(super) async fn check(State(access): State<Arc<Access>>, mut request: Request, next: Next) -> Response {
+    let current = access.tokens.current();
     let admitted = admit(&current, request.method(), request.uri().path(), request.headers());
+    let admitted = access.count(&admitted, &request).and(admitted);
     let mut response = match admitted {
         Ok(caller) => {
             if let Some(caller) = caller {

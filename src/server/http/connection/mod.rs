@@ -11,7 +11,7 @@ mod tests;
 
 use std::{
     io,
-    net::SocketAddr,
+    net::{IpAddr, SocketAddr},
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -35,7 +35,7 @@ use tokio::{
 };
 
 use self::{
-    open::{OpenConnections, Token},
+    open::{OpenConnections, Token, network},
     stream::ClientStream,
 };
 use super::{
@@ -68,6 +68,10 @@ const WARNING_INTERVAL: Duration = Duration::from_secs(60);
 /// The address at which a client has reached the service.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct LocalAddress(pub(super) SocketAddr);
+
+/// The address that a client has, as connections from it are counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct RemoteAddress(pub(super) IpAddr);
 
 /// Serves `app` on `listener` until `stopping` becomes true, then gives open answers the time of `limits.drain`.
 pub(super) async fn serve(
@@ -154,6 +158,7 @@ async fn connection(
     token: Token,
 ) {
     let Ok(local) = tcp.local_addr().map(LocalAddress) else { return };
+    let Ok(remote) = tcp.peer_addr().map(|address| RemoteAddress(network(address.ip()))) else { return };
     // Answers are written whole, so there is nothing to gather. A socket that refuses still works.
     let _ = tcp.set_nodelay(true);
     // Otherwise the system takes megabytes for a client and then nothing until it has read a third of them, as if a slow
@@ -167,6 +172,7 @@ async fn connection(
     let app = TowerToHyperService::new(app);
     let service = service_fn(move |mut request: Request<Incoming>| {
         request.extensions_mut().insert(local);
+        request.extensions_mut().insert(remote);
         app.call(request)
     });
     let stream = TokioIo::new(ClientStream::new(tcp, limits.client));

@@ -47,7 +47,7 @@ impl OpenConnections {
         if self.tokens.values().map(open).sum::<usize>() >= self.limit {
             return Err(TooMany::InAll(self.limit));
         }
-        let token = self.tokens.entry(counted_as(address)).or_default();
+        let token = self.tokens.entry(network(address)).or_default();
         if open(token) >= self.limit_per_address {
             return Err(TooMany::FromOneAddress(self.limit_per_address));
         }
@@ -75,9 +75,9 @@ impl From<TooMany> for Problem {
     }
 }
 
-/// The address that stands for `address`: a host has all addresses of its IPv6 network, and an IPv4 address may be
+/// The address that stands for `address` where clients are counted: a host has all addresses of its IPv6 network, and an IPv4 address may be
 /// written as an IPv6 one.
-fn counted_as(address: IpAddr) -> IpAddr {
+pub(in crate::http) fn network(address: IpAddr) -> IpAddr {
     match address.to_canonical() {
         IpAddr::V6(address) => {
             let [a, b, c, d, ..] = address.segments();
@@ -120,8 +120,8 @@ mod tests {
 
     #[test]
     fn a_host_is_counted_once_however_it_writes_its_address() {
-        assert_eq!(counted_as(address("::ffff:10.0.0.1")), address("10.0.0.1"));
-        assert_eq!(counted_as(address("2001:db8:0:1:aaaa::1")), counted_as(address("2001:db8:0:1:bbbb::2")));
-        assert_ne!(counted_as(address("2001:db8:0:1::1")), counted_as(address("2001:db8:0:2::1")));
+        assert_eq!(network(address("::ffff:10.0.0.1")), address("10.0.0.1"));
+        assert_eq!(network(address("2001:db8:0:1:aaaa::1")), network(address("2001:db8:0:1:bbbb::2")));
+        assert_ne!(network(address("2001:db8:0:1::1")), network(address("2001:db8:0:2::1")));
     }
 }
