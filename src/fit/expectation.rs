@@ -48,9 +48,10 @@ pub fn expectation(recipe: &Recipe) -> Expectation {
     let power = |x: u32, [factor, exponent]: [f64; 2]| factor * pow(f64::from(x), exponent);
     let effort = power(recipe.fit.samples, SAMPLES) + power(recipe.fit.directions, DIRECTIONS);
     let over_ggx = recipe.brdf.kind().rules().prediction_factors().error * recipe.lobe.rules().error_over_ltc();
-    let error = match recipe.is_searched() {
-        true => over_ggx * (limit + interpolation + effort),
-        false => EXACT + exact_interpolation(recipe, h),
+    let error = if recipe.is_searched() {
+        over_ggx * (limit + interpolation + effort)
+    } else {
+        EXACT + exact_interpolation(recipe, h)
     };
     Expectation { seconds: fit_seconds(recipe), error, bytes: recipe.bytes() }
 }
