@@ -26,3 +26,4 @@ mod plans;
 mod recipes;
 mod schemathesis;
 mod stopping;
+mod tls;

@@ -87,7 +87,7 @@ pub(super) fn work(
                 let url = format!("http://{address}");
                 let said = json!({ "working": workers, "listening": url });
                 print(context.stdout, json, &said, &format!("{text}, listening on {url}"))?;
-                http::serve(listener, Arc::clone(&service), options, interrupt).await;
+                http::serve(listener, Arc::clone(&service), options, interrupt).await.map_err(failed)?;
             }
         }
         tokio::task::spawn_blocking(move || service.stop()).await.map_err(failed)?;

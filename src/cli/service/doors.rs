@@ -1,7 +1,9 @@
 //! Whom the service lets in: the tokens of its settings, and the refusal to start where anyone could call.
 
+use std::sync::Arc;
+
 use super::{CommandFailure, Exit, settings::ServeSettings};
-use ltcforge_server::http::WatchedTokens;
+use ltcforge_server::http::{Certificates, WatchedTokens};
 
 impl ServeSettings {
     /// The tokens of the service.
@@ -22,6 +24,23 @@ impl ServeSettings {
             self.listen
         );
         Err(CommandFailure::new(Exit::Usage, refused))
+    }
+
+    /// The certificate of the service; `None` if it speaks bare HTTP.
+    ///
+    /// # Errors
+    /// When one of the two files is missing, or they have faults.
+    pub(super) fn certificates(&self) -> Result<Option<Arc<Certificates>>, CommandFailure> {
+        let usage = |message: String| CommandFailure::new(Exit::Usage, message);
+        match (&self.tls_certificate, &self.tls_key) {
+            (None, None) => Ok(None),
+            (Some(certificate), Some(key)) => {
+                let opened = Certificates::open(certificate.clone(), key.clone());
+                opened.map(Arc::new).map(Some).map_err(|error| usage(error.to_string()))
+            }
+            (Some(_), None) => Err(usage("--tls-certificate needs --tls-key".to_owned())),
+            (None, Some(_)) => Err(usage("--tls-key needs --tls-certificate".to_owned())),
+        }
     }
 }
 

@@ -14,7 +14,10 @@ use ltcforge_server::{http, service::Service};
 /// Runs the service until it is interrupted.
 pub(super) fn run(settings: &ServeSettings, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let (listen, config) = (settings.listen, settings.config());
-    let options = http::Options { tokens: Arc::new(settings.tokens()?), ..settings.http(raise_descriptor_limit()) };
+    let certificates = settings.certificates()?;
+    let scheme = if certificates.is_some() { "https" } else { "http" };
+    let tokens = Arc::new(settings.tokens()?);
+    let options = http::Options { tokens, certificates, ..settings.http(raise_descriptor_limit()) };
     let open = {
         let replica = &settings.replica;
         let (shared, works, seconds) = (super::cluster::replica(replica), !replica.no_workers, replica.lease_seconds);
@@ -28,10 +31,11 @@ pub(super) fn run(settings: &ServeSettings, json: bool, context: &mut Context<'_
         let (listener, address) = self::listen(listen).await?;
         let opened = tokio::task::spawn_blocking(move || open(config)).await;
         let service = opened.map_err(failed)?.map_err(failed)?;
-        let url = format!("http://{address}");
+        let url = format!("{scheme}://{address}");
         print(context.stdout, json, &json!({ "listening": url }), &format!("listening on {url}"))?;
-        http::serve(listener, Arc::clone(&service), options, context.interrupt.clone().wait()).await;
+        let served = http::serve(listener, Arc::clone(&service), options, context.interrupt.clone().wait()).await;
         tokio::task::spawn_blocking(move || service.stop()).await.map_err(failed)?;
+        served.map_err(failed)?;
         Ok(Exit::Ok)
     })
 }

@@ -113,6 +113,12 @@ pub(crate) struct ServeSettings {
     /// Without tokens, serve anyone who reaches an address that is not of this machine alone
     #[arg(long, env = "LTCFORGE_ALLOW_ANYONE", num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL")]
     pub allow_anyone: Option<bool>,
+    /// Certificate by which the service speaks TLS, with those that vouch for it, in PEM; read again when it changes
+    #[arg(long, env = "LTCFORGE_TLS_CERTIFICATE", value_name = "FILE")]
+    pub tls_certificate: Option<PathBuf>,
+    /// Private key of that certificate, in PEM
+    #[arg(long, env = "LTCFORGE_TLS_KEY", value_name = "FILE")]
+    pub tls_key: Option<PathBuf>,
     /// Connections open at the same time; fewer if the process may not open as many files [default: 1024]
     #[arg(long, env = "LTCFORGE_CONNECTIONS", value_name = "N")]
     pub connections: Option<NonZeroUsize>,
@@ -155,6 +161,8 @@ impl Default for ServeSettings {
             tokens: None,
             token_list: None,
             allow_anyone: None,
+            tls_certificate: None,
+            tls_key: None,
             connections: None,
             connections_per_address: None,
             requests_per_second: None,
@@ -255,6 +263,7 @@ impl ServeSettings {
             limits: ConnectionLimits { per_address: per_address.min(connections), ..limits },
             origins: OriginPolicy { hosts: self.allow_host.clone(), origins: self.allow_origin.clone() },
             tokens: Arc::default(),
+            certificates: None,
             requests_per_second: self.requests_per_second,
             redirects: self.replica.redirect,
             only_operations: false,
@@ -311,7 +320,7 @@ pub(super) mod tests {
                     job_days = 7\nexport_bytes = 8\nadapter = 'gpu'\npicture_seconds = 9\npicture_queue = 10\n\
                     picture_memory = 11\nallow_host = ['h']\nallow_origin = ['https://o']\nconnections = 12\n\
                     connections_per_address = 13\nclient_seconds = 14\nbrdf_limit = 15\nlight_texture_limit = 16\n\
-                    tokens = 't'\ntoken_list = 'l'\nallow_anyone = true\nrequests_per_second = 17";
+                    tokens = 't'\ntoken_list = 'l'\nallow_anyone = true\nrequests_per_second = 17\ntls_certificate = 'c'\ntls_key = 'k'";
         let flags: Vec<String> = file
             .lines()
             .map(|line| {

@@ -7,6 +7,7 @@
 mod access;
 mod api;
 mod brdfs;
+mod certificates;
 mod conditional;
 mod connection;
 mod error;
@@ -28,11 +29,13 @@ mod recipes;
 mod request_id;
 mod routes;
 mod security_fields;
+mod seen;
 mod serve;
 mod tables;
 mod views;
 
 pub use access::{KeptToken, Scope, TOKEN_BYTES, TokenFileError, Tokens, WatchedTokens};
+pub use certificates::{CertificateError, Certificates};
 pub use extract::BODY_LIMIT_BYTES;
 pub use limits::ConnectionLimits;
 pub use origin_policy::{AllowedHost, AllowedOrigin, OriginPolicy};

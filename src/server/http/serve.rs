@@ -1,6 +1,6 @@
 //! Serving until a shutdown.
 
-use std::{future::Future, num::NonZeroU32, sync::Arc};
+use std::{future::Future, io, num::NonZeroU32, sync::Arc};
 
 use axum::{
     Router,
@@ -17,12 +17,13 @@ use tracing::Level;
 use super::{
     access::{self, Access, Rates, WatchedTokens},
     api::{Api, READS},
+    certificates::Certificates,
     conditional, connection,
     extract::{BODY_LIMIT_BYTES, UPLOADS},
     limits::ConnectionLimits,
     origin_policy::{self, OriginPolicy},
     request_id::{self, NamedSpan},
-    routes, security_fields,
+    routes, security_fields, seen,
 };
 use crate::service::Service;
 
@@ -39,18 +40,23 @@ pub struct Options {
     pub requests_per_second: Option<NonZeroU32>,
     /// Whether clients that download a table are sent to the store of blobs, where it gives URLs for that.
     pub redirects: bool,
+    /// The certificate by which it speaks TLS; `None` for bare HTTP.
+    pub certificates: Option<Arc<Certificates>>,
     /// Whether only operators are answered: health, readiness, metrics and version.
     pub only_operations: bool,
 }
 
 /// Serves requests on `listener` until `shutdown` resolves. Then it accepts no more, ends event streams, gives open
 /// responses the time of [`ConnectionLimits::drain`] to finish, and returns.
+///
+/// # Errors
+/// When TLS cannot be spoken; nothing was served then.
 pub async fn serve(
     listener: TcpListener,
     service: Arc<Service>,
     options: Options,
     shutdown: impl Future<Output = ()> + Send,
-) {
+) -> io::Result<()> {
     let (stop, stopping) = watch::channel(false);
     let limits = Arc::new(options.limits);
     let api = Api {
@@ -61,15 +67,27 @@ pub async fn serve(
         reads: Arc::new(Semaphore::new(READS)),
         redirects: options.redirects,
     };
-    let watched = Arc::clone(&options.tokens).watch(stopping.clone());
+    let tls = options.certificates.as_ref().map(Certificates::acceptor).transpose()?;
+    let tokens = seen::watch(Arc::clone(&options.tokens) as _, stopping.clone());
+    let certificates = async {
+        if let Some(certificates) = options.certificates {
+            seen::watch(certificates, stopping.clone()).await;
+        }
+    };
     let access = Access { tokens: options.tokens, rates: options.requests_per_second.map(Rates::new) };
-    let served =
-        connection::serve(listener, router(api, options.only_operations, options.origins, access), limits, stopping);
+    let served = connection::serve(
+        listener,
+        router(api, options.only_operations, options.origins, access),
+        tls,
+        limits,
+        stopping.clone(),
+    );
     let stopped = async {
         shutdown.await;
         stop.send_replace(true);
     };
-    tokio::join!(served, stopped, watched);
+    tokio::join!(served, stopped, tokens, certificates);
+    Ok(())
 }
 
 /// The routes with the layers that every request passes. A line for each request is logged at level `debug`: at the

@@ -2,18 +2,12 @@
 
 use std::{
     fs, io,
-    os::unix::fs::MetadataExt as _,
-    path::{Path, PathBuf},
+    path::PathBuf,
     sync::{Arc, PoisonError, RwLock},
-    time::Duration,
 };
 
-use tokio::sync::watch;
-
 use super::Tokens;
-
-/// How often the file is looked at.
-const LOOK: Duration = Duration::from_secs(1);
+use crate::http::seen::{Renewed, Seen};
 
 /// The longest file: some ten thousand tokens.
 const LONGEST_FILE: u64 = 1 << 20;
@@ -40,16 +34,7 @@ pub struct WatchedTokens {
     listed: Option<String>,
     file: Option<PathBuf>,
     current: RwLock<Arc<Tokens>>,
-    /// Of the file that was last read, whether it had faults or not.
-    stamp: RwLock<Option<Stamp>>,
-}
-
-/// What differs once the file was written or replaced: inode, length, and the time of change.
-type Stamp = (u64, u64, i64, i64);
-
-fn stamp(path: &Path) -> Option<Stamp> {
-    let file = fs::metadata(path).ok()?;
-    Some((file.ino(), file.len(), file.ctime(), file.ctime_nsec()))
+    seen: Seen,
 }
 
 impl WatchedTokens {
@@ -58,7 +43,9 @@ impl WatchedTokens {
     /// # Errors
     /// See [`TokenFileError`].
     pub fn open(listed: Option<String>, file: Option<PathBuf>) -> Result<Self, TokenFileError> {
-        let watched = Self { listed, file, ..Self::default() };
+        let seen = Seen::new(file.iter().cloned().collect());
+        seen.have_changed();
+        let watched = Self { listed, file, seen, ..Self::default() };
         watched.read()?;
         Ok(watched)
     }
@@ -73,8 +60,6 @@ impl WatchedTokens {
         let text = match &self.file {
             None => String::new(),
             Some(path) => {
-                // Before the file is read: a change meanwhile is seen with the next look.
-                *self.stamp.write().unwrap_or_else(PoisonError::into_inner) = stamp(path);
                 let unreadable = |source| TokenFileError::Unreadable { path: path.clone(), source };
                 let file = fs::File::open(path).map_err(unreadable)?;
                 let mut text = String::new();
@@ -91,31 +76,18 @@ impl WatchedTokens {
         *self.current.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(tokens);
         Ok(())
     }
+}
 
-    /// Reads the file again if it has changed. With faults, or without a token, those from before stay: a slip of an editor
-    /// locks nobody out and opens no door.
-    fn look(&self) {
-        let Some(path) = &self.file else { return };
-        if *self.stamp.read().unwrap_or_else(PoisonError::into_inner) == stamp(path) {
-            return;
-        }
-        match self.read() {
-            Ok(()) => tracing::info!(path = %path.display(), "the tokens were read again"),
-            Err(error) => tracing::error!("{error}; the tokens from before stay"),
-        }
+impl Renewed for WatchedTokens {
+    fn seen(&self) -> &Seen {
+        &self.seen
     }
 
-    /// Looks at the file once a second until `stopping` becomes true.
-    pub(in crate::http) async fn watch(self: Arc<Self>, mut stopping: watch::Receiver<bool>) {
-        if self.file.is_none() {
-            return;
-        }
-        let stopped = stopping.wait_for(|stopping| *stopping);
-        tokio::pin!(stopped);
-        while tokio::time::timeout(LOOK, &mut stopped).await.is_err() {
-            let tokens = Arc::clone(&self);
-            // A look that fails is followed by another.
-            let _ = tokio::task::spawn_blocking(move || tokens.look()).await;
+    /// With faults, or without a token, those from before stay: a slip of an editor locks nobody out and opens no door.
+    fn renew(&self) {
+        match self.read() {
+            Ok(()) => tracing::info!("the tokens were read again"),
+            Err(error) => tracing::error!("{error}; the tokens from before stay"),
         }
     }
 }
@@ -134,25 +106,30 @@ mod tests {
         // Another length each time: the time of change may be the same within some milliseconds.
         fs::write(&path, format!("{}\n", a.1)).unwrap();
         let watched = WatchedTokens::open(Some(c.1.to_string()), Some(path.clone())).unwrap();
+        let look = || {
+            if watched.seen.have_changed() {
+                watched.renew();
+            }
+        };
         let found = || [&a, &b, &c].map(|(secret, _)| watched.current().find(secret.as_bytes()).is_some());
         assert_eq!(found(), [true, false, true]);
         fs::write(&path, format!("# b\n{}\n", b.1)).unwrap();
-        watched.look();
+        look();
         assert_eq!(found(), [false, true, true], "the first token is revoked");
         fs::write(&path, "nonsense").unwrap();
-        watched.look();
+        look();
         fs::remove_file(&path).unwrap();
-        watched.look();
+        look();
         assert_eq!(found(), [false, true, true], "those from before stay");
         fs::write(&path, format!("{}\n{}\n", a.1, c.1)).unwrap();
-        watched.look();
+        look();
         assert_eq!(found(), [false, true, true], "a name twice");
 
         let path = dir.path().join("alone");
         fs::write(&path, format!("{}\n", a.1)).unwrap();
         let watched = WatchedTokens::open(None, Some(path.clone())).unwrap();
         fs::write(&path, "# none").unwrap();
-        watched.look();
+        watched.renew();
         assert!(!watched.current().is_empty(), "an empty file opens no door");
         assert!(matches!(WatchedTokens::open(None, Some(path)), Err(TokenFileError::Faults(_))));
     }

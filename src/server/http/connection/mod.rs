@@ -33,6 +33,8 @@ use tokio::{
     task::JoinSet,
     time::{sleep, timeout},
 };
+use tokio_rustls::{TlsAcceptor, server::TlsStream};
+use tokio_util::either::Either;
 
 use self::{
     open::{OpenConnections, Token, network},
@@ -69,6 +71,9 @@ const WARNING_INTERVAL: Duration = Duration::from_secs(60);
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct LocalAddress(pub(super) SocketAddr);
 
+/// What is read from and written to: bare, or by TLS.
+type Stream = Either<TcpStream, Box<TlsStream<TcpStream>>>;
+
 /// The address that a client has, as connections from it are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct RemoteAddress(pub(super) IpAddr);
@@ -77,6 +82,7 @@ pub(super) struct RemoteAddress(pub(super) IpAddr);
 pub(super) async fn serve(
     listener: TcpListener,
     app: Router,
+    tls: Option<TlsAcceptor>,
     limits: Arc<ConnectionLimits>,
     stopping: watch::Receiver<bool>,
 ) {
@@ -99,12 +105,14 @@ pub(super) async fn serve(
         };
         match open.admit(remote.ip()) {
             Ok(token) => {
-                tasks.spawn(connection(tcp, app.clone(), Arc::clone(&limits), stopping.clone(), token));
+                let served = connection(tcp, app.clone(), tls.clone(), Arc::clone(&limits), stopping.clone(), token);
+                tasks.spawn(served);
             }
             Err(too_many) => {
                 warnings.warn(&format!("connections are refused: {too_many:?}"));
-                if refusals.len() < REFUSALS {
-                    refusals.spawn(tell(tcp, too_many.into()));
+                // A client of TLS could not read it.
+                if tls.is_none() && refusals.len() < REFUSALS {
+                    refusals.spawn(tell(Stream::Left(tcp), too_many.into()));
                 }
             }
         }
@@ -153,6 +161,7 @@ impl Warnings {
 async fn connection(
     tcp: TcpStream,
     app: Router,
+    tls: Option<TlsAcceptor>,
     limits: Arc<ConnectionLimits>,
     stopping: watch::Receiver<bool>,
     token: Token,
@@ -165,6 +174,7 @@ async fn connection(
     // one did not read.
     #[cfg(target_os = "linux")]
     let _ = socket2::SockRef::from(&tcp).set_tcp_notsent_lowat(UNSENT_BYTES);
+    let Some(stream) = begun(tcp, tls, limits.client).await else { return };
     let mut builder = http1::Builder::new();
     builder.timer(TokioTimer::new()).header_read_timeout(limits.client);
     // The buffer may grow a little beyond its limit; the head may not.
@@ -175,7 +185,7 @@ async fn connection(
         request.extensions_mut().insert(remote);
         app.call(request)
     });
-    let stream = TokioIo::new(ClientStream::new(tcp, limits.client));
+    let stream = TokioIo::new(ClientStream::new(stream, limits.client));
     let mut connection = builder.serve_connection(stream, service);
     let ended = tokio::select! {
         ended = &mut connection => ended,
@@ -185,48 +195,64 @@ async fn connection(
         }
     };
     let http1::Parts { io, read_buf, .. } = connection.into_parts();
-    let tcp = io.into_inner().into_tcp();
+    let stream = io.into_inner().into_bare();
     tokio::select! {
-        () = close(tcp, ended, !read_buf.is_empty(), limits.client) => {}
+        () = close(stream, ended, !read_buf.is_empty(), limits.client) => {}
         () = stopped(stopping) => {}
     }
     drop(token);
 }
 
+/// A connection once TLS has begun on it, where it does; `None` if the client did not begin it within `limit`.
+async fn begun(tcp: TcpStream, tls: Option<TlsAcceptor>, limit: Duration) -> Option<Stream> {
+    let Some(tls) = tls else { return Some(Stream::Left(tcp)) };
+    match timeout(limit, tls.accept(tcp)).await {
+        Ok(Ok(stream)) => Some(Stream::Right(Box::new(stream))),
+        Ok(Err(error)) => {
+            tracing::debug!("a connection did not begin TLS: {error}");
+            None
+        }
+        Err(_) => {
+            tracing::debug!("a connection did not begin TLS within {limit:?}");
+            None
+        }
+    }
+}
+
 /// Ends a connection so that the client gets to read the last answer, if there is one.
-async fn close(tcp: TcpStream, ended: hyper::Result<()>, has_begun_head: bool, limit: Duration) {
+async fn close(stream: Stream, ended: hyper::Result<()>, has_begun_head: bool, limit: Duration) {
     match ended {
-        Ok(()) => linger(tcp).await,
+        Ok(()) => linger(stream).await,
         Err(error) if error.is_timeout() && has_begun_head => {
-            tell(tcp, Problem::new(ProblemKind::SlowRequest, slow("head", limit))).await;
+            tell(stream, Problem::new(ProblemKind::SlowRequest, slow("head", limit))).await;
         }
         Err(error) if error.is_parse_version_h2() => {
             let detail = "the connection begins with the preface of HTTP/2, and the service speaks HTTP/1.1";
-            tell(tcp, Problem::new(ProblemKind::BadRequest, detail)).await;
+            tell(stream, Problem::new(ProblemKind::BadRequest, detail)).await;
         }
-        Err(error) if error.is_parse() => linger(tcp).await,
+        Err(error) if error.is_parse() => linger(stream).await,
         Err(error) => tracing::debug!("a connection was given up: {error}"),
     }
 }
 
 /// Answers a connection that is not served, or no longer.
-async fn tell(mut tcp: TcpStream, problem: Problem) {
+async fn tell(mut stream: Stream, problem: Problem) {
     let told = timeout(LINGER, async {
-        tcp.write_all(&raw::answer(&problem)).await?;
-        tcp.shutdown().await
+        stream.write_all(&raw::answer(&problem)).await?;
+        stream.shutdown().await
     });
     if let Ok(Ok(())) = told.await {
-        linger(tcp).await;
+        linger(stream).await;
     }
 }
 
 /// Reads until the client closes its side too, within bounds.
-async fn linger(mut tcp: TcpStream) {
+async fn linger(mut stream: Stream) {
     let read = async {
         let mut sink = vec![0; 16 * 1024];
         let mut total = 0;
         while total < LINGER_BYTES {
-            match tcp.read(&mut sink).await {
+            match stream.read(&mut sink).await {
                 Ok(0) | Err(_) => return,
                 Ok(read) => total += read,
             }

@@ -10,16 +10,15 @@ use std::{
 
 use tokio::{
     io::{AsyncRead, AsyncWrite, ReadBuf},
-    net::TcpStream,
     time::{Sleep, sleep},
 };
 
-use super::{super::limits::HEAD_LIMIT_BYTES, raw};
+use super::{super::limits::HEAD_LIMIT_BYTES, Stream, raw};
 
-/// A client's TCP stream under a time limit for writing.
+/// A client's stream under a time limit for writing.
 #[derive(Debug)]
 pub(super) struct ClientStream {
-    tcp: TcpStream,
+    bare: Stream,
     limit: Duration,
     /// Runs while the system takes no more bytes for the client. It takes more only once a good part of those that it
     /// has were read, so a client cannot keep its connection by reading a byte now and then.
@@ -32,13 +31,13 @@ pub(super) struct ClientStream {
 
 impl ClientStream {
     /// A stream that fails once the client has read nothing for as long as `limit`.
-    pub(super) fn new(tcp: TcpStream, limit: Duration) -> Self {
-        Self { tcp, limit, stalled: None, head: Vec::new(), replacement: None }
+    pub(super) fn new(bare: Stream, limit: Duration) -> Self {
+        Self { bare, limit, stalled: None, head: Vec::new(), replacement: None }
     }
 
     /// The bare stream.
-    pub(super) fn into_tcp(self) -> TcpStream {
-        self.tcp
+    pub(super) fn into_bare(self) -> Stream {
+        self.bare
     }
 
     /// Passes on the outcome of a write, or the error that the client does not read.
@@ -56,7 +55,7 @@ impl ClientStream {
     /// Writes the replacement of an answer of `length` bytes; these then count as written.
     fn poll_replacement(&mut self, cx: &mut Context<'_>, length: usize) -> Poll<io::Result<usize>> {
         while let Some(rest) = self.replacement.as_deref().filter(|rest| !rest.is_empty()) {
-            let wrote = Pin::new(&mut self.tcp).poll_write(cx, rest);
+            let wrote = Pin::new(&mut self.bare).poll_write(cx, rest);
             match ready!(self.watch(cx, wrote))? {
                 0 => return Poll::Ready(Err(io::ErrorKind::WriteZero.into())),
                 written => self.replacement.iter_mut().for_each(|rest| drop(rest.drain(..written))),
@@ -70,7 +69,7 @@ impl ClientStream {
 impl AsyncRead for ClientStream {
     fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
         let before = buf.filled().len();
-        ready!(Pin::new(&mut self.tcp).poll_read(cx, buf))?;
+        ready!(Pin::new(&mut self.bare).poll_read(cx, buf))?;
         let (read, room) = (&buf.filled()[before..], HEAD_LIMIT_BYTES - self.head.len());
         self.head.extend_from_slice(&read[..read.len().min(room)]);
         Poll::Ready(Ok(()))
@@ -97,19 +96,19 @@ impl AsyncWrite for ClientStream {
         if this.replacement.is_some() {
             return this.poll_replacement(cx, bufs.iter().map(|buf| buf.len()).sum());
         }
-        let wrote = Pin::new(&mut this.tcp).poll_write_vectored(cx, bufs);
+        let wrote = Pin::new(&mut this.bare).poll_write_vectored(cx, bufs);
         this.watch(cx, wrote)
     }
 
     fn is_write_vectored(&self) -> bool {
-        self.tcp.is_write_vectored()
+        self.bare.is_write_vectored()
     }
 
     fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.tcp).poll_flush(cx)
+        Pin::new(&mut self.bare).poll_flush(cx)
     }
 
     fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.tcp).poll_shutdown(cx)
+        Pin::new(&mut self.bare).poll_shutdown(cx)
     }
 }

@@ -46,7 +46,7 @@ async fn start(limits: ConnectionLimits) -> Served {
     let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
     let address = listener.local_addr().expect("an address");
     let (stop, stopping) = watch::channel(false);
-    Served { address, stop, task: tokio::spawn(serve(listener, app, Arc::new(limits), stopping)) }
+    Served { address, stop, task: tokio::spawn(serve(listener, app, None, Arc::new(limits), stopping)) }
 }
 
 /// A connection on which `text` was sent.
