@@ -19,8 +19,8 @@ Metals and layers under area lights, as OpenPBR has them: a coat and fuzz over a
 FUNCTIONS
   layers_metal(parts, f0, tint)  what a metal reflects by F82: parts as normals_rectangle returns them, or
       vec2(lobe.amplitude, lobe.fresnel) times the part that ltc_rectangle tells.
-  layers_fuzz(roughness, wo)  fuzz as one view sees it, in the tangent frame, normal +z: the inverse that ltc_rectangle
-      and its like take, and the part of all light that it reflects.
+  layers_fuzz(roughness, wo)  fuzz as one view sees it, in the tangent frame, normal +z: LtcInverse(inverse, 1.0) is what
+      ltc_rectangle and its like take, and albedo the part of all light that it reflects.
   layers_albedo(amplitude, fresnel, f0)  what a dielectric reflects of all light, by the terms of a table's lobe.
   layers_coated(base, coat, albedo, weight, transmittance)  the light of a base under a coat.
   layers_fuzzed(below, fuzz, albedo, weight)  the light of all below under fuzz.
@@ -28,7 +28,7 @@ FUNCTIONS
 USE
   Sum up what base, coat and fuzz each reflect of the lights, then combine the sums once:
     let fuzz = layers_fuzz(fuzz_roughness, wo);
-    let fuzz_light = radiance * fuzz_color * fuzz.albedo * ltc_rectangle(fuzz.inverse, corners, two_sided);
+    let fuzz_light = radiance * fuzz_color * fuzz.albedo * ltc_rectangle(LtcInverse(fuzz.inverse, 1.0), corners, false);
     let albedo = layers_albedo(coat_lobe.amplitude, coat_lobe.fresnel, 0.04);
     let coated = layers_coated(base_light, coat_light, albedo, coat_weight, coat_color);
     let colour = layers_fuzzed(coated, fuzz_light, fuzz.albedo, fuzz_weight);

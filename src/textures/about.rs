@@ -6,8 +6,8 @@ use ltcforge_fit::{BrdfKind, Recipe};
 /// The licence of the numbers: tables are facts about a BRDF, and those who ship them should not have to ask.
 const LICENCE: &str = "licence of the numbers: CC0-1.0";
 
-/// Where the lobes of `fuzz` come from, which are published numbers and no fit.
-const FUZZ: &str = "lobes of fuzz: Zeltner, Burley, Chiang 2022, by the functions of MaterialX 1.39, Apache-2.0";
+/// That of tables of `fuzz`, whose lobes are published numbers and no fit.
+const FUZZ: &str = "licence of the numbers: Apache-2.0, that of the lobes of fuzz: Zeltner, Burley, Chiang 2022, by the functions of MaterialX 1.39";
 
 /// The papers that a layout's numbers come from.
 const PAPERS: [&str; 2] = [
@@ -59,8 +59,7 @@ impl About {
         lines.extend(error.map(|MeanError { width, places }| {
             format!("mean error between nodes: {width:.4} of the lobe's width, at {places} places")
         }));
-        lines.push(LICENCE.to_owned());
-        lines.extend(brdf.filter(|brdf| *brdf == BrdfKind::Fuzz).map(|_| FUZZ.to_owned()));
+        lines.push(if brdf == Some(BrdfKind::Fuzz) { FUZZ } else { LICENCE }.to_owned());
         lines.extend(PAPERS.map(str::to_owned));
         Self { table: Some(table), ..Self::new(lines) }
     }
@@ -115,6 +114,20 @@ mod tests {
         assert_eq!(of(b"abc", "reflected-array").suffix(), "_reflected_array_ba7816bf");
         assert_ne!(of(b"abc", "ltc2017").suffix(), of(b"abd", "ltc2017").suffix());
         assert_eq!(About::new(["a line"]).suffix(), "");
+    }
+
+    /// A table of fuzz has published numbers, which are not ours to give away.
+    #[test]
+    fn one_licence_is_told() {
+        for (brdf, licence) in
+            [(BrdfKind::Ggx, "CC0-1.0"), (BrdfKind::Charlie, "CC0-1.0"), (BrdfKind::Fuzz, "Apache-2.0")]
+        {
+            let document = format!(r#"{{"brdf": "{brdf}"}}"#);
+            let recipe = recipe_document::parse(document.as_bytes(), 1_000_000).expect("a recipe");
+            let about = About::of_table(Digest::of(b""), Some(&recipe), None);
+            let told: Vec<_> = about.lines().iter().filter(|line| line.starts_with("licence")).collect();
+            assert!(told.len() == 1 && told[0].contains(licence), "{brdf}: {told:?}");
+        }
     }
 
     /// The mean of a few places may be twice that of many.

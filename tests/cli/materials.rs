@@ -189,7 +189,7 @@ fn two_lobes_are_near_for_metal_and_for_plastic() {
     );
 }
 
-/// The default anisotropic table with two lobes, of plastic: nearer than a quarter of what one lobe is off.
+/// The default anisotropic table with two lobes, of plastic: off by about a third of what one lobe is.
 #[test]
 fn two_lobes_serve_plastic_on_brushed_surfaces() {
     let folder = tempfile::tempdir().expect("a folder");

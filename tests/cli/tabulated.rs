@@ -99,6 +99,11 @@ fn all_faults_of_recipe_and_file_are_told_at_once_and_nothing_is_fitted() {
     }
     assert!(!here.join("out").exists());
 
+    // Of a file that is not there nothing else is said: it may be of anisotropic surfaces.
+    let recipe = r#"{"brdf": "tabulated", "tabulated": "none.safetensors", "range": {"ratio": [0.4, 1]}, "resolution": {"phi": 3}}"#;
+    let refused = run_with_stdin(here, ["fit", "-", "-o", "out"], recipe).exited(2);
+    assert!(refused.complaints().len() == 1 && refused.stderr.contains("none.safetensors"), "{refused:#?}");
+
     let refused = run(here, ["tabulate", "ggx", "--alpha", "0.02", "-o", "c.safetensors"]).exited(2);
     assert!(refused.stderr.contains("reflect more than 1.001 of even light"), "{refused:#?}");
     assert!(!here.join("c.safetensors").exists());

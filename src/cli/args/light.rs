@@ -65,8 +65,8 @@ pub struct LightArgs {
     /// The reflectance at grazing incidence, with `--f0`: 0 to 1
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true, requires = "f0")]
     pub f90: f64,
-    /// Find what the material of `--f0` reflects by one integral, of the blend of the two lobes that a table with field
-    /// `fresnel` of `blended_lobes` has, in place of one integral a lobe
+    /// Find what the material of `--f0` reflects by one integral, of the blend of the two lobes that a table has whose recipe has
+    /// `fresnel` `blended_lobes`, for which it is fitted, or `two_lobes`, in place of one integral a lobe
     #[arg(long, requires = "f0", requires = "table")]
     pub blend: bool,
     /// Give back what facets lose that shadow each other, with `--f0`: times `1 + f0 (1 / albedo - 1)`, for metals

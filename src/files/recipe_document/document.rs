@@ -257,7 +257,7 @@ fn read_range(
     };
     let [alphas, ratios, thetas] =
         [of_file(|axes| &axes.alpha), of_file(|axes| &axes.ratio), of_file(|axes| &axes.theta_o)];
-    let of_model = if brdf.is_isotropic() && !model.has_azimuths() { ISOTROPIC } else { DOMAIN };
+    let of_model = if model.is_isotropic() { ISOTROPIC } else { DOMAIN };
     let default = only.unwrap_or(match axes {
         // A surface without roughness is one entry, as rough as can be and of equal roughnesses.
         Some(_) => PerAxis {

@@ -119,7 +119,7 @@ impl BrdfModel {
     pub fn is_isotropic(&self) -> bool {
         match &self.file {
             Some(file) => file.data.as_ref().is_some_and(|data| data.axes().is_isotropic()),
-            None => self.kind.is_isotropic(),
+            None => self.kind != BrdfKind::Tabulated && self.kind.is_isotropic(),
         }
     }
 

@@ -74,7 +74,15 @@ pub(crate) fn programs() -> Vec<Program> {
     let two =
         [Layout::Reflected, Layout::Ltc2017].into_iter().flat_map(|layout| TWO_LOBES.map(|way| of_two(layout, way)));
     let ways = EngineWay::ALL.iter().map(|way| of_way(*way));
-    texts.chain(two).chain(by_choice()).chain(compensated()).chain(layered()).chain(textured()).chain(ways).collect()
+    texts
+        .chain(two)
+        .chain(by_choice())
+        .chain(shapes())
+        .chain(compensated())
+        .chain(layered())
+        .chain(textured())
+        .chain(ways)
+        .collect()
 }
 
 /// Tables' texts by what may be chosen of them: cut at the surface, the horizon by the cheap fit, both.
@@ -85,6 +93,33 @@ fn by_choice() -> impl Iterator<Item = Program> {
         |(layout, (cut, is_cheap))| {
             let text = of_text(LitBy::from(layout).with(Additions { cut, compensate: false, textured: None }).ok()?);
             Some(if is_cheap { with_cheap_horizon(text) } else { text })
+        },
+    )
+}
+
+/// Lights that are no polygons, as they are and cut at the surface.
+fn shapes() -> impl Iterator<Item = Program> {
+    let calls = [
+        ("disk", "c[0], 0.5 * (c[1] - c[0]), 0.5 * (c[3] - c[0]), false"),
+        ("sphere", "c[0], length(c[1] - c[0])"),
+        ("tube", "c[0], c[1], length(c[3] - c[0])"),
+        ("line", "c[0], c[1], length(c[3] - c[0])"),
+    ];
+    let layouts = [Layout::Reflected, Layout::Ltc2017];
+    let choices = layouts.into_iter().flat_map(|layout| [false, true].map(|cut| (layout, cut)));
+    choices.flat_map(move |choice| calls.map(|call| (choice, call))).filter_map(
+        |((layout, cut), (shape, arguments))| {
+            let lit_by = LitBy::from(layout).with(Additions { cut, ..Additions::default() }).ok()?;
+            let function = if cut { format!("ltc_cut_{shape}") } else { format!("ltc_{shape}") };
+            let lit = format!(
+                "fn lit(alpha: vec2<f32>, seen: Seen) -> vec4<f32> {{
+    let lobe = ltc_lookup(alpha.x, alpha.y, seen.wo);
+    let c = seen.corners;
+    return vec4({function}(ltc_inverse(lobe.m), {arguments}), lobe.amplitude, lobe.fresnel, 0.0);
+}}\n"
+            );
+            let text = functions(lit_by, Reading::default(), Lights::All);
+            Some(program(format!("{}, {function}", LitBy::from(layout).name()), &[&text, &lit], Some((layout, false))))
         },
     )
 }
