@@ -3,10 +3,12 @@
 mod cases;
 mod engines;
 mod pictures;
+mod profiles;
 pub mod scenes;
 
 use std::fmt::Write as _;
 
+pub use self::profiles::profiles;
 use ltcforge::{
     Layout, Preset, Recipe, RecipeDocument as _,
     fit::{Configuration, Ltc, Table, math::from_row_major},
