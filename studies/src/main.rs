@@ -105,7 +105,7 @@ enum Study {
     /// The tables of docs/textured.md: lights with a picture
     Textured {
         /// Lights of a row
-        #[arg(long, default_value_t = 300)]
+        #[arg(long, default_value_t = 900)]
         lights: usize,
         /// Draw the scenes of docs/textured.md into this file in place of the table
         #[arg(long, value_name = "FILE.png")]

@@ -160,3 +160,35 @@ fn by_engines_reading(
         fresnel: colour.map(|channel| fresnel * channel),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::textured::cases::Set;
+
+    /// docs/textured.md, of a ninth of its lights: four readings by `normals`, and how much less they err than one.
+    #[test]
+    fn four_readings_err_as_little_as_the_document_says() {
+        let pictures: Vec<Pictures> = cases::FORMS.into_par_iter().map(Pictures::new).collect();
+        for (set, bound, of_one) in [
+            (Set::Random, 0.0075, 0.6),
+            (Set::Anisotropic, 0.0065, 0.7),
+            (Set::Grazing, 0.01, 0.7),
+            (Set::Rough, 0.001, 0.95),
+            (Set::Floor, 0.0032, 0.7),
+        ] {
+            let cases = cases(set, 100, &pictures);
+            let [one, four] = [Readings::One, Readings::Four].map(|number| {
+                let errors = cases.par_iter().flat_map_iter(|case| {
+                    let how = (NormalsRule::Balanced, number);
+                    let found = pictures[case.form]
+                        .channels(|pyramid| case.light.by_normals(&case.at, pyramid, how).expect("a surface"));
+                    found.into_iter().zip(&case.truth).map(|(found, truth)| (found - truth).abs()).collect::<Vec<_>>()
+                });
+                Spread::of(errors.collect()).mean
+            });
+            println!("{}: {four:.5} by four readings, {one:.5} by one", set.name());
+            assert!(four < bound && four < of_one * one, "{}: {four} {one}", set.name());
+        }
+    }
+}
