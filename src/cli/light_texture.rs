@@ -8,7 +8,10 @@ use super::{
     CommandFailure, Context, Exit, args::LightTextureArgs, file_failure, output::check_output_folder, print, shown,
 };
 use ltcforge_files::{bounded::read_file, digest::Digest, replace::replace_file};
-use ltcforge_textures::{LightTexture, LightTextureError, LightTextureOptions, MOST_PIXELS, light_texture};
+use ltcforge_light::textured::MOST_SQUARE_TEXELS;
+use ltcforge_textures::{
+    LightTexture, LightTextureError, LightTextureOptions, MOST_PIXELS, PROFILE_FORMAT, light_texture,
+};
 
 /// The longest picture that is read.
 const PICTURE_LIMIT_BYTES: u64 = 1 << 28;
@@ -42,12 +45,20 @@ pub(super) fn run(args: &LightTextureArgs, json: bool, context: &mut Context<'_>
     let mut value = json!(made);
     value["files"] = list.into();
     let mut text = format!(
-        "{format} of {} x {} pixels, {transfer}; {} x {} texels, {levels} levels, {texels}\n",
-        picture[0], picture[1], size[0], size[1]
+        "{format} of {} x {} {}, {transfer}; {} x {} texels, {levels} levels, {texels}\n",
+        picture[0],
+        picture[1],
+        if *format == PROFILE_FORMAT { "angles" } else { "pixels" },
+        size[0],
+        size[1]
     );
     for file in files {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "{}  {} bytes", args.out.join(&file.name).display(), file.bytes.len());
+    }
+    if *format != PROFILE_FORMAT && (0..2).all(|i| size[i] < picture[i]) {
+        let [along, in_all] = MOST_SQUARE_TEXELS;
+        let _ = writeln!(text, "coarser than the picture: texels are at most {along} a side and {in_all} in all");
     }
     if *error > 0.0 {
         let _ = writeln!(text, "rounded: a channel changes by at most {error:.1e} of its texel's largest");

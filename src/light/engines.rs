@@ -18,7 +18,7 @@ named_list! {
     /// How engines and papers light by a rectangle.
     pub enum EngineWay {
         /// The isotropic table, of a light's vector form factor what the sphere of the same one leaves above the horizon
-        /// [Hill and Heitz 2016]: three.js, Babylon.js, PlayCanvas, Bevy and Godot light so.
+        /// [Hill and Heitz 2016]: three.js, Babylon.js, PlayCanvas and Bevy light so.
         Clipless = "ltc2017, clipless",
         /// The same after directions are stretched along x and y by alpha over the mean one, which keeps the shadows of an
         /// anisotropic surface [Heitz 2014, section 5.3].

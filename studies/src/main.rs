@@ -105,11 +105,14 @@ enum Study {
     /// The tables of docs/textured.md: lights with a picture
     Textured {
         /// Lights of a row
-        #[arg(long, default_value_t = 300)]
+        #[arg(long, default_value_t = 900)]
         lights: usize,
         /// Draw the scenes of docs/textured.md into this file in place of the table
         #[arg(long, value_name = "FILE.png")]
         scenes: Option<PathBuf>,
+        /// Print the table of lights with a profile in place of that of pictures
+        #[arg(long, conflicts_with = "scenes")]
+        profiles: bool,
     },
     /// The tables of docs/refraction.md: light through rough interfaces
     Glass,
@@ -169,6 +172,7 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::L3 { shipped } => print!("{}", l3::tables(pair(shipped.as_deref()))?),
         Study::Tabulated => print!("{}", tabulated::find(Preset::Paper, 1.0)?.text()),
         Study::Textured { scenes: Some(path), .. } => textured::scenes::write(&path)?,
+        Study::Textured { lights, profiles: true, .. } => print!("{}", textured::profiles(lights)),
         Study::Textured { lights, .. } => print!("{}", textured::tables(lights)?),
         Study::Glass => print!("{}\n{}", glass::errors(), glass::differences()),
         Study::Arcs { lights, seed } => {

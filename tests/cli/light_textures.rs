@@ -9,10 +9,15 @@ use crate::common::command::run;
 
 /// A PNG of 6 x 4 pixels.
 fn picture(folder: &Path) {
+    picture_of(folder, [6, 4]);
+}
+
+/// A PNG, `sign.png`.
+fn picture_of(folder: &Path, [width, height]: [u32; 2]) {
     let file = fs::File::create(folder.join("sign.png")).expect("a file");
-    let mut encoder = png::Encoder::new(file, 6, 4);
+    let mut encoder = png::Encoder::new(file, width, height);
     encoder.set_color(png::ColorType::Rgb);
-    let pixels: Vec<u8> = (0_u8..72).map(|i| i.wrapping_mul(37)).collect();
+    let pixels: Vec<u8> = (0..3 * width * height).map(|i| (i as u8).wrapping_mul(37)).collect();
     encoder.write_header().expect("a header").write_image_data(&pixels).expect("pixels");
 }
 
@@ -56,6 +61,50 @@ fn a_picture_becomes_one_file_of_all_levels() {
     for (i, level) in pyramid.levels().iter().enumerate() {
         assert_eq!(&decode(&format!("c/tv_{i}.exr")).image, level);
     }
+}
+
+/// Texels are square on a light of this size up to 8192 a side: this picture loses every second pixel.
+#[test]
+fn a_picture_that_becomes_coarser_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    picture_of(here, [16384, 2]);
+    let said = |more: &[&str]| {
+        let line = ["light-texture", "sign.png", "-o", "out"].into_iter().chain(more.iter().copied());
+        run(here, line).exited(0).stdout
+    };
+    let coarser = said(&["--light", "8192x1"]);
+    assert!(coarser.contains("srgb; 8192 x 1 texels"), "{coarser}");
+    assert!(
+        coarser.contains("coarser than the picture: texels are at most 8192 a side and 16777216 in all\n"),
+        "{coarser}"
+    );
+    assert!(!said(&[]).contains("coarser"), "{}", said(&[]));
+}
+
+#[test]
+fn a_profile_becomes_a_picture_of_its_directions() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    let profile = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 1 1 2 0 0 0 1 1 9\n0 45 90 0\n800 400 0\n";
+    fs::write(here.join("spot.ies"), profile).expect("a file");
+    let line = ["light-texture", "spot.ies", "-o", "out", "--as", "exr"];
+    let said = run(here, line).exited(0).stdout;
+    assert!(said.starts_with("IES LM-63 of 1 x 3 angles, linear; 512 x 512 texels, 10 levels, rgba16f\n"), "{said}");
+    let image =
+        LightPicture::decode(&fs::read(here.join("out/light_0.exr")).expect("a file"), None).expect("a picture");
+    // The finest level is blurred by two texels; around 45 degrees the radiance falls evenly.
+    let texel = f64::from(image.image.row(256)[256 + 64][1]);
+    assert!((texel / (400.0 * 2.0_f64.sqrt()) - 1.0).abs() < 0.03, "{texel}");
+    let line = ["light-texture", "spot.ies", "-o", "none", "--light", "1x2", "--transfer", "srgb"];
+    let ran = run(here, line).exited(1);
+    let wanted = "spot.ies: an IES profile is linear, over directions: leave out light and transfer";
+    assert!(ran.stderr.contains(wanted), "{}", ran.stderr);
+    fs::write(here.join("broken.ies"), profile.replace("800", "-800")).expect("a file");
+    let ran = run(here, ["light-texture", "broken.ies", "-o", "none"]).exited(1);
+    let wanted = "broken.ies: no IES LM-63 that can be read: candela 1 is -800; none is below zero";
+    assert!(ran.stderr.contains(wanted), "{}", ran.stderr);
+    assert!(!here.join("none").exists());
 }
 
 #[test]

@@ -10,7 +10,7 @@ use ltcforge_textures::{LightSize, LightTexels, TextureContainer, TransferFuncti
 /// `light-texture`.
 #[derive(Debug, Args)]
 pub struct LightTextureArgs {
-    /// The picture: PNG, `OpenEXR`, Radiance HDR or JPEG
+    /// The picture: PNG, `OpenEXR`, Radiance HDR or JPEG; or an IES profile, `docs/textured.md`
     #[arg(value_name = "IMAGE")]
     pub picture: PathBuf,
     /// The folder; it is made if it is missing

@@ -30,3 +30,4 @@ pub use kernel_sum::kernel_sum;
 pub use light::{TexturedLight, TexturedReflection, ltc_readings, normals_readings};
 pub use pyramid::{LightPyramid, OWN_PARTS};
 pub use readings::{Reading, Readings, colour};
+pub use square::MOST_SQUARE_TEXELS;

@@ -6,9 +6,9 @@ use super::{
     rows::{Row, made},
 };
 
-/// Most texels along a side, and in all, that an image is brought to.
-const MOST_ALONG: f64 = 8192.0;
-const MOST_IN_ALL: f64 = 16_777_216.0;
+/// Most texels along a side, and in all, that an image is brought to: WebGPU's least limit of a texture, and 128 MiB of
+/// halves.
+pub const MOST_SQUARE_TEXELS: [usize; 2] = [8192, 1 << 24];
 
 impl LightImage {
     /// How many texels the image needs along both sides to be square on a light of this width and height, in any unit: as
@@ -18,8 +18,9 @@ impl LightImage {
     pub fn square_size(&self, light: [f64; 2]) -> [usize; 2] {
         let size = [self.width() as f64, self.height() as f64];
         let finest = (light[0] / size[0]).min(light[1] / size[1]);
-        let longest = light[0].max(light[1]) / MOST_ALONG;
-        let largest = (light[0] * light[1] / MOST_IN_ALL).sqrt();
+        let [along, in_all] = MOST_SQUARE_TEXELS.map(|most| most as f64);
+        let longest = light[0].max(light[1]) / along;
+        let largest = (light[0] * light[1] / in_all).sqrt();
         let texel = finest.max(longest).max(largest);
         light.map(|length| ((length / texel).round() as usize).max(1))
     }

@@ -1,8 +1,9 @@
-//! Pictures on lights: the image files that are read, and the files of a prefiltered picture.
+//! Pictures on lights: the image files and profiles that are read, and the files of a prefiltered picture.
 
 mod curve;
 mod decode;
 mod files;
+mod profile;
 mod shared_exponent;
 mod size;
 #[cfg(test)]
@@ -12,5 +13,6 @@ mod texture;
 pub use curve::{Curve, TransferFunction};
 pub use decode::{LightFileError, LightPicture, MOST_PIXELS, PictureFormat};
 pub use files::{LightTexels, LightTextureFile, LightTextureFiles, is_light_texture, light_texture_files};
+pub use profile::{PROFILE_FORMAT, PROFILE_TANGENT, Profile, ProfileError};
 pub use size::LightSize;
 pub use texture::{LightTexture, LightTextureError, LightTextureOptions, light_texture};

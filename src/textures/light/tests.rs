@@ -235,6 +235,19 @@ fn ktx2_levels(file: &[u8], texels: LightTexels, zstd: bool) -> Vec<Vec<u8>> {
     reader.levels().map(data).collect()
 }
 
+/// docs/textured.md tells these lengths.
+#[test]
+fn files_are_four_thirds_of_the_texels() {
+    let image = LightImage::new(1024, 1024, vec![[0.5; 3]; 1 << 20]).expect("an image");
+    let pyramid = LightPyramid::new(&image);
+    for (texels, bytes) in [(LightTexels::Rgba16f, 11_185_344), (LightTexels::Rgb9e5, 5_593_000)] {
+        let made = light_texture_files("light", &pyramid, TextureContainer::Ktx2, texels, &About::new(["a light"]));
+        let length = made.expect("a file").files[0].bytes.len();
+        println!("{texels}: {length} bytes");
+        assert!(length.abs_diff(bytes) < 1000, "{texels}: {length}");
+    }
+}
+
 #[test]
 fn ktx2_holds_all_levels() {
     let (pyramid, about) = (pyramid(), About::new(["a light"]));

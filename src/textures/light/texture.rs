@@ -5,8 +5,8 @@ use ltcforge_light::textured::LightPyramid;
 use serde::Serialize;
 
 use super::{
-    LightFileError, LightPicture, LightSize, LightTexels, LightTextureFile, LightTextureFiles, PictureFormat,
-    TransferFunction, light_texture_files,
+    LightFileError, LightPicture, LightSize, LightTexels, LightTextureFile, LightTextureFiles, PROFILE_FORMAT,
+    PROFILE_TANGENT, Profile, ProfileError, TransferFunction, light_texture_files, profile::is_profile,
 };
 use crate::{About, TextureContainer, TextureFileError};
 
@@ -28,11 +28,11 @@ pub struct LightTextureOptions {
 /// A prefiltered picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LightTexture {
-    /// The format of the picture.
-    pub format: PictureFormat,
+    /// The format of the picture, [`PictureFormat`](super::PictureFormat), or «IES LM-63».
+    pub format: &'static str,
     /// How its numbers were read.
     pub transfer: String,
-    /// Its width and height in pixels.
+    /// Its width and height in pixels; of a profile how many angles there are around the axis and from it.
     pub picture: [usize; 2],
     /// Texels of the finest level.
     pub size: [usize; 2],
@@ -55,6 +55,12 @@ pub enum LightTextureError {
     /// The picture.
     #[error(transparent)]
     Picture(#[from] LightFileError),
+    /// The profile.
+    #[error(transparent)]
+    Profile(#[from] ProfileError),
+    /// A profile has directions and no places.
+    #[error("an IES profile is linear, over directions: leave out {}", .0.join(" and "))]
+    OfProfile(Vec<&'static str>),
     /// The light is so large or so long that the texels would be too many.
     #[error("{} x {} texels are square on the light; {most} are allowed in all", .size[0], .size[1])]
     Size {
@@ -68,8 +74,8 @@ pub enum LightTextureError {
     Files(#[from] TextureFileError),
 }
 
-/// Prefilters the picture of a file. Domain: `name` as in [`light_texture_files`]. Runs on the current rayon pool; its size
-/// changes nothing.
+/// Prefilters the picture of a file, or the radiance of an IES profile over the tangents of directions. Domain: `name` as
+/// in [`light_texture_files`]. Runs on the current rayon pool; its size changes nothing.
 ///
 /// # Errors
 /// When the bytes are no picture of a light, there are too many pixels or texels, or the format cannot hold them.
@@ -79,6 +85,9 @@ pub fn light_texture(
     options: &LightTextureOptions,
 ) -> Result<LightTexture, LightTextureError> {
     let LightTextureOptions { light, transfer, container, texels, most_pixels } = *options;
+    if is_profile(bytes) {
+        return of_profile(bytes, name, options);
+    }
     let LightPicture { format, curve, image } = LightPicture::decode_within(bytes, transfer, most_pixels)?;
     let picture = [image.width(), image.height()];
     let size = light.map_or(picture, |light| image.square_size(light.sides()));
@@ -89,15 +98,41 @@ pub fn light_texture(
     let about = about(Digest::of(bytes), light.map_or(size.map(|side| side as f64), LightSize::sides));
     let LightTextureFiles { files, error, clamped } = light_texture_files(name, &pyramid, container, texels, &about)?;
     let levels = pyramid.levels().len();
-    Ok(LightTexture { format, transfer: curve.to_string(), picture, size, levels, texels, error, clamped, files })
+    let (format, transfer) = (format.name(), curve.to_string());
+    Ok(LightTexture { format, transfer, picture, size, levels, texels, error, clamped, files })
+}
+
+fn of_profile(bytes: &[u8], name: &str, options: &LightTextureOptions) -> Result<LightTexture, LightTextureError> {
+    let LightTextureOptions { light, transfer, container, texels, .. } = *options;
+    let options = [(light.is_some(), "light"), (transfer.is_some(), "transfer")];
+    let given: Vec<_> = options.into_iter().filter(|(is_given, _)| *is_given).map(|(_, name)| name).collect();
+    if !given.is_empty() {
+        return Err(LightTextureError::OfProfile(given));
+    }
+    let profile = Profile::parse(bytes)?;
+    let pyramid = LightPyramid::new(&profile.image());
+    let size = [pyramid.levels()[0].width(), pyramid.levels()[0].height()];
+    let about = about_blur([
+        format!("IES profile {}", Digest::of(bytes)),
+        format!(
+            "candelas over the cosine by tangents of the angle to the axis, from -{PROFILE_TANGENT} to {PROFILE_TANGENT}"
+        ),
+    ]);
+    let LightTextureFiles { files, error, clamped } = light_texture_files(name, &pyramid, container, texels, &about)?;
+    let (levels, transfer, picture) = (pyramid.levels().len(), "linear".to_owned(), profile.angles());
+    Ok(LightTexture { format: PROFILE_FORMAT, transfer, picture, size, levels, texels, error, clamped, files })
 }
 
 /// What the files say of themselves: the picture, and the light on which texels are square.
 fn about(picture: Digest, [width, height]: [f64; 2]) -> About {
+    about_blur([format!("picture {picture}"), format!("texels are square on a light of {width} x {height}")])
+}
+
+fn about_blur([of, texels]: [String; 2]) -> About {
     About::new([
         concat!("ltcforge ", env!("CARGO_PKG_VERSION")).to_owned(),
-        format!("picture {picture}"),
-        format!("texels are square on a light of {width} x {height}"),
+        of,
+        texels,
         "level l is blurred by (1 + r^2 / sigma^2)^-2.5 over the picture, sigma = 2^(l + 1) texels of level 0"
             .to_owned(),
     ])

@@ -14,7 +14,7 @@ use ltcforge::{
 };
 use rayon::prelude::*;
 
-use super::engines;
+use super::by_engines_reading;
 use crate::tables::fitted;
 
 /// Pixels a side of a panel, texels a side of a picture.
@@ -124,7 +124,7 @@ fn panels(scene: &Scene, table: &Table) -> [Picture; 3] {
         let truth = light.truth(&at, &image, TOLERANCE).expect("a broad lobe").energy[0];
         let how = (NormalsRule::Balanced, Readings::Four);
         let normals = light.by_normals(&at, &pyramid, how).expect("a surface").energy[0];
-        [truth, normals, engines(table, &at, &light, &pyramid, ENGINES_WIDTH).energy[0]]
+        [truth, normals, by_engines_reading(table, &at, &light, &pyramid, ENGINES_WIDTH).energy[0]]
     };
     let pixels: Vec<[f64; 3]> = (0..SIDE * SIDE).into_par_iter().map(pixel).collect();
     [0, 1, 2].map(|way| {

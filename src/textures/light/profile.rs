@@ -1,0 +1,243 @@
+//! Photometric profiles: IES LM-63 files, as a picture over the tangents of directions.
+//!
+//! Invariant: hostile bytes give every fault of the header within bounded time and memory, never a panic.
+
+use ltcforge_fit::math::atan2;
+use ltcforge_light::textured::LightImage;
+
+/// The tangents of directions from the lamp's axis to which the picture reaches: 76 degrees.
+pub const PROFILE_TANGENT: f64 = 4.0;
+/// Its texels a side.
+const SIDE: usize = 512;
+/// The name of the format.
+pub const PROFILE_FORMAT: &str = "IES LM-63";
+/// Most angles of an axis, and numbers of a file.
+const MOST_ANGLES: usize = 3600;
+const MOST_CANDELAS: usize = 1 << 20;
+/// The numbers between the line TILT and the angles.
+const HEADER: usize = 13;
+
+/// Why a file is no profile that can be read: all faults.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("no IES LM-63 that can be read: {}", .0.join("; "))]
+pub struct ProfileError(Vec<String>);
+
+/// The candelas of a lamp by direction: of type C, the angle from the axis and the one around it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    /// Degrees from the axis.
+    vertical: Vec<f64>,
+    /// Degrees around it, from 0 to 0, 90, 180 or 360: one, four, two or no mirrored parts.
+    horizontal: Vec<f64>,
+    /// For each horizontal angle those of the vertical ones.
+    candelas: Vec<f64>,
+}
+
+/// Whether bytes begin as an IES file since LM-63-1991.
+pub(super) fn is_profile(bytes: &[u8]) -> bool {
+    [b"IESNA".as_slice(), b"IES:"].iter().any(|magic| bytes.starts_with(magic))
+}
+
+impl Profile {
+    /// Reads an IES LM-63 file of photometry of type C without tilt.
+    ///
+    /// # Errors
+    /// [`ProfileError`] with each fault: of the line TILT, of a number of the header, of the angles, of the candelas.
+    pub fn parse(bytes: &[u8]) -> Result<Self, ProfileError> {
+        let one = |fault: String| ProfileError(vec![fault]);
+        let text = String::from_utf8_lossy(bytes);
+        let at = text.find("TILT=").ok_or_else(|| one("there is no line TILT=".to_owned()))?;
+        let (tilt, rest) = text[at + 5..].split_once('\n').unwrap_or((&text[at + 5..], ""));
+        if tilt.trim() != "NONE" {
+            let tilt: String = tilt.trim().chars().take(40).collect();
+            return Err(one(format!("TILT is «{tilt}»; NONE is read")));
+        }
+        let words = rest.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
+        let mut numbers = Vec::new();
+        for word in words.take(HEADER + 2 * MOST_ANGLES + MOST_CANDELAS + 1) {
+            let word: &str = word;
+            let number = word.parse::<f64>().ok().filter(|number| number.is_finite());
+            let shown = || word.chars().take(40).collect::<String>();
+            numbers.push(number.ok_or_else(|| one(format!("number {} is «{}»", numbers.len() + 1, shown())))?);
+        }
+        if numbers.len() < HEADER {
+            return Err(one(format!("{} numbers follow TILT; {HEADER} come before the angles", numbers.len())));
+        }
+        let mut faults = Vec::new();
+        let mut count = |name: &str, number: f64| {
+            let is_count = number.fract() == 0.0 && (1.0..=MOST_ANGLES as f64).contains(&number);
+            if !is_count {
+                faults.push(format!("there are {number} {name} angles; 1 to {MOST_ANGLES} are allowed"));
+            }
+            if is_count { number as usize } else { 0 }
+        };
+        let [rows, columns] = [count("vertical", numbers[3]), count("horizontal", numbers[4])];
+        if numbers[5] != 1.0 {
+            faults.push(format!("the photometric type is {}; 1, type C, is read", numbers[5]));
+        }
+        let factor = numbers[2] * numbers[10];
+        if factor <= 0.0 {
+            faults.push(format!(
+                "the multiplier {} times the ballast factor {} is not above zero",
+                numbers[2], numbers[10]
+            ));
+        }
+        let wanted = HEADER + rows + columns + rows * columns;
+        if rows * columns > MOST_CANDELAS {
+            faults.push(format!("there are {rows} x {columns} candelas; {MOST_CANDELAS} are allowed"));
+        } else if rows * columns > 0 && numbers.len() != wanted {
+            faults.push(format!("{} numbers follow TILT; the angles need {wanted}", numbers.len()));
+        }
+        if !faults.is_empty() {
+            return Err(ProfileError(faults));
+        }
+        let (vertical, rest) = numbers[HEADER..].split_at(rows);
+        let (horizontal, candelas) = rest.split_at(columns);
+        for (name, angles, ends) in [
+            ("vertical", vertical, [90.0, 180.0].as_slice()),
+            ("horizontal", horizontal, [0.0, 90.0, 180.0, 360.0].as_slice()),
+        ] {
+            let last = angles[angles.len() - 1];
+            if angles[0] != 0.0 || !ends.contains(&last) {
+                faults
+                    .push(format!("{name} angles run from {} to {last}; from 0 to one of {ends:?} is read", angles[0]));
+            }
+            if !angles.is_sorted_by(|a, b| a < b) {
+                faults.push(format!("{name} angles do not ascend"));
+            }
+        }
+        if let Some(i) = candelas.iter().position(|value| *value < 0.0) {
+            faults.push(format!("candela {} is {}; none is below zero", i + 1, candelas[i]));
+        }
+        if !faults.is_empty() {
+            return Err(ProfileError(faults));
+        }
+        Ok(Self {
+            vertical: vertical.to_vec(),
+            horizontal: horizontal.to_vec(),
+            candelas: candelas.iter().map(|value| value * factor).collect(),
+        })
+    }
+
+    /// How many angles there are around the axis, and from it.
+    #[must_use]
+    pub fn angles(&self) -> [usize; 2] {
+        [self.horizontal.len(), self.vertical.len()]
+    }
+
+    /// The candelas of a direction `(x, y, 1)`, linearly between angles; the angle around the axis is from x to y.
+    #[must_use]
+    pub fn candelas(&self, [x, y]: [f64; 2]) -> f64 {
+        let theta = atan2((x * x + y * y).sqrt(), 1.0).to_degrees();
+        let last = self.horizontal[self.horizontal.len() - 1];
+        let turned = (atan2(y, x).to_degrees() + 360.0) % 360.0;
+        let phi = match last {
+            360.0 => turned,
+            180.0 => turned.min(360.0 - turned),
+            90.0 => (turned % 180.0).min(180.0 - turned % 180.0),
+            _ => 0.0,
+        };
+        let ((i, s), (j, t)) = (between(&self.horizontal, phi), between(&self.vertical, theta));
+        let rows = self.vertical.len();
+        let row = |i: usize| {
+            let at = |j: usize| self.candelas[i.min(self.horizontal.len() - 1) * rows + j.min(rows - 1)];
+            at(j) + (at(j + 1) - at(j)) * t
+        };
+        row(i) + (row(i + 1) - row(i)) * s
+    }
+
+    /// The picture over tangents: candelas over the cosine of the angle to the axis, which is the radiance for an area of
+    /// one. u runs from -4 to 4 along x, v along y.
+    ///
+    /// # Panics
+    /// Never: candelas are finite and not negative.
+    #[must_use]
+    pub fn image(&self) -> LightImage {
+        let tangent = |i: usize| ((i as f64 + 0.5) / SIDE as f64 * 2.0 - 1.0) * PROFILE_TANGENT;
+        let texel = |i: usize| {
+            let [x, y] = [i % SIDE, i / SIDE].map(tangent);
+            let radiance = self.candelas([x, y]) * (x * x + y * y + 1.0).sqrt();
+            [radiance.min(f64::from(f32::MAX)) as f32; 3]
+        };
+        LightImage::new(SIDE, SIDE, (0..SIDE * SIDE).map(texel).collect()).expect("finite texels")
+    }
+}
+
+/// The node below a value, and how far it is to the next one.
+fn between(nodes: &[f64], x: f64) -> (usize, f64) {
+    let i = nodes.partition_point(|node| *node <= x).saturating_sub(1);
+    nodes.get(i + 1).map_or((i, 0.0), |next| (i, (x - nodes[i]) / (next - nodes[i])))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn hostile_files_are_errors_or_have_candelas(text in "[0-9 .,e-]{0,80}", counts in prop::array::uniform2(0..4_usize)) {
+            let header = format!("1 -1 1 {} {} 1 2 0 0 0", counts[0], counts[1]);
+            for text in [file(&header, &text, "0 0"), file(&header, "0 90", &text)] {
+                if let Ok(profile) = Profile::parse(text.as_bytes()) {
+                    prop_assert!(profile.candelas([0.3, -2.0]) >= 0.0);
+                }
+            }
+        }
+    }
+
+    fn file(header: &str, angles: &str, candelas: &str) -> String {
+        format!("IESNA:LM-63-2002\n[TEST] none\nTILT=NONE\n{header}\n1 1 100\n{angles}\n{candelas}\n")
+    }
+
+    #[test]
+    fn candelas_are_linear_between_angles_and_mirrored() {
+        // Of a quadrant: 0, 45 and 90 degrees from the axis, 0 and 90 around it; times 2 and 0.5.
+        let text =
+            file("1 -1 2 3 2 1 2 0 0 0", "0 45 90, 0 90", "100 60 0\n100 20 0").replace("\n1 1 100", "\n0.5 1 100");
+        let profile = Profile::parse(text.as_bytes()).expect("a profile");
+        assert_eq!(profile.angles(), [2, 3]);
+        let near = |g: [f64; 2], wanted: f64| {
+            let found = profile.candelas(g);
+            assert!((found - wanted).abs() < 1e-9, "{g:?}: {found} {wanted}");
+        };
+        near([0.0, 0.0], 100.0);
+        for sign in [1.0, -1.0] {
+            near([sign, 0.0], 60.0);
+            near([0.0, sign], 20.0);
+            near([0.5_f64.sqrt(), sign * 0.5_f64.sqrt()], 40.0);
+            near([22.5_f64.to_radians().tan() * sign, 0.0], 80.0);
+        }
+        // Over the cosine, at a texel near a tangent of one.
+        let image = profile.image();
+        let texel = image.row(256)[256 + 64];
+        assert!((f64::from(texel[0]) / (60.0 * 2.0_f64.sqrt()) - 1.0).abs() < 0.01, "{texel:?}");
+    }
+
+    #[test]
+    fn all_faults_of_a_file_are_told() {
+        let said = |text: &str| Profile::parse(text.as_bytes()).expect_err("no profile").to_string();
+        assert!(said("IESNA91\n").ends_with("there is no line TILT="));
+        assert!(said("IESNA91\nTILT=INCLUDE\n1").ends_with("TILT is «INCLUDE»; NONE is read"));
+        assert!(said("IESNA91\nTILT=NONE\n1 1 x").ends_with("number 3 is «x»"));
+        assert!(said("IESNA91\nTILT=NONE\n1 1 nan").ends_with("number 3 is «nan»"));
+        assert!(said("IESNA91\nTILT=NONE\n1 1").ends_with("2 numbers follow TILT; 13 come before the angles"));
+        let header = said(&file("1 -1 0 2 0.5 3 2 0 0 0", "0 90 0", "1 1"));
+        for part in [
+            "there are 0.5 horizontal angles; 1 to 3600 are allowed",
+            "the photometric type is 3; 1, type C, is read",
+            "the multiplier 0 times the ballast factor 1 is not above zero",
+        ] {
+            assert!(header.contains(part), "{header}");
+        }
+        let counts = said(&file("1 -1 1 2 1 1 2 0 0 0", "0 90 0", "1"));
+        assert!(counts.ends_with("17 numbers follow TILT; the angles need 18"), "{counts}");
+        let angles = said(&file("1 -1 1 3 2 1 2 0 0 0", "0 95 90 10 90", "1 2 -3 4 5 6"));
+        for part in ["vertical angles do not ascend", "horizontal angles run from 10 to 90", "candela 3 is -3"] {
+            assert!(angles.contains(part), "{angles}");
+        }
+        let many = said(&file("1 -1 1 3600 3600 1 2 0 0 0", "0", "1"));
+        assert!(many.contains("3600 x 3600 candelas; 1048576 are allowed"), "{many}");
+    }
+}
