@@ -129,6 +129,29 @@ fn the_viewer_draws_what_previews_show() {
 }
 
 #[test]
+fn pictures_on_lights_are_seen_as_the_program_tells() {
+    let Some(seen) = script("pictured.js", &[]) else { return };
+    let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
+    for scene in ["normals", "sharp", "table", "second"] {
+        assert!(number("off", scene) <= OFF, "{scene}: {seen:#}");
+    }
+    for scene in ["normals", "sharp", "table"] {
+        assert!(number("bright", scene) > 100.0, "{scene}: nothing is seen: {seen:#}");
+    }
+    // A picture's mean, where bytes of 90 and more round by 1 %.
+    for channel in 0..3 {
+        let [least, most] = [0, 1].map(|i| seen["engines"][channel][i].as_f64().expect("a factor"));
+        assert!(least > 0.2 && most < 0.8 && most / least < 1.05, "{seen:#}");
+    }
+    assert!(seen["reference"].as_f64().is_some_and(|apart| apart.abs() < REFERENCE_OFF), "{seen:#}");
+    assert!(number("opened", "off") <= 1.0, "{seen:#}");
+    assert_eq!((&seen["opened"]["linked"], &seen["colours"]), (&json!(false), &json!(["blue", "red"])), "{seen:#}");
+    assert_eq!(seen["refused"], "no.png is no picture or video that this browser shows");
+    assert_eq!((&seen["moves"], &seen["stops"], &seen["kept"]), (&json!(true), &json!(true), &json!(true)), "{seen:#}");
+    assert_eq!(seen["again"], "disc");
+}
+
+#[test]
 fn the_viewer_is_used_and_its_link_holds_all() {
     let Some(seen) = script("viewing.js", &[]) else { return };
     assert_eq!((&seen["kept"], &seen["linked"]), (&json!(true), &json!(true)), "{seen:#}");

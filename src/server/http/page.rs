@@ -20,16 +20,16 @@ use super::{
 };
 use ltcforge_files::digest::Digest;
 use ltcforge_fit::Layout;
-use ltcforge_light::LightModel;
-use ltcforge_shaders::{Language, Lights, LitBy, Namespace, Reading};
-use ltcforge_translate::include;
+use ltcforge_light::{LightModel, textured::Readings};
+use ltcforge_shaders::{Additions, Language, Lights, LitBy, Namespace, Reading};
+use ltcforge_translate::{include, include_prefilter};
 
 /// Other versions of the program serve other bytes at the same addresses.
 const REVALIDATE: &str = "no-cache";
 
-/// What the page may do: run its own modules and call this service. Pictures that it draws are `blob:`.
-const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; \
-                      base-uri 'none'; form-action 'none'; frame-ancestors 'none'; require-trusted-types-for 'script'";
+/// What the page may do: run its own modules and call this service. Pictures that it draws, and those and videos that visitors open, are `blob:`.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; media-src blob:; \
+                      connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; require-trusted-types-for 'script'";
 
 /// A file of the page, its digest computed once.
 struct PageFile {
@@ -66,6 +66,7 @@ page_files![
     "glsl_models.js",
     "glsl_reference.js",
     "glsl_surface.js",
+    "gl_pictures.js",
     "gltf.js",
     "gltf_textures.js",
     "icon.svg",
@@ -85,6 +86,7 @@ page_files![
     "progress.js",
     "report.js",
     "scene.js",
+    "screens.js",
     "shader_ball.js",
     "style.css",
     "table.js",
@@ -95,22 +97,33 @@ page_files![
 ];
 
 /// The name of a text for WebGL 2 after which the viewer asks: `normals.glsl`, or that of a table's layout, `ltc-kt2022.glsl`,
-/// with the second lobe of tables of two `ltc-kt2022-two-lobes.glsl`.
+/// with the second lobe of tables of two `ltc-kt2022-two-lobes.glsl`, with pictures on lights `ltc-kt2022-two-lobes-textured.glsl`.
 fn shader(name: &str) -> Option<(LitBy, Reading)> {
     let name = name.strip_suffix(".glsl")?;
+    let (name, is_textured) = without(name, "-textured");
+    let additions = Additions { textured: is_textured.then(|| Readings::ALL[0]), ..Additions::default() };
     if name == "normals" {
-        return Some((LitBy::new(LightModel::Normals, None).ok()?, Reading::default()));
+        return Some((LitBy::new(LightModel::Normals, None).ok()?.with(additions).ok()?, Reading::default()));
     }
-    let table = name.strip_prefix("ltc-")?;
-    let (layout, two_lobes) = table.strip_suffix("-two-lobes").map_or((table, false), |layout| (layout, true));
+    let (layout, two_lobes) = without(name.strip_prefix("ltc-")?, "-two-lobes");
     let layout = Layout::ALL.iter().find(|known| known.name() == layout)?;
-    Some((LitBy::from(*layout), Reading { two_lobes, ..Reading::default() }))
+    Some((LitBy::from(*layout).with(additions).ok()?, Reading { two_lobes, ..Reading::default() }))
 }
 
-/// The text to include that `ltcforge shader --language glsl-es` writes.
-fn shader_file(name: &'static str, (lit_by, reading): (LitBy, Reading)) -> Result<PageFile, Problem> {
-    let text = include(Language::GlslEs, lit_by, reading, Lights::All, &Namespace::default());
-    text.map(|text| PageFile::new(name, text.as_bytes())).map_err(|error| error::internal(&error))
+/// A name without its end, and whether it has that.
+fn without<'name>(name: &'name str, end: &str) -> (&'name str, bool) {
+    name.strip_suffix(end).map_or((name, false), |name| (name, true))
+}
+
+/// The text to include that `ltcforge shader --language glsl-es` writes, or that of the prefilter of pictures.
+fn shader_file(name: &str) -> Result<PageFile, Problem> {
+    let text = if name == "prefilter.glsl" {
+        include_prefilter(Language::GlslEs)
+    } else {
+        let (lit_by, reading) = shader(name).ok_or_else(|| no_file(name))?;
+        include(Language::GlslEs, lit_by, reading, Lights::All, &Namespace::default())
+    };
+    text.map(|text| PageFile::new("shader.glsl", text.as_bytes())).map_err(|error| error::internal(&error))
 }
 
 /// `GET /`.
@@ -133,7 +146,7 @@ fn respond(name: &str, method: &Method, headers: &HeaderMap) -> Result<Response,
     let found = if let Some(found) = FILES.iter().find(|file| file.name == name) {
         found
     } else {
-        made = shader_file("shader.glsl", shader(name).ok_or_else(|| no_file(name))?)?;
+        made = shader_file(name)?;
         &made
     };
     let file = File {
@@ -190,8 +203,10 @@ mod tests {
 
     #[test]
     fn there_is_a_shader_for_every_layout_and_for_none() {
-        let names = Layout::ALL.iter().flat_map(|layout| ["", "-two-lobes"].map(|of| format!("ltc-{layout}{of}.glsl")));
-        for name in names.chain(["normals.glsl".to_owned()]) {
+        let layouts = Layout::ALL.iter().flat_map(|layout| ["", "-two-lobes"].map(|of| format!("ltc-{layout}{of}")));
+        let models =
+            layouts.chain(["normals".to_owned()]).flat_map(|of| [format!("{of}.glsl"), format!("{of}-textured.glsl")]);
+        for name in models.chain(["prefilter.glsl".to_owned()]) {
             let answer = respond(&name, &Method::GET, &HeaderMap::new()).expect(&name);
             assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; charset=utf-8", "{name}");
         }

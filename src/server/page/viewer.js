@@ -6,8 +6,8 @@ import { copyButton, el, facts, fill, notice } from './dom.js';
 import { device } from './device.js';
 import { short } from './format.js';
 import { lightsPanel } from './lights.js';
-import { ENGINES, modelOf } from './models.js';
-import { camera, CHOICES, link, METALS, moved, outline, PARAMETERS, placed, read, seen, uniformsOf } from './scene.js';
+import { ENGINES, modelOf, textOf } from './models.js';
+import { camera, CHOICES, isPictured, link, METALS, moved, outline, PARAMETERS, placed, read, seen, uniformsOf } from './scene.js';
 import { shaderBall } from './shader_ball.js';
 
 /** Pixels a side. */
@@ -50,7 +50,7 @@ export async function show( root, rest, parameters, signal ) {
 	const group = ( legend, ...rows ) => el( 'fieldset', {}, el( 'legend', {}, legend ), rows );
 	const rows = ( ...names ) => sliders.filter( ( { name } ) => names.some( ( begin ) => name.startsWith( begin ) ) ).map( ( { row } ) => row );
 	const ofSurface = el( 'div', { class: 'controls' }, choices.metal.row, rows( 'alpha', 'rotation' ) );
-	const lights = lightsPanel( scene, () => change( 'lights', scene.lights ) );
+	const lights = lightsPanel( scene, () => change( 'lights', scene.lights ), () => begin() );
 
 	fill( root,
 		el( 'div', { class: 'bar' }, el( 'h1', {}, 'Viewer' ), el( 'span', { class: 'grow' } ), copyButton( 'Copy link', () => location.href ) ),
@@ -75,7 +75,12 @@ export async function show( root, rest, parameters, signal ) {
 
 	}
 
-	signal.addEventListener( 'abort', () => drawn.release() );
+	signal.addEventListener( 'abort', () => {
+
+		drawn.release();
+		lights.release();
+
+	} );
 	// Without this a lost context never comes back.
 	canvas.addEventListener( 'webglcontextlost', ( event ) => signal.aborted || event.preventDefault() );
 	canvas.addEventListener( 'webglcontextrestored', () => {
@@ -85,11 +90,13 @@ export async function show( root, rest, parameters, signal ) {
 
 	} );
 
-	/** The models of both sides, null where the right one is the reference. */
+	/** The models of both sides, null where the right one is the reference, and the text that prefilters pictures on lights. */
 	let sides = null;
+	let prefilter = null;
 	let asked = 0;
 	let samples = 0;
 	let isSeen = false;
+	let isMoving = false;
 	let isWaiting = false;
 
 	/** Asks for the models that the scene names; a failure is told in place of the figures. */
@@ -99,8 +106,11 @@ export async function show( root, rest, parameters, signal ) {
 		sides = null;
 		try {
 
-			const found = await Promise.all( [ modelOf( scene.table ), scene.against ? modelOf( scene.against === 'normals' ? '' : scene.against ) : null ] );
+			const hasPictures = scene.lights.some( isPictured );
+			const model = ( name ) => modelOf( name, 'glsl', hasPictures );
+			const found = await Promise.all( [ model( scene.table ), scene.against ? model( scene.against === 'normals' ? '' : scene.against ) : null, hasPictures ? textOf( 'prefilter.glsl' ) : null ] );
 			if ( turn !== asked || signal.aborted ) return;
+			prefilter = found.pop();
 			sides = found;
 			begin();
 
@@ -157,7 +167,8 @@ export async function show( root, rest, parameters, signal ) {
 		scene[ name ] = value;
 		history.replaceState( null, '', `#/viewer?${ link( scene ) }` );
 		tell();
-		if ( name === 'table' || name === 'against' ) choose();
+		const isOther = scene.lights.some( isPictured ) !== ( prefilter !== null );
+		if ( name === 'table' || name === 'against' || isOther ) choose();
 		else if ( SHOWN.includes( name ) ) later();
 		else begin();
 
@@ -200,7 +211,8 @@ export async function show( root, rest, parameters, signal ) {
 		const isReference = ! sides[ 1 ] && scene.show !== 'model';
 		canvas.dataset.samples = sides[ 1 ] ? MOST : samples;
 		fill( figures, facts( [ [ 'Samples', isReference ? samples : '–' ], [ 'Frame', `${ ( performance.now() - start ).toFixed( 1 ) } ms` ], [ 'Draw calls', calls ], scene.show === 'difference' && [ 'Red is', `${ DIFFERENCE } of radiance` ] ] ) );
-		if ( isReference && samples < MOST ) later();
+		if ( isMoving ) begin();
+		else if ( isReference && samples < MOST ) later();
 
 	}
 
@@ -214,6 +226,9 @@ export async function show( root, rest, parameters, signal ) {
 		let calls = 1;
 		if ( ! isSeen ) {
 
+			const shown = lights.layers();
+			isMoving = shown.isMoving;
+			calls += drawn.picture( shown.layers, prefilter );
 			const colour = ( f0 ) => left.brdf === 'ggx' ? f0 : METALS.white;
 			const ofMaterial = ( { alpha_x, alpha_y, rotation, f0, factors } ) => ( { ...factors, is_white: Number( left.brdf !== 'ggx' ), f0: colour( f0 ), material: [ alpha_x, alpha_y, Math.cos( rotation ), Math.sin( rotation ) ] } );
 			const view = { ...numbers, right, up, forward };
