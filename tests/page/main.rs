@@ -113,7 +113,7 @@ fn the_viewer_draws_what_previews_show() {
     let Some(seen) = script("viewer.js", &[]) else { return };
     let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
     let scenes = seen["off"].as_object().expect("numbers by scene");
-    assert_eq!(scenes.len(), 16, "{seen:#}");
+    assert_eq!(scenes.len(), 18, "{seen:#}");
     for scene in scenes.keys() {
         assert!(number("off", scene) <= OFF, "{scene}: {seen:#}");
         assert!(number("bright", scene) > 40.0, "{scene}: nothing is seen: {seen:#}");

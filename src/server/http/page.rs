@@ -1,4 +1,5 @@
-//! The page at `/`: files of `src/server/page`, which are part of the binary, and the shaders' texts that its viewer includes.
+//! The page at `/`: files of `src/server/page`, which are part of the binary, the shaders' texts that its viewer includes, and the
+//! textures of a published table.
 //!
 //! Invariant: the page calls nothing but the routes of this service, by relative addresses, so that it works behind a path
 //! prefix; it loads no script, style or font from elsewhere and has none inline.
@@ -6,18 +7,20 @@
 use std::sync::{Arc, LazyLock};
 
 use axum::{
-    extract::Path,
+    extract::{Path, State},
     http::{HeaderMap, HeaderName, HeaderValue, Method, header},
     response::Response,
 };
 
 use super::{
+    api::Api,
     error,
     extract::{NoParameters, QueryOf},
     file::{Contents, File},
     kind::ProblemKind,
     problem::Problem,
 };
+use crate::service::published_table;
 use ltcforge_files::digest::Digest;
 use ltcforge_fit::Layout;
 use ltcforge_light::{LightModel, textured::Readings};
@@ -74,6 +77,8 @@ page_files![
     "inputs.js",
     "job.js",
     "jobs.js",
+    "kt2022.npy",
+    "kt2022_LICENSE.txt",
     "lights.js",
     "ltc2017_1.dds",
     "ltc2017_2.dds",
@@ -135,10 +140,15 @@ pub(super) async fn index(_: QueryOf<NoParameters>, method: Method, headers: Hea
 pub(super) async fn file(
     _: QueryOf<NoParameters>,
     Path(name): Path<String>,
+    State(api): State<Api>,
     method: Method,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    respond(&name, &method, &headers)
+    let Some(path) = name.strip_prefix("kt2022-").map(str::to_owned) else { return respond(&name, &method, &headers) };
+    // The first request integrates.
+    let made = api.call(|_| published_table().map_err(|error| error::internal(&error))).await?;
+    let found = made.files.iter().find(|file| file.path == path).ok_or_else(|| no_file(&name))?;
+    send(&path, found.digest, &found.bytes, &method, &headers)
 }
 
 fn respond(name: &str, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
@@ -149,10 +159,20 @@ fn respond(name: &str, method: &Method, headers: &HeaderMap) -> Result<Response,
         made = shader_file(name)?;
         &made
     };
+    send(found.name, found.digest, &found.bytes, method, headers)
+}
+
+fn send(
+    name: &str,
+    digest: Digest,
+    bytes: &Arc<Vec<u8>>,
+    method: &Method,
+    headers: &HeaderMap,
+) -> Result<Response, Problem> {
     let file = File {
-        digest: found.digest,
-        contents: Contents::Memory(Arc::clone(&found.bytes)),
-        media_type: media_type(found.name).ok_or_else(|| error::internal(&format!("{name} has no media type")))?,
+        digest,
+        contents: Contents::Memory(Arc::clone(bytes)),
+        media_type: media_type(name).ok_or_else(|| error::internal(&format!("{name} has no media type")))?,
         caching: REVALIDATE,
         name: None,
     };
@@ -179,6 +199,9 @@ fn media_type(name: &str) -> Option<&'static str> {
         "svg" => Some("image/svg+xml"),
         "glsl" | "txt" => Some("text/plain; charset=utf-8"),
         "dds" => Some("image/vnd-ms.dds"),
+        "json" => Some("application/json"),
+        "ktx2" => Some("image/ktx2"),
+        "npy" => Some("application/octet-stream"),
         _ => None,
     }
 }

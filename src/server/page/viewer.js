@@ -6,7 +6,7 @@ import { copyButton, el, facts, fill, notice } from './dom.js';
 import { device } from './device.js';
 import { short } from './format.js';
 import { lightsPanel } from './lights.js';
-import { ENGINES, modelOf, textOf } from './models.js';
+import { modelOf, PUBLISHED, textOf } from './models.js';
 import { camera, CHOICES, isPictured, link, METALS, moved, outline, PARAMETERS, placed, read, seen, uniformsOf } from './scene.js';
 import { shaderBall } from './shader_ball.js';
 
@@ -38,8 +38,8 @@ export async function show( root, rest, parameters, signal ) {
 	const outlines = [];
 	const figures = el( 'div' );
 	const { items } = await call( '/v1/tables?limit=200', { signal } );
-	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && name !== ENGINES );
-	const models = [ [ ENGINES, 'engines, the table of 2017' ], ...known.map( ( digest ) => [ digest, `table ${ short( digest ) }` ] ) ];
+	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && ! Object.hasOwn( PUBLISHED, name ) );
+	const models = [ ...Object.entries( PUBLISHED ), ...known.map( ( digest ) => [ digest, `table ${ short( digest ) }` ] ) ];
 	const table = choice( 'model', 'Lit by', [ [ '', 'normals, without a table' ], ...models ], scene.table, ( name ) => change( 'table', name ) );
 	const against = choice( 'against', 'Beside', [ [ '', 'Monte Carlo integration' ], [ 'normals', 'normals, without a table' ], ...models ], scene.against, ( name ) => change( 'against', name ) );
 	const choices = Object.fromEntries( [ [ 'surface', 'Surface' ], [ 'metal', 'Material' ], [ 'show', 'Shown' ] ].map( ( [ name, label ] ) => [ name, choice( `view-${ name }`, label, { show: SIDES, surface: SURFACES }[ name ] || CHOICES[ name ], scene[ name ], ( value ) => change( name, value ) ) ] ) );
