@@ -56,6 +56,7 @@ macro_rules! page_files {
 
 page_files![
     "api.js",
+    "backend.js",
     "compare.js",
     "controls.js",
     "device.js",
@@ -72,6 +73,9 @@ page_files![
     "gl_pictures.js",
     "gltf.js",
     "gltf_textures.js",
+    "gpu_bind.js",
+    "gpu_device.js",
+    "gpu_pictures.js",
     "icon.svg",
     "index.html",
     "inputs.js",
@@ -99,12 +103,16 @@ page_files![
     "token.js",
     "tradeoff.js",
     "viewer.js",
+    "wgsl_lights.js",
+    "wgsl_models.js",
+    "wgsl_reference.js",
+    "wgsl_scene.js",
+    "wgsl_surface.js",
 ];
 
-/// The name of a text for WebGL 2 after which the viewer asks: `normals.glsl`, or that of a table's layout, `ltc-kt2022.glsl`,
-/// with the second lobe of tables of two `ltc-kt2022-two-lobes.glsl`, with pictures on lights `ltc-kt2022-two-lobes-textured.glsl`.
-fn shader(name: &str) -> Option<(LitBy, Reading)> {
-    let name = name.strip_suffix(".glsl")?;
+/// What the viewer asks for by a name without the end of its language: `normals`, or `ltc-kt2022` by a table's layout, with the
+/// second lobe of tables of two `ltc-kt2022-two-lobes`, with pictures on lights `ltc-kt2022-two-lobes-textured`.
+fn lit_by(name: &str) -> Option<(LitBy, Reading)> {
     let (name, is_textured) = without(name, "-textured");
     let additions = Additions { textured: is_textured.then(|| Readings::ALL[0]), ..Additions::default() };
     if name == "normals" {
@@ -120,15 +128,20 @@ fn without<'name>(name: &'name str, end: &str) -> (&'name str, bool) {
     name.strip_suffix(end).map_or((name, false), |name| (name, true))
 }
 
-/// The text to include that `ltcforge shader --language glsl-es` writes, or that of the prefilter of pictures.
-fn shader_file(name: &str) -> Result<PageFile, Problem> {
-    let text = if name == "prefilter.glsl" {
-        include_prefilter(Language::GlslEs)
-    } else {
-        let (lit_by, reading) = shader(name).ok_or_else(|| no_file(name))?;
-        include(Language::GlslEs, lit_by, reading, Lights::All, &Namespace::default())
+/// The text to include that `ltcforge shader --language glsl-es` or `wgsl` writes, or that of the prefilter of pictures.
+fn shader_file(file: &str) -> Result<PageFile, Problem> {
+    let (name, language) = match file.rsplit_once('.') {
+        Some((name, "glsl")) => (name, Language::GlslEs),
+        Some((name, "wgsl")) => (name, Language::Wgsl),
+        _ => return Err(no_file(file)),
     };
-    text.map(|text| PageFile::new("shader.glsl", text.as_bytes())).map_err(|error| error::internal(&error))
+    let text = if name == "prefilter" {
+        include_prefilter(language)
+    } else {
+        let (lit_by, reading) = lit_by(name).ok_or_else(|| no_file(file))?;
+        include(language, lit_by, reading, Lights::All, &Namespace::default())
+    };
+    text.map(|text| PageFile::new("shader.txt", text.as_bytes())).map_err(|error| error::internal(&error))
 }
 
 /// `GET /`.
@@ -197,7 +210,7 @@ fn media_type(name: &str) -> Option<&'static str> {
         "css" => Some("text/css; charset=utf-8"),
         "js" => Some("text/javascript; charset=utf-8"),
         "svg" => Some("image/svg+xml"),
-        "glsl" | "txt" => Some("text/plain; charset=utf-8"),
+        "txt" => Some("text/plain; charset=utf-8"),
         "dds" => Some("image/vnd-ms.dds"),
         "json" => Some("application/json"),
         "ktx2" => Some("image/ktx2"),
@@ -228,12 +241,16 @@ mod tests {
     fn there_is_a_shader_for_every_layout_and_for_none() {
         let layouts = Layout::ALL.iter().flat_map(|layout| ["", "-two-lobes"].map(|of| format!("ltc-{layout}{of}")));
         let models =
-            layouts.chain(["normals".to_owned()]).flat_map(|of| [format!("{of}.glsl"), format!("{of}-textured.glsl")]);
-        for name in models.chain(["prefilter.glsl".to_owned()]) {
-            let answer = respond(&name, &Method::GET, &HeaderMap::new()).expect(&name);
-            assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; charset=utf-8", "{name}");
+            layouts.chain(["normals".to_owned()]).flat_map(|of| ["", "-textured"].map(|end| format!("{of}{end}")));
+        for name in models.chain(["prefilter".to_owned()]) {
+            for name in ["glsl", "wgsl"].map(|language| format!("{name}.{language}")) {
+                let answer = respond(&name, &Method::GET, &HeaderMap::new()).expect(&name);
+                assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; charset=utf-8", "{name}");
+            }
         }
-        assert!(shader("ltc-none.glsl").is_none() && shader("normals").is_none());
+        for name in ["ltc-none.glsl", "normals", "normals.hlsl", "-textured.wgsl"] {
+            assert_eq!(respond(name, &Method::GET, &HeaderMap::new()).expect_err(name).status(), 404);
+        }
     }
 
     #[test]

@@ -174,6 +174,8 @@ export function device( canvas ) {
 	const pixel = () => SEEN.map( ( name, i ) => ( { name, texture: seen.textures[ i ] } ) );
 
 	return {
+		/** Of the texts that it takes. */
+		language: 'glsl',
 		/** Finds what each pixel shows of a sphere or floor. */
 		see( uniforms ) {
 
@@ -243,7 +245,11 @@ export function device( canvas ) {
 
 			const other = samples === null ? right : sums[ 0 ];
 			run( display, null, { ...uniforms, left_weight: 1, right_weight: 1 / Math.max( samples ?? 1, 1 ) }, [ ...pixel(), { name: 'left_radiance', texture: left.textures[ 0 ] }, { name: 'right_radiance', texture: other.textures[ 0 ] } ] );
-			// So that the time of a frame is that of its drawing.
+
+		},
+		/** Waits until all is drawn, so that the time of a frame is that of its drawing. */
+		done() {
+
 			gl.readPixels( 0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array( 4 ) );
 
 		},

@@ -41,7 +41,7 @@ export const LIGHT_SHAPES = {
 };
 
 /** What a rectangle may show in place of one colour, by its names in a link; `file` is one that was opened, of which a link knows nothing. */
-export const PICTURES = { '': 'nothing, one colour', signs: 'a picture', disc: 'a video', file: 'a file' };
+export const PICTURES = { '': 'one colour', signs: 'a picture', disc: 'a video', file: 'a file' };
 
 /** Whether a light shows one. */
 export const isPictured = ( { shape, picture } ) => shape === 'rectangle' && picture !== '';
@@ -54,6 +54,7 @@ export const CHOICES = {
 	surface: [ 'sphere', 'floor', 'shader_ball' ],
 	metal: Object.keys( METALS ),
 	show: [ 'split', 'model', 'reference', 'difference' ],
+	drawn_by: [ 'automatic', 'webgl2', 'webgpu' ],
 };
 
 /** The whole angle of view, of scene `sphere`. */

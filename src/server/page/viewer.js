@@ -1,9 +1,9 @@
 // What a table, model normals or the shading of engines does, on the visitor's own GPU, beside the truth or each other.
 
 import { call } from './api.js';
+import { deviceFor, DRAWN_BY } from './backend.js';
 import { choice, drag, slider } from './controls.js';
 import { copyButton, el, facts, fill, notice } from './dom.js';
-import { device } from './device.js';
 import { short } from './format.js';
 import { lightsPanel } from './lights.js';
 import { modelOf, PUBLISHED, textOf } from './models.js';
@@ -25,12 +25,16 @@ const SIDES = [ [ 'split', 'both' ], [ 'model', 'left' ], [ 'reference', 'right'
 /** Surfaces by their names in a link. */
 const SURFACES = CHOICES.surface.map( ( name ) => [ name, name.replace( '_', ' ' ) ] );
 
+/** What draws, by its names in a link. */
+const BACKENDS = [ [ 'automatic', 'WebGPU where it is' ], [ 'webgl2', 'WebGL 2' ], [ 'webgpu', 'WebGPU' ] ];
+
 const SVG = 'http://www.w3.org/2000/svg';
 
 export async function show( root, rest, parameters, signal ) {
 
 	const scene = read( parameters );
-	const canvas = el( 'canvas', { width: SIZE, height: SIZE, role: 'img', 'aria-label': 'The surface under the lights' } );
+	const fresh = () => el( 'canvas', { width: SIZE, height: SIZE, role: 'img', 'aria-label': 'The surface under the lights' } );
+	let canvas = fresh();
 	const overlay = document.createElementNS( SVG, 'svg' );
 	overlay.setAttribute( 'viewBox', '-1 -1 2 2' );
 	overlay.setAttribute( 'aria-hidden', 'true' );
@@ -42,7 +46,7 @@ export async function show( root, rest, parameters, signal ) {
 	const models = [ ...Object.entries( PUBLISHED ), ...known.map( ( digest ) => [ digest, `table ${ short( digest ) }` ] ) ];
 	const table = choice( 'model', 'Lit by', [ [ '', 'normals, without a table' ], ...models ], scene.table, ( name ) => change( 'table', name ) );
 	const against = choice( 'against', 'Beside', [ [ '', 'Monte Carlo integration' ], [ 'normals', 'normals, without a table' ], ...models ], scene.against, ( name ) => change( 'against', name ) );
-	const choices = Object.fromEntries( [ [ 'surface', 'Surface' ], [ 'metal', 'Material' ], [ 'show', 'Shown' ] ].map( ( [ name, label ] ) => [ name, choice( `view-${ name }`, label, { show: SIDES, surface: SURFACES }[ name ] || CHOICES[ name ], scene[ name ], ( value ) => change( name, value ) ) ] ) );
+	const choices = Object.fromEntries( [ [ 'surface', 'Surface' ], [ 'metal', 'Material' ], [ 'show', 'Shown' ], [ 'drawn_by', 'Drawn by' ] ].map( ( [ name, label ] ) => [ name, choice( `view-${ name }`, label, { show: SIDES, surface: SURFACES, drawn_by: BACKENDS }[ name ] || CHOICES[ name ], scene[ name ], ( value ) => change( name, value ) ) ] ) );
 	const sliders = PARAMETERS.map( ( field ) => slider( field, '', change ) );
 	const split = slider( { name: 'split', label: 'Split at', min: 0, max: 1, step: 0.01 }, '', change );
 	const files = el( 'input', { type: 'file', id: 'mesh', accept: '.glb,.gltf', class: 'hidden', onchange: () => open( files.files[ 0 ] ) } );
@@ -61,34 +65,58 @@ export async function show( root, rest, parameters, signal ) {
 				group( 'Compared', table.row, against.row, choices.show.row, split.row ),
 				group( 'Surface', choices.surface.row, el( 'div', { class: 'field' }, el( 'label', { for: 'mesh' }, 'glTF' ), el( 'div', { class: 'file' }, files, el( 'label', { for: 'mesh', class: 'button quiet' }, 'Open or drop a file' ) ) ), opened, ofSurface ),
 				group( 'Lights', lights.row ),
-				group( 'Camera', rows( 'camera', 'exposure' ) ) ) ) );
+				group( 'Camera', rows( 'camera', 'exposure' ), choices.drawn_by.row ) ) ) );
 
+	/** What draws, null until it is there; and whether a mesh has what WebGL 2 alone draws. */
 	let drawn = null;
-	try {
-
-		drawn = device( canvas );
-
-	} catch ( error ) {
-
-		fill( figures, notice( error.message ) );
-		return null;
-
-	}
-
+	let needsWebGl = false;
 	signal.addEventListener( 'abort', () => {
 
-		drawn.release();
+		drawn?.release();
 		lights.release();
 
 	} );
-	// Without this a lost context never comes back.
-	canvas.addEventListener( 'webglcontextlost', ( event ) => signal.aborted || event.preventDefault() );
-	canvas.addEventListener( 'webglcontextrestored', () => {
 
-		drawn = device( canvas );
-		begin();
+	/** Begins to draw, on a canvas of its own: one knows WebGL or WebGPU for good. */
+	async function start( by = needsWebGl ? 'webgl2' : scene.drawn_by ) {
 
-	} );
+		drawn?.release();
+		[ drawn, sides ] = [ null, null ];
+		const here = fresh();
+		canvas.replaceWith( here );
+		canvas = here;
+		// Without this a lost context never comes back.
+		here.addEventListener( 'webglcontextlost', ( event ) => here === canvas && ! signal.aborted && event.preventDefault() );
+		here.addEventListener( 'webglcontextrestored', () => here === canvas && again( 'webgl2' ) );
+		const again = async ( by ) => {
+
+			drawn = await deviceFor( by, here, () => {} );
+			begin();
+
+		};
+
+		const failed = ( message ) => {
+
+			if ( here !== canvas || signal.aborted ) return;
+			if ( scene.drawn_by === 'automatic' ) start( 'webgl2' );
+			else fill( figures, notice( message ) );
+
+		};
+
+		try {
+
+			const made = await deviceFor( by, here, failed );
+			if ( here !== canvas || signal.aborted ) return made.release();
+			drawn = made;
+			await choose();
+
+		} catch ( error ) {
+
+			if ( here === canvas ) fill( figures, notice( error.message ) );
+
+		}
+
+	}
 
 	/** The models of both sides, null where the right one is the reference, and the text that prefilters pictures on lights. */
 	let sides = null;
@@ -104,11 +132,13 @@ export async function show( root, rest, parameters, signal ) {
 
 		const turn = ++ asked;
 		sides = null;
+		// What draws asks when it is there.
+		if ( ! drawn ) return;
 		try {
 
 			const hasPictures = scene.lights.some( isPictured );
-			const model = ( name ) => modelOf( name, 'glsl', hasPictures );
-			const found = await Promise.all( [ model( scene.table ), scene.against ? model( scene.against === 'normals' ? '' : scene.against ) : null, hasPictures ? textOf( 'prefilter.glsl' ) : null ] );
+			const model = ( name ) => modelOf( name, drawn.language, hasPictures );
+			const found = await Promise.all( [ model( scene.table ), scene.against ? model( scene.against === 'normals' ? '' : scene.against ) : null, hasPictures ? textOf( `prefilter.${ drawn.language }` ) : null ] );
 			if ( turn !== asked || signal.aborted ) return;
 			prefilter = found.pop();
 			sides = found;
@@ -134,9 +164,11 @@ export async function show( root, rest, parameters, signal ) {
 			const { meshes, triangles, notes } = await readGltf( await file.arrayBuffer() );
 			if ( signal.aborted ) return;
 			mesh = meshes;
+			needsWebGl = meshes.some( ( { textures } ) => textures );
 			choices.surface.offer( [ ...SURFACES, [ 'mesh', file.name ] ], 'mesh' );
-			fill( opened, el( 'p', { class: 'muted' }, [ `${ triangles.toLocaleString( 'en' ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes ].join( '; ' ) ) );
+			fill( opened, el( 'p', { class: 'muted' }, [ `${ triangles.toLocaleString( 'en' ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes, needsWebGl && scene.drawn_by !== 'webgl2' && 'drawn by WebGL 2 with its textures' ].filter( Boolean ).join( '; ' ) ) );
 			change( 'surface', 'mesh' );
+			if ( needsWebGl && drawn?.language !== 'glsl' ) start();
 
 		} catch ( error ) {
 
@@ -168,7 +200,8 @@ export async function show( root, rest, parameters, signal ) {
 		history.replaceState( null, '', `#/viewer?${ link( scene ) }` );
 		tell();
 		const isOther = scene.lights.some( isPictured ) !== ( prefilter !== null );
-		if ( name === 'table' || name === 'against' || isOther ) choose();
+		if ( name === 'drawn_by' ) start();
+		else if ( name === 'table' || name === 'against' || isOther ) choose();
 		else if ( SHOWN.includes( name ) ) later();
 		else begin();
 
@@ -191,26 +224,31 @@ export async function show( root, rest, parameters, signal ) {
 
 	}
 
-	function frame() {
+	async function frame() {
 
 		isWaiting = false;
 		outlineLights();
 		if ( signal.aborted || ! sides || drawn.isLost() ) return;
-		const start = performance.now();
+		const by = drawn;
+		const since = performance.now();
 		let calls = 0;
 		try {
 
 			calls = draw();
+			await by.done();
 
 		} catch ( error ) {
 
-			return fill( figures, notice( error.message ) );
+			if ( by === drawn ) fill( figures, notice( error.message ) );
+			return;
 
 		}
 
+		if ( signal.aborted || by !== drawn ) return;
+
 		const isReference = ! sides[ 1 ] && scene.show !== 'model';
 		canvas.dataset.samples = sides[ 1 ] ? MOST : samples;
-		fill( figures, facts( [ [ 'Samples', isReference ? samples : '–' ], [ 'Frame', `${ ( performance.now() - start ).toFixed( 1 ) } ms` ], [ 'Draw calls', calls ], scene.show === 'difference' && [ 'Red is', `${ DIFFERENCE } of radiance` ] ] ) );
+		fill( figures, facts( [ [ 'Samples', isReference ? samples : '–' ], [ 'Frame', `${ ( performance.now() - since ).toFixed( 1 ) } ms` ], [ 'Draw calls', calls ], [ 'Drawn by', DRAWN_BY[ by.language ] ], scene.show === 'difference' && [ 'Red is', `${ DIFFERENCE } of radiance` ] ] ) );
 		if ( isMoving ) begin();
 		else if ( isReference && samples < MOST ) later();
 
@@ -299,7 +337,7 @@ export async function show( root, rest, parameters, signal ) {
 
 	} );
 	tell();
-	choose();
+	start();
 	return () => {};
 
 }
