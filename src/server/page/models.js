@@ -4,7 +4,7 @@ import { call, manifest, reach } from './api.js';
 import { hasReference } from './glsl_reference.js';
 
 /** The names in a link of published tables: what engines ship, and that of KT et al. */
-export const PUBLISHED = { engines: 'engines, the table of 2017', kt2022: 'the table of KT et al., 2022' };
+export const PUBLISHED = { engines: 'engines, table of 2017', kt2022: 'KT et al., table of 2022' };
 
 async function fetched( path ) {
 

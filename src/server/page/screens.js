@@ -98,7 +98,7 @@ export function screens( change, again ) {
 
 	const told = el( 'div', { role: 'status' } );
 	const small = el( 'canvas', { class: 'screen', role: 'img', 'aria-label': 'What the light shows' } );
-	const openRow = el( 'div', { class: 'field' }, el( 'label', { for: 'picture' }, 'Picture or video' ), el( 'div', { class: 'file' }, file, el( 'label', { for: 'picture', class: 'button quiet' }, 'Open a file' ), play ) );
+	const openRow = el( 'div', { class: 'field' }, el( 'label', { for: 'picture' }, 'Picture or video' ), el( 'div', { class: 'file' }, file, el( 'label', { for: 'picture', class: 'button quiet' }, 'Open a file' ), play, small ) );
 	const isMoving = ( { picture } ) => picture === 'disc' || picture === 'file' && Boolean( opened?.isVideo );
 	let chosen = null;
 
@@ -143,7 +143,7 @@ export function screens( change, again ) {
 	const canvases = [];
 	name();
 	return {
-		row: [ shows.row, openRow, told, small ],
+		row: [ shows.row, openRow, told ],
 		/** Shows the inputs of a light, which only a rectangle has. */
 		tell( light ) {
 

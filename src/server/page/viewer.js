@@ -26,7 +26,7 @@ const SIDES = [ [ 'split', 'both' ], [ 'model', 'left' ], [ 'reference', 'right'
 const SURFACES = CHOICES.surface.map( ( name ) => [ name, name.replace( '_', ' ' ) ] );
 
 /** What draws, by its names in a link. */
-const BACKENDS = [ [ 'automatic', 'WebGPU where it is' ], [ 'webgl2', 'WebGL 2' ], [ 'webgpu', 'WebGPU' ] ];
+const BACKENDS = [ [ 'automatic', 'WebGPU, else WebGL 2' ], [ 'webgl2', 'WebGL 2' ], [ 'webgpu', 'WebGPU' ] ];
 
 const SVG = 'http://www.w3.org/2000/svg';
 
@@ -44,8 +44,8 @@ export async function show( root, rest, parameters, signal ) {
 	const { items } = await call( '/v1/tables?limit=200', { signal } );
 	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && ! Object.hasOwn( PUBLISHED, name ) );
 	const models = [ ...Object.entries( PUBLISHED ), ...known.map( ( digest ) => [ digest, `table ${ short( digest ) }` ] ) ];
-	const table = choice( 'model', 'Lit by', [ [ '', 'normals, without a table' ], ...models ], scene.table, ( name ) => change( 'table', name ) );
-	const against = choice( 'against', 'Beside', [ [ '', 'Monte Carlo integration' ], [ 'normals', 'normals, without a table' ], ...models ], scene.against, ( name ) => change( 'against', name ) );
+	const table = choice( 'model', 'Lit by', [ [ '', 'normals, no table' ], ...models ], scene.table, ( name ) => change( 'table', name ) );
+	const against = choice( 'against', 'Beside', [ [ '', 'Monte Carlo integration' ], [ 'normals', 'normals, no table' ], ...models ], scene.against, ( name ) => change( 'against', name ) );
 	const choices = Object.fromEntries( [ [ 'surface', 'Surface' ], [ 'metal', 'Material' ], [ 'show', 'Shown' ], [ 'drawn_by', 'Drawn by' ] ].map( ( [ name, label ] ) => [ name, choice( `view-${ name }`, label, { show: SIDES, surface: SURFACES, drawn_by: BACKENDS }[ name ] || CHOICES[ name ], scene[ name ], ( value ) => change( name, value ) ) ] ) );
 	const sliders = PARAMETERS.map( ( field ) => slider( field, '', change ) );
 	const split = slider( { name: 'split', label: 'Split at', min: 0, max: 1, step: 0.01 }, '', change );
