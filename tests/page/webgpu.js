@@ -78,6 +78,9 @@ await withWorld( async ( { service, open } ) => {
 	await page.locator( '#mesh' ).setInputFiles( { name: 'textured.glb', mimeType: 'model/gltf-binary', buffer: glb( texturedSphere( 8, material, [ Buffer.from( pixel, 'base64' ) ] ) ) } );
 	await page.locator( '.page-viewer .facts', { hasText: 'WebGL 2' } ).waitFor();
 	const note = await page.locator( '.controls [role=status] p' ).first().textContent();
+	// Without that mesh it is WebGPU again.
+	await page.locator( '#view-surface' ).selectOption( 'floor' );
+	await page.locator( '.page-viewer .facts', { hasText: 'WebGPU' } ).waitFor();
 	return { off, bright, reference, linked, note };
 
 }, [ '--adapter', 'cpu' ], [ '--enable-unsafe-webgpu' ] );

@@ -67,9 +67,13 @@ export async function show( root, rest, parameters, signal ) {
 				group( 'Lights', lights.row ),
 				group( 'Camera', rows( 'camera', 'exposure' ), choices.drawn_by.row ) ) ) );
 
-	/** What draws, null until it is there; and whether a mesh has what WebGL 2 alone draws. */
+	/** The meshes of a glTF file that was opened; they are no part of the link. */
+	let mesh = null;
+	/** What draws, null until it is there, and what was asked to. */
 	let drawn = null;
-	let needsWebGl = false;
+	let began = '';
+	/** What is to draw: textures of meshes are for WebGL 2 alone. */
+	const wanted = () => scene.surface === 'mesh' && mesh.some( ( { textures } ) => textures ) ? 'webgl2' : scene.drawn_by;
 	signal.addEventListener( 'abort', () => {
 
 		drawn?.release();
@@ -78,23 +82,24 @@ export async function show( root, rest, parameters, signal ) {
 	} );
 
 	/** Begins to draw, on a canvas of its own: one knows WebGL or WebGPU for good. */
-	async function start( by = needsWebGl ? 'webgl2' : scene.drawn_by ) {
+	async function start( by = wanted() ) {
 
+		began = wanted();
 		drawn?.release();
 		[ drawn, sides ] = [ null, null ];
+		asked ++;
 		const here = fresh();
 		canvas.replaceWith( here );
 		canvas = here;
 		// Without this a lost context never comes back.
 		here.addEventListener( 'webglcontextlost', ( event ) => here === canvas && ! signal.aborted && event.preventDefault() );
-		here.addEventListener( 'webglcontextrestored', () => here === canvas && again( 'webgl2' ) );
-		const again = async ( by ) => {
+		here.addEventListener( 'webglcontextrestored', async () => {
 
-			drawn = await deviceFor( by, here, () => {} );
+			if ( here !== canvas ) return;
+			drawn = await deviceFor( 'webgl2', here );
 			begin();
 
-		};
-
+		} );
 		const failed = ( message ) => {
 
 			if ( here !== canvas || signal.aborted ) return;
@@ -132,7 +137,7 @@ export async function show( root, rest, parameters, signal ) {
 
 		const turn = ++ asked;
 		sides = null;
-		// What draws asks when it is there.
+		// It is asked again once there is what draws.
 		if ( ! drawn ) return;
 		try {
 
@@ -152,9 +157,6 @@ export async function show( root, rest, parameters, signal ) {
 
 	}
 
-	/** The meshes of a glTF file that was opened; they are no part of the link. */
-	let mesh = null;
-
 	async function open( file ) {
 
 		if ( ! file ) return;
@@ -164,11 +166,10 @@ export async function show( root, rest, parameters, signal ) {
 			const { meshes, triangles, notes } = await readGltf( await file.arrayBuffer() );
 			if ( signal.aborted ) return;
 			mesh = meshes;
-			needsWebGl = meshes.some( ( { textures } ) => textures );
+			const isTextured = meshes.some( ( { textures } ) => textures );
 			choices.surface.offer( [ ...SURFACES, [ 'mesh', file.name ] ], 'mesh' );
-			fill( opened, el( 'p', { class: 'muted' }, [ `${ triangles.toLocaleString( 'en' ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes, needsWebGl && scene.drawn_by !== 'webgl2' && 'drawn by WebGL 2 with its textures' ].filter( Boolean ).join( '; ' ) ) );
+			fill( opened, el( 'p', { class: 'muted' }, [ `${ triangles.toLocaleString( 'en' ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes, isTextured && scene.drawn_by !== 'webgl2' && 'drawn by WebGL 2 with its textures' ].filter( Boolean ).join( '; ' ) ) );
 			change( 'surface', 'mesh' );
-			if ( needsWebGl && drawn?.language !== 'glsl' ) start();
 
 		} catch ( error ) {
 
@@ -200,7 +201,8 @@ export async function show( root, rest, parameters, signal ) {
 		history.replaceState( null, '', `#/viewer?${ link( scene ) }` );
 		tell();
 		const isOther = scene.lights.some( isPictured ) !== ( prefilter !== null );
-		if ( name === 'drawn_by' ) start();
+		const by = wanted();
+		if ( by !== began && ! ( by === 'webgl2' && drawn?.language === 'glsl' ) ) start();
 		else if ( name === 'table' || name === 'against' || isOther ) choose();
 		else if ( SHOWN.includes( name ) ) later();
 		else begin();
@@ -228,7 +230,7 @@ export async function show( root, rest, parameters, signal ) {
 
 		isWaiting = false;
 		outlineLights();
-		if ( signal.aborted || ! sides || drawn.isLost() ) return;
+		if ( signal.aborted || ! sides || ! drawn || drawn.isLost() ) return;
 		const by = drawn;
 		const since = performance.now();
 		let calls = 0;
