@@ -11,7 +11,7 @@ use std::{env, fs, path::Path};
 
 use serde_json::{Value, json};
 
-use crate::common::browser;
+use crate::common::{browser, tell_skipped};
 
 /// The output of a script, of which the browser has nothing to complain: no error of a script or the console, no report of
 /// the Content-Security-Policy.
@@ -113,7 +113,7 @@ fn the_viewer_draws_what_previews_show() {
     let Some(seen) = script("viewer.js", &[]) else { return };
     let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
     let scenes = seen["off"].as_object().expect("numbers by scene");
-    assert_eq!(scenes.len(), 16, "{seen:#}");
+    assert_eq!(scenes.len(), 18, "{seen:#}");
     for scene in scenes.keys() {
         assert!(number("off", scene) <= OFF, "{scene}: {seen:#}");
         assert!(number("bright", scene) > 40.0, "{scene}: nothing is seen: {seen:#}");
@@ -129,11 +129,56 @@ fn the_viewer_draws_what_previews_show() {
 }
 
 #[test]
+fn pictures_on_lights_are_seen_as_the_program_tells() {
+    let Some(seen) = script("pictured.js", &[]) else { return };
+    let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
+    for scene in ["normals", "sharp", "table", "second"] {
+        assert!(number("off", scene) <= OFF, "{scene}: {seen:#}");
+    }
+    for scene in ["normals", "sharp", "table"] {
+        assert!(number("bright", scene) > 100.0, "{scene}: nothing is seen: {seen:#}");
+    }
+    // A picture's mean, where bytes of 90 and more round by 1 %.
+    for channel in 0..3 {
+        let [least, most] = [0, 1].map(|i| seen["engines"][channel][i].as_f64().expect("a factor"));
+        assert!(least > 0.2 && most < 0.8 && most / least < 1.05, "{seen:#}");
+    }
+    assert!(seen["reference"].as_f64().is_some_and(|apart| apart.abs() < REFERENCE_OFF), "{seen:#}");
+    assert!(number("opened", "off") <= 1.0, "{seen:#}");
+    assert_eq!((&seen["opened"]["linked"], &seen["colours"]), (&json!(false), &json!(["blue", "red"])), "{seen:#}");
+    assert_eq!(seen["refused"], "no.png is no picture or video that this browser shows");
+    assert_eq!((&seen["moves"], &seen["stops"], &seen["kept"]), (&json!(true), &json!(true), &json!(true)), "{seen:#}");
+    assert_eq!(seen["again"], "disc");
+}
+
+#[test]
+fn web_gpu_draws_what_web_gl_does() {
+    let Some(seen) = script("webgpu.js", &[]) else { return };
+    let Some(scenes) = seen["off"].as_object() else {
+        tell_skipped("the browser has no adapter of WebGPU");
+        return;
+    };
+    let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
+    assert_eq!(scenes.len(), 10, "{seen:#}");
+    for scene in scenes.keys() {
+        assert!(number("off", scene) <= OFF, "{scene}: {seen:#}");
+        assert!(number("bright", scene) > 60.0, "{scene}: nothing is seen: {seen:#}");
+    }
+    for scene in ["ggx", "sheen"] {
+        let [off, bright] = ["off", "bright"].map(|of| seen["reference"][scene][of].as_f64().expect("a number"));
+        assert!(off < 0.1 && bright > 60.0, "{scene}: {seen:#}");
+    }
+    assert_eq!(seen["linked"], true);
+    assert!(seen["note"].as_str().is_some_and(|note| note.contains("drawn by WebGL 2")), "{seen:#}");
+}
+
+#[test]
 fn the_viewer_is_used_and_its_link_holds_all() {
     let Some(seen) = script("viewing.js", &[]) else { return };
     assert_eq!((&seen["kept"], &seen["linked"]), (&json!(true), &json!(true)), "{seen:#}");
     assert_eq!((&seen["outlines"], &seen["left"], &seen["restored"]), (&json!(2), &json!(1), &json!(0)), "{seen:#}");
     assert!(seen["refused"].as_str().is_some_and(|reason| reason.contains("oren_nayar")), "{seen:#}");
+    assert_eq!(seen["without"], "this browser has no WebGPU");
     assert!(seen["unlisted"].as_str().is_some_and(|reason| reason.contains("looks up by number")), "{seen:#}");
 }
 

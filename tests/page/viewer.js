@@ -1,6 +1,14 @@
 // The viewer's pixels beside those of previews, which the service's CPU renders.
 
-import { withWorld } from './world.js';
+import { spawnSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+import { LTCFORGE, withWorld } from './world.js';
+
+const KT2022 = fileURLToPath( new URL( '../../src/server/page/kt2022.npy', import.meta.url ) );
 
 /** Pixels a side, as the viewer has them. */
 const SIZE = 512;
@@ -63,11 +71,11 @@ await withWorld( async ( { service, open } ) => {
 		line_by_normals: { light_shape: 'line', light_height: 0.05, exposure: 4 },
 	};
 	const page = await open( 'tables' );
-	// Pixels of the picture in the page and of the service's, by places.
+	// Pixels of the picture in the page, of the service's by its path, or of a file's bytes, by places.
 	const pixels = ( from, places ) => page.evaluate( async ( { from, places } ) => {
 
 		const canvas = document.createElement( 'canvas' );
-		const image = from ? await createImageBitmap( await ( await fetch( from ) ).blob() ) : document.querySelector( '.stage canvas' );
+		const image = from ? await createImageBitmap( Array.isArray( from ) ? new Blob( [ new Uint8Array( from ) ] ) : await ( await fetch( from ) ).blob() ) : document.querySelector( '.stage canvas' );
 		Object.assign( canvas, { width: image.width, height: image.height } );
 		const context = canvas.getContext( '2d' );
 		context.drawImage( image, 0, 0 );
@@ -92,6 +100,22 @@ await withWorld( async ( { service, open } ) => {
 
 		await shown( { ...scene, show: 'model' } );
 		const [ ours, theirs ] = [ await pixels( null, PLACES ), await pixels( `v1/preview?${ preview( scene ) }`, PLACES ) ];
+		off[ name ] = apart( ours, theirs );
+		bright[ name ] = Math.max( ...theirs.flat() );
+
+	}
+
+	// The published table of KT et al. beside the program's picture of its file.
+	for ( const [ name, scene ] of Object.entries( { kt2022: { rotation: 0.3 }, kt2022_sharp: { alpha_x: 0.1, alpha_y: 0.02, exposure: 2 } } ) ) {
+
+		await shown( { table: 'kt2022', show: 'model', ...scene } );
+		const options = [ ...preview( { table: 'kt2022', ...scene } ) ].filter( ( [ name ] ) => name !== 'table' ).flatMap( ( [ name, value ] ) => [ `--${ name.replaceAll( '_', '-' ) }`, value ] );
+		const folder = mkdtempSync( join( tmpdir(), 'ltcforge-' ) );
+		const { stderr, status } = spawnSync( LTCFORGE, [ 'preview', KT2022, '--ggx-terms', '--adapter', 'cpu', ...options, '-o', 'kt2022.png' ], { cwd: folder, encoding: 'utf8' } );
+		if ( status !== 0 ) throw new Error( stderr );
+		const bytes = [ ...readFileSync( join( folder, 'kt2022.png' ) ) ];
+		rmSync( folder, { recursive: true } );
+		const [ ours, theirs ] = [ await pixels( null, PLACES ), await pixels( bytes, PLACES ) ];
 		off[ name ] = apart( ours, theirs );
 		bright[ name ] = Math.max( ...theirs.flat() );
 

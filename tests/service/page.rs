@@ -10,9 +10,22 @@ fn the_page_and_all_that_it_loads_are_served_and_known_by_their_tags() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let page = server.get("/").with_status(200);
-    let html = String::from_utf8(page.body.clone()).expect("UTF-8");
-    let mut left: Vec<String> = links(&html, "\"page/", '"').map(str::to_owned).collect();
-    let (mut seen, mut bytes) = (Vec::new(), page.body.len());
+    let html = String::from_utf8(page.body).expect("UTF-8");
+    let roots: Vec<String> = links(&html, "\"page/", '"').map(str::to_owned).collect();
+    // What is imported at once, by the list of tables too, and what is when it is needed.
+    let first: Vec<String> = roots.iter().cloned().chain(["tables.js".to_owned()]).collect();
+    let (seen, bytes) = loaded(&server, first, "from './");
+    assert!(html.len() + bytes < FIRST_VIEW_BYTES, "{bytes} bytes");
+    let (all, _) = loaded(&server, roots, "'./");
+    assert!(all.len() > 10 && seen.iter().all(|name| all.contains(name)), "{all:?}");
+    server.get("/page/nothing.js").with_status(404);
+    server.get("/page/../main.rs").with_status(404);
+    server.get("/?theme=dark").with_status(400);
+}
+
+/// Files with those that they name in turn behind `before`, and the bytes of all.
+fn loaded(server: &Server, mut left: Vec<String>, before: &str) -> (Vec<String>, usize) {
+    let (mut seen, mut bytes) = (Vec::new(), 0);
     while let Some(name) = left.pop() {
         if seen.contains(&name) {
             continue;
@@ -24,15 +37,11 @@ fn the_page_and_all_that_it_loads_are_served_and_known_by_their_tags() {
         assert!(again.with_status(304).body.is_empty(), "{name}");
         if name.rsplit('.').next() == Some("js") {
             let text = String::from_utf8(file.body).expect("UTF-8");
-            left.extend(links(&text, "'./", '\'').map(str::to_owned));
+            left.extend(links(&text, before, '\'').map(str::to_owned));
         }
         seen.push(name);
     }
-    assert!(seen.len() > 10, "{seen:?}");
-    assert!(bytes < FIRST_VIEW_BYTES, "{bytes} bytes");
-    server.get("/page/nothing.js").with_status(404);
-    server.get("/page/../main.rs").with_status(404);
-    server.get("/?theme=dark").with_status(400);
+    (seen, bytes)
 }
 
 /// What follows `before`, up to `end`.

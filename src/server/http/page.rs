@@ -1,4 +1,5 @@
-//! The page at `/`: files of `src/server/page`, which are part of the binary, and the shaders' texts that its viewer includes.
+//! The page at `/`: files of `src/server/page`, which are part of the binary, the shaders' texts that its viewer includes, and the
+//! textures of a published table.
 //!
 //! Invariant: the page calls nothing but the routes of this service, by relative addresses, so that it works behind a path
 //! prefix; it loads no script, style or font from elsewhere and has none inline.
@@ -6,30 +7,32 @@
 use std::sync::{Arc, LazyLock};
 
 use axum::{
-    extract::Path,
+    extract::{Path, State},
     http::{HeaderMap, HeaderName, HeaderValue, Method, header},
     response::Response,
 };
 
 use super::{
+    api::Api,
     error,
     extract::{NoParameters, QueryOf},
     file::{Contents, File},
     kind::ProblemKind,
     problem::Problem,
 };
+use crate::service::published_table;
 use ltcforge_files::digest::Digest;
 use ltcforge_fit::Layout;
-use ltcforge_light::LightModel;
-use ltcforge_shaders::{Language, Lights, LitBy, Namespace, Reading};
-use ltcforge_translate::include;
+use ltcforge_light::{LightModel, textured::Readings};
+use ltcforge_shaders::{Additions, Language, Lights, LitBy, Namespace, Reading};
+use ltcforge_translate::{include, include_prefilter};
 
 /// Other versions of the program serve other bytes at the same addresses.
 const REVALIDATE: &str = "no-cache";
 
-/// What the page may do: run its own modules and call this service. Pictures that it draws are `blob:`.
-const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; \
-                      base-uri 'none'; form-action 'none'; frame-ancestors 'none'; require-trusted-types-for 'script'";
+/// What the page may do: run its own modules and call this service. Pictures that it draws, and those and videos that visitors open, are `blob:`.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; media-src blob:; \
+                      connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; require-trusted-types-for 'script'";
 
 /// A file of the page, its digest computed once.
 struct PageFile {
@@ -53,6 +56,7 @@ macro_rules! page_files {
 
 page_files![
     "api.js",
+    "backend.js",
     "compare.js",
     "controls.js",
     "device.js",
@@ -66,13 +70,19 @@ page_files![
     "glsl_models.js",
     "glsl_reference.js",
     "glsl_surface.js",
+    "gl_pictures.js",
     "gltf.js",
     "gltf_textures.js",
+    "gpu_bind.js",
+    "gpu_device.js",
+    "gpu_pictures.js",
     "icon.svg",
     "index.html",
     "inputs.js",
     "job.js",
     "jobs.js",
+    "kt2022.npy",
+    "kt2022_LICENSE.txt",
     "lights.js",
     "ltc2017_1.dds",
     "ltc2017_2.dds",
@@ -85,6 +95,7 @@ page_files![
     "progress.js",
     "report.js",
     "scene.js",
+    "screens.js",
     "shader_ball.js",
     "style.css",
     "table.js",
@@ -92,25 +103,45 @@ page_files![
     "token.js",
     "tradeoff.js",
     "viewer.js",
+    "wgsl_lights.js",
+    "wgsl_models.js",
+    "wgsl_reference.js",
+    "wgsl_scene.js",
+    "wgsl_surface.js",
 ];
 
-/// The name of a text for WebGL 2 after which the viewer asks: `normals.glsl`, or that of a table's layout, `ltc-kt2022.glsl`,
-/// with the second lobe of tables of two `ltc-kt2022-two-lobes.glsl`.
-fn shader(name: &str) -> Option<(LitBy, Reading)> {
-    let name = name.strip_suffix(".glsl")?;
+/// What the viewer asks for by a name without the end of its language: `normals`, or `ltc-kt2022` by a table's layout, with the
+/// second lobe of tables of two `ltc-kt2022-two-lobes`, with pictures on lights `ltc-kt2022-two-lobes-textured`.
+fn lit_by(name: &str) -> Option<(LitBy, Reading)> {
+    let (name, is_textured) = without(name, "-textured");
+    let additions = Additions { textured: is_textured.then(|| Readings::ALL[0]), ..Additions::default() };
     if name == "normals" {
-        return Some((LitBy::new(LightModel::Normals, None).ok()?, Reading::default()));
+        return Some((LitBy::new(LightModel::Normals, None).ok()?.with(additions).ok()?, Reading::default()));
     }
-    let table = name.strip_prefix("ltc-")?;
-    let (layout, two_lobes) = table.strip_suffix("-two-lobes").map_or((table, false), |layout| (layout, true));
+    let (layout, two_lobes) = without(name.strip_prefix("ltc-")?, "-two-lobes");
     let layout = Layout::ALL.iter().find(|known| known.name() == layout)?;
-    Some((LitBy::from(*layout), Reading { two_lobes, ..Reading::default() }))
+    Some((LitBy::from(*layout).with(additions).ok()?, Reading { two_lobes, ..Reading::default() }))
 }
 
-/// The text to include that `ltcforge shader --language glsl-es` writes.
-fn shader_file(name: &'static str, (lit_by, reading): (LitBy, Reading)) -> Result<PageFile, Problem> {
-    let text = include(Language::GlslEs, lit_by, reading, Lights::All, &Namespace::default());
-    text.map(|text| PageFile::new(name, text.as_bytes())).map_err(|error| error::internal(&error))
+/// A name without its end, and whether it has that.
+fn without<'name>(name: &'name str, end: &str) -> (&'name str, bool) {
+    name.strip_suffix(end).map_or((name, false), |name| (name, true))
+}
+
+/// The text to include that `ltcforge shader --language glsl-es` or `wgsl` writes, or that of the prefilter of pictures.
+fn shader_file(file: &str) -> Result<PageFile, Problem> {
+    let (name, language) = match file.rsplit_once('.') {
+        Some((name, "glsl")) => (name, Language::GlslEs),
+        Some((name, "wgsl")) => (name, Language::Wgsl),
+        _ => return Err(no_file(file)),
+    };
+    let text = if name == "prefilter" {
+        include_prefilter(language)
+    } else {
+        let (lit_by, reading) = lit_by(name).ok_or_else(|| no_file(file))?;
+        include(language, lit_by, reading, Lights::All, &Namespace::default())
+    };
+    text.map(|text| PageFile::new("shader.txt", text.as_bytes())).map_err(|error| error::internal(&error))
 }
 
 /// `GET /`.
@@ -122,10 +153,15 @@ pub(super) async fn index(_: QueryOf<NoParameters>, method: Method, headers: Hea
 pub(super) async fn file(
     _: QueryOf<NoParameters>,
     Path(name): Path<String>,
+    State(api): State<Api>,
     method: Method,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    respond(&name, &method, &headers)
+    let Some(path) = name.strip_prefix("kt2022-").map(str::to_owned) else { return respond(&name, &method, &headers) };
+    // The first request integrates.
+    let made = api.call(|_| published_table().map_err(|error| error::internal(&error))).await?;
+    let found = made.files.iter().find(|file| file.path == path).ok_or_else(|| no_file(&name))?;
+    send(&path, found.digest, &found.bytes, &method, &headers)
 }
 
 fn respond(name: &str, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
@@ -133,13 +169,23 @@ fn respond(name: &str, method: &Method, headers: &HeaderMap) -> Result<Response,
     let found = if let Some(found) = FILES.iter().find(|file| file.name == name) {
         found
     } else {
-        made = shader_file("shader.glsl", shader(name).ok_or_else(|| no_file(name))?)?;
+        made = shader_file(name)?;
         &made
     };
+    send(found.name, found.digest, &found.bytes, method, headers)
+}
+
+fn send(
+    name: &str,
+    digest: Digest,
+    bytes: &Arc<Vec<u8>>,
+    method: &Method,
+    headers: &HeaderMap,
+) -> Result<Response, Problem> {
     let file = File {
-        digest: found.digest,
-        contents: Contents::Memory(Arc::clone(&found.bytes)),
-        media_type: media_type(found.name).ok_or_else(|| error::internal(&format!("{name} has no media type")))?,
+        digest,
+        contents: Contents::Memory(Arc::clone(bytes)),
+        media_type: media_type(name).ok_or_else(|| error::internal(&format!("{name} has no media type")))?,
         caching: REVALIDATE,
         name: None,
     };
@@ -164,8 +210,11 @@ fn media_type(name: &str) -> Option<&'static str> {
         "css" => Some("text/css; charset=utf-8"),
         "js" => Some("text/javascript; charset=utf-8"),
         "svg" => Some("image/svg+xml"),
-        "glsl" | "txt" => Some("text/plain; charset=utf-8"),
+        "txt" => Some("text/plain; charset=utf-8"),
         "dds" => Some("image/vnd-ms.dds"),
+        "json" => Some("application/json"),
+        "ktx2" => Some("image/ktx2"),
+        "npy" => Some("application/octet-stream"),
         _ => None,
     }
 }
@@ -190,12 +239,18 @@ mod tests {
 
     #[test]
     fn there_is_a_shader_for_every_layout_and_for_none() {
-        let names = Layout::ALL.iter().flat_map(|layout| ["", "-two-lobes"].map(|of| format!("ltc-{layout}{of}.glsl")));
-        for name in names.chain(["normals.glsl".to_owned()]) {
-            let answer = respond(&name, &Method::GET, &HeaderMap::new()).expect(&name);
-            assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; charset=utf-8", "{name}");
+        let layouts = Layout::ALL.iter().flat_map(|layout| ["", "-two-lobes"].map(|of| format!("ltc-{layout}{of}")));
+        let models =
+            layouts.chain(["normals".to_owned()]).flat_map(|of| ["", "-textured"].map(|end| format!("{of}{end}")));
+        for name in models.chain(["prefilter".to_owned()]) {
+            for name in ["glsl", "wgsl"].map(|language| format!("{name}.{language}")) {
+                let answer = respond(&name, &Method::GET, &HeaderMap::new()).expect(&name);
+                assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; charset=utf-8", "{name}");
+            }
         }
-        assert!(shader("ltc-none.glsl").is_none() && shader("normals").is_none());
+        for name in ["ltc-none.glsl", "normals", "normals.hlsl", "-textured.wgsl"] {
+            assert_eq!(respond(name, &Method::GET, &HeaderMap::new()).expect_err(name).status(), 404);
+        }
     }
 
     #[test]

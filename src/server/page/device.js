@@ -1,6 +1,7 @@
 // WebGL 2: what a pixel shows, the light of models there, the sum of the reference's samples, and the picture of them.
 
-import { modelShader } from './glsl_models.js';
+import { glPictures } from './gl_pictures.js';
+import { modelShader, picturesOf } from './glsl_models.js';
 import { referenceShader } from './glsl_reference.js';
 import { DISPLAY_SHADER, MESH_VERTEX, meshShader, SURFACE_SHADER, VERTEX } from './glsl_surface.js';
 
@@ -125,7 +126,7 @@ export function device( canvas ) {
 	gl.bindRenderbuffer( gl.RENDERBUFFER, depth );
 	gl.renderbufferStorage( gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, canvas.width, canvas.height );
 	gl.framebufferRenderbuffer( gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth );
-	const [ left, right, ...sums ] = Array.from( { length: 4 }, () => target( [ gl.RG32F ] ) );
+	const [ left, right, ...sums ] = Array.from( { length: 4 }, () => target( [ gl.RGBA32F ] ) );
 	const [ surface, display ] = [ program( gl, SURFACE_SHADER ), program( gl, DISPLAY_SHADER ) ];
 	const programs = new Map();
 	const textures = new Map();
@@ -167,9 +168,14 @@ export function device( canvas ) {
 
 	}
 
+	/** The pictures on lights, where there are any. */
+	let pictures = null;
+	const array = ( name, texture ) => ( { name, target: gl.TEXTURE_2D_ARRAY, texture } );
 	const pixel = () => SEEN.map( ( name, i ) => ( { name, texture: seen.textures[ i ] } ) );
 
 	return {
+		/** Of the texts that it takes. */
+		language: 'glsl',
 		/** Finds what each pixel shows of a sphere or floor. */
 		see( uniforms ) {
 
@@ -202,18 +208,35 @@ export function device( canvas ) {
 			gl.bindVertexArray( none );
 
 		},
+		/** Prefilters pictures on lights, canvases of one size, by the service's text; tells by how many calls. */
+		picture( layers, text ) {
+
+			const size = layers.length ? [ layers[ 0 ].width, layers[ 0 ].height ] : [];
+			if ( pictures && ( pictures.layers !== layers.length || String( pictures.size ) !== String( size ) ) ) {
+
+				pictures.release();
+				pictures = null;
+
+			}
+
+			if ( ! layers.length ) return 0;
+			pictures ||= glPictures( gl, program, run, text, size, layers.length );
+			return layers.reduce( ( calls, canvas, layer ) => calls + pictures.update( canvas, layer ), 0 );
+
+		},
 		/** Lights it by a model, on the left or the right side; `shapes` has a bit for each shape of the lights. */
 		light( side, model, uniforms, shapes ) {
 
-			if ( ! textures.has( model ) ) textures.set( model, model.textures.map( ( texture ) => uploaded( gl, texture ) ) );
+			if ( ! textures.has( model.textures ) ) textures.set( model.textures, model.textures.map( ( texture ) => uploaded( gl, texture ) ) );
+			const ofLights = pictures ? [ array( picturesOf( model.kind ), pictures.pyramids ) ] : [];
 			const shader = known( `${ model.kind } ${ shapes } ${ model.text }`, () => modelShader( model.kind, model.text, shapes ) );
-			run( shader, side === 'left' ? left : right, { ...uniforms, ...model.uniforms }, [ ...pixel(), ...textures.get( model ) ] );
+			run( shader, side === 'left' ? left : right, { ...uniforms, ...model.uniforms, ...( pictures && { picture_base: pictures.base } ) }, [ ...pixel(), ...textures.get( model.textures ), ...ofLights ] );
 
 		},
 		/** Adds samples of a scattering model to the sum, of which `first` is the number before. */
 		sample( brdf, uniforms, shapes, first, samples ) {
 
-			run( known( `${ brdf } ${ shapes }`, () => referenceShader( brdf, shapes ) ), sums[ 1 ], { ...uniforms, first, samples }, [ ...pixel(), { name: 'reference_sum', texture: sums[ 0 ].textures[ 0 ] } ] );
+			run( known( `${ brdf } ${ shapes }`, () => referenceShader( brdf, shapes ) ), sums[ 1 ], { ...uniforms, first, samples }, [ ...pixel(), { name: 'reference_sum', texture: sums[ 0 ].textures[ 0 ] }, ...( pictures ? [ array( 'light_pictures', pictures.shown ) ] : [] ) ] );
 			sums.reverse();
 
 		},
@@ -221,8 +244,12 @@ export function device( canvas ) {
 		display( uniforms, samples ) {
 
 			const other = samples === null ? right : sums[ 0 ];
-			run( display, null, { ...uniforms, left_weight: 1, right_weight: 1 / Math.max( samples ?? 1, 1 ) }, [ ...pixel(), { name: 'left_parts', texture: left.textures[ 0 ] }, { name: 'right_parts', texture: other.textures[ 0 ] } ] );
-			// So that the time of a frame is that of its drawing.
+			run( display, null, { ...uniforms, left_weight: 1, right_weight: 1 / Math.max( samples ?? 1, 1 ) }, [ ...pixel(), { name: 'left_radiance', texture: left.textures[ 0 ] }, { name: 'right_radiance', texture: other.textures[ 0 ] } ] );
+
+		},
+		/** Waits until all is drawn, so that the time of a frame is that of its drawing. */
+		done() {
+
 			gl.readPixels( 0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array( 4 ) );
 
 		},

@@ -5,13 +5,15 @@ export const SHAPES = { polygon: 0, ellipse: 1, tube: 2, line: 3 };
 
 /**
  * The lights. `SHAPES_USED` has a bit for each shape that the scene has, so that a program holds no others: software drivers run
- * both sides of a branch. The vertices are those of a polygon, or of the one that stands for an ellipse, clockwise as seen
- * from the lit side; their fourth number is the area of the triangles (0, 1, 2) up to (0, i - 1, i) over that of all.
+ * both sides of a branch; the bit 16 is that of pictures. The vertices are those of a polygon, or of the one that stands for an
+ * ellipse, clockwise as seen from the lit side; their fourth number is the area of the triangles (0, 1, 2) up to (0, i - 1, i) over that of all.
  */
 export const LIGHTS = `
 const float HORIZON = 1e-6;
 uniform int light_count, light_shape[4], light_corners[4];
 uniform float light_radiance[4];
+/** The layer of a rectangle's picture, or -1. */
+uniform int light_picture[4];
 uniform vec4 light_vertices[32];
 /** xyz: middle of an ellipse, or one end of a tube or line. w: the radius or width of these. */
 uniform vec4 light_centre[4];
@@ -21,6 +23,7 @@ uniform vec4 light_x[4], light_y[4];
 uniform vec4 light_normal[4];
 
 bool is_shape( int l, int shape ) { return ( SHAPES_USED & ( 1 << shape ) ) != 0 && light_shape[l] == shape; }
+bool is_pictured( int l ) { return ( SHAPES_USED & 16 ) != 0 && light_picture[l] >= 0; }
 bool is_solid( int l ) { return is_shape( l, 2 ) || is_shape( l, 3 ); }
 
 /** Two unit vectors across a unit vector and each other. */
@@ -182,6 +185,26 @@ float light_pdf( int l, vec3 position, vec3 wi ) {
 		}
 	}
 	return is_hit ? away * away / ( light_normal[l].w * - cosine ) : - 1.0;
+}
+
+#if SHAPES_USED & 16
+uniform highp sampler2DArray light_pictures;
+/** What a rectangle with a picture emits towards a point from where wi meets it, over its radiance: a texel is of one colour. */
+vec3 picture_at( int l, vec3 position, vec3 wi ) {
+	vec3 normal = light_normal[l].xyz;
+	vec3 offset = position + dot( normal, light_vertices[8 * l].xyz - position ) / dot( normal, wi ) * wi - light_centre[l].xyz;
+	vec2 at = 0.5 + vec2( 0.5, - 0.5 ) * vec2( dot( offset, light_x[l].xyz ), dot( offset, light_y[l].xyz ) ) * vec2( light_x[l].w, light_y[l].w );
+	ivec2 size = textureSize( light_pictures, 0 ).xy;
+	return texelFetch( light_pictures, ivec3( clamp( ivec2( at * vec2( size ) ), ivec2( 0 ), size - 1 ), light_picture[l] ), 0 ).rgb;
+}
+#endif
+
+/** What a light emits towards a point from where wi meets it. */
+vec3 emitted( int l, vec3 position, vec3 wi ) {
+#if SHAPES_USED & 16
+	if ( is_pictured( l ) ) return light_radiance[l] * picture_at( l, position, wi );
+#endif
+	return vec3( light_radiance[l] );
 }
 
 /** A point of a polygon or ellipse, uniform over its area. */

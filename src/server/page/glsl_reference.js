@@ -12,7 +12,7 @@ uint hash( uint key ) {
 	return x ^ ( x >> 16u );
 }
 vec2 point( uint i, uvec2 seed ) { return vec2( ( uvec2( i * 0xc13fa9a9u, i * 0x91e10da5u ) + seed ) >> uvec2( 8u ) ) / 16777216.0; }
-vec2 fresnel( float cosine ) { float m = clamp( 1.0 - cosine, 0.0, 1.0 ); return vec2( 1.0, m * m * m * m * m ); }
+vec3 fresnel( vec3 f0, float cosine ) { float m = clamp( 1.0 - cosine, 0.0, 1.0 ); return mix( f0, vec3( 1.0 ), m * m * m * m * m ); }
 `;
 
 /** GGX by its visible normals [Dupuy and Benyoub 2023]. */
@@ -95,7 +95,7 @@ void main() {
 			vec3 towards = at.x * wi.x + at.y * wi.y + at.z * wi.z;
 			for ( int l = 0; l < light_count; l ++ ) {
 				float of_light = light_pdf( l, at.position, towards );
-				if ( of_light >= 0.0 && found.y > 0.0 ) sum.xy += fresnel( dot( at.wo, wm ) ) * ( light_radiance[l] * found.x / ( found.y + of_light ) );
+				if ( of_light >= 0.0 && found.y > 0.0 ) sum.xyz += fresnel( at.f0, dot( at.wo, wm ) ) * emitted( l, at.position, towards ) * ( found.x / ( found.y + of_light ) );
 			}
 		}
 		for ( int l = 0; l < light_count; l ++ ) {
@@ -106,7 +106,7 @@ void main() {
 				vec2 found = scattered( at, wm, wi );
 				// No direction is drawn that hits a line.
 				float of_both = of_light.w + ( is_shape( l, 3 ) ? 0.0 : found.y );
-				sum.xy += fresnel( dot( at.wo, wm ) ) * ( light_radiance[l] * found.x / of_both );
+				sum.xyz += fresnel( at.f0, dot( at.wo, wm ) ) * emitted( l, at.position, of_light.xyz ) * ( found.x / of_both );
 			}
 		}
 	}
@@ -115,6 +115,6 @@ void main() {
 /** The fragment shader that adds samples of a scattering model under lights of these shapes. */
 export function referenceShader( brdf, shapes ) {
 
-	return `#version 300 es\nprecision highp float;\nprecision highp int;\nconst int SHAPES_USED = ${ shapes };\n${ SEEN }${ LIGHTS }${ SAMPLED_LIGHTS }${ DRAWN }${ BRDFS[ brdf ] }${ SUM }`;
+	return `#version 300 es\nprecision highp float;\nprecision highp int;\n#define SHAPES_USED ${ shapes }\n${ SEEN }${ LIGHTS }${ SAMPLED_LIGHTS }${ DRAWN }${ BRDFS[ brdf ] }${ SUM }`;
 
 }

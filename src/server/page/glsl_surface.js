@@ -133,7 +133,7 @@ ${ isTextured ? '	normal = bent( normal );\n	read_textures( reflected, alpha );'
 export const SEEN = `
 uniform sampler2D seen_place, seen_tangent, seen_normal, seen_f0;
 uniform vec3 eye;
-struct Shaded { vec3 position, x, y, z, wo; vec2 alpha; float coverage; };
+struct Shaded { vec3 position, x, y, z, wo, f0; vec2 alpha; float coverage; };
 
 Shaded see() {
 	ivec2 texel = ivec2( gl_FragCoord.xy );
@@ -149,13 +149,14 @@ Shaded see() {
 	vec3 view = normalize( eye - at.position );
 	at.wo = normalize( vec3( dot( view, at.x ), dot( view, at.y ), max( dot( view, at.z ), 1e-3 ) ) );
 	at.alpha = max( vec2( tangent.w, normal.w ), vec2( 1e-5 ) );
+	at.f0 = texelFetch( seen_f0, texel, 0 ).xyz;
 	return at;
 }
 `;
 
 /** Shows one side, the other, both beside a border, or their difference in false colours; as `display` of shaders/sphere.wgsl. */
 export const DISPLAY_SHADER = `${ HEAD }
-uniform sampler2D seen_place, seen_f0, left_parts, right_parts;
+uniform sampler2D seen_place, left_radiance, right_radiance;
 uniform int size, show;
 uniform float exposure, split, difference_scale, left_weight, right_weight;
 out vec4 colour;
@@ -170,18 +171,15 @@ vec3 false_colour( float t ) {
 void main() {
 	ivec2 texel = ivec2( gl_FragCoord.xy );
 	float coverage = texelFetch( seen_place, texel, 0 ).w;
-	vec3 f0 = texelFetch( seen_f0, texel, 0 ).xyz;
-	vec2 left = texelFetch( left_parts, texel, 0 ).xy * left_weight;
-	vec2 right = texelFetch( right_parts, texel, 0 ).xy * right_weight;
-	vec3 left_radiance = mix( BACKGROUND, f0 * ( left.x - left.y ) + left.y, coverage );
-	vec3 right_radiance = mix( BACKGROUND, f0 * ( right.x - right.y ) + right.y, coverage );
+	vec3 left = mix( BACKGROUND, texelFetch( left_radiance, texel, 0 ).xyz * left_weight, coverage );
+	vec3 right = mix( BACKGROUND, texelFetch( right_radiance, texel, 0 ).xyz * right_weight, coverage );
 	if ( show == 3 ) {
-		float apart = dot( abs( left_radiance - right_radiance ), vec3( 1.0 / 3.0 ) );
+		float apart = dot( abs( left - right ), vec3( 1.0 / 3.0 ) );
 		colour = vec4( false_colour( clamp( apart / difference_scale, 0.0, 1.0 ) ), 1.0 );
 		return;
 	}
 	bool is_right = show == 2 || ( show == 0 && float( texel.x ) >= split * float( size ) );
-	vec3 y = vec3( 1.0 ) - exp( - exposure * max( is_right ? right_radiance : left_radiance, vec3( 0.0 ) ) );
+	vec3 y = vec3( 1.0 ) - exp( - exposure * max( is_right ? right : left, vec3( 0.0 ) ) );
 	vec3 curved = mix( 1.055 * pow( max( y, vec3( 0.003 ) ), vec3( 1.0 / 2.4 ) ) - 0.055, 12.92 * y, lessThanEqual( y, vec3( 0.0031308 ) ) );
 	colour = vec4( clamp( curved, 0.0, 1.0 ), 1.0 );
 }`;

@@ -3,9 +3,10 @@
 import { choice, slider } from './controls.js';
 import { el, fill } from './dom.js';
 import { addedLight, LIGHT_SHAPES, MOST_LIGHTS, OF_LIGHT } from './scene.js';
+import { screens } from './screens.js';
 
-/** Fields of a scene's lights; `changed` is called after each change of them. */
-export function lightsPanel( scene, changed ) {
+/** Fields of a scene's lights; `changed` is called after each change of them, `again` where a picture on one goes on to move. */
+export function lightsPanel( scene, changed, again ) {
 
 	let chosen = 0;
 	const change = ( name, value ) => {
@@ -16,6 +17,7 @@ export function lightsPanel( scene, changed ) {
 	};
 
 	const shape = choice( 'view-light_shape', 'Shape', Object.keys( LIGHT_SHAPES ), scene.lights[ 0 ].shape, ( value ) => change( 'shape', value ) );
+	const shown = screens( ( value ) => change( 'picture', value ), again );
 	const sliders = OF_LIGHT.map( ( field ) => slider( field, 'light_', change ) );
 	const add = el( 'button', { type: 'button', class: 'quiet', onclick: () => {
 
@@ -41,6 +43,7 @@ export function lightsPanel( scene, changed ) {
 		add.disabled = scene.lights.length === MOST_LIGHTS;
 		remove.disabled = scene.lights.length === 1;
 		shape.tell( light.shape );
+		shown.tell( light );
 		for ( const control of sliders ) control.tell( light, { width: sizes[ 0 ], height: sizes[ 1 ] }[ control.name ] );
 
 	}
@@ -54,6 +57,6 @@ export function lightsPanel( scene, changed ) {
 
 	}
 
-	return { row: [ el( 'div', { class: 'bar' }, numbers, el( 'span', { class: 'grow' } ), add, remove ), shape.row, sliders.map( ( { row } ) => row ) ], tell, choose, chosen: () => chosen };
+	return { row: [ el( 'div', { class: 'bar' }, numbers, el( 'span', { class: 'grow' } ), add, remove ), shape.row, shown.row, sliders.map( ( { row } ) => row ) ], tell, choose, chosen: () => chosen, layers: () => shown.layers( scene.lights ), release: shown.release };
 
 }

@@ -1,10 +1,10 @@
-// The models by which the viewer lights: the service's tables, model normals, and what engines ship.
+// The models by which the viewer lights: the service's tables, model normals, and tables that others published.
 
 import { call, manifest, reach } from './api.js';
 import { hasReference } from './glsl_reference.js';
 
-/** The name in a link of what engines ship. */
-export const ENGINES = 'engines';
+/** The names in a link of published tables: what engines ship, and that of KT et al. */
+export const PUBLISHED = { engines: 'engines, table of 2017', kt2022: 'KT et al., table of 2022' };
 
 async function fetched( path ) {
 
@@ -26,12 +26,24 @@ function texels( buffer ) {
 
 }
 
-/** The textures and uniforms of a table, as `ltcforge export --for wgpu` makes them. */
-async function tableOf( digest ) {
+const known = new Map();
 
-	const at = `/v1/tables/${ digest }/exports/wgpu`;
-	const { ltc_table: members, textures: files } = await call( `${ at }/ltc.json` );
-	const textures = await Promise.all( files.map( async ( file ) => ( { name: file.replace( '.ktx2', '' ), ...texels( await ( await fetched( `${ at }/${ file }` ) ).arrayBuffer() ) } ) ) );
+/** What `make` gives, kept by a name that always stands for the same. */
+async function once( name, make ) {
+
+	if ( ! known.has( name ) ) known.set( name, await make( name ) );
+	return known.get( name );
+
+}
+
+/** A text of the service to include. */
+export const textOf = ( file ) => once( file, async () => ( await fetched( `/page/${ file }` ) ).text() );
+
+/** The textures and uniforms of a table, as `ltcforge export --for wgpu` makes them. */
+async function tableOf( at ) {
+
+	const { ltc_table: members, textures: files } = await call( `${ at }ltc.json` );
+	const textures = await Promise.all( files.map( async ( file ) => ( { name: file.replace( '.ktx2', '' ), ...texels( await ( await fetched( `${ at }${ file }` ) ).arrayBuffer() ) } ) ) );
 	return { uniforms: Object.fromEntries( Object.entries( members ).map( ( [ member, value ] ) => [ `ltc_table.${ member }`, value ] ) ), textures };
 
 }
@@ -53,18 +65,26 @@ function unfit( { brdf, lobe, layout } ) {
 }
 
 /**
- * A model by its name in a link: '' for normals, `engines`, or a table's digest. `kind` says which program, `text` is the
- * service's shader, `brdf` the scattering model that it stands for.
+ * A model by its name in a link: '' for normals, one of those that are published, or a table's digest. `kind` says which
+ * program, `source` which text of the service, `brdf` the scattering model that it stands for.
  */
-export async function modelOf( name ) {
+async function found( name ) {
 
-	if ( name === ENGINES ) return { kind: 'engines', brdf: 'ggx', text: '', uniforms: {}, textures: await Promise.all( [ shipped( 'shipped_matrix', 'ltc2017_1.dds' ), shipped( 'shipped_terms', 'ltc2017_2.dds' ) ] ) };
-	if ( ! name ) return { kind: 'normals', brdf: 'ggx', text: await ( await fetched( '/page/normals.glsl' ) ).text(), uniforms: {}, textures: [] };
+	if ( name === 'engines' ) return { kind: 'engines', brdf: 'ggx', source: null, uniforms: {}, textures: await Promise.all( [ shipped( 'shipped_matrix', 'ltc2017_1.dds' ), shipped( 'shipped_terms', 'ltc2017_2.dds' ) ] ) };
+	if ( name === 'kt2022' ) return { kind: 'one', brdf: 'ggx', source: 'ltc-kt2022', ...await tableOf( '/page/kt2022-' ) };
+	if ( ! name ) return { kind: 'normals', brdf: 'ggx', source: 'normals', uniforms: {}, textures: [] };
 	const { recipe } = await manifest( name );
 	const reason = unfit( recipe );
 	if ( reason ) throw new Error( reason );
 	const kind = typeof recipe.fresnel === 'string' ? recipe.fresnel : 'one';
-	const [ table, text ] = await Promise.all( [ tableOf( name ), fetched( `/page/ltc-${ recipe.layout }${ kind === 'one' ? '' : '-two-lobes' }.glsl` ).then( ( response ) => response.text() ) ] );
-	return { kind, brdf: recipe.brdf, text, ...table };
+	return { kind, brdf: recipe.brdf, source: `ltc-${ recipe.layout }${ kind === 'one' ? '' : '-two-lobes' }`, ...await tableOf( `/v1/tables/${ name }/exports/wgpu/` ) };
+
+}
+
+/** Such a model with the text of a language that knows pictures on lights or does not. */
+export async function modelOf( name, language, hasPictures ) {
+
+	const model = await once( `model ${ name }`, () => found( name ) );
+	return { ...model, text: model.source ? await textOf( `${ model.source }${ hasPictures ? '-textured' : '' }.${ language }` ) : '' };
 
 }

@@ -40,6 +40,12 @@ export const LIGHT_SHAPES = {
 	hexagon: { sizes: [ 'Half width', 'Half height' ], corners: 6 },
 };
 
+/** What a rectangle may show in place of one colour, by its names in a link; `file` is one that was opened, of which a link knows nothing. */
+export const PICTURES = { '': 'one colour', signs: 'a picture', disc: 'a video', file: 'a file' };
+
+/** Whether a light shows one. */
+export const isPictured = ( { shape, picture } ) => shape === 'rectangle' && picture !== '';
+
 /** Reflectances at normal incidence, linear sRGB. Sheen has none and shows what it reflects of white light. */
 export const METALS = { silver: [ 0.91, 0.92, 0.92 ], gold: [ 1, 0.71, 0.29 ], copper: [ 0.95, 0.64, 0.54 ], plastic: [ 0.04, 0.04, 0.04 ], white: [ 1, 1, 1 ] };
 
@@ -48,6 +54,7 @@ export const CHOICES = {
 	surface: [ 'sphere', 'floor', 'shader_ball' ],
 	metal: Object.keys( METALS ),
 	show: [ 'split', 'model', 'reference', 'difference' ],
+	drawn_by: [ 'automatic', 'webgl2', 'webgpu' ],
 };
 
 /** The whole angle of view, of scene `sphere`. */
@@ -66,7 +73,7 @@ const named = ( i, name ) => `light${ i ? i + 1 : '' }_${ name }`;
 export function addedLight( i ) {
 
 	const [ x, y, z ] = PLACES[ i ];
-	return { shape: 'rectangle', ...Object.fromEntries( OF_LIGHT.map( ( { name, value } ) => [ name, value ] ) ), x, y, z };
+	return { shape: 'rectangle', picture: '', ...Object.fromEntries( OF_LIGHT.map( ( { name, value } ) => [ name, value ] ) ), x, y, z };
 
 }
 
@@ -91,6 +98,8 @@ export function read( parameters ) {
 		for ( const field of OF_LIGHT ) light[ field.name ] = within( field, parameters.get( named( i, field.name ) ), light[ field.name ] );
 		const shape = parameters.get( named( i, 'shape' ) );
 		if ( Object.hasOwn( LIGHT_SHAPES, shape || '' ) ) light.shape = shape;
+		const picture = parameters.get( named( i, 'picture' ) ) || '';
+		if ( Object.hasOwn( PICTURES, picture ) && picture !== 'file' ) light.picture = picture;
 		return light;
 
 	} );
@@ -104,7 +113,7 @@ export function link( scene ) {
 	const changed = PARAMETERS.filter( ( { name, value } ) => scene[ name ] !== value ).map( ( { name } ) => [ name, scene[ name ] ] );
 	const chosen = Object.entries( CHOICES ).filter( ( [ name, options ] ) => options.indexOf( scene[ name ] ) > 0 ).map( ( [ name ] ) => [ name, scene[ name ] ] );
 	const models = [ 'table', 'against' ].filter( ( name ) => scene[ name ] ).map( ( name ) => [ name, scene[ name ] ] );
-	const lights = scene.lights.flatMap( ( light, i ) => Object.entries( addedLight( i ) ).filter( ( [ name, value ] ) => light[ name ] !== value ).map( ( [ name ] ) => [ named( i, name ), light[ name ] ] ) );
+	const lights = scene.lights.flatMap( ( light, i ) => Object.entries( addedLight( i ) ).filter( ( [ name, value ] ) => light[ name ] !== value && light[ name ] !== 'file' ).map( ( [ name ] ) => [ named( i, name ), light[ name ] ] ) );
 	return new URLSearchParams( [ ...models, ...chosen, ...changed, ...( scene.lights.length > 1 ? [ [ 'lights', scene.lights.length ] ] : [] ), ...lights ] );
 
 }
@@ -150,11 +159,12 @@ export function outline( light, eye ) {
 
 }
 
-/** The numbers of the lights that the shaders read, and a bit for each shape that is among them. */
+/** The numbers of the lights that the shaders read, and a bit for each shape that is among them, with one for pictures. Pictures are layers in the order of their lights. */
 export function uniformsOf( lights ) {
 
 	const four = ( v, w = 0 ) => [ ...v, w ];
-	const made = { light_count: lights.length, light_shape: [], light_corners: [], light_radiance: [], light_centre: [], light_x: [], light_y: [], light_normal: [], light_vertices: [] };
+	const made = { light_count: lights.length, light_shape: [], light_picture: [], light_corners: [], light_radiance: [], light_centre: [], light_x: [], light_y: [], light_normal: [], light_vertices: [] };
+	let layers = 0;
 	for ( const light of lights ) {
 
 		const { centre, normal, along, across, vertices, ends } = placed( light );
@@ -165,6 +175,7 @@ export function uniformsOf( lights ) {
 		const upTo = vertices.reduce( ( sums, _, i ) => [ ...sums, i < 2 ? 0 : sums[ i - 1 ] + triangle( i ) ], [] );
 		const area = upTo.at( - 1 ) || 1;
 		made.light_shape.push( shape );
+		made.light_picture.push( isPictured( light ) ? layers ++ : - 1 );
 		made.light_corners.push( vertices.length );
 		made.light_radiance.push( light.intensity );
 		made.light_centre.push( four( isSolid ? start : centre, { sphere: light.width, tube: light.height, line: 2 * light.height }[ light.shape ] ) );
@@ -175,7 +186,7 @@ export function uniformsOf( lights ) {
 
 	}
 
-	return { uniforms: made, shapes: made.light_shape.reduce( ( bits, shape ) => bits | 1 << shape, 0 ) };
+	return { uniforms: made, shapes: made.light_shape.reduce( ( bits, shape ) => bits | 1 << shape, layers && 16 ) };
 
 }
 

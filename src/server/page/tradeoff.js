@@ -54,7 +54,7 @@ export function tradeoff( signal ) {
 		const others = drawn( 'g', {} );
 		const own = drawn( 'circle', { class: 'own', r: 5, visibility: 'hidden' } );
 		const svg = drawn( 'svg', { class: 'tradeoff', viewBox: `0 0 ${ WIDTH } ${ HEIGHT }`, role: 'img' },
-			...frame, ...ticks, drawn( 'text', { x: LEFT, y: HEIGHT - 2 }, `error in % against ${ chart.of }` ), others, own );
+			...frame, ...ticks, drawn( 'text', { x: LEFT, y: HEIGHT - 4 }, `error in % against ${ chart.of }` ), others, own );
 		svg.setAttribute( 'aria-label', `Predicted error against ${ chart.of }` );
 		return { ...chart, x, svg, others, own };
 

@@ -1,13 +1,13 @@
 // What a table, model normals or the shading of engines does, on the visitor's own GPU, beside the truth or each other.
 
 import { call } from './api.js';
+import { deviceFor, DRAWN_BY } from './backend.js';
 import { choice, drag, slider } from './controls.js';
 import { copyButton, el, facts, fill, notice } from './dom.js';
-import { device } from './device.js';
 import { short } from './format.js';
 import { lightsPanel } from './lights.js';
-import { ENGINES, modelOf } from './models.js';
-import { camera, CHOICES, link, METALS, moved, outline, PARAMETERS, placed, read, seen, uniformsOf } from './scene.js';
+import { modelOf, PUBLISHED, textOf } from './models.js';
+import { camera, CHOICES, isPictured, link, METALS, moved, outline, PARAMETERS, placed, read, seen, uniformsOf } from './scene.js';
 import { shaderBall } from './shader_ball.js';
 
 /** Pixels a side. */
@@ -25,12 +25,16 @@ const SIDES = [ [ 'split', 'both' ], [ 'model', 'left' ], [ 'reference', 'right'
 /** Surfaces by their names in a link. */
 const SURFACES = CHOICES.surface.map( ( name ) => [ name, name.replace( '_', ' ' ) ] );
 
+/** What draws, by its names in a link. */
+const BACKENDS = [ [ 'automatic', 'WebGPU, else WebGL 2' ], [ 'webgl2', 'WebGL 2' ], [ 'webgpu', 'WebGPU' ] ];
+
 const SVG = 'http://www.w3.org/2000/svg';
 
 export async function show( root, rest, parameters, signal ) {
 
 	const scene = read( parameters );
-	const canvas = el( 'canvas', { width: SIZE, height: SIZE, role: 'img', 'aria-label': 'The surface under the lights' } );
+	const fresh = () => el( 'canvas', { width: SIZE, height: SIZE, role: 'img', 'aria-label': 'The surface under the lights' } );
+	let canvas = fresh();
 	const overlay = document.createElementNS( SVG, 'svg' );
 	overlay.setAttribute( 'viewBox', '-1 -1 2 2' );
 	overlay.setAttribute( 'aria-hidden', 'true' );
@@ -38,11 +42,11 @@ export async function show( root, rest, parameters, signal ) {
 	const outlines = [];
 	const figures = el( 'div' );
 	const { items } = await call( '/v1/tables?limit=200', { signal } );
-	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && name !== ENGINES );
-	const models = [ [ ENGINES, 'engines, the table of 2017' ], ...known.map( ( digest ) => [ digest, `table ${ short( digest ) }` ] ) ];
-	const table = choice( 'model', 'Lit by', [ [ '', 'normals, without a table' ], ...models ], scene.table, ( name ) => change( 'table', name ) );
-	const against = choice( 'against', 'Beside', [ [ '', 'Monte Carlo integration' ], [ 'normals', 'normals, without a table' ], ...models ], scene.against, ( name ) => change( 'against', name ) );
-	const choices = Object.fromEntries( [ [ 'surface', 'Surface' ], [ 'metal', 'Material' ], [ 'show', 'Shown' ] ].map( ( [ name, label ] ) => [ name, choice( `view-${ name }`, label, { show: SIDES, surface: SURFACES }[ name ] || CHOICES[ name ], scene[ name ], ( value ) => change( name, value ) ) ] ) );
+	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && ! Object.hasOwn( PUBLISHED, name ) );
+	const models = [ ...Object.entries( PUBLISHED ), ...known.map( ( digest ) => [ digest, `table ${ short( digest ) }` ] ) ];
+	const table = choice( 'model', 'Lit by', [ [ '', 'normals, no table' ], ...models ], scene.table, ( name ) => change( 'table', name ) );
+	const against = choice( 'against', 'Beside', [ [ '', 'Monte Carlo integration' ], [ 'normals', 'normals, no table' ], ...models ], scene.against, ( name ) => change( 'against', name ) );
+	const choices = Object.fromEntries( [ [ 'surface', 'Surface' ], [ 'metal', 'Material' ], [ 'show', 'Shown' ], [ 'drawn_by', 'Drawn by' ] ].map( ( [ name, label ] ) => [ name, choice( `view-${ name }`, label, { show: SIDES, surface: SURFACES, drawn_by: BACKENDS }[ name ] || CHOICES[ name ], scene[ name ], ( value ) => change( name, value ) ) ] ) );
 	const sliders = PARAMETERS.map( ( field ) => slider( field, '', change ) );
 	const split = slider( { name: 'split', label: 'Split at', min: 0, max: 1, step: 0.01 }, '', change );
 	const files = el( 'input', { type: 'file', id: 'mesh', accept: '.glb,.gltf', class: 'hidden', onchange: () => open( files.files[ 0 ] ) } );
@@ -50,7 +54,7 @@ export async function show( root, rest, parameters, signal ) {
 	const group = ( legend, ...rows ) => el( 'fieldset', {}, el( 'legend', {}, legend ), rows );
 	const rows = ( ...names ) => sliders.filter( ( { name } ) => names.some( ( begin ) => name.startsWith( begin ) ) ).map( ( { row } ) => row );
 	const ofSurface = el( 'div', { class: 'controls' }, choices.metal.row, rows( 'alpha', 'rotation' ) );
-	const lights = lightsPanel( scene, () => change( 'lights', scene.lights ) );
+	const lights = lightsPanel( scene, () => change( 'lights', scene.lights ), () => begin() );
 
 	fill( root,
 		el( 'div', { class: 'bar' }, el( 'h1', {}, 'Viewer' ), el( 'span', { class: 'grow' } ), copyButton( 'Copy link', () => location.href ) ),
@@ -61,35 +65,71 @@ export async function show( root, rest, parameters, signal ) {
 				group( 'Compared', table.row, against.row, choices.show.row, split.row ),
 				group( 'Surface', choices.surface.row, el( 'div', { class: 'field' }, el( 'label', { for: 'mesh' }, 'glTF' ), el( 'div', { class: 'file' }, files, el( 'label', { for: 'mesh', class: 'button quiet' }, 'Open or drop a file' ) ) ), opened, ofSurface ),
 				group( 'Lights', lights.row ),
-				group( 'Camera', rows( 'camera', 'exposure' ) ) ) ) );
+				group( 'Camera', rows( 'camera', 'exposure' ), choices.drawn_by.row ) ) ) );
 
+	/** The meshes of a glTF file that was opened; they are no part of the link. */
+	let mesh = null;
+	/** What draws, null until it is there, and what was asked to. */
 	let drawn = null;
-	try {
+	let began = '';
+	/** What is to draw: textures of meshes are for WebGL 2 alone. */
+	const wanted = () => scene.surface === 'mesh' && mesh.some( ( { textures } ) => textures ) ? 'webgl2' : scene.drawn_by;
+	signal.addEventListener( 'abort', () => {
 
-		drawn = device( canvas );
-
-	} catch ( error ) {
-
-		fill( figures, notice( error.message ) );
-		return null;
-
-	}
-
-	signal.addEventListener( 'abort', () => drawn.release() );
-	// Without this a lost context never comes back.
-	canvas.addEventListener( 'webglcontextlost', ( event ) => signal.aborted || event.preventDefault() );
-	canvas.addEventListener( 'webglcontextrestored', () => {
-
-		drawn = device( canvas );
-		begin();
+		drawn?.release();
+		lights.release();
 
 	} );
 
-	/** The models of both sides, null where the right one is the reference. */
+	/** Begins to draw, on a canvas of its own: one knows WebGL or WebGPU for good. */
+	async function start( by = wanted() ) {
+
+		began = wanted();
+		drawn?.release();
+		[ drawn, sides ] = [ null, null ];
+		asked ++;
+		const here = fresh();
+		canvas.replaceWith( here );
+		canvas = here;
+		// Without this a lost context never comes back.
+		here.addEventListener( 'webglcontextlost', ( event ) => here === canvas && ! signal.aborted && event.preventDefault() );
+		here.addEventListener( 'webglcontextrestored', async () => {
+
+			if ( here !== canvas ) return;
+			drawn = await deviceFor( 'webgl2', here );
+			begin();
+
+		} );
+		const failed = ( message ) => {
+
+			if ( here !== canvas || signal.aborted ) return;
+			if ( scene.drawn_by === 'automatic' ) start( 'webgl2' );
+			else fill( figures, notice( message ) );
+
+		};
+
+		try {
+
+			const made = await deviceFor( by, here, failed );
+			if ( here !== canvas || signal.aborted ) return made.release();
+			drawn = made;
+			await choose();
+
+		} catch ( error ) {
+
+			if ( here === canvas ) fill( figures, notice( error.message ) );
+
+		}
+
+	}
+
+	/** The models of both sides, null where the right one is the reference, and the text that prefilters pictures on lights. */
 	let sides = null;
+	let prefilter = null;
 	let asked = 0;
 	let samples = 0;
 	let isSeen = false;
+	let isMoving = false;
 	let isWaiting = false;
 
 	/** Asks for the models that the scene names; a failure is told in place of the figures. */
@@ -97,10 +137,15 @@ export async function show( root, rest, parameters, signal ) {
 
 		const turn = ++ asked;
 		sides = null;
+		// It is asked again once there is what draws.
+		if ( ! drawn ) return;
 		try {
 
-			const found = await Promise.all( [ modelOf( scene.table ), scene.against ? modelOf( scene.against === 'normals' ? '' : scene.against ) : null ] );
+			const hasPictures = scene.lights.some( isPictured );
+			const model = ( name ) => modelOf( name, drawn.language, hasPictures );
+			const found = await Promise.all( [ model( scene.table ), scene.against ? model( scene.against === 'normals' ? '' : scene.against ) : null, hasPictures ? textOf( `prefilter.${ drawn.language }` ) : null ] );
 			if ( turn !== asked || signal.aborted ) return;
+			prefilter = found.pop();
 			sides = found;
 			begin();
 
@@ -112,9 +157,6 @@ export async function show( root, rest, parameters, signal ) {
 
 	}
 
-	/** The meshes of a glTF file that was opened; they are no part of the link. */
-	let mesh = null;
-
 	async function open( file ) {
 
 		if ( ! file ) return;
@@ -124,8 +166,9 @@ export async function show( root, rest, parameters, signal ) {
 			const { meshes, triangles, notes } = await readGltf( await file.arrayBuffer() );
 			if ( signal.aborted ) return;
 			mesh = meshes;
+			const isTextured = meshes.some( ( { textures } ) => textures );
 			choices.surface.offer( [ ...SURFACES, [ 'mesh', file.name ] ], 'mesh' );
-			fill( opened, el( 'p', { class: 'muted' }, [ `${ triangles.toLocaleString( 'en' ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes ].join( '; ' ) ) );
+			fill( opened, el( 'p', { class: 'muted' }, [ `${ triangles.toLocaleString( 'en' ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes, isTextured && scene.drawn_by !== 'webgl2' && 'drawn by WebGL 2 with its textures' ].filter( Boolean ).join( '; ' ) ) );
 			change( 'surface', 'mesh' );
 
 		} catch ( error ) {
@@ -157,7 +200,10 @@ export async function show( root, rest, parameters, signal ) {
 		scene[ name ] = value;
 		history.replaceState( null, '', `#/viewer?${ link( scene ) }` );
 		tell();
-		if ( name === 'table' || name === 'against' ) choose();
+		const isOther = scene.lights.some( isPictured ) !== ( prefilter !== null );
+		const by = wanted();
+		if ( by !== began && ! ( by === 'webgl2' && drawn?.language === 'glsl' ) ) start();
+		else if ( name === 'table' || name === 'against' || isOther ) choose();
 		else if ( SHOWN.includes( name ) ) later();
 		else begin();
 
@@ -180,27 +226,33 @@ export async function show( root, rest, parameters, signal ) {
 
 	}
 
-	function frame() {
+	async function frame() {
 
 		isWaiting = false;
 		outlineLights();
-		if ( signal.aborted || ! sides || drawn.isLost() ) return;
-		const start = performance.now();
+		if ( signal.aborted || ! sides || ! drawn || drawn.isLost() ) return;
+		const by = drawn;
+		const since = performance.now();
 		let calls = 0;
 		try {
 
 			calls = draw();
+			await by.done();
 
 		} catch ( error ) {
 
-			return fill( figures, notice( error.message ) );
+			if ( by === drawn ) fill( figures, notice( error.message ) );
+			return;
 
 		}
 
+		if ( signal.aborted || by !== drawn ) return;
+
 		const isReference = ! sides[ 1 ] && scene.show !== 'model';
 		canvas.dataset.samples = sides[ 1 ] ? MOST : samples;
-		fill( figures, facts( [ [ 'Samples', isReference ? samples : '–' ], [ 'Frame', `${ ( performance.now() - start ).toFixed( 1 ) } ms` ], [ 'Draw calls', calls ], scene.show === 'difference' && [ 'Red is', `${ DIFFERENCE } of radiance` ] ] ) );
-		if ( isReference && samples < MOST ) later();
+		fill( figures, facts( [ [ 'Samples', isReference ? samples : '–' ], [ 'Frame', `${ ( performance.now() - since ).toFixed( 1 ) } ms` ], [ 'Draw calls', calls ], [ 'Drawn by', DRAWN_BY[ by.language ] ], scene.show === 'difference' && [ 'Red is', `${ DIFFERENCE } of radiance` ] ] ) );
+		if ( isMoving ) begin();
+		else if ( isReference && samples < MOST ) later();
 
 	}
 
@@ -214,6 +266,9 @@ export async function show( root, rest, parameters, signal ) {
 		let calls = 1;
 		if ( ! isSeen ) {
 
+			const shown = lights.layers();
+			isMoving = shown.isMoving;
+			calls += drawn.picture( shown.layers, prefilter );
 			const colour = ( f0 ) => left.brdf === 'ggx' ? f0 : METALS.white;
 			const ofMaterial = ( { alpha_x, alpha_y, rotation, f0, factors } ) => ( { ...factors, is_white: Number( left.brdf !== 'ggx' ), f0: colour( f0 ), material: [ alpha_x, alpha_y, Math.cos( rotation ), Math.sin( rotation ) ] } );
 			const view = { ...numbers, right, up, forward };
@@ -284,7 +339,7 @@ export async function show( root, rest, parameters, signal ) {
 
 	} );
 	tell();
-	choose();
+	start();
 	return () => {};
 
 }

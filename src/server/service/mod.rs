@@ -20,6 +20,7 @@ mod migrate;
 mod open;
 mod pictures;
 mod plans;
+mod published;
 mod reconcile;
 mod scheduler;
 mod scrub;
@@ -50,6 +51,7 @@ pub use light_textures::{
 pub use migrate::{Migrated, migrate};
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
 pub use plans::{PlanError, Planned, SCENE_LIMIT_BYTES, SceneForm};
+pub use published::published_table;
 pub use reconcile::Reconciled;
 pub use state::Service;
 pub use stored_files::FileRow;
