@@ -65,6 +65,8 @@ struct Seen {
     at: Shaded,
     /// How much of the pixel it fills.
     coverage: f32,
+    /// How far away it is.
+    distance: f32,
 }
 
 /// A workgroup's pixel; at the picture's edge it may lie outside.
@@ -93,6 +95,7 @@ fn see(place: vec3<f32>) -> Seen {
         let t = -eye.y / min(ray.y, -1e-6);
         position = eye + t * ray;
         position.y = 0.0;
+        seen.distance = t;
         normal = vec3(0.0, 1.0, 0.0);
         along = vec3(1.0, 0.0, 0.0);
         let fades = 1.0 - t / scene.background.w;
@@ -104,7 +107,9 @@ fn see(place: vec3<f32>) -> Seen {
         let distance2 = dot(nearest, nearest);
         let rim = (1.0 - sqrt(distance2)) / (scene.eye.w * closest);
         seen.coverage = select(0.0, clamp(rim + 0.5, 0.0, 1.0), closest > 0.0);
-        position = normalize(nearest - sqrt(max(1.0 - distance2, 0.0)) * ray);
+        let depth = sqrt(max(1.0 - distance2, 0.0));
+        position = normalize(nearest - depth * ray);
+        seen.distance = closest - depth;
         normal = position;
         let circle = vec3(normal.z, 0.0, -normal.x);
         let length2 = dot(circle, circle);
@@ -126,6 +131,9 @@ fn see(place: vec3<f32>) -> Seen {
 
 /// Radiance towards the eye, by the table.
 fn shade_by_table(at: Shaded) -> vec3<f32> {
+    if (light_has_picture) {
+        return shade_picture_by_table(at);
+    }
     if (second_lobe == SECOND_NONE) {
         var lobe = LtcLobe(mat3x3(at.alpha.x, 0.0, 0.0, 0.0, at.alpha.y, 0.0, -at.wo.x, -at.wo.y, at.wo.z), 1.0, 0.0);
         if (!lookup_is_constant) {
@@ -211,6 +219,9 @@ fn outline_of(at: Shaded) -> array<vec3<f32>, 8> {
 
 /// Radiance towards the eye, by model normals.
 fn shade_by_normals(at: Shaded) -> vec3<f32> {
+    if (light_has_picture) {
+        return shade_picture_by_normals(at);
+    }
     var vertices = outline_of(at);
     let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
     let count = light.options.x;
@@ -263,7 +274,12 @@ fn albedo_of(at: Shaded) -> f32 {
 
 /// Radiance from the two parts of what is reflected of white light, f90 = 1, and the albedo of a surface.
 fn reflected(parts: vec2<f32>, albedo: f32) -> vec3<f32> {
-    let once = (scene.f0.xyz * (parts.x - parts.y) + vec3(parts.y)) * light.radiance.x;
+    return reflected_colours(vec3(parts.x), vec3(parts.y), albedo);
+}
+
+/// The same of coloured light: all of it, and Schlick's part.
+fn reflected_colours(all: vec3<f32>, fresnel: vec3<f32>, albedo: f32) -> vec3<f32> {
+    let once = (scene.f0.xyz * (all - fresnel) + fresnel) * light.radiance.x;
     if (is_compensated) {
         return once * (vec3(1.0) + scene.f0.xyz * (1.0 / max(albedo, 0.01) - 1.0));
     }
@@ -296,12 +312,13 @@ fn surface_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invo
     if (any(pixel >= vec2(scene.options.x))) {
         return;
     }
-    let seen = see(place_of(pixel));
-    var radiance = scene.background.xyz;
+    let place = place_of(pixel);
+    let seen = see(place);
+    var shaded = vec3(0.0);
     if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_table(seen.at), seen.coverage);
+        shaded = shade_by_table(seen.at);
     }
-    write(pixel, radiance);
+    write(pixel, composed(place, seen, shaded, 1.0));
 }
 
 @compute @workgroup_size(8, 8)
@@ -310,12 +327,13 @@ fn surface_by_normals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_in
     if (any(pixel >= vec2(scene.options.x))) {
         return;
     }
-    let seen = see(place_of(pixel));
-    var radiance = scene.background.xyz;
+    let place = place_of(pixel);
+    let seen = see(place);
+    var shaded = vec3(0.0);
     if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_normals(seen.at), seen.coverage);
+        shaded = shade_by_normals(seen.at);
     }
-    write(pixel, radiance);
+    write(pixel, composed(place, seen, shaded, 1.0));
 }
 
 @compute @workgroup_size(8, 8)
@@ -324,12 +342,13 @@ fn surface_by_gaussian(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_i
     if (any(pixel >= vec2(scene.options.x))) {
         return;
     }
-    let seen = see(place_of(pixel));
-    var radiance = scene.background.xyz;
+    let place = place_of(pixel);
+    let seen = see(place);
+    var shaded = vec3(0.0);
     if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_gaussian(seen.at), seen.coverage);
+        shaded = shade_by_gaussian(seen.at);
     }
-    write(pixel, radiance);
+    write(pixel, composed(place, seen, shaded, 1.0));
 }
 
 @compute @workgroup_size(8, 8)
@@ -338,15 +357,16 @@ fn surface_by_reference(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_
     if (any(pixel >= vec2(scene.options.x))) {
         return;
     }
-    let seen = see(place_of(pixel));
+    let place = place_of(pixel);
+    let seen = see(place);
     let all = f32(scene.options.w);
-    var radiance = scene.background.xyz * (f32(scene.output.z) / all);
+    var shaded = vec3(0.0);
     if (seen.coverage > 0.0) {
         let key = pixel.y * scene.options.x + pixel.x;
-        let parts = ggx_reference(seen.at, scene.output.y, scene.output.z, key) / all;
-        radiance = mix(radiance, reflected(parts, albedo_of(seen.at)), seen.coverage);
+        let parts = ggx_reference(seen.at, scene.output.y, scene.output.z, key);
+        shaded = reflected_colours(parts.all / all, parts.fresnel / all, albedo_of(seen.at));
     }
-    write(pixel, radiance);
+    write(pixel, composed(place, seen, shaded, f32(scene.output.z) / all));
 }
 
 /// A direction of the sphere that the lobes are drawn on, seen from far away; w: 0 beside it. Its outer pixels are

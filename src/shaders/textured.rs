@@ -1,7 +1,8 @@
 //! The text of lights with pictures: the readings, which all models share under names of their own, and a model's lobe.
 
 use super::{
-    Bound, LitBy, Reading, additions::pictured, namespace::prefixed, normals_header::normals_files, sources::joined,
+    Additions, Bound, LitBy, Reading, additions::pictured, namespace::prefixed, normals_header::normals_files,
+    sources::joined,
 };
 use ltcforge_light::{LightModel, textured::Readings};
 
@@ -25,6 +26,20 @@ fn bindings(lit_by: LitBy, reading: Reading) -> [u32; 2] {
         (Some(_), Bound::Volumes) => 5,
     };
     [first, first + 1]
+}
+
+/// The text of a model's pictures for the preview, which declares textures, sampler and number of readings itself, for all
+/// models at once.
+pub(super) fn previewed_pictures(lit_by: LitBy) -> String {
+    let additions = Additions { textured: Some(Readings::ALL[0]), ..Additions::default() };
+    let (Some([own, _]), Ok(lit_by)) = (pictured(lit_by.model()), lit_by.with(additions)) else { return String::new() };
+    let text = lit_by.textured(Reading::default());
+    let declares = |line: &&str| line.starts_with("@group") || line.starts_with("const ");
+    let text: Vec<&str> = text.lines().filter(|line| !declares(line)).collect();
+    [("_pictures", "light_pictures"), ("_picture_sampler", "light_picture_sampler")]
+        .into_iter()
+        .fold(text.join("\n"), |text, (name, shared)| text.replace(&format!("{own}{name}"), shared))
+        .replace(&format!("{}_READINGS", own.to_uppercase()), "light_readings")
 }
 
 impl LitBy {

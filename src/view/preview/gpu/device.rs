@@ -2,13 +2,13 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::{GpuFailure, Variant, Weights};
+use super::{GpuFailure, Variant, Weights, picture};
 use crate::preview::{
     estimator::Estimator,
     frame::{Frame, FrameShape},
 };
 use ltcforge_fit::{LobeModel, SecondLobe};
-use ltcforge_light::{Gaussian, LightModel, NormalsRule};
+use ltcforge_light::{Gaussian, LightModel, NormalsRule, textured::Readings};
 use ltcforge_shaders::{Bound, preview_module};
 
 /// A device of the first adapter that Vulkan lists: a GPU, or lavapipe.
@@ -18,6 +18,9 @@ pub(super) struct Device {
     pub(super) queue: wgpu::Queue,
     pub(super) table_layout: wgpu::BindGroupLayout,
     pub(super) frame_layout: wgpu::BindGroupLayout,
+    pub(super) picture_layout: wgpu::BindGroupLayout,
+    /// That of prefiltered pictures, which samplers filter.
+    pub(super) picture_format: wgpu::TextureFormat,
     pub(super) name: String,
     /// The driver renders on the processor, as lavapipe does.
     pub(super) is_software: bool,
@@ -43,6 +46,8 @@ struct PipelineKey {
     is_cut: bool,
     /// What facets lose is given back.
     is_compensated: bool,
+    /// The light has a picture, which models read so often.
+    readings: Option<Readings>,
 }
 
 impl PipelineKey {
@@ -58,6 +63,7 @@ impl PipelineKey {
             is_polygon: is_of_polygons && frame.light.outline_vertices() != 4,
             is_cut: frame.is_cut && matches!(estimator, Estimator::Table(LobeModel::Ltc) | Estimator::TwoLobes(_)),
             is_compensated: frame.is_compensated && !estimator.is_lobe(),
+            readings: frame.picture.as_ref().map(|picture| picture.readings),
         }
     }
 }
@@ -117,9 +123,11 @@ impl Device {
         let pixels = buffer(wgpu::BufferBindingType::Storage { read_only: false });
         let tiles = buffer(wgpu::BufferBindingType::Storage { read_only: true });
         let frame_layout = layout(&device, "frame", &[uniform, uniform, pixels, tiles]);
+        let picture_format = picture::format(!filters.is_empty());
+        let picture_layout = layout(&device, "picture", &picture::BINDINGS);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("preview"),
-            bind_group_layouts: &[Some(&table_layout), Some(&frame_layout)],
+            bind_group_layouts: &[Some(&table_layout), Some(&frame_layout), Some(&picture_layout)],
             immediate_size: 0,
         });
         let name = format!("{} ({})", info.name, info.driver_info);
@@ -128,6 +136,8 @@ impl Device {
             queue,
             table_layout,
             frame_layout,
+            picture_layout,
+            picture_format,
             name,
             is_software: info.device_type == wgpu::DeviceType::Cpu,
             pipeline_layout,
@@ -156,6 +166,8 @@ impl Device {
             ("light_is_polygon", flag(key.is_polygon)),
             ("light_is_cut", flag(key.is_cut)),
             ("is_compensated", flag(key.is_compensated)),
+            ("light_has_picture", flag(key.readings.is_some())),
+            ("light_readings", key.readings.map_or(4.0, |readings| readings.count() as f64)),
             ("normals_rule", f64::from(rule as u32)),
             ("gaussian", f64::from(gaussian as u32)),
             ("second_lobe", second_lobe(estimator)),
