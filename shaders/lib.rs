@@ -88,6 +88,8 @@ pub const PLACE_MATERIALS: &str = include_str!("place_materials.wgsl");
 pub const PREFILTER: &str = include_str!("prefilter.wgsl");
 /// `preview_cut.wgsl`.
 pub const PREVIEW_CUT: &str = include_str!("preview_cut.wgsl");
+/// `preview_lobes.wgsl`.
+pub const PREVIEW_LOBES: &str = include_str!("preview_lobes.wgsl");
 /// `preview_textured.wgsl`.
 pub const PREVIEW_TEXTURED: &str = include_str!("preview_textured.wgsl");
 /// `reference_solids.wgsl`.

@@ -19,10 +19,12 @@ fn corners_of(at: Shaded) -> array<vec3<f32>, 4> {
 fn covered_picture(m: mat3x3<f32>, at: Shaded) -> vec3<f32> {
     let inverse = ltc_inverse(m);
     let textured = ltc_textured_rectangle(inverse, corners_of(at), light.options.y == 1u, 0u, light.radiance.w);
+    // By matrices that no fit makes, weights overflow.
+    let colour = select(vec3(0.0), textured.colour, textured.colour < vec3(1e30));
     if (light_is_cut) {
-        return textured.colour * covered_above(inverse, at);
+        return colour * covered_above(inverse, at);
     }
-    return textured.colour * textured.covered;
+    return colour * textured.covered;
 }
 
 /// Radiance towards the eye, by the table.
@@ -33,14 +35,17 @@ fn shade_picture_by_table(at: Shaded) -> vec3<f32> {
         return reflected_colours(lobe.amplitude * covered, lobe.fresnel * covered, lobe.amplitude);
     }
     let lobes = ltc_lookup_both(at.alpha.x, at.alpha.y, at.wo);
-    let first = lobes.first;
+    var first = lobes.first.m;
     if (second_lobe == SECOND_BLENDED) {
-        let covered = covered_picture(ltc_blend(lobes, dot(scene.f0.xyz, vec3(1.0 / 3.0)), 1.0), at);
-        return reflected_colours(first.amplitude * covered, first.fresnel * covered, first.amplitude);
+        first = ltc_blend(lobes, dot(scene.f0.xyz, vec3(1.0 / 3.0)), 1.0);
     }
-    let covered = covered_picture(first.m, at);
-    let of_fresnel = covered_picture(lobes.second, at);
-    return reflected_colours(first.amplitude * covered, first.fresnel * of_fresnel, first.amplitude);
+    let covered = covered_picture(first, at);
+    var of_fresnel = covered;
+    if (second_lobe == SECOND_INTEGRATED) {
+        of_fresnel = covered_picture(lobes.second, at);
+    }
+    let amplitude = lobes.first.amplitude;
+    return reflected_colours(amplitude * covered, lobes.first.fresnel * of_fresnel, amplitude);
 }
 
 /// Radiance towards the eye, by model normals.
@@ -61,6 +66,36 @@ fn shade_picture_by_normals(at: Shaded) -> vec3<f32> {
     let view = balanced_view(at.alpha.x, at.alpha.y, at.wo);
     let balanced = balanced_textured_rectangle(view, corners, two_sided, 0u, base);
     return reflected_colours(balanced.parts.x * balanced.colour, balanced.parts.y * balanced.colour, albedo_of(at));
+}
+
+@compute @workgroup_size(8, 8)
+fn picture_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
+        return;
+    }
+    let place = place_of(pixel);
+    let seen = see(place);
+    var shaded = vec3(0.0);
+    if (seen.coverage > 0.0) {
+        shaded = shade_picture_by_table(seen.at);
+    }
+    write(pixel, composed(place, seen, shaded, 1.0));
+}
+
+@compute @workgroup_size(8, 8)
+fn picture_by_normals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
+        return;
+    }
+    let place = place_of(pixel);
+    let seen = see(place);
+    var shaded = vec3(0.0);
+    if (seen.coverage > 0.0) {
+        shaded = shade_picture_by_normals(seen.at);
+    }
+    write(pixel, composed(place, seen, shaded, 1.0));
 }
 
 /// A share of a pixel's radiance: the same share of what is seen of the surface, on the background and behind the light.

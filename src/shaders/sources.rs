@@ -20,7 +20,7 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 45] = [
+pub const SHADERS: [Shader; 46] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
     Shader { name: "texels_volumes", source: ltcforge_wgsl::TEXELS_VOLUMES },
@@ -65,6 +65,7 @@ pub const SHADERS: [Shader; 45] = [
     Shader { name: "reference_solids", source: ltcforge_wgsl::REFERENCE_SOLIDS },
     Shader { name: "preview_cut", source: ltcforge_wgsl::PREVIEW_CUT },
     Shader { name: "preview_textured", source: ltcforge_wgsl::PREVIEW_TEXTURED },
+    Shader { name: "preview_lobes", source: ltcforge_wgsl::PREVIEW_LOBES },
     Shader { name: "sphere", source: ltcforge_wgsl::SPHERE },
 ];
 
@@ -169,7 +170,8 @@ fn previewed() -> Vec<&'static str> {
         .iter()
         .chain(&["ltc_math", "ltc_two_lobes", "ltc_cut", "ltc_cut_shapes", "ltc_albedo"])
         .chain(lights)
-        .chain(&["ggx_reference", "light_picture", "reference_solids", "preview_cut", "preview_textured", "sphere"])
+        .chain(&["ggx_reference", "light_picture", "reference_solids"])
+        .chain(&["preview_cut", "preview_textured", "preview_lobes", "sphere"])
         .copied()
         .collect()
 }

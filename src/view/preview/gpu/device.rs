@@ -157,7 +157,7 @@ impl Device {
         if let Some((_, pipeline)) = self.pipelines.iter().find(|(known, _)| *known == key) {
             return pipeline.clone();
         }
-        let Program { entry_point, gaussian, rule } = Program::of(estimator);
+        let Program { entry_point, gaussian, rule } = Program::of(estimator, key.readings.is_some());
         let flag = |is_so: bool| f64::from(u8::from(is_so));
         let constants = [
             ("ltc_hardware_filter", flag(self.samples_weighed)),
@@ -194,7 +194,7 @@ impl Device {
     }
 }
 
-/// The entry point of `sphere.wgsl` for an estimator, with its constants.
+/// The entry point of `sphere.wgsl`, or of `preview_textured.wgsl` for a light with a picture, with its constants.
 struct Program {
     entry_point: &'static str,
     /// The Gaussian, for an estimator that lights by one.
@@ -204,16 +204,18 @@ struct Program {
 }
 
 impl Program {
-    fn of(estimator: Estimator) -> Self {
+    fn of(estimator: Estimator, has_picture: bool) -> Self {
         let (model, rule) = match estimator {
             Estimator::ClosedForm(form) => (form.model(), form.rule()),
             Estimator::Table(lobe) => (LightModel::of_lobe(lobe), NormalsRule::ALL[0]),
-            Estimator::TwoLobes(_) => return Self::new("surface_by_table"),
+            Estimator::TwoLobes(_) => (LightModel::Ltc, NormalsRule::ALL[0]),
             Estimator::Reference => return Self::new("surface_by_reference"),
             Estimator::TableLobe => return Self::new("lobe_by_table"),
             Estimator::ReferenceLobe => return Self::new("lobe_by_reference"),
         };
         match model {
+            LightModel::Ltc if has_picture => Self::new("picture_by_table"),
+            LightModel::Normals if has_picture => Self { rule, ..Self::new("picture_by_normals") },
             LightModel::Ltc => Self::new("surface_by_table"),
             LightModel::Normals => Self { rule, ..Self::new("surface_by_normals") },
             LightModel::Sg => Self::new("surface_by_gaussian"),
