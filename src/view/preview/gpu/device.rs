@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::{GpuFailure, Variant, Weights, picture};
+use super::{GpuFailure, Variant, Weights};
 use crate::preview::{
     estimator::Estimator,
     frame::{Frame, FrameShape},
@@ -123,8 +123,9 @@ impl Device {
         let pixels = buffer(wgpu::BufferBindingType::Storage { read_only: false });
         let tiles = buffer(wgpu::BufferBindingType::Storage { read_only: true });
         let frame_layout = layout(&device, "frame", &[uniform, uniform, pixels, tiles]);
-        let picture_format = picture::format(!filters.is_empty());
-        let picture_layout = layout(&device, "picture", &picture::BINDINGS);
+        // Samplers of every GPU filter halves.
+        let picture_format = if filters.is_empty() { wgpu::TextureFormat::Rgba16Float } else { FLOATS };
+        let picture_layout = layout(&device, "picture", &PICTURE_BINDINGS);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("preview"),
             bind_group_layouts: &[Some(&table_layout), Some(&frame_layout), Some(&picture_layout)],
@@ -235,6 +236,21 @@ fn second_lobe(estimator: Estimator) -> f64 {
         Estimator::TwoLobes(SecondLobe::Blended) => 2.0,
         _ => 0.0,
     }
+}
+
+/// Texels of 32 bits a channel.
+pub(super) const FLOATS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
+/// Those of `light_picture.wgsl`: the picture as it is, its levels, their sampler.
+const PICTURE_BINDINGS: [wgpu::BindingType; 3] = [
+    picture_binding(false, wgpu::TextureViewDimension::D2),
+    picture_binding(true, wgpu::TextureViewDimension::D2Array),
+    wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+];
+
+const fn picture_binding(filterable: bool, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
+    let sample_type = wgpu::TextureSampleType::Float { filterable };
+    wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
 }
 
 pub(super) fn buffer(ty: wgpu::BufferBindingType) -> wgpu::BindingType {

@@ -3,7 +3,11 @@
 use half::f16;
 use wgpu::util::DeviceExt as _;
 
-use super::{GpuFailure, device::Device, table::bind};
+use super::{
+    GpuFailure,
+    device::{Device, FLOATS},
+    table::bind,
+};
 use crate::preview::light_picture::LightPicture;
 use ltcforge_light::textured::LightImage;
 
@@ -16,7 +20,7 @@ pub(super) fn upload(gpu: &Device, picture: Option<&LightPicture>) -> Result<wgp
     }
     let image = picture.map_or(BLACK, |picture| Level::of(&picture.image));
     let levels = picture.map_or(vec![BLACK], |picture| picture.pyramid.levels().iter().map(Level::of).collect());
-    let image = texture(gpu, &[image], FULL);
+    let image = texture(gpu, &[image], FLOATS);
     let levels = texture(gpu, &levels, gpu.picture_format);
     let image = image.create_view(&wgpu::TextureViewDescriptor::default());
     let dimension = Some(wgpu::TextureViewDimension::D2Array);
@@ -31,27 +35,6 @@ pub(super) fn upload(gpu: &Device, picture: Option<&LightPicture>) -> Result<wgp
     let views = [&image, &levels].map(wgpu::BindingResource::TextureView);
     let resources: Vec<_> = views.into_iter().chain([wgpu::BindingResource::Sampler(&sampler)]).collect();
     Ok(bind(gpu, &gpu.picture_layout, &resources))
-}
-
-const FULL: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
-/// Samplers of every GPU filter it.
-const HALF: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-
-/// The format of prefiltered pictures, where samplers filter textures of 32 bits or do not.
-pub(super) fn format(filters_floats: bool) -> wgpu::TextureFormat {
-    if filters_floats { FULL } else { HALF }
-}
-
-/// What is bound in group 2: `light_picture.wgsl`.
-pub(super) const BINDINGS: [wgpu::BindingType; 3] = [
-    texture_binding(false, wgpu::TextureViewDimension::D2),
-    texture_binding(true, wgpu::TextureViewDimension::D2Array),
-    wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
-];
-
-const fn texture_binding(filterable: bool, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
-    let sample_type = wgpu::TextureSampleType::Float { filterable };
-    wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
 }
 
 /// A level's width and height, and its texels.
@@ -70,7 +53,7 @@ impl<'a> Level<'a> {
 
     fn bytes(&self, format: wgpu::TextureFormat) -> Vec<u8> {
         let numbers = self.texels.iter().flat_map(|[r, g, b]| [*r, *g, *b, 1.0]);
-        if format == FULL {
+        if format == FLOATS {
             return numbers.flat_map(f32::to_ne_bytes).collect();
         }
         numbers.flat_map(|x| f16::from_f32(x.min(f16::MAX.to_f32())).to_ne_bytes()).collect()
