@@ -5,7 +5,6 @@ use super::Lights;
 use super::header::light_files;
 use super::namespace::prefixed;
 use super::normals_header::normals_files;
-use super::textured::previewed_pictures;
 use super::{LitBy, Reading};
 use ltcforge_fit::{Layout, LayoutShader};
 use ltcforge_light::{LightModel, NormalsRule};
@@ -182,11 +181,11 @@ fn previewed() -> Vec<&'static str> {
 pub fn preview_module() -> String {
     let by_rule = |rule: &NormalsRule| {
         let lit_by = LitBy::new(LightModel::Normals, None).and_then(|lit_by| lit_by.by_rule(Some(*rule)));
-        let pictures = lit_by.map(previewed_pictures).unwrap_or_default();
+        let pictures = lit_by.map(LitBy::previewed_pictures).unwrap_or_default();
         prefixed(&(joined(normals_files(*rule)) + &pictures), "normals", rule.name())
     };
     let rules: Vec<String> = NormalsRule::SHADED.iter().map(by_rule).collect();
-    let of_tables = previewed_pictures(LitBy::from(Layout::ALL[0]));
+    let of_tables = LitBy::from(Layout::ALL[0]).previewed_pictures();
     format!("{}\n{of_tables}\n{}", module(&previewed(), Layout::ALL), rules.join("\n"))
 }
 

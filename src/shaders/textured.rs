@@ -28,20 +28,6 @@ fn bindings(lit_by: LitBy, reading: Reading) -> [u32; 2] {
     [first, first + 1]
 }
 
-/// The text of a model's pictures for the preview, which declares textures, sampler and number of readings itself, for all
-/// models at once.
-pub(super) fn previewed_pictures(lit_by: LitBy) -> String {
-    let additions = Additions { textured: Some(Readings::ALL[0]), ..Additions::default() };
-    let (Some([own, _]), Ok(lit_by)) = (pictured(lit_by.model()), lit_by.with(additions)) else { return String::new() };
-    let text = lit_by.textured(Reading::default());
-    let declares = |line: &&str| line.starts_with("@group") || line.starts_with("const ");
-    let text: Vec<&str> = text.lines().filter(|line| !declares(line)).collect();
-    [("_pictures", "light_pictures"), ("_picture_sampler", "light_picture_sampler")]
-        .into_iter()
-        .fold(text.join("\n"), |text, (name, shared)| text.replace(&format!("{own}{name}"), shared))
-        .replace(&format!("{}_READINGS", own.to_uppercase()), "light_readings")
-}
-
 impl LitBy {
     /// The text of pictures on lights; empty where they are not chosen.
     pub(super) fn textured(self, reading: Reading) -> String {
@@ -90,6 +76,19 @@ impl LitBy {
         format!(
             "/// The same of a rectangle with a picture: the parts of the whole light, and the colour of what is reflected.\n{body}{picture}"
         )
+    }
+
+    /// The same for the preview, which declares textures, sampler and number of readings itself, for all models at once.
+    pub(super) fn previewed_pictures(self) -> String {
+        let additions = Additions { textured: Some(Readings::ALL[0]), ..Additions::default() };
+        let (Some([own, _]), Ok(lit_by)) = (pictured(self.model()), self.with(additions)) else { return String::new() };
+        let text = lit_by.textured(Reading::default());
+        let declares = |line: &&str| line.starts_with("@group") || line.starts_with("const ");
+        let text: Vec<&str> = text.lines().filter(|line| !declares(line)).collect();
+        [("_pictures", "light_pictures"), ("_picture_sampler", "light_picture_sampler")]
+            .into_iter()
+            .fold(text.join("\n"), |text, (name, shared)| text.replace(&format!("{own}{name}"), shared))
+            .replace(&format!("{}_READINGS", own.to_uppercase()), "light_readings")
     }
 
     /// A call of the function that is added.
