@@ -1,6 +1,7 @@
 // What a table approximates: anisotropic GGX with height-correlated Smith masking [KT et al. 2022, section 3.1] under
 // a light, by Monte Carlo integration with multiple importance sampling [Veach and Guibas 1995, balance heuristic]: visible
-// normals [Dupuy and Benyoub 2023] and points of the light, one each a sample. Needs ltc_math.wgsl and reference_solids.wgsl.
+// normals [Dupuy and Benyoub 2023] and points of the light, one each a sample. Needs ltc_math.wgsl, reference_solids.wgsl and
+// light_picture.wgsl.
 
 /// A light in the scene's coordinates.
 struct Light {
@@ -13,7 +14,7 @@ struct Light {
     half_axes: array<vec4<f32>, 2>,
     /// xyz: unit normal towards the lit side. w: area.
     normal: vec4<f32>,
-    /// x: radiance.
+    /// x: radiance. w: base of its picture, as texts to include take it.
     radiance: vec4<f32>,
     /// x: vertices. y: 1 when both sides are lit.
     options: vec4<u32>,
@@ -150,28 +151,35 @@ fn light_point(u: vec2<f32>) -> vec3<f32> {
     return origin + root * ((1.0 - u.y) * first + u.y * second);
 }
 
-/// Reflected light for a Fresnel factor of one (x), and its part weighed by Schlick's (1 - wo . wm)^5 (y): the sum over
-/// `samples` samples from `first` on. Some drivers end loops after 65535 steps, nested ones included, so take no more
-/// than 1024 samples at a time.
-fn ggx_reference(at: Shaded, first: u32, samples: u32, key: u32) -> vec2<f32> {
+/// Reflected light by colour channel: for a Fresnel factor of one, and weighed by Schlick's (1 - wo . wm)^5.
+struct ReferenceParts {
+    all: vec3<f32>,
+    fresnel: vec3<f32>,
+}
+
+/// The sum over `samples` samples from `first` on. Some drivers end loops after 65535 steps, nested ones included, so take no
+/// more than 1024 samples at a time.
+fn ggx_reference(at: Shaded, first: u32, samples: u32, key: u32) -> ReferenceParts {
     let a = reference_hash(key);
     let b = reference_hash(a ^ 0x9e3779b9u);
     let c = reference_hash(b ^ 0x9e3779b9u);
     let d = reference_hash(c ^ 0x9e3779b9u);
     let lambda_o = ggx_lambda(at.alpha, at.wo);
     let to_pdf = 1.0 / (4.0 * at.wo.z * (1.0 + lambda_o));
-    var sum = vec2(0.0);
+    var sum = ReferenceParts(vec3(0.0), vec3(0.0));
     for (var i = first; i < first + samples; i++) {
         // Sample a visible normal, and see whether it reflects the light.
         var wm = ggx_visible_normal(at.alpha, at.wo, reference_point(i, vec2(a, b)));
         let cosine = dot(at.wo, wm);
         var wi = 2.0 * cosine * wm - at.wo;
         if (wi.z > GGX_HORIZON) {
-            let of_light = light_pdf(at.position, at.x * wi.x + at.y * wi.y + at.z * wi.z);
+            let towards = at.x * wi.x + at.y * wi.y + at.z * wi.z;
+            let of_light = light_pdf(at.position, towards);
             if (of_light >= 0.0) {
                 let of_brdf = ggx_distribution(at.alpha, wm) * to_pdf;
                 let g2_over_g1 = (1.0 + lambda_o) / (1.0 + lambda_o + ggx_lambda(at.alpha, wi));
-                sum += ggx_fresnel(cosine) * (g2_over_g1 * (of_brdf / (of_brdf + of_light)));
+                let parts = ggx_fresnel(cosine) * (g2_over_g1 * (of_brdf / (of_brdf + of_light)));
+                sum = reference_sum(sum, parts, light_colour(at.position, towards));
             }
         }
         // Sample a point of the light.
@@ -184,10 +192,16 @@ fn ggx_reference(at: Shaded, first: u32, samples: u32, key: u32) -> vec2<f32> {
             let g2_over_g1 = (1.0 + lambda_o) / (1.0 + lambda_o + ggx_lambda(at.alpha, wi));
             // No normal reflects a line exactly, so that the light alone is sampled.
             let of_both = select(of_brdf, 0.0, light_shape == LIGHT_LINE) + of_light;
-            sum += ggx_fresnel(dot(at.wo, wm)) * (g2_over_g1 * (of_brdf / of_both));
+            let parts = ggx_fresnel(dot(at.wo, wm)) * (g2_over_g1 * (of_brdf / of_both));
+            sum = reference_sum(sum, parts, light_colour(at.position, drawn.xyz));
         }
     }
     return sum;
+}
+
+/// The sum with a sample's light of a colour.
+fn reference_sum(sum: ReferenceParts, parts: vec2<f32>, colour: vec3<f32>) -> ReferenceParts {
+    return ReferenceParts(sum.all + parts.x * colour, sum.fresnel + parts.y * colour);
 }
 
 /// One and Schlick's fifth power.

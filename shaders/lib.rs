@@ -20,6 +20,8 @@ pub const LAYOUT_ISOTROPIC: &str = include_str!("layout_isotropic.wgsl");
 pub const LAYOUT_KT2022: &str = include_str!("layout_kt2022.wgsl");
 /// `layout_reflected.wgsl`.
 pub const LAYOUT_REFLECTED: &str = include_str!("layout_reflected.wgsl");
+/// `light_picture.wgsl`.
+pub const LIGHT_PICTURE: &str = include_str!("light_picture.wgsl");
 /// `ltc_albedo.wgsl`.
 pub const LTC_ALBEDO: &str = include_str!("ltc_albedo.wgsl");
 /// `ltc_compensation.wgsl`.
@@ -86,6 +88,10 @@ pub const PLACE_MATERIALS: &str = include_str!("place_materials.wgsl");
 pub const PREFILTER: &str = include_str!("prefilter.wgsl");
 /// `preview_cut.wgsl`.
 pub const PREVIEW_CUT: &str = include_str!("preview_cut.wgsl");
+/// `preview_lobes.wgsl`.
+pub const PREVIEW_LOBES: &str = include_str!("preview_lobes.wgsl");
+/// `preview_textured.wgsl`.
+pub const PREVIEW_TEXTURED: &str = include_str!("preview_textured.wgsl");
 /// `reference_solids.wgsl`.
 pub const REFERENCE_SOLIDS: &str = include_str!("reference_solids.wgsl");
 /// `sphere.wgsl`.

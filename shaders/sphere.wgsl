@@ -65,6 +65,8 @@ struct Seen {
     at: Shaded,
     /// How much of the pixel it fills.
     coverage: f32,
+    /// How far away it is.
+    distance: f32,
 }
 
 /// A workgroup's pixel; at the picture's edge it may lie outside.
@@ -93,6 +95,7 @@ fn see(place: vec3<f32>) -> Seen {
         let t = -eye.y / min(ray.y, -1e-6);
         position = eye + t * ray;
         position.y = 0.0;
+        seen.distance = t;
         normal = vec3(0.0, 1.0, 0.0);
         along = vec3(1.0, 0.0, 0.0);
         let fades = 1.0 - t / scene.background.w;
@@ -104,7 +107,9 @@ fn see(place: vec3<f32>) -> Seen {
         let distance2 = dot(nearest, nearest);
         let rim = (1.0 - sqrt(distance2)) / (scene.eye.w * closest);
         seen.coverage = select(0.0, clamp(rim + 0.5, 0.0, 1.0), closest > 0.0);
-        position = normalize(nearest - sqrt(max(1.0 - distance2, 0.0)) * ray);
+        let depth = sqrt(max(1.0 - distance2, 0.0));
+        position = normalize(nearest - depth * ray);
+        seen.distance = closest - depth;
         normal = position;
         let circle = vec3(normal.z, 0.0, -normal.x);
         let length2 = dot(circle, circle);
@@ -263,7 +268,12 @@ fn albedo_of(at: Shaded) -> f32 {
 
 /// Radiance from the two parts of what is reflected of white light, f90 = 1, and the albedo of a surface.
 fn reflected(parts: vec2<f32>, albedo: f32) -> vec3<f32> {
-    let once = (scene.f0.xyz * (parts.x - parts.y) + vec3(parts.y)) * light.radiance.x;
+    return reflected_colours(vec3(parts.x), vec3(parts.y), albedo);
+}
+
+/// The same of coloured light: all of it, and Schlick's part.
+fn reflected_colours(all: vec3<f32>, fresnel: vec3<f32>, albedo: f32) -> vec3<f32> {
+    let once = (scene.f0.xyz * (all - fresnel) + fresnel) * light.radiance.x;
     if (is_compensated) {
         return once * (vec3(1.0) + scene.f0.xyz * (1.0 / max(albedo, 0.01) - 1.0));
     }
@@ -296,12 +306,13 @@ fn surface_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invo
     if (any(pixel >= vec2(scene.options.x))) {
         return;
     }
-    let seen = see(place_of(pixel));
-    var radiance = scene.background.xyz;
+    let place = place_of(pixel);
+    let seen = see(place);
+    var shaded = vec3(0.0);
     if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_table(seen.at), seen.coverage);
+        shaded = shade_by_table(seen.at);
     }
-    write(pixel, radiance);
+    write(pixel, composed(place, seen, shaded, 1.0));
 }
 
 @compute @workgroup_size(8, 8)
@@ -310,12 +321,13 @@ fn surface_by_normals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_in
     if (any(pixel >= vec2(scene.options.x))) {
         return;
     }
-    let seen = see(place_of(pixel));
-    var radiance = scene.background.xyz;
+    let place = place_of(pixel);
+    let seen = see(place);
+    var shaded = vec3(0.0);
     if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_normals(seen.at), seen.coverage);
+        shaded = shade_by_normals(seen.at);
     }
-    write(pixel, radiance);
+    write(pixel, composed(place, seen, shaded, 1.0));
 }
 
 @compute @workgroup_size(8, 8)
@@ -324,12 +336,13 @@ fn surface_by_gaussian(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_i
     if (any(pixel >= vec2(scene.options.x))) {
         return;
     }
-    let seen = see(place_of(pixel));
-    var radiance = scene.background.xyz;
+    let place = place_of(pixel);
+    let seen = see(place);
+    var shaded = vec3(0.0);
     if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_gaussian(seen.at), seen.coverage);
+        shaded = shade_by_gaussian(seen.at);
     }
-    write(pixel, radiance);
+    write(pixel, composed(place, seen, shaded, 1.0));
 }
 
 @compute @workgroup_size(8, 8)
@@ -338,70 +351,14 @@ fn surface_by_reference(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_
     if (any(pixel >= vec2(scene.options.x))) {
         return;
     }
-    let seen = see(place_of(pixel));
+    let place = place_of(pixel);
+    let seen = see(place);
     let all = f32(scene.options.w);
-    var radiance = scene.background.xyz * (f32(scene.output.z) / all);
+    var shaded = vec3(0.0);
     if (seen.coverage > 0.0) {
         let key = pixel.y * scene.options.x + pixel.x;
-        let parts = ggx_reference(seen.at, scene.output.y, scene.output.z, key) / all;
-        radiance = mix(radiance, reflected(parts, albedo_of(seen.at)), seen.coverage);
+        let parts = ggx_reference(seen.at, scene.output.y, scene.output.z, key);
+        shaded = reflected_colours(parts.all / all, parts.fresnel / all, albedo_of(seen.at));
     }
-    write(pixel, radiance);
-}
-
-/// A direction of the sphere that the lobes are drawn on, seen from far away; w: 0 beside it. Its outer pixels are
-/// not smoothed: what is written is a density.
-fn direction_of(place: vec3<f32>) -> vec4<f32> {
-    let flat = place.xy * 1.05;
-    let height2 = 1.0 - dot(flat, flat);
-    let towards = sqrt(max(height2, 0.0));
-    let wi = scene.right.xyz * flat.x + scene.up.xyz * flat.y - scene.forward.xyz * towards;
-    return vec4(wi, select(0.0, 1.0, height2 > 0.0));
-}
-
-/// What is written beside the sphere of directions, and where nothing is below its horizon.
-const BESIDE: f32 = -1.0;
-const BELOW: f32 = -0.5;
-
-/// Density of the table's lobe over directions, per steradian.
-@compute @workgroup_size(8, 8)
-fn lobe_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
-    let pixel = pixel_of(group, local);
-    if (any(pixel >= vec2(scene.options.x))) {
-        return;
-    }
-    let wi = direction_of(place_of(pixel));
-    var density = BESIDE;
-    if (wi.w > 0.0) {
-        let lobe = ltc_lookup(scene.materials[0].x, scene.materials[0].y, scene.lobe_wo.xyz);
-        // c^3 z |det M^-1| / (pi |M^-1 wi|^4) with the inverse up to a factor f: f^4 falls out but for det's f^3.
-        let inverse = ltc_inverse(lobe.m);
-        let c = inverse.m * wi.xyz;
-        let length2 = dot(c, c);
-        density = max(c.z, 0.0) * abs(determinant(inverse.m)) / (3.14159265 * max(length2 * length2, 1e-36)) * lobe.amplitude;
-        density = select(density, BELOW, wi.z < 0.0 && density <= 0.0);
-    }
-    write(pixel, vec3(density));
-}
-
-/// The same of GGX times the cosine.
-@compute @workgroup_size(8, 8)
-fn lobe_by_reference(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
-    let pixel = pixel_of(group, local);
-    if (any(pixel >= vec2(scene.options.x))) {
-        return;
-    }
-    let wi = direction_of(place_of(pixel));
-    var density = BESIDE;
-    if (wi.w > 0.0) {
-        density = select(0.0, BELOW, wi.z < 0.0);
-        if (wi.z > GGX_HORIZON) {
-            let alpha = max(scene.materials[0].xy, vec2(LTC_LEAST_ALPHA));
-            let wo = scene.lobe_wo.xyz;
-            let wm = normalize(wo + wi.xyz);
-            let g2 = 1.0 / (1.0 + ggx_lambda(alpha, wo) + ggx_lambda(alpha, wi.xyz));
-            density = ggx_distribution(alpha, wm) * g2 / (4.0 * wo.z);
-        }
-    }
-    write(pixel, vec3(density));
+    write(pixel, composed(place, seen, shaded, f32(scene.output.z) / all));
 }

@@ -79,9 +79,15 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
         let mut found = found().map_err(refuse)?;
         let mut truth = args.truth.then(truth).transpose().map_err(refuse)?;
         if let Some(picture) = &mut picture {
-            found.of_picture = Some(picture.reflected(table, &at, light).map_err(refuse)?);
+            let gained = |channels: [f64; 3], albedo: &dyn Fn() -> Result<f64, LightError>| {
+                let gain = args.f0.map_or(Ok(1.0), |f0| gain(albedo, f0))?;
+                Ok(channels.map(|channel| gain * channel))
+            };
+            let reflected = picture.reflected(table, &at, light).map_err(refuse)?;
+            found.of_picture = Some(gained(reflected, &|| lighting.albedo(&at)).map_err(refuse)?);
             if let Some(truth) = &mut truth {
-                truth.of_picture = Some(picture.truth(&at, light).map_err(refuse)?);
+                let reflected = picture.truth(&at, light).map_err(refuse)?;
+                truth.of_picture = Some(gained(reflected, &|| sampled(&brdf, &at)).map_err(refuse)?);
             }
         }
         let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));

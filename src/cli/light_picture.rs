@@ -1,4 +1,4 @@
-//! The picture of `light --texture`: read once, and prefiltered for each shape of light.
+//! The picture of `light --texture`: read once, and prefiltered for each shape of light. `preview --light-texture` reads it too.
 
 use std::path::Path;
 
@@ -37,9 +37,7 @@ impl Picture {
         if !matches!(args.model, LightModel::Normals | LightModel::Ltc) {
             faults.push(format!("model {} reads no pictures: choose normals or ltc", args.model));
         }
-        for (name, is_given) in
-            [("--f82", args.f82.is_some()), ("--blend", args.blend), ("--compensate", args.compensate)]
-        {
+        for (name, is_given) in [("--f82", args.f82.is_some()), ("--blend", args.blend)] {
             if is_given {
                 faults.push(format!("{name} is of lights without a picture: leave it out"));
             }
@@ -52,7 +50,7 @@ impl Picture {
         }
         let number = args.readings.unwrap_or(Readings::ALL[0]);
         Ok(Some(Self {
-            image: read(path)?,
+            image: read_picture(path)?,
             pyramid: None,
             number,
             rule: args.rule.unwrap_or(NormalsRule::ALL[0]),
@@ -98,7 +96,8 @@ fn rectangle(light: &AnyLight) -> Result<TexturedLight, LightError> {
     }
 }
 
-fn read(path: &Path) -> Result<LightImage, CommandFailure> {
+/// The picture of a file.
+pub(super) fn read_picture(path: &Path) -> Result<LightImage, CommandFailure> {
     let bytes = read_file(path, PICTURE_LIMIT_BYTES).map_err(|error| file_failure(path, &error))?;
     let picture = LightPicture::decode(&bytes, None).map_err(|error| file_failure(path, &error))?;
     Ok(picture.image)

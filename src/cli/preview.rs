@@ -6,9 +6,12 @@ use std::sync::Arc;
 
 use serde_json::json;
 
-use super::{CommandFailure, Context, Exit, args::PreviewArgs, input::AnyTable, output::OutputFile, print, shown};
+use super::{
+    CommandFailure, Context, Exit, args::PreviewArgs, input::AnyTable, light_picture::read_picture, output::OutputFile,
+    print, shown,
+};
 use ltcforge_light::{LightError, LightModel};
-use ltcforge_view::preview::{Material, Preview, PreviewError, Rendered, ShaderTable};
+use ltcforge_view::preview::{Material, Preview, PreviewError, Rendered, ScenePicture, ShaderTable};
 
 /// Renders a picture and writes it. Prints the adapter, materials outside the table, and the errors of modes that
 /// compare to standard error, or as JSON to standard output.
@@ -17,7 +20,10 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
         return materials::run(args, json, context);
     }
     let out = OutputFile::check(&args.out)?;
-    let scene = args.scene.choices.clone().into_scene();
+    let mut scene = args.scene.choices.clone().into_scene();
+    if let Some(path) = &args.light_texture {
+        scene.picture = ScenePicture::Image(Arc::new(read_picture(path)?));
+    }
     let read = args.table.as_deref().map(|name| AnyTable::named(name, &args.folder)).transpose()?;
     if read.is_none() && scene.needs_table() {
         let needs = LightError::NeedsTable(LightModel::Ltc).to_string();
@@ -82,7 +88,7 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
 
 fn failure(error: &PreviewError) -> CommandFailure {
     let exit = match error {
-        PreviewError::Scene(_) | PreviewError::Table(_) | PreviewError::CpuOnly(_) => Exit::Usage,
+        PreviewError::Scene(..) | PreviewError::Table(_) | PreviewError::CpuOnly(_) => Exit::Usage,
         PreviewError::NoBrdfFile(_) | PreviewError::NoAdapter(_) | PreviewError::Gpu(_) | PreviewError::Stopped => {
             Exit::Failed
         }

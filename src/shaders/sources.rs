@@ -19,7 +19,7 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 43] = [
+pub const SHADERS: [Shader; 46] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
     Shader { name: "texels_volumes", source: ltcforge_wgsl::TEXELS_VOLUMES },
@@ -60,8 +60,11 @@ pub const SHADERS: [Shader; 43] = [
     Shader { name: "gaussians_example", source: ltcforge_wgsl::GAUSSIANS_EXAMPLE },
     Shader { name: "gaussians_table_example", source: ltcforge_wgsl::GAUSSIANS_TABLE_EXAMPLE },
     Shader { name: "ggx_reference", source: ltcforge_wgsl::GGX_REFERENCE },
+    Shader { name: "light_picture", source: ltcforge_wgsl::LIGHT_PICTURE },
     Shader { name: "reference_solids", source: ltcforge_wgsl::REFERENCE_SOLIDS },
     Shader { name: "preview_cut", source: ltcforge_wgsl::PREVIEW_CUT },
+    Shader { name: "preview_textured", source: ltcforge_wgsl::PREVIEW_TEXTURED },
+    Shader { name: "preview_lobes", source: ltcforge_wgsl::PREVIEW_LOBES },
     Shader { name: "sphere", source: ltcforge_wgsl::SPHERE },
 ];
 
@@ -166,21 +169,24 @@ fn previewed() -> Vec<&'static str> {
         .iter()
         .chain(&["ltc_math", "ltc_two_lobes", "ltc_cut", "ltc_cut_shapes", "ltc_albedo"])
         .chain(lights)
-        .chain(&["ggx_reference", "reference_solids", "preview_cut", "sphere"])
+        .chain(&["ggx_reference", "light_picture", "reference_solids"])
+        .chain(&["preview_cut", "preview_textured", "preview_lobes", "sphere"])
         .copied()
         .collect()
 }
 
 /// The module of the preview, which reads tables of every layout, and has model `normals` by each of its rules: the names
-/// of a rule's text begin with the rule's.
+/// of a rule's text begin with the rule's. Pictures on lights are those of the texts to include.
 #[must_use]
 pub fn preview_module() -> String {
     let by_rule = |rule: &NormalsRule| {
-        let functions = normals_files(*rule);
-        prefixed(&joined(functions), "normals", rule.name())
+        let lit_by = LitBy::new(LightModel::Normals, None).and_then(|lit_by| lit_by.by_rule(Some(*rule)));
+        let pictures = lit_by.map(LitBy::previewed_pictures).unwrap_or_default();
+        prefixed(&(joined(normals_files(*rule)) + &pictures), "normals", rule.name())
     };
     let rules: Vec<String> = NormalsRule::SHADED.iter().map(by_rule).collect();
-    format!("{}\n{}", module(&previewed(), Layout::ALL), rules.join("\n"))
+    let of_tables = LitBy::from(Layout::ALL[0]).previewed_pictures();
+    format!("{}\n{of_tables}\n{}", module(&previewed(), Layout::ALL), rules.join("\n"))
 }
 
 /// The module that reads tables of these layouts, without an entry point.
@@ -281,7 +287,7 @@ mod tests {
             validate(&functions);
             validate(&[&functions[..], &[lit_by.shader().example]].concat());
         }
-        validate(&["ltc_math", "ltc_light", "ggx_reference", "reference_solids"]);
+        validate(&["ltc_math", "ltc_light", "ggx_reference", "light_picture", "reference_solids"]);
         for rule in NormalsRule::SHADED {
             validate(normals_files(rule));
         }
@@ -333,7 +339,8 @@ mod tests {
     }
 
     /// Those that only the preview runs, whose loops go over what a scene has, and the passes that prefilter, a picture's texels.
-    const OVER_INPUTS: [&str; 5] = ["ggx_reference", "reference_solids", "preview_cut", "sphere", "prefilter"];
+    const OVER_INPUTS: [&str; 6] =
+        ["ggx_reference", "reference_solids", "preview_cut", "preview_textured", "sphere", "prefilter"];
 
     /// Whether a line begins a loop from one constant to another: `for (var i = 0u; i < 8u; i++) {`.
     fn is_bounded(line: &str) -> bool {

@@ -1,7 +1,8 @@
 //! The text of lights with pictures: the readings, which all models share under names of their own, and a model's lobe.
 
 use super::{
-    Bound, LitBy, Reading, additions::pictured, namespace::prefixed, normals_header::normals_files, sources::joined,
+    Additions, Bound, LitBy, Reading, additions::pictured, namespace::prefixed, normals_header::normals_files,
+    sources::joined,
 };
 use ltcforge_light::{LightModel, textured::Readings};
 
@@ -75,6 +76,19 @@ impl LitBy {
         format!(
             "/// The same of a rectangle with a picture: the parts of the whole light, and the colour of what is reflected.\n{body}{picture}"
         )
+    }
+
+    /// The same for the preview, which declares textures, sampler and number of readings itself, for all models at once.
+    pub(super) fn previewed_pictures(self) -> String {
+        let additions = Additions { textured: Some(Readings::ALL[0]), ..Additions::default() };
+        let (Some([own, _]), Ok(lit_by)) = (pictured(self.model()), self.with(additions)) else { return String::new() };
+        let text = lit_by.textured(Reading::default());
+        let declares = |line: &&str| line.starts_with("@group") || line.starts_with("const ");
+        let text: Vec<&str> = text.lines().filter(|line| !declares(line)).collect();
+        [("_pictures", "light_pictures"), ("_picture_sampler", "light_picture_sampler")]
+            .into_iter()
+            .fold(text.join("\n"), |text, (name, shared)| text.replace(&format!("{own}{name}"), shared))
+            .replace(&format!("{}_READINGS", own.to_uppercase()), "light_readings")
     }
 
     /// A call of the function that is added.

@@ -296,6 +296,17 @@ fn light_tells_the_channels_of_a_picture() {
     let told: Value = serde_json::from_str(told.lines().next().expect("a line")).expect("JSON");
     assert_eq!(told["red"].as_f64(), Some(found[0][2]));
 
+    // What facets lose is given back to each channel as to the whole light, in truth too.
+    let [once, all] =
+        [&["tv.png", "--f0", "0.8", "--truth"][..], &["tv.png", "--f0", "0.8", "--truth", "--compensate"]]
+            .map(|options| rows(&with(options).exited(0).stdout)[1].clone());
+    let gains: Vec<f64> = once.iter().zip(&all).skip(2).map(|(once, all)| all / once).collect();
+    let same = |gains: &[f64]| gains.iter().all(|gain| (gain - gains[0]).abs() < 1e-6 && *gain > 1.01);
+    // Columns: reflected, three channels, energy and Fresnel part in truth, and the same again.
+    assert!(same(&gains[..4]) && same(&[&gains[6..]].concat()), "{gains:?}");
+
+    let refused = with(&["tv.png", "--f0", "0.5", "--f82", "0.4", "--light", "sphere"]).exited(2);
+    assert!(refused.stderr.contains("leave out --light; --f82 is of lights without a picture"), "{}", refused.stderr);
     let refused = with(&["tv.png", "--light", "sphere", "--model", "sg"]).exited(2);
     assert!(refused.stderr.contains("leave out --light; model sg reads no pictures"), "{}", refused.stderr);
     fs::write(folder.path().join("no.png"), "no picture").expect("a file");

@@ -1,6 +1,6 @@
 //! Commands that render and translate.
 
-use std::fs;
+use std::{fs, path::Path};
 
 use serde_json::Value;
 
@@ -34,6 +34,59 @@ fn preview_writes_a_picture_and_says_what_rendered_it() {
         refused.complaints(),
         ["alpha_y is 2, not within 0 to 1", "light_centre is 200, not within -100 to 100"]
     );
+}
+
+/// A picture of one colour lights as none does. What has no picture is refused, all at once.
+#[test]
+fn preview_shows_a_picture_on_the_light() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let fitted = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0);
+    let table = &fitted.last_line()[..16];
+    let preview = |more: &[&str]| {
+        let usual = ["preview", table, "--size", "64", "--spp", "16", "--adapter", "cpu", "-o", "p.png"];
+        run(folder.path(), usual.iter().chain(more))
+    };
+    let radiance = |more: &[&str]| {
+        let told: Value = serde_json::from_str(&preview(&[more, &["--json"]].concat()).exited(0).stdout).expect("JSON");
+        let errors = told["errors"].as_array().expect("errors").clone();
+        let of = |name: &'static str| errors.iter().map(move |error| error[name].as_f64().expect("a number"));
+        (of("mean_radiance").sum::<f64>(), of("mean_absolute_error").sum::<f64>())
+    };
+    write_png(folder.path(), "white.png", [255; 3]);
+    write_png(folder.path(), "red.png", [255, 0, 0]);
+    let even = radiance(&["--mode", "models"]);
+    let white = radiance(&["--mode", "models", "--light-texture", "white.png"]);
+    assert!((even.0 - white.0).abs() < 1e-5 && (even.1 - white.1).abs() < 1e-4, "{even:?} {white:?}");
+    let red = radiance(&["--mode", "models", "--light-texture", "red.png", "--light-readings", "2"]);
+    // The grey background shows through at the sphere's rim.
+    assert!((even.0 - 3.0 * red.0).abs() < 0.02 * even.0, "{even:?} {red:?}");
+    let screen = radiance(&["--mode", "models", "--scene", "screen"]);
+    assert!(screen.1 < 0.5 * screen.0, "{screen:?}");
+
+    let refused = preview(&["--scene", "screen", "--light", "disk", "--model", "asg", "--exposure", "0"]).exited(2);
+    assert_eq!(
+        refused.complaints(),
+        [
+            "exposure is 0, not within 0.0001 to 10000",
+            "light_picture is of light rectangle, and light is disk: leave one of them out",
+            "light_picture is of models ltc and normals, and model is asg: choose one of those, or leave the picture out",
+        ]
+    );
+    fs::write(folder.path().join("no.png"), "no picture").expect("a file");
+    assert!(preview(&["--light-texture", "no.png"]).exited(1).stderr.contains("no.png: this file is not an image"));
+    let both = preview(&["--light-texture", "red.png", "--light-picture", "window"]).exited(2);
+    assert!(both.stderr.contains("--light-texture") && both.stderr.contains("--light-picture"), "{}", both.stderr);
+    let materials = preview(&["--scene", "materials", "--light-texture", "red.png"]).exited(2);
+    assert!(materials.stderr.contains("--light-texture is not of scene materials"), "{}", materials.stderr);
+}
+
+/// A picture of 8 x 6 pixels of one colour.
+fn write_png(folder: &Path, name: &str, colour: [u8; 3]) {
+    let file = fs::File::create(folder.join(name)).expect("a file");
+    let mut encoder = png::Encoder::new(file, 8, 6);
+    encoder.set_color(png::ColorType::Rgb);
+    let pixels = colour.repeat(8 * 6);
+    encoder.write_header().and_then(|mut writer| writer.write_image_data(&pixels)).expect("a picture");
 }
 
 /// Without a table it fits one; what the picture does not depend on is refused, all at once.

@@ -31,6 +31,9 @@ pub struct PreviewArgs {
     /// The scene and its parameters
     #[command(flatten)]
     pub scene: SceneChoices,
+    /// A picture on the light, in place of one with a name: PNG, `OpenEXR`, Radiance HDR or JPEG
+    #[arg(long, value_name = "IMAGE", conflicts_with = "light_picture")]
+    pub light_texture: Option<PathBuf>,
     /// Width of the table's numbers on the GPU
     #[arg(long, value_parser = named(TexelFormat::ALL, TexelFormat::name), default_value = "f32")]
     pub precision: TexelFormat,

@@ -88,7 +88,8 @@ fn fitted(context: &Context<'_>) -> Result<Shown, CommandFailure> {
 fn choices(args: &PreviewArgs) -> Result<MaterialChoices, CommandFailure> {
     let chosen = &args.scene.choices;
     let mut faults = Vec::new();
-    for name in chosen.names().filter(|name| !TAKEN.contains(name)) {
+    let texture = args.light_texture.as_ref().map(|_| "light_texture");
+    for name in chosen.names().filter(|name| !TAKEN.contains(name)).chain(texture) {
         let flags = TAKEN.map(flag).join(", ");
         faults.push(format!("{} is not of scene materials, which has its own: it takes {flags}", flag(name)));
     }

@@ -1,24 +1,53 @@
-//! Scenes whose numbers are out of bounds.
+//! Scenes whose numbers are out of bounds, and pictures on lights that have none.
 
-use super::{LightKind, Scene, parameters::PARAMETERS, scene::MAX_MATERIALS};
+use super::{LightKind, Mode, Scene, ScenePicture, parameters::PARAMETERS, scene::MAX_MATERIALS};
 use ltcforge_fit::MAX_VERTICES;
+use ltcforge_light::LightModel;
 
-/// A parameter that is out of its bounds.
+/// Why a scene is not rendered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{field} is {value}, not within {low} to {high}")]
-pub struct SceneFault {
-    /// The parameter, such as `light_intensity`.
-    pub field: String,
-    /// Its value.
-    pub value: f64,
-    /// The least it may be.
-    pub low: f64,
-    /// The most it may be.
-    pub high: f64,
+pub enum SceneFault {
+    /// A parameter that is out of its bounds.
+    #[error("{field} is {value}, not within {low} to {high}")]
+    Bounds {
+        /// The parameter, such as `light_intensity`.
+        field: String,
+        /// Its value.
+        value: f64,
+        /// The least it may be.
+        low: f64,
+        /// The most it may be.
+        high: f64,
+    },
+    /// A picture where there can be none.
+    #[error("light_picture {0}")]
+    Picture(#[from] PictureFault),
+}
+
+/// Why a light has no picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum PictureFault {
+    /// The light is of another shape.
+    #[error("is of light rectangle, and light is {0}: leave one of them out")]
+    Shape(&'static str),
+    /// The model knows no kernel of its lobe.
+    #[error("is of models ltc and normals, and model is {0}: choose one of those, or leave the picture out")]
+    Model(LightModel),
+}
+
+impl SceneFault {
+    /// The parameter, and what is wrong with it.
+    pub(super) fn told(&self) -> (&str, String) {
+        match self {
+            Self::Bounds { field, value, low, high } => (field, format!("{value} is not within {low} to {high}")),
+            Self::Picture(fault) => ("light_picture", fault.to_string()),
+        }
+    }
 }
 
 impl Scene {
-    /// Every number that is out of its bounds, in the order of the parameters. Not-a-number is within no bounds.
+    /// Every number that is out of its bounds, in the order of the parameters, and every reason why its light has no picture.
+    /// Not-a-number is within no bounds.
     #[must_use]
     pub fn faults(&self) -> Vec<SceneFault> {
         let mut scene = self.clone();
@@ -35,16 +64,27 @@ impl Scene {
         let mut faults = Vec::new();
         for (field, [low, high], numbers) in counts.into_iter().chain(parameters) {
             let outside = numbers.into_iter().filter(|value| !(low..=high).contains(value));
-            faults.extend(outside.map(|value| SceneFault { field: field.to_owned(), value, low, high }));
+            faults.extend(outside.map(|value| SceneFault::Bounds { field: field.to_owned(), value, low, high }));
         }
+        faults.extend(self.picture_faults().into_iter().map(SceneFault::from));
         faults
+    }
+
+    fn picture_faults(&self) -> Vec<PictureFault> {
+        let lights = |model: &&LightModel| matches!(model, LightModel::Ltc | LightModel::Normals);
+        if self.picture == ScenePicture::None || self.mode == Mode::Lobe {
+            return Vec::new();
+        }
+        let other = LightModel::ALL.iter().filter(|model| !lights(model) && self.shows(**model));
+        let shape = (self.light.kind != LightKind::Rectangle).then(|| PictureFault::Shape(self.light.kind.name()));
+        shape.into_iter().chain(other.map(|model| PictureFault::Model(*model))).collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preview::{Material, NamedScene};
+    use crate::preview::{Light, Material, NamedScene};
 
     #[test]
     fn defaults_and_named_scenes_are_within_bounds() {
@@ -60,10 +100,28 @@ mod tests {
         scene.materials.push(Material { alpha_x: f64::NAN, ..Material::default() });
         scene.light.kind = LightKind::Polygon(9);
         let faults = scene.faults();
-        let fields: Vec<&str> = faults.iter().map(|fault| fault.field.as_str()).collect();
+        let fields: Vec<&str> = faults.iter().map(|fault| fault.told().0).collect();
         assert_eq!(fields, ["light", "size", "spp", "alpha_x"]);
         assert_eq!(faults[1].to_string(), "size is 63, not within 64 to 2048");
         let none = Scene { materials: Vec::new(), ..Scene::default() };
         assert_eq!(none.faults()[0].to_string(), "materials is 0, not within 1 to 4");
+    }
+
+    #[test]
+    fn pictures_are_of_rectangles_and_of_two_models() {
+        let usual = NamedScene::Screen.scene();
+        let refused = |scene: &Scene| scene.faults().iter().map(ToString::to_string).collect::<Vec<_>>();
+        let light = Light { kind: LightKind::Tube, ..usual.light };
+        let both = Scene { light, model: LightModel::Sg, mode: Mode::Strip, spp: 0, ..usual.clone() };
+        let told = [
+            "spp is 0, not within 1 to 4096",
+            "light_picture is of light rectangle, and light is tube: leave one of them out",
+            "light_picture is of models ltc and normals, and model is sg: choose one of those, or leave the picture out",
+        ];
+        assert_eq!(refused(&both), told);
+        // What a mode does not show is no fault.
+        assert_eq!(refused(&Scene { spp: 4, mode: Mode::Reference, light: usual.light, ..both.clone() }), [""; 0]);
+        assert_eq!(refused(&Scene { spp: 4, mode: Mode::Lobe, ..both.clone() }), [""; 0]);
+        assert_eq!(refused(&Scene { spp: 4, picture: ScenePicture::None, ..both }), [""; 0]);
     }
 }

@@ -26,8 +26,8 @@ impl Choices {
         let mut faults = read_pairs(pairs, |name, text| choices.set(name, text));
         let scene = choices.into_scene();
         for fault in scene.faults() {
-            let detail = format!("{} is not within {} to {}", fault.value, fault.low, fault.high);
-            let fault = ParameterFault::new(&fault.field, detail);
+            let (field, detail) = fault.told();
+            let fault = ParameterFault::new(field, detail);
             // A parameter that all materials share is reported once.
             if !faults.contains(&fault) {
                 faults.push(fault);

@@ -1,6 +1,9 @@
 //! How much work a picture is.
 
-use super::scene::{COMPARED, Mode, Scene};
+use super::{
+    ScenePicture,
+    scene::{COMPARED, Mode, Scene},
+};
 use ltcforge_light::LightModel;
 
 /// The most that a pixel of light by a model costs, in samples of the reference.
@@ -10,14 +13,16 @@ pub(super) fn most_cost() -> u32 {
 
 impl Scene {
     /// How much work the picture is, in samples of the reference: pixels times samples where its mode shows the
-    /// reference, plus pixels times the cost of each model that it shows. A lobe costs as much as light by the table.
+    /// reference, plus pixels times the cost of each model that it shows, twice that with a picture on the light. A lobe costs
+    /// as much as light by the table.
     /// The pixels are those of the whole panel: the background, which costs little, is not left out.
     #[must_use]
     pub fn cost(&self) -> f64 {
-        let (reference, model) = (self.spp, self.model.cost());
+        let times = if self.picture == ScenePicture::None { 1 } else { 2 };
+        let (reference, model) = (self.spp, times * self.model.cost());
         let of_a_pixel = match self.mode {
             Mode::Ltc => model,
-            Mode::Models => COMPARED.map(LightModel::cost).iter().sum::<u32>() + reference,
+            Mode::Models => times * COMPARED.map(LightModel::cost).iter().sum::<u32>() + reference,
             Mode::Reference => reference,
             Mode::Difference | Mode::Strip => model + reference,
             Mode::Lobe => 2 * LightModel::Ltc.cost(),
@@ -43,6 +48,8 @@ mod tests {
             let cost = |mode| Scene { size: 100, spp: 64, mode, model, ..Scene::default() }.cost();
             assert_eq!([cost(Mode::Ltc), cost(Mode::Strip)], [of_a_pixel, of_a_pixel + 64.0].map(|cost| 1e4 * cost));
         }
+        let pictured = Scene { size: 100, picture: ScenePicture::Window, ..Scene::default() };
+        assert_eq!([pictured.cost(), Scene { mode: Mode::Strip, ..pictured }.cost()], [160_000.0, 800_000.0]);
         assert_eq!(cost(Mode::Reference, 200, 64), 4.0 * cost(Mode::Reference, 100, 64));
     }
 }

@@ -6,9 +6,9 @@ use ltcforge_fit::{BrdfKind, LobeModel};
 /// Why a scene was not rendered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PreviewError {
-    /// Parameters are out of their bounds.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
-    Scene(Vec<SceneFault>),
+    /// Parameters are out of their bounds or do not go together; beside them all that stands against the table.
+    #[error("{}", .0.iter().map(ToString::to_string).chain(.1.iter().map(ToString::to_string)).collect::<Vec<_>>().join("\n"))]
+    Scene(Vec<SceneFault>, Vec<TableFault>),
     /// The table cannot be shown so.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Table(Vec<TableFault>),
@@ -45,6 +45,11 @@ pub enum TableFault {
     /// The material has a reflectance, and the table is of a model without a Fresnel factor.
     #[error("f0 is of Schlick's Fresnel factor, which brdf {0} does not have: leave it out, or say 1,1,1")]
     NoFresnel(BrdfKind),
+    /// The light has a picture, and the table has Gaussians.
+    #[error(
+        "light_picture is of tables of LTCs, and the table has lobe {0}: leave it out, or take a table of lobe ltc"
+    )]
+    GaussianPicture(LobeModel),
     /// The picture draws a lobe, and the table has Gaussians.
     #[error("mode lobe draws the lobes of LTCs, and the table has lobe {0}: choose mode strip, or a table of lobe ltc")]
     GaussianLobe(LobeModel),

@@ -1,10 +1,13 @@
 //! A scene in the numbers that both renderers read: f32, as a shader's uniforms.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 
 use super::{
     Camera, Scene, Surface,
     light::{Ellipse, Outline, Shape},
+    light_picture::LightPicture,
     scene::MAX_MATERIALS,
 };
 use ltcforge_fit::{MAX_VERTICES, math::sin_cos};
@@ -39,6 +42,8 @@ pub(super) struct Frame {
     pub(super) cells: u32,
     pub(super) spp: u32,
     pub(super) light: FrameLight,
+    /// The picture on the light.
+    pub(super) picture: Option<Arc<LightPicture>>,
     /// Whether light from below the surface is cut off: a constant of the pipeline.
     pub(super) is_cut: bool,
     /// Whether what facets lose is given back, likewise.
@@ -141,6 +146,7 @@ impl Frame {
                 radiance: scene.light.intensity as f32,
                 two_sided: scene.light.two_sided,
             },
+            picture: LightPicture::of(scene).filter(|_| !of_lobe).map(Arc::new),
             is_cut: scene.cut,
             is_compensated: scene.compensate,
         }
@@ -199,7 +205,7 @@ impl Frame {
             FrameShape::Polygon => words.floats([0.0; 12]),
         }
         words.vector(light.normal, light.area);
-        words.vector(Vec3::splat(light.radiance), 0.0);
+        words.vector(Vec3::splat(light.radiance), self.picture.as_ref().map_or(0.0, |picture| picture.base()));
         words.0.extend([light.outline_vertices() as u32, u32::from(light.is_two_sided()), 0, 0]);
         words.0
     }

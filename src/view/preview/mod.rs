@@ -16,6 +16,7 @@ mod estimator;
 mod frame;
 mod gpu;
 mod light;
+mod light_picture;
 mod named;
 mod panel_error;
 mod parameter;
@@ -23,10 +24,11 @@ mod parameters;
 mod radiances;
 mod renderer;
 mod scene;
+mod scene_picture;
 mod table;
 mod tone;
 
-pub use bounds::SceneFault;
+pub use bounds::{PictureFault, SceneFault};
 pub use choices::Choices;
 pub use error::{PreviewError, TableFault};
 pub use estimator::{Estimator, Stop};
@@ -40,6 +42,7 @@ pub use parameters::PARAMETERS;
 pub use radiances::Radiances;
 pub use renderer::{Adapter, Preview, Rendered};
 pub use scene::{Camera, Light, LightKind, LobeView, Material, Mode, Scene, Surface};
+pub use scene_picture::ScenePicture;
 pub use table::{ShaderTable, TexelFormat};
 
 #[cfg(test)]

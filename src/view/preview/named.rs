@@ -1,6 +1,6 @@
 //! Named set-ups.
 
-use super::{Camera, Light, LightKind, Material, Scene, Surface};
+use super::{Camera, Light, LightKind, Material, Scene, ScenePicture, Surface};
 use ltcforge_fit::named_list;
 
 named_list! {
@@ -16,6 +16,8 @@ named_list! {
         TinyLight = "tiny_light",
         /// A light beside the sphere and as large, which the horizons of most points cut.
         Horizon = "horizon",
+        /// A television before a brushed metal floor, with its picture.
+        Screen = "screen",
     }
 }
 
@@ -55,6 +57,27 @@ impl NamedScene {
                     two_sided: true,
                     ..usual.light
                 },
+                ..usual
+            },
+            Self::Screen => Scene {
+                surface: Surface::Floor,
+                materials: vec![Material { alpha_x: 0.05, alpha_y: 0.2, rotation: 0.0 }],
+                light: Light {
+                    centre: [0.0, 0.6, -1.2],
+                    half_size: [0.96, 0.54],
+                    rotation: [0.0, -0.46, 0.0],
+                    intensity: 1.5,
+                    ..usual.light
+                },
+                picture: ScenePicture::Television,
+                camera: Camera {
+                    distance: 4.0,
+                    elevation: 0.25,
+                    field_of_view: 0.6,
+                    target: [0.0, 0.15, 0.0],
+                    ..usual.camera
+                },
+                difference_scale: 0.1,
                 ..usual
             },
         }

@@ -4,10 +4,10 @@
 use std::{f64::consts::TAU, slice};
 
 use super::{
-    LightKind, Material, Mode, NamedScene, Scene,
+    LightKind, Material, Mode, NamedScene, Scene, ScenePicture,
     parameter::{Parameter, ParameterForm},
 };
-use ltcforge_light::{LightModel, normals::NormalsRule};
+use ltcforge_light::{LightModel, normals::NormalsRule, textured::Readings};
 
 /// Where things may stand, in radii of the sphere.
 const PLACE: f64 = 100.0;
@@ -20,7 +20,7 @@ const TURN: [f64; 2] = [-TAU, TAU];
 const QUARTER: f64 = TAU / 4.0;
 
 /// Every parameter. They are set in this order: the named scene first, then the parameters that differ from it.
-pub static PARAMETERS: [Parameter; 28] = [
+pub static PARAMETERS: [Parameter; 30] = [
     name(
         "scene",
         "Named set-up",
@@ -111,6 +111,20 @@ pub static PARAMETERS: [Parameter; 28] = [
         unit: None,
         form: ParameterForm::Flag(|s| &mut s.light.two_sided),
     },
+    name(
+        "light_picture",
+        "Picture on a rectangle light, which is then drawn too",
+        || ScenePicture::NAMED.map(|(name, _)| name).into(),
+        |s| ScenePicture::NAMED.iter().position(|(_, picture)| *picture == s.picture),
+        |s, i| s.picture = ScenePicture::NAMED[i].1.clone(),
+    ),
+    name(
+        "light_readings",
+        "How often models read the picture for a point",
+        || names(Readings::ALL, Readings::name),
+        |s| Readings::ALL.iter().position(|readings| *readings == s.readings),
+        |s, i| s.readings = Readings::ALL[i],
+    ),
     number("camera_distance", "Distance of the camera from its target", RADII, [NEAREST, PLACE], |s| {
         one(&mut s.camera.distance)
     }),

@@ -3,7 +3,7 @@
 use std::{borrow::Cow, sync::Arc};
 
 use super::{
-    Material, Mode, PreviewError, Radiances, Scene, ShaderTable, TableFault, compose, cpu,
+    Material, Mode, PreviewError, Radiances, Scene, ScenePicture, ShaderTable, TableFault, compose, cpu,
     estimator::{Estimator, Stop},
     frame::Frame,
     gpu::{Gpu, GpuFailure, RenderTask, Variant},
@@ -102,12 +102,12 @@ impl Preview {
         scene: &Scene,
         stop: Stop<'_>,
     ) -> Result<Rendered, PreviewError> {
-        let faults = scene.faults();
-        if !faults.is_empty() {
-            return Err(PreviewError::Scene(faults));
-        }
         let mut faults = faults_of_table(table, scene);
         faults.extend(fault_of_f0(&table.brdf, scene));
+        let of_scene = scene.faults();
+        if !of_scene.is_empty() {
+            return Err(PreviewError::Scene(of_scene, faults));
+        }
         self.begin(table, scene, faults)?;
         let scene = &*material_shown(&table.brdf, scene);
         let rendered = self.attempt(table, scene, stop)?;
@@ -331,10 +331,12 @@ fn faults_of_table(table: &ShaderTable, scene: &Scene) -> Vec<TableFault> {
     let kind = table.brdf.kind();
     let is_of_ggx = LightModel::ALL.iter().any(|model| !model.needs_table() && scene.shows(*model));
     let is_lobe = scene.mode == Mode::Lobe;
+    let has_picture = scene.picture != ScenePicture::None && scene.needs_table() && !is_lobe;
     let loses_nothing = scene.compensate && !is_lobe && !table.brdf.follows_reflection();
     let faults = [
         (table.brdf != BrdfKind::Ggx && is_of_ggx).then_some(TableFault::OtherBrdf(kind)),
         loses_nothing.then_some(TableFault::NoFacets(kind)),
+        (has_picture && table.lobe.gaussian().is_some()).then_some(TableFault::GaussianPicture(table.lobe)),
         (is_lobe && table.lobe.gaussian().is_some()).then_some(TableFault::GaussianLobe(table.lobe)),
     ];
     faults.into_iter().flatten().collect()

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::ScenePicture;
 use ltcforge_fit::named_list;
-use ltcforge_light::{AnisotropicRoughness, LightModel, LightShape, normals::NormalsRule};
+use ltcforge_light::{AnisotropicRoughness, LightModel, LightShape, normals::NormalsRule, textured::Readings};
 
 /// Materials that a picture can hold.
 pub(super) const MAX_MATERIALS: usize = 4;
@@ -23,6 +24,10 @@ pub struct Scene {
     pub f0: [f64; 3],
     /// The light.
     pub light: Light,
+    /// The picture on the light.
+    pub picture: ScenePicture,
+    /// How often models read it.
+    pub readings: Readings,
     /// The camera.
     pub camera: Camera,
     /// The configuration whose lobe mode `lobe` draws; its roughness is the first material's.
@@ -156,20 +161,22 @@ impl Scene {
     pub fn canonical(self) -> Self {
         let usual = Self { mode: self.mode, size: self.size, ..Self::default() };
         let rule = if self.shows(LightModel::Normals) { self.rule } else { usual.rule };
+        let is_read = self.picture != ScenePicture::None && self.mode != Mode::Reference;
+        let readings = if is_read { self.readings } else { usual.readings };
         let cut = self.cut && self.mode != Mode::Lobe && self.shows(LightModel::Ltc);
         match self.mode {
             Mode::Ltc => {
                 let Self { lobe, spp, difference_scale, .. } = usual;
-                Self { lobe, spp, rule, cut, difference_scale, ..self }
+                Self { readings, lobe, spp, rule, cut, difference_scale, ..self }
             }
             Mode::Reference => {
                 let Self { lobe, model, difference_scale, .. } = usual;
-                Self { lobe, model, rule, cut, difference_scale, ..self }
+                Self { readings, lobe, model, rule, cut, difference_scale, ..self }
             }
             // False colours are of radiance, whatever it is displayed like.
-            Mode::Difference => Self { lobe: usual.lobe, exposure: usual.exposure, rule, cut, ..self },
-            Mode::Strip => Self { lobe: usual.lobe, rule, cut, ..self },
-            Mode::Models => Self { lobe: usual.lobe, model: usual.model, ..self },
+            Mode::Difference => Self { lobe: usual.lobe, exposure: usual.exposure, rule, readings, cut, ..self },
+            Mode::Strip => Self { lobe: usual.lobe, rule, readings, cut, ..self },
+            Mode::Models => Self { lobe: usual.lobe, model: usual.model, readings, ..self },
             Mode::Lobe => {
                 let roughness = |material: &Material| Material { rotation: 0.0, ..*material };
                 Self { materials: self.materials.iter().take(1).map(roughness).collect(), lobe: self.lobe, ..usual }
@@ -211,6 +218,12 @@ impl LightKind {
         ("heptagon", Self::Polygon(7)),
         ("octagon", Self::Polygon(8)),
     ];
+
+    /// Its name, where it has one.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::NAMED.iter().find(|(_, kind)| *kind == self).map_or("polygon", |(name, _)| name)
+    }
 }
 
 impl Default for Scene {
@@ -220,6 +233,8 @@ impl Default for Scene {
             materials: vec![Material::default()],
             f0: [0.91, 0.92, 0.92],
             light: Light::default(),
+            picture: ScenePicture::None,
+            readings: Readings::ALL[0],
             camera: Camera::default(),
             lobe: LobeView::default(),
             size: 512,

@@ -14,6 +14,7 @@ mod prefilter;
 mod printed;
 mod shapes;
 mod textured;
+mod textured_cut;
 mod truth;
 mod twins;
 mod without_textures;

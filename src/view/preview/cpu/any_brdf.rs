@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::ggx::{HORIZON, Shaded, hash, point};
+use super::ggx::{ColouredParts, HORIZON, Shaded, hash, point};
 use crate::preview::frame::FrameLight;
 use ltcforge_fit::{
     brdf::{Brdf, BrdfModel, BrdfSample, cos_theta_d},
@@ -22,7 +22,14 @@ fn unit_square(i: u32, seed: [u32; 2]) -> [f64; 2] {
 /// The reflected light, for a Fresnel factor of one and weighed by Schlick's fifth power: `samples` directions
 /// drawn by the model and as many points of the light, weighed by the balance heuristic [Veach 1997], as in
 /// [`super::ggx::reference`].
-pub(super) fn reference(brdf: &BrdfModel, at: &Shaded, light: &FrameLight, samples: u32, key: u32) -> Vec2 {
+pub(super) fn reference(
+    brdf: &BrdfModel,
+    at: &Shaded,
+    light: &FrameLight,
+    colour: impl Fn(Vec3) -> Vec3,
+    samples: u32,
+    key: u32,
+) -> ColouredParts {
     let a = hash(key);
     let b = hash(a ^ STEP);
     let c = hash(b ^ STEP);
@@ -32,20 +39,22 @@ pub(super) fn reference(brdf: &BrdfModel, at: &Shaded, light: &FrameLight, sampl
     let points: Vec<SquarePoint> = (0..samples).map(|i| SquarePoint::new(unit_square(i, [a, b]))).collect();
     let mut drawn = Vec::with_capacity(points.len());
     surface.sample_all(wo, &points, &mut drawn);
-    let (mut all, mut fresnel) = (0.0, 0.0);
-    let mut add = |value: f64, cosine: f64| {
+    let (mut all, mut fresnel) = (DVec3::ZERO, DVec3::ZERO);
+    let mut add = |value: f64, cosine: f64, towards: Vec3| {
         let grazing = (1.0 - cosine).clamp(0.0, 1.0);
         let grazing2 = grazing * grazing;
+        let value = value * colour(towards).as_dvec3();
         all += value;
         fresnel += value * (grazing2 * grazing2 * grazing);
     };
     for (i, BrdfSample { wi, weight, cos_theta_d: cosine }) in (0..samples).zip(drawn) {
         let to_light = wi.as_vec3();
         if weight > 0.0 && to_light.z > HORIZON {
-            let of_light = f64::from(light.pdf(at.position, at.x * to_light.x + at.y * to_light.y + at.z * to_light.z));
+            let towards = at.x * to_light.x + at.y * to_light.y + at.z * to_light.z;
+            let of_light = f64::from(light.pdf(at.position, towards));
             let of_brdf = surface.pdf(wo, wi);
             if of_light >= 0.0 {
-                add(weight * of_brdf / (of_brdf + of_light), cosine);
+                add(weight * of_brdf / (of_brdf + of_light), cosine, towards);
             }
         }
         let (direction, of_light) = light.sample(at.position, point(i, [c, d]));
@@ -54,11 +63,11 @@ pub(super) fn reference(brdf: &BrdfModel, at: &Shaded, light: &FrameLight, sampl
             let value = surface.eval_cos(wo, wi);
             if value > 0.0 {
                 let of_brdf = if light.is_line() { 0.0 } else { surface.pdf(wo, wi) };
-                add(value / (of_brdf + f64::from(of_light)), cos_theta_d(wo, wi));
+                add(value / (of_brdf + f64::from(of_light)), cos_theta_d(wo, wi), direction);
             }
         }
     }
-    Vec2::new(all as f32, fresnel as f32) / samples as f32
+    ColouredParts { all: all.as_vec3(), fresnel: fresnel.as_vec3() }.over(samples as f32)
 }
 
 /// The model's lobe: `f cos` of a direction above the horizon, per steradian.

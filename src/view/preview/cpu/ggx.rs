@@ -128,7 +128,41 @@ impl FrameLight {
     }
 }
 
-pub(super) fn reference(at: &Shaded, light: &FrameLight, samples: u32, key: u32) -> Vec2 {
+/// What is reflected by colour channel: for a Fresnel factor of one, and weighed by Schlick's fifth power.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct ColouredParts {
+    pub(super) all: Vec3,
+    pub(super) fresnel: Vec3,
+}
+
+impl ColouredParts {
+    /// Parts that are those of every channel.
+    pub(super) fn grey(parts: Vec2) -> Self {
+        Self { all: Vec3::splat(parts.x), fresnel: Vec3::splat(parts.y) }
+    }
+
+    /// Both parts of one colour.
+    pub(super) fn coloured(parts: Vec2, colour: Vec3) -> Self {
+        Self { all: parts.x * colour, fresnel: parts.y * colour }
+    }
+
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self { all: self.all + other.all, fresnel: self.fresnel + other.fresnel }
+    }
+
+    pub(super) fn over(self, count: f32) -> Self {
+        Self { all: self.all / count, fresnel: self.fresnel / count }
+    }
+}
+
+/// `colour` is that of the light which arrives along a direction.
+pub(super) fn reference(
+    at: &Shaded,
+    light: &FrameLight,
+    colour: impl Fn(Vec3) -> Vec3,
+    samples: u32,
+    key: u32,
+) -> ColouredParts {
     const STEP: u32 = 0x9e37_79b9;
     let a = hash(key);
     let b = hash(a ^ STEP);
@@ -141,25 +175,28 @@ pub(super) fn reference(at: &Shaded, light: &FrameLight, samples: u32, key: u32)
         let g2_over_g1 = (1.0 + lambda_o) / (1.0 + lambda_o + smith_lambda(at.alpha, wi));
         g2_over_g1 * (of_brdf / (if light.is_line() { 0.0 } else { of_brdf } + of_light))
     };
-    let mut sum = Vec2::ZERO;
+    let mut sum = ColouredParts::default();
     for i in 0..samples {
         let wm = visible_normal(at.alpha, at.wo, point(i, [a, b]));
         let cosine = at.wo.dot(wm);
         let wi = 2.0 * cosine * wm - at.wo;
         if wi.z > HORIZON {
-            let of_light = light.pdf(at.position, at.x * wi.x + at.y * wi.y + at.z * wi.z);
+            let towards = at.x * wi.x + at.y * wi.y + at.z * wi.z;
+            let of_light = light.pdf(at.position, towards);
             if of_light >= 0.0 {
-                sum += fresnel(cosine) * weighed(wm, wi, of_light);
+                let parts = fresnel(cosine) * weighed(wm, wi, of_light);
+                sum = sum.plus(ColouredParts::coloured(parts, colour(towards)));
             }
         }
         let (direction, of_light) = light.sample(at.position, point(i, [c, d]));
         let wi = Vec3::new(direction.dot(at.x), direction.dot(at.y), direction.dot(at.z));
         if wi.z > HORIZON && of_light > 0.0 {
             let wm = (at.wo + wi).normalize();
-            sum += fresnel(at.wo.dot(wm)) * weighed(wm, wi, of_light);
+            let parts = fresnel(at.wo.dot(wm)) * weighed(wm, wi, of_light);
+            sum = sum.plus(ColouredParts::coloured(parts, colour(direction)));
         }
     }
-    sum / samples as f32
+    sum.over(samples as f32)
 }
 
 fn fresnel(cosine: f32) -> Vec2 {

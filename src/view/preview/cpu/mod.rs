@@ -1,7 +1,7 @@
 //! The shaders' twin: the same arithmetic in the same order, in f32, on all cores.
 //!
 //! `lookup` is the twin of `ltc_table.wgsl`, `light` of `ltc_light.wgsl`, `ggx` of `ggx_reference.wgsl`, `solids` of
-//! `reference_solids.wgsl`, and `surface` of `sphere.wgsl`. The formulas of models `normals`, `sg` and `asg` and of a
+//! `reference_solids.wgsl`, `textured` of `light_picture.wgsl` and `preview_textured.wgsl`, and `surface` of `sphere.wgsl`. The formulas of models `normals`, `sg` and `asg` and of a
 //! table's disks, spheres and tubes are those of `ltcforge_light` in f32. The shaders have the comments. `any_brdf` has
 //! no shader: it is the reference of models other than GGX.
 
@@ -13,6 +13,7 @@ mod solids;
 mod surface;
 #[cfg(test)]
 pub(super) mod tests;
+mod textured;
 
 use rayon::prelude::*;
 

@@ -4,10 +4,10 @@ use glam::{Mat3, Vec2, Vec3};
 
 use super::{
     any_brdf,
-    ggx::{self, Shaded},
+    ggx::{self, ColouredParts, Shaded},
     light::Inverse,
     lookup::{LEAST_ALPHA, blend, lookup, lookup_both},
-    solids,
+    solids, textured,
 };
 use crate::preview::{
     ShaderTable, Surface,
@@ -23,6 +23,8 @@ use ltcforge_light::{
 
 const POLE: f32 = 1e-4;
 const LOWEST_EYE: f32 = 1e-3;
+/// How far away the background is.
+const FAR: f32 = 1e30;
 
 pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at: [u32; 2]) -> [f32; 3] {
     let (place, cell) = place_of(frame, at);
@@ -35,12 +37,13 @@ pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at
         Estimator::TwoLobes(second) => surface(frame, place, cell, |at| by_two_lobes(frame, table, second, at)),
         Estimator::Reference => surface(frame, place, cell, |shaded| {
             let key = at[1] * frame.size + at[0];
+            let colour = |wi: Vec3| textured::colour(frame, shaded.position, wi);
             if table.brdf == BrdfKind::Ggx {
-                let parts = ggx::reference(shaded, &frame.light, frame.spp, key);
-                return reflected(frame, parts, || albedo_of(shaded));
+                let parts = ggx::reference(shaded, &frame.light, colour, frame.spp, key);
+                return reflected_colours(frame, parts, || albedo_of(shaded));
             }
-            let parts = any_brdf::reference(&table.brdf, shaded, &frame.light, frame.spp, key);
-            reflected(frame, parts, || lookup(table, shaded.alpha.x, shaded.alpha.y, shaded.wo).amplitude)
+            let parts = any_brdf::reference(&table.brdf, shaded, &frame.light, colour, frame.spp, key);
+            reflected_colours(frame, parts, || lookup(table, shaded.alpha.x, shaded.alpha.y, shaded.wo).amplitude)
         }),
         Estimator::TableLobe | Estimator::ReferenceLobe => {
             let density = direction_of(frame, place).map_or(BESIDE, |wi| lobe(frame, table, estimator, wi));
@@ -51,7 +54,7 @@ pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at
 
 pub(super) fn covering(frame: &Frame, pixel: [u32; 2]) -> Option<usize> {
     let (place, cell) = place_of(frame, pixel);
-    see(frame, place, cell).map(|_| cell as usize)
+    see(frame, place, cell).filter(|seen| !textured::covers(frame, place, seen.distance)).map(|_| cell as usize)
 }
 
 fn place_of(frame: &Frame, pixel: [u32; 2]) -> (Vec2, u32) {
@@ -62,24 +65,34 @@ fn place_of(frame: &Frame, pixel: [u32; 2]) -> (Vec2, u32) {
 }
 
 fn surface(frame: &Frame, place: Vec2, cell: u32, shade: impl FnOnce(&Shaded) -> Vec3) -> [f32; 3] {
-    match see(frame, place, cell) {
-        Some((at, coverage)) => (frame.background * (1.0 - coverage) + shade(&at) * coverage).to_array(),
-        None => frame.background.to_array(),
-    }
+    let seen = see(frame, place, cell);
+    let distance = seen.as_ref().map_or(FAR, |seen| seen.distance);
+    let radiance = seen.map_or(frame.background, |Seen { at, coverage, .. }| {
+        frame.background * (1.0 - coverage) + shade(&at) * coverage
+    });
+    let (light, covered) = textured::seen(frame, place, distance);
+    ((1.0 - covered) * radiance + light).to_array()
 }
 
-fn see(frame: &Frame, place: Vec2, cell: u32) -> Option<(Shaded, f32)> {
+/// A point of the surface, how much of the pixel it fills, and how far away it is.
+struct Seen {
+    at: Shaded,
+    coverage: f32,
+    distance: f32,
+}
+
+fn see(frame: &Frame, place: Vec2, cell: u32) -> Option<Seen> {
     let material = frame.material(cell)?;
     let ray = (frame.forward + frame.right * place.x + frame.up * place.y).normalize();
     let eye = frame.eye;
-    let (position, normal, along, coverage) = match frame.surface {
+    let (position, normal, along, coverage, distance) = match frame.surface {
         Surface::Floor => {
             let t = -eye.y / ray.y.min(-1e-6);
             let position = eye + t * ray;
             let fades = 1.0 - t / frame.floor_end;
             let is_seen = ray.y < -1e-6 && eye.y > LOWEST_EYE;
             let coverage = if is_seen { (2.0 * fades).clamp(0.0, 1.0) } else { 0.0 };
-            (Vec3::new(position.x, 0.0, position.z), Vec3::Y, Vec3::X, coverage)
+            (Vec3::new(position.x, 0.0, position.z), Vec3::Y, Vec3::X, coverage, t)
         }
         Surface::Sphere => {
             let closest = -eye.dot(ray);
@@ -87,11 +100,12 @@ fn see(frame: &Frame, place: Vec2, cell: u32) -> Option<(Shaded, f32)> {
             let distance2 = nearest.dot(nearest);
             let rim = (1.0 - distance2.sqrt()) / (frame.pixel * closest);
             let coverage = if closest > 0.0 { (rim + 0.5).clamp(0.0, 1.0) } else { 0.0 };
-            let position = (nearest - (1.0 - distance2).max(0.0).sqrt() * ray).normalize();
+            let depth = (1.0 - distance2).max(0.0).sqrt();
+            let position = (nearest - depth * ray).normalize();
             let circle = Vec3::new(position.z, 0.0, -position.x);
             let length2 = circle.dot(circle);
             let along = if length2 > POLE * POLE { circle / length2.max(1e-12).sqrt() } else { Vec3::X };
-            (position, position, along, coverage)
+            (position, position, along, coverage, closest - depth)
         }
     };
     if coverage <= 0.0 {
@@ -104,26 +118,35 @@ fn see(frame: &Frame, place: Vec2, cell: u32) -> Option<(Shaded, f32)> {
     let view = (eye - position).normalize();
     let wo = Vec3::new(view.dot(x), view.dot(y), view.dot(normal).max(LOWEST_VIEW)).normalize();
     let alpha = Vec2::new(alpha_x, alpha_y).max(Vec2::splat(LEAST_ALPHA));
-    Some((Shaded { position, x, y, z: normal, wo, alpha }, coverage))
+    Some(Seen { at: Shaded { position, x, y, z: normal, wo, alpha }, coverage, distance })
 }
 
 fn by_table(frame: &Frame, table: &ShaderTable, at: &Shaded) -> Vec3 {
     let lobe = lookup(table, at.alpha.x, at.alpha.y, at.wo);
-    reflected(frame, Vec2::new(lobe.amplitude, lobe.fresnel) * covered_by(frame, lobe.matrix, at), || lobe.amplitude)
+    let covered = coloured_by(frame, lobe.matrix, at);
+    let parts = ColouredParts { all: lobe.amplitude * covered, fresnel: lobe.fresnel * covered };
+    reflected_colours(frame, parts, || lobe.amplitude)
 }
 
 fn by_two_lobes(frame: &Frame, table: &ShaderTable, second: SecondLobe, at: &Shaded) -> Vec3 {
     let (first, matrix) = lookup_both(table, at.alpha.x, at.alpha.y, at.wo);
-    let parts = Vec2::new(first.amplitude, first.fresnel);
-    match second {
+    let covered = match second {
         SecondLobe::Blended => {
             let f0 = frame.f0.dot(Vec3::splat(1.0 / 3.0));
-            reflected(frame, parts * covered_by(frame, blend(&first, matrix, f0, 1.0), at), || first.amplitude)
+            [coloured_by(frame, blend(&first, matrix, f0, 1.0), at); 2]
         }
-        SecondLobe::Integrated => {
-            let covered = [first.matrix, matrix].map(|m| covered_by(frame, m, at));
-            reflected(frame, parts * Vec2::from(covered), || first.amplitude)
-        }
+        SecondLobe::Integrated => [first.matrix, matrix].map(|m| coloured_by(frame, m, at)),
+    };
+    let parts = ColouredParts { all: first.amplitude * covered[0], fresnel: first.fresnel * covered[1] };
+    reflected_colours(frame, parts, || first.amplitude)
+}
+
+/// The part of a lobe that the light covers, times its picture's colour.
+fn coloured_by(frame: &Frame, m: Mat3, at: &Shaded) -> Vec3 {
+    let covered = covered_by(frame, m, at);
+    match &frame.picture {
+        Some(picture) if covered > 0.0 => covered * textured::colour_by_lobe(frame, picture, m, at),
+        _ => Vec3::splat(covered),
     }
 }
 
@@ -153,6 +176,9 @@ fn around(frame: &Frame, at: &Shaded) -> (Vec<[f32; 3]>, Sides) {
 }
 
 fn by_closed_form(frame: &Frame, form: ClosedForm, at: &Shaded) -> Vec3 {
+    if let Some(picture) = &frame.picture {
+        return reflected_colours(frame, textured::by_normals(frame, picture, form.rule(), at), || albedo_of(at));
+    }
     let (vertices, sides) = around(frame, at);
     let lit = LitPoint { alpha: at.alpha.to_array(), wo: at.wo.to_array(), vertices: &vertices, sides };
     reflected(frame, Vec2::from(form.reflected_f32(&lit)), || albedo_of(at))
@@ -185,7 +211,11 @@ fn albedo_of(at: &Shaded) -> f32 {
 }
 
 fn reflected(frame: &Frame, parts: Vec2, albedo: impl FnOnce() -> f32) -> Vec3 {
-    let once = (frame.f0 * (parts.x - parts.y) + Vec3::splat(parts.y)) * frame.light.radiance;
+    reflected_colours(frame, ColouredParts::grey(parts), albedo)
+}
+
+fn reflected_colours(frame: &Frame, parts: ColouredParts, albedo: impl FnOnce() -> f32) -> Vec3 {
+    let once = (frame.f0 * (parts.all - parts.fresnel) + parts.fresnel) * frame.light.radiance;
     if !frame.is_compensated {
         return once;
     }
@@ -240,7 +270,7 @@ mod tests {
         let (mut sum, mut count) = (0.0, 0);
         for pixel in (0..frame.size * frame.size).map(|i| [i % frame.size, i / frame.size]) {
             let (place, cell) = place_of(&frame, pixel);
-            let Some((at, _)) = see(&frame, place, cell).filter(|(_, coverage)| *coverage == 1.0) else { continue };
+            let Some(Seen { at, .. }) = see(&frame, place, cell).filter(|seen| seen.coverage == 1.0) else { continue };
             let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
             let vertices: Vec<Vec3> = frame.light.vertices.iter().map(|v| to_local * (*v - at.position)).collect();
             let sides = if frame.light.two_sided { Sides::Two } else { Sides::One };

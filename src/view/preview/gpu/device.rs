@@ -8,7 +8,7 @@ use crate::preview::{
     frame::{Frame, FrameShape},
 };
 use ltcforge_fit::{LobeModel, SecondLobe};
-use ltcforge_light::{Gaussian, LightModel, NormalsRule};
+use ltcforge_light::{Gaussian, LightModel, NormalsRule, textured::Readings};
 use ltcforge_shaders::{Bound, preview_module};
 
 /// A device of the first adapter that Vulkan lists: a GPU, or lavapipe.
@@ -18,6 +18,9 @@ pub(super) struct Device {
     pub(super) queue: wgpu::Queue,
     pub(super) table_layout: wgpu::BindGroupLayout,
     pub(super) frame_layout: wgpu::BindGroupLayout,
+    pub(super) picture_layout: wgpu::BindGroupLayout,
+    /// That of prefiltered pictures, which samplers filter.
+    pub(super) picture_format: wgpu::TextureFormat,
     pub(super) name: String,
     /// The driver renders on the processor, as lavapipe does.
     pub(super) is_software: bool,
@@ -43,6 +46,8 @@ struct PipelineKey {
     is_cut: bool,
     /// What facets lose is given back.
     is_compensated: bool,
+    /// The light has a picture, which models read so often.
+    readings: Option<Readings>,
 }
 
 impl PipelineKey {
@@ -58,6 +63,7 @@ impl PipelineKey {
             is_polygon: is_of_polygons && frame.light.outline_vertices() != 4,
             is_cut: frame.is_cut && matches!(estimator, Estimator::Table(LobeModel::Ltc) | Estimator::TwoLobes(_)),
             is_compensated: frame.is_compensated && !estimator.is_lobe(),
+            readings: frame.picture.as_ref().map(|picture| picture.readings),
         }
     }
 }
@@ -117,9 +123,12 @@ impl Device {
         let pixels = buffer(wgpu::BufferBindingType::Storage { read_only: false });
         let tiles = buffer(wgpu::BufferBindingType::Storage { read_only: true });
         let frame_layout = layout(&device, "frame", &[uniform, uniform, pixels, tiles]);
+        // Samplers of every GPU filter halves.
+        let picture_format = if filters.is_empty() { wgpu::TextureFormat::Rgba16Float } else { FLOATS };
+        let picture_layout = layout(&device, "picture", &PICTURE_BINDINGS);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("preview"),
-            bind_group_layouts: &[Some(&table_layout), Some(&frame_layout)],
+            bind_group_layouts: &[Some(&table_layout), Some(&frame_layout), Some(&picture_layout)],
             immediate_size: 0,
         });
         let name = format!("{} ({})", info.name, info.driver_info);
@@ -128,6 +137,8 @@ impl Device {
             queue,
             table_layout,
             frame_layout,
+            picture_layout,
+            picture_format,
             name,
             is_software: info.device_type == wgpu::DeviceType::Cpu,
             pipeline_layout,
@@ -147,7 +158,7 @@ impl Device {
         if let Some((_, pipeline)) = self.pipelines.iter().find(|(known, _)| *known == key) {
             return pipeline.clone();
         }
-        let Program { entry_point, gaussian, rule } = Program::of(estimator);
+        let Program { entry_point, gaussian, rule } = Program::of(estimator, key.readings.is_some());
         let flag = |is_so: bool| f64::from(u8::from(is_so));
         let constants = [
             ("ltc_hardware_filter", flag(self.samples_weighed)),
@@ -156,6 +167,8 @@ impl Device {
             ("light_is_polygon", flag(key.is_polygon)),
             ("light_is_cut", flag(key.is_cut)),
             ("is_compensated", flag(key.is_compensated)),
+            ("light_has_picture", flag(key.readings.is_some())),
+            ("light_readings", key.readings.map_or(4.0, |readings| readings.count() as f64)),
             ("normals_rule", f64::from(rule as u32)),
             ("gaussian", f64::from(gaussian as u32)),
             ("second_lobe", second_lobe(estimator)),
@@ -182,7 +195,7 @@ impl Device {
     }
 }
 
-/// The entry point of `sphere.wgsl` for an estimator, with its constants.
+/// The entry point of `sphere.wgsl`, or of `preview_textured.wgsl` for a light with a picture, with its constants.
 struct Program {
     entry_point: &'static str,
     /// The Gaussian, for an estimator that lights by one.
@@ -192,16 +205,18 @@ struct Program {
 }
 
 impl Program {
-    fn of(estimator: Estimator) -> Self {
+    fn of(estimator: Estimator, has_picture: bool) -> Self {
         let (model, rule) = match estimator {
             Estimator::ClosedForm(form) => (form.model(), form.rule()),
             Estimator::Table(lobe) => (LightModel::of_lobe(lobe), NormalsRule::ALL[0]),
-            Estimator::TwoLobes(_) => return Self::new("surface_by_table"),
+            Estimator::TwoLobes(_) => (LightModel::Ltc, NormalsRule::ALL[0]),
             Estimator::Reference => return Self::new("surface_by_reference"),
             Estimator::TableLobe => return Self::new("lobe_by_table"),
             Estimator::ReferenceLobe => return Self::new("lobe_by_reference"),
         };
         match model {
+            LightModel::Ltc if has_picture => Self::new("picture_by_table"),
+            LightModel::Normals if has_picture => Self { rule, ..Self::new("picture_by_normals") },
             LightModel::Ltc => Self::new("surface_by_table"),
             LightModel::Normals => Self { rule, ..Self::new("surface_by_normals") },
             LightModel::Sg => Self::new("surface_by_gaussian"),
@@ -221,6 +236,21 @@ fn second_lobe(estimator: Estimator) -> f64 {
         Estimator::TwoLobes(SecondLobe::Blended) => 2.0,
         _ => 0.0,
     }
+}
+
+/// Texels of 32 bits a channel.
+pub(super) const FLOATS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
+/// Those of `light_picture.wgsl`: the picture as it is, its levels, their sampler.
+const PICTURE_BINDINGS: [wgpu::BindingType; 3] = [
+    picture_binding(false, wgpu::TextureViewDimension::D2),
+    picture_binding(true, wgpu::TextureViewDimension::D2Array),
+    wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+];
+
+const fn picture_binding(filterable: bool, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
+    let sample_type = wgpu::TextureSampleType::Float { filterable };
+    wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
 }
 
 pub(super) fn buffer(ty: wgpu::BufferBindingType) -> wgpu::BindingType {

@@ -14,6 +14,14 @@ pub(crate) enum GpuFailure {
         /// Most texels a side.
         most: u32,
     },
+    /// It cannot hold the picture of the light.
+    #[error("a picture of {} x {} texels is larger than the {most} a side that textures may have", .size[0], .size[1])]
+    PictureTooLarge {
+        /// Texels a side.
+        size: [usize; 2],
+        /// Most texels a side.
+        most: u32,
+    },
     /// The GPU was lost, or an operation failed.
     #[error("{0}")]
     Failed(String),

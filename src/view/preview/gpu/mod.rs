@@ -2,6 +2,7 @@
 
 mod device;
 mod failure;
+mod picture;
 mod session;
 mod table;
 mod target;

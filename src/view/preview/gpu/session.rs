@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{GpuFailure, RenderTask, Variant, device::Device, table, target::RenderTarget};
-use crate::preview::{ShaderTable, estimator::Stop};
+use super::{GpuFailure, RenderTask, Variant, device::Device, picture, table, target::RenderTarget};
+use crate::preview::{ShaderTable, estimator::Stop, light_picture::LightPicture};
 
 /// A GPU that its first picture opens, and the next picture opens again after it was lost.
 #[derive(Debug, Default)]
@@ -18,8 +18,9 @@ pub(in crate::preview) struct Gpu {
 #[derive(Debug)]
 struct Open {
     device: Device,
-    /// The last table, and the last frame's buffers: most pictures have the same.
+    /// The last table and picture, and the last frame's buffers: most pictures have the same.
     table: Option<(Arc<ShaderTable>, wgpu::BindGroup)>,
+    picture: Option<(Option<Arc<LightPicture>>, wgpu::BindGroup)>,
     target: Option<RenderTarget>,
 }
 
@@ -71,22 +72,28 @@ impl Gpu {
         task: &RenderTask<'_>,
         stop: Stop<'_>,
     ) -> Result<Vec<u32>, GpuFailure> {
-        let Open { device, table: kept_table, target: kept_target } = self.device()?;
+        let Open { device, table: kept_table, picture: kept_picture, target: kept_target } = self.device()?;
         let bound = match kept_table.take() {
             Some((last, bound)) if Arc::ptr_eq(&last, table) => bound,
             _ => table::upload(device, table)?,
         };
         *kept_table = Some((Arc::clone(table), bound.clone()));
+        let wanted = &task.frame.picture;
+        let picture = match kept_picture.take() {
+            Some((last, bound)) if last == *wanted => bound,
+            _ => picture::upload(device, wanted.as_deref())?,
+        };
+        *kept_picture = Some((wanted.clone(), picture.clone()));
         let target = match kept_target.take() {
             Some(last) if last.fits(task.frame, task.as_bytes) => last,
             _ => RenderTarget::new(device, task.frame, task.as_bytes),
         };
-        kept_target.insert(target).render(device, &bound, task, stop)
+        kept_target.insert(target).render(device, [&bound, &picture], task, stop)
     }
 
     fn device(&mut self) -> Result<&mut Open, GpuFailure> {
         if self.open.is_none() {
-            self.open = Some(Open { device: Device::open(self.variant)?, table: None, target: None });
+            self.open = Some(Open { device: Device::open(self.variant)?, table: None, picture: None, target: None });
         }
         self.open.as_mut().ok_or_else(|| GpuFailure::Absent("not open".to_owned()))
     }

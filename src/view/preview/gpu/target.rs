@@ -65,7 +65,7 @@ impl RenderTarget {
     pub(super) fn render(
         &self,
         gpu: &mut Device,
-        table: &wgpu::BindGroup,
+        [table, picture]: [&wgpu::BindGroup; 2],
         task: &RenderTask<'_>,
         stop: Stop<'_>,
     ) -> Result<Vec<u32>, GpuFailure> {
@@ -90,6 +90,7 @@ impl RenderTarget {
                 pass.set_pipeline(&pipeline);
                 pass.set_bind_group(0, table, &[]);
                 pass.set_bind_group(1, &self.group, &[]);
+                pass.set_bind_group(2, picture, &[]);
                 pass.dispatch_workgroups(part.tiles, 1, 1);
             }
             wait(gpu, gpu.queue.submit([encoder.finish()]))?;

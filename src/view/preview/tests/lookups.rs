@@ -72,7 +72,7 @@ fn fitted(layout: Layout, precision: Precision, isotropic: bool) -> Table {
 }
 
 /// The same with lobes by field `fresnel`.
-fn fitted_to(fresnel: &str, layout: Layout, precision: Precision, isotropic: bool) -> Table {
+pub(super) fn fitted_to(fresnel: &str, layout: Layout, precision: Precision, isotropic: bool) -> Table {
     let (ratio, phi) = if isotropic { (1, 1) } else { (5, 4) };
     let range = if isotropic { r#", "range": {"ratio": [1, 1], "phi": [0, 0]}"# } else { "" };
     let document = format!(

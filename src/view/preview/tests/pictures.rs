@@ -76,7 +76,7 @@ fn a_picture_can_be_stopped_and_a_bad_scene_is_refused() {
         let scene = Scene::default();
         assert_eq!(preview.render(&table, &scene, &|| true), Err(PreviewError::Stopped));
         let bad = Scene { size: 4096, ..scene };
-        let Err(PreviewError::Scene(faults)) = preview.render(&table, &bad, GO_ON) else { panic!("taken") };
+        let Err(PreviewError::Scene(faults, _)) = preview.render(&table, &bad, GO_ON) else { panic!("taken") };
         assert_eq!(faults.len(), 1);
     }
 }

@@ -1,11 +1,14 @@
 //! The GPU and the CPU against each other.
 
-use super::*;
+use super::{lookups::fitted_to, *};
 use crate::{
     picture::Picture,
-    preview::{Camera, Choices, Light, LightKind, Material, Mode, NamedScene, Rendered, Scene, Variant, Weights},
+    preview::{
+        Camera, Choices, Light, LightKind, Material, Mode, NamedScene, Rendered, Scene, ScenePicture, Variant, Weights,
+    },
 };
-use ltcforge_light::{LightModel, NormalsRule};
+use ltcforge_fit::{Layout, Precision};
+use ltcforge_light::{LightModel, NormalsRule, textured::Readings};
 
 pub(super) const GO_ON: &dyn Fn() -> bool = &|| false;
 
@@ -73,7 +76,10 @@ fn gpu_and_cpu_agree_from_everywhere() {
     let [gpu, cpu] = renderers.as_mut_slice() else { return };
     let table = shader_table(TexelFormat::F32);
     let by_normals = |scene: &Scene| Scene { mode: Mode::Ltc, model: LightModel::Normals, ..scene.clone() };
-    let by_gaussian = |scene: &Scene| Scene { mode: Mode::Ltc, model: LightModel::Asg, ..scene.clone() };
+    let by_gaussian = |scene: &Scene| {
+        let picture = ScenePicture::None;
+        Scene { mode: Mode::Ltc, model: LightModel::Asg, picture, ..scene.clone() }
+    };
     let shown = |scene: &Scene| {
         let [ltc, reference] = [Mode::Ltc, Mode::Reference].map(|mode| Scene { mode, ..scene.clone() });
         [ltc, reference, by_normals(scene), by_gaussian(scene)]
@@ -144,6 +150,51 @@ fn gpu_and_cpu_agree_on_every_shape() {
             }
         }
     }
+}
+
+/// A picture on the light, above, below and behind the surface and from its dark side, by each model, rule and number of readings.
+#[test]
+fn gpu_and_cpu_agree_on_pictures() {
+    let mut renderers = renderers();
+    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let two_lobes =
+        ["two_lobes", "blended_lobes"].map(|fresnel| fitted_to(fresnel, Layout::Reflected, Precision::F32, false));
+    let tables = [vec![reflected()], two_lobes.into()].concat();
+    let tables: Vec<_> = tables.iter().map(|table| Arc::new(ShaderTable::new(table, TexelFormat::F32))).collect();
+    let screen = NamedScene::Screen.scene();
+    let horizon = NamedScene::Horizon.scene();
+    let places = [
+        screen.clone(),
+        Scene { light: Light { two_sided: true, rotation: [2.0, 0.3, 0.2], ..screen.light }, ..screen.clone() },
+        Scene { picture: ScenePicture::Window, ..horizon.clone() },
+        Scene { picture: ScenePicture::Television, light: Light { two_sided: false, ..horizon.light }, ..horizon },
+    ];
+    let mut seen = 0;
+    for scene in places.map(|scene| Scene { size: 96, spp: 16, ..scene }) {
+        let by_readings =
+            Readings::ALL.iter().map(|readings| Scene { readings: *readings, mode: Mode::Ltc, ..scene.clone() });
+        let by_rule = NormalsRule::SHADED.map(|rule| Scene {
+            rule,
+            model: LightModel::Normals,
+            mode: Mode::Ltc,
+            ..scene.clone()
+        });
+        let others = [
+            Scene { cut: true, mode: Mode::Ltc, ..scene.clone() },
+            Scene { compensate: true, mode: Mode::Models, ..scene.clone() },
+            Scene { mode: Mode::Reference, ..scene.clone() },
+        ];
+        for scene in by_readings.chain(by_rule).chain(others) {
+            for table in &tables {
+                let (a, b) = (render(gpu, table, &scene), render(cpu, table, &scene));
+                let what = format!("{:?} {} {} {}", scene.picture, scene.mode.name(), scene.model, scene.readings);
+                assert_twins(&a.picture, &b.picture, &what);
+                let even = render(cpu, table, &Scene { picture: ScenePicture::None, ..scene.clone() });
+                seen += usize::from(apart(&even.picture, &b.picture).1 > 0.05);
+            }
+        }
+    }
+    assert!(seen > 70, "{seen} pictures show one");
 }
 
 /// By every model, in the reference too, and brighter than without.
@@ -238,7 +289,7 @@ fn gpu_and_cpu_agree_by_gaussians() {
     let named: Vec<Scene> = NamedScene::ALL.iter().map(|named| Scene { size: 96, ..named.scene() }).collect();
     for scene in extremes.iter().chain(&named) {
         for model in [LightModel::Sg, LightModel::Asg] {
-            let scene = Scene { model, ..scene.clone() };
+            let scene = Scene { model, picture: ScenePicture::None, ..scene.clone() };
             let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
             assert_twins(&a.picture, &b.picture, &format!("{model} {:?} {:?}", scene.materials, scene.camera));
         }

@@ -1,0 +1,58 @@
+// The preview's lobes over the sphere of directions. Needs sphere.wgsl and what that needs.
+
+/// A direction of the sphere that the lobes are drawn on, seen from far away; w: 0 beside it. Its outer pixels are
+/// not smoothed: what is written is a density.
+fn direction_of(place: vec3<f32>) -> vec4<f32> {
+    let flat = place.xy * 1.05;
+    let height2 = 1.0 - dot(flat, flat);
+    let towards = sqrt(max(height2, 0.0));
+    let wi = scene.right.xyz * flat.x + scene.up.xyz * flat.y - scene.forward.xyz * towards;
+    return vec4(wi, select(0.0, 1.0, height2 > 0.0));
+}
+
+/// What is written beside the sphere of directions, and where nothing is below its horizon.
+const BESIDE: f32 = -1.0;
+const BELOW: f32 = -0.5;
+
+/// Density of the table's lobe over directions, per steradian.
+@compute @workgroup_size(8, 8)
+fn lobe_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
+        return;
+    }
+    let wi = direction_of(place_of(pixel));
+    var density = BESIDE;
+    if (wi.w > 0.0) {
+        let lobe = ltc_lookup(scene.materials[0].x, scene.materials[0].y, scene.lobe_wo.xyz);
+        // c^3 z |det M^-1| / (pi |M^-1 wi|^4) with the inverse up to a factor f: f^4 falls out but for det's f^3.
+        let inverse = ltc_inverse(lobe.m);
+        let c = inverse.m * wi.xyz;
+        let length2 = dot(c, c);
+        density = max(c.z, 0.0) * abs(determinant(inverse.m)) / (3.14159265 * max(length2 * length2, 1e-36)) * lobe.amplitude;
+        density = select(density, BELOW, wi.z < 0.0 && density <= 0.0);
+    }
+    write(pixel, vec3(density));
+}
+
+/// The same of GGX times the cosine.
+@compute @workgroup_size(8, 8)
+fn lobe_by_reference(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
+        return;
+    }
+    let wi = direction_of(place_of(pixel));
+    var density = BESIDE;
+    if (wi.w > 0.0) {
+        density = select(0.0, BELOW, wi.z < 0.0);
+        if (wi.z > GGX_HORIZON) {
+            let alpha = max(scene.materials[0].xy, vec2(LTC_LEAST_ALPHA));
+            let wo = scene.lobe_wo.xyz;
+            let wm = normalize(wo + wi.xyz);
+            let g2 = 1.0 / (1.0 + ggx_lambda(alpha, wo) + ggx_lambda(alpha, wi.xyz));
+            density = ggx_distribution(alpha, wm) * g2 / (4.0 * wo.z);
+        }
+    }
+    write(pixel, vec3(density));
+}
