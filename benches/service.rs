@@ -218,6 +218,6 @@ fn main() {
     compare(&format!("a download of {bytes} bytes"), "ms", taken);
 
     drop((client, stop));
-    runtime.block_on(serving).expect("the end of the service");
+    runtime.block_on(serving).expect("the end of the service").expect("it was served");
     service.stop();
 }
