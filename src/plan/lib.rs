@@ -4,7 +4,9 @@
 
 mod candidates;
 mod document;
+mod effort;
 mod histogram;
+mod lobes;
 mod needs;
 mod outside;
 mod picture;
@@ -20,10 +22,10 @@ mod without;
 pub use candidates::{Budget, Candidate};
 pub use document::{document, left_out, recipe_value, words};
 pub use histogram::{Spot, Views};
-pub use needs::Needs;
+pub use needs::{Needs, Place};
 pub use outside::{Outside, OutsideAxis, of_other_models, outside};
 pub use picture::picture;
-pub use plan::{Form, Measured, TablePlan, Whole};
+pub use plan::{Fitted, Form, Measured, TablePlan, Whole};
 pub use prediction::Stopped;
 pub use scene::{LobeKind, Scene, SceneError, SceneFault, SceneLobe, SceneMaterial};
-pub use without::{Beside, WithoutTable};
+pub use without::{Beside, GpuLimit, WithoutTable};

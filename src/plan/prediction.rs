@@ -8,13 +8,16 @@
 use std::ops::ControlFlow;
 
 use crate::{
-    needs::Needs,
+    effort::added_error,
+    lobes::{Lobes, lobes},
+    needs::{Needs, Place},
     placement::{Placed, by_weight, of_values},
+    plan::Form,
     resampled::resampled,
 };
 use ltcforge_fit::{
-    Configuration, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeModel, PerAxis, Plan, Precision, Recipe,
-    StoredTerms, Table, expectation, figures_of, fit_plan,
+    BrdfKind, BrdfModel, Configuration, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeFresnel, LobeModel,
+    LookedUp, PerAxis, Plan, Precision, Recipe, Table, WeightedF0, figures_of, fit_plan,
 };
 
 /// Configurations at which a plan is measured, predicted and fitted alike.
@@ -34,6 +37,10 @@ pub(crate) struct Prediction {
     base: Recipe,
     /// The error of the coarse table.
     of_base: f64,
+    /// The lobes that a table may have, by their errors; those of the coarse one first.
+    lobes: Vec<Lobes>,
+    /// By what the predictions were corrected.
+    factor: f64,
     /// For each axis squared steps, see `ltcforge_fit::Layout::steps`, and the error that each adds to the coarse table's.
     added: [Vec<[f64; 2]>; 4],
     /// Nodes of alpha, and of ratio, that are not evenly spaced.
@@ -79,7 +86,7 @@ impl Prediction {
     pub(crate) fn new(
         needs: &Needs<'_>,
         layout: Layout,
-        any_nodes: bool,
+        form: Form,
         fit: FitSettings,
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, Stopped> {
@@ -97,21 +104,25 @@ impl Prediction {
             Some(range) => (range, layout.default_resolution()),
             None => (needed, coarse),
         };
+        let places = needs.draw(POINTS);
+        let (any_nodes, terms) = (form.any_nodes, form.terms());
+        // Engines have no place for a second lobe, and terms tell how much of each there is.
+        let may_be_two = layout.only_ranges().is_none() && terms.any();
+        let lobes = lobes(needs, may_be_two, &places[..POINTS_OF_AXIS], fit, go_on)?;
         let base = Recipe {
             fitter: FITTER_VERSION,
-            brdf: needs.brdf().clone(),
+            brdf: BrdfModel::from(needs.brdf()).with_fresnel(lobes[0].fresnel.clone()),
             lobe: LobeModel::Ltc,
             layout,
             resolution,
             range,
             fit,
-            terms: StoredTerms::Schlick,
+            terms,
             precision: Precision::F32,
             given: GivenNodes::default(),
         };
         let progress = |_| if go_on() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
         let table = fit_plan(&Plan::new(&base), &progress).ok_or(Stopped)?;
-        let places = needs.draw(POINTS);
         let of_base = error(&table, &places);
         let of_some = error(&table, &places[..POINTS_OF_AXIS]);
         let is_free = layout.only_ranges().is_none();
@@ -149,7 +160,7 @@ impl Prediction {
         // Tables of materials have two thetas at least.
         let has_thetas = range.theta[0] < range.theta[1];
         let materials = if layout == Layout::Reflected && has_thetas { needs.pairs() } else { Vec::new() };
-        Ok(Self { base, of_base, added, given, materials })
+        Ok(Self { base, of_base, lobes, factor: 1.0, added, given, materials })
     }
 
     /// The recipe of the coarse table, from which others differ by their resolution, effort and precision.
@@ -162,13 +173,20 @@ impl Prediction {
     /// there.
     #[must_use]
     pub(crate) fn error(&self, nodes: Nodes, recipe: &Recipe) -> f64 {
-        self.of_base + self.of_nodes(nodes) + effort(recipe) - effort(&self.base)
+        let of_lobes = self.of_lobes(recipe.brdf.fresnel());
+        self.of_base + of_lobes + self.of_nodes(nodes) + added_error(recipe) - added_error(&self.base)
     }
 
-    /// The error that even the finest table has.
+    /// The error that lobes add to those of the coarse table.
+    fn of_lobes(&self, fresnel: &LobeFresnel) -> f64 {
+        let of = self.lobes.iter().find(|lobes| lobes.fresnel == *fresnel);
+        of.map_or(0.0, |of| self.factor * (of.error - self.lobes[0].error))
+    }
+
+    /// The error that even the finest table of some lobes has.
     #[must_use]
-    pub(crate) fn limit(&self) -> f64 {
-        self.of_base + self.interpolation([0.0; 4]) - effort(&self.base)
+    pub(crate) fn limit(&self, fresnel: &LobeFresnel) -> f64 {
+        self.of_base + self.of_lobes(fresnel) + self.interpolation([0.0; 4]) - added_error(&self.base)
     }
 
     /// The same with all errors multiplied, after a table was measured.
@@ -178,7 +196,13 @@ impl Prediction {
             self.added.clone().map(|axis| axis.into_iter().map(|[step, error]| [step, factor * error]).collect());
         let scaled = |placed: Placed| Placed { added: placed.added.map(|error| factor * error), ..placed };
         let given = self.given.clone().map(|placed| placed.into_iter().map(scaled).collect());
-        Self { of_base: factor * self.of_base, added, given, ..self.clone() }
+        Self { of_base: factor * self.of_base, factor: factor * self.factor, added, given, ..self.clone() }
+    }
+
+    /// The lobes that a table may have, by their errors.
+    #[must_use]
+    pub(crate) fn lobes(&self) -> &[Lobes] {
+        &self.lobes
     }
 
     /// The error that nodes add to that of the coarse table.
@@ -248,16 +272,28 @@ fn squared_of(steps: PerAxis<f64>) -> [f64; 4] {
     steps.named().map(|(_, step)| step * step)
 }
 
-/// The error that a bound of effort adds, by the expectation: over that of a fit without one.
-fn effort(recipe: &Recipe) -> f64 {
-    let endless = FitSettings { samples: u32::MAX, directions: u32::MAX, ..recipe.fit };
-    expectation(recipe).error - expectation(&Recipe { fit: endless, ..recipe.clone() }).error
+/// Mean error of a table at some places, as a part of the width of the lobe of the material that is there.
+#[must_use]
+pub(crate) fn error(table: &Table, places: &[Place]) -> f64 {
+    let found: Vec<_> = places.iter().map(|place| (*place, table.lookup(&place.at))).collect();
+    error_of(table.brdf(), table.lobe(), &found)
 }
 
-/// Mean error of a table at some configurations, as a part of the lobe's width.
+/// The same of numbers that are found at each place, whether they come from a table or not. Domain: one place at least.
 #[must_use]
-pub(crate) fn error(table: &Table, places: &[Configuration]) -> f64 {
-    let found: Vec<_> = places.iter().map(|place| (*place, table.lookup(place))).collect();
-    let figures = figures_of(table.model(), table.lobe(), &found);
-    figures.iter().map(|figures| figures.width).sum::<f64>() / figures.len() as f64
+pub(crate) fn error_of(brdf: BrdfKind, lobe: LobeModel, found: &[(Place, LookedUp)]) -> f64 {
+    let mut of_f0: Vec<(f64, Vec<(Configuration, LookedUp)>)> = Vec::new();
+    for (Place { at, f0 }, found) in found {
+        let found = (*at, found.blended_for(*f0));
+        match of_f0.iter_mut().find(|(known, _)| known == f0) {
+            Some((_, of)) => of.push(found),
+            None => of_f0.push((*f0, vec![found])),
+        }
+    }
+    let sum = |(f0, found): &(f64, Vec<_>)| {
+        let material = LobeFresnel::mix(vec![WeightedF0 { f0: *f0, weight: 1.0 }]).unwrap_or_default();
+        let model = BrdfModel::from(brdf).with_fresnel(material);
+        figures_of(&model, lobe, found).iter().map(|figures| figures.width).sum::<f64>()
+    };
+    of_f0.iter().map(sum).sum::<f64>() / found.len() as f64
 }

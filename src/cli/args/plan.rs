@@ -31,6 +31,15 @@ pub struct PlanArgs {
     /// Let nodes stand on the scene's own roughnesses or be placed by its weights: a shader for them is `shader --nodes TABLE`
     #[arg(long, conflicts_with = "engine")]
     pub any_nodes: bool,
+    /// Plan tables without terms, for a renderer that knows from elsewhere how much light a lobe holds
+    #[arg(long, conflicts_with = "engine")]
+    pub no_terms: bool,
+    /// Take only tables whose shader has at most as many vector registers, and name the rule of model `normals` that does
+    #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..))]
+    pub registers: Option<u32>,
+    /// The same for instructions
+    #[arg(long, value_name = "I", value_parser = clap::value_parser!(u32).range(1..))]
+    pub instructions: Option<u32>,
     /// Folder that the recipe, `plan.json` and `plan.svg` go to
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub out: PathBuf,
