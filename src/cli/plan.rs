@@ -10,7 +10,7 @@ use super::{
 };
 use ltcforge_files::{
     bounded::read_file,
-    container,
+    compact, container,
     digest::Digest,
     manifest::{manifest_of, table_report},
     recipe_document::canonical_json,
@@ -21,7 +21,7 @@ use ltcforge_plan::{
     Budget, Form, GpuLimit, Needs, Scene, SceneError, TablePlan, document, left_out, of_other_models, outside, picture,
     words,
 };
-use ltcforge_textures::{Engine, Export, TextureLayout};
+use ltcforge_textures::{CompactContainer, Engine, Export, TextureLayout};
 
 /// The longest list of materials.
 const LIST_LIMIT_BYTES: u64 = 1 << 20;
@@ -37,7 +37,7 @@ pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Res
     check_output_folder(&args.out)?;
     let layout = args.engine.and_then(engine_layout);
     let gpu = GpuLimit { registers: args.registers, instructions: args.instructions };
-    let form = Form { layout, any_nodes: args.any_nodes, no_terms: args.no_terms, gpu };
+    let form = Form { layout, any_nodes: args.any_nodes, no_terms: args.no_terms, ship: args.ship, gpu };
     let pool = args.threads.pool()?;
     let mut plans = Vec::new();
     for (sheen, name) in [(false, "recipe"), (true, "recipe-sheen")] {
@@ -156,9 +156,12 @@ fn write_table(
     replace_pair((&table_path, &file), (&manifest_path, manifest.as_bytes()))
         .map_err(|error| file_failure(&error.path, &error.source))?;
     files.extend([&table_path, &manifest_path].map(|path| shown(path)));
-    if let Some(engine) = args.engine {
+    // Tables of sheen have no compact form.
+    let shipped = args.ship && compact::check_lobes(table).is_ok();
+    let compact = shipped.then_some(Export::Compact(CompactContainer::Bytes));
+    if let Some(export) = args.engine.map(Export::Engine).or(compact) {
         let error = export::measured(table, Some(recipe));
-        for file in export::bundle(Export::Engine(engine), table, digest, Some(recipe), error)?.files {
+        for file in export::bundle(export, table, digest, Some(recipe), error)?.files {
             let path = args.out.join(&file.path);
             replace_file(&path, &file.bytes).map_err(|error| file_failure(&path, &error))?;
             files.push(shown(&path));

@@ -38,6 +38,8 @@ pub struct Candidate {
     pub error: f64,
     /// Bytes of matrices and terms.
     pub bytes: u64,
+    /// Predicted bytes of the compact form, where that is to ship.
+    pub shipped: Option<u64>,
     /// Predicted seconds of one thread.
     pub seconds: f64,
 }
@@ -49,7 +51,14 @@ impl Candidate {
         let brdf = recipe.brdf.clone().with_fresnel(fresnel.clone());
         let recipe = Recipe { brdf, fit, precision: Precision::F16, ..recipe };
         let (error, bytes, seconds) = (prediction.error(nodes, &recipe), recipe.bytes(), fit_seconds(&recipe));
-        Self { recipe, error, bytes, seconds }
+        let shipped = prediction.shipped(&recipe);
+        Self { recipe, error, bytes, shipped, seconds }
+    }
+
+    /// The bytes that a budget is of: those to ship, or those on a GPU.
+    #[must_use]
+    pub fn spent(&self) -> u64 {
+        self.shipped.unwrap_or(self.bytes)
     }
 
     /// What it has in common with those that are compared with it by their nodes alone.
@@ -124,7 +133,7 @@ fn choices(prediction: &Prediction) -> Vec<Nodes> {
 type Price = fn(&Candidate) -> f64;
 
 const ERROR: Price = |candidate| candidate.error;
-const BYTES: Price = |candidate| candidate.bytes as f64;
+const BYTES: Price = |candidate| candidate.spent() as f64;
 const SECONDS: Price = |candidate| candidate.seconds;
 
 /// The candidate that a budget chooses; the error is the nearest one, where no candidate is within the budget. Domain:
@@ -167,7 +176,7 @@ mod tests {
 
     fn candidate(error: f64, bytes: u64, seconds: f64) -> Candidate {
         let recipe = parse(b"{}", DEFAULT_ENTRY_LIMIT).expect("a recipe");
-        Candidate { recipe, error, bytes, seconds }
+        Candidate { recipe, error, bytes, shipped: None, seconds }
     }
 
     #[test]

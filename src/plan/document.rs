@@ -71,6 +71,9 @@ struct Row {
     precision: &'static str,
     predicted_error: f64,
     bytes: u64,
+    /// Of the compact form, where that is to ship.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    predicted_shipped_bytes: Option<u64>,
     predicted_seconds: f64,
     /// What was measured, of those that were fitted.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -90,9 +93,15 @@ fn row(candidate: &Candidate, plan: &TablePlan<'_>) -> Row {
         precision: recipe.precision().name(),
         predicted_error: candidate.error,
         bytes: candidate.bytes,
+        predicted_shipped_bytes: candidate.shipped,
         predicted_seconds: candidate.seconds,
-        measured: fitted
-            .map(|fitted| json!({ "error": fitted.error, "bytes": fitted.bytes, "seconds": fitted.seconds })),
+        measured: fitted.map(|of| {
+            let mut value = json!({ "error": of.error, "bytes": of.bytes, "seconds": of.seconds });
+            if let Some(bytes) = of.shipped {
+                value["shipped_bytes"] = json!(bytes);
+            }
+            value
+        }),
         chosen: *recipe == plan.chosen.recipe,
     }
 }
@@ -191,8 +200,13 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     let is_sheen = plan.needs.lobes().iter().any(|(_, lobe)| lobe.kind == LobeKind::Sheen);
     let of = if is_sheen { "sheen: " } else { "" };
     let measured = measured.map_or_else(String::new, |measured| format!("; measured {:.4}", measured.error));
+    let shipped = chosen.shipped.map_or_else(String::new, |bytes| {
+        let encoded = plan.fitted.last().and_then(|fitted| fitted.shipped);
+        let told = encoded.map_or_else(|| format!("about {}", bytes_in_words(bytes)), bytes_in_words);
+        format!(", {told} to ship in its compact form,")
+    });
     let line = format!(
-        "{of}{nodes} nodes, {} as {}, {}, {:.1} s on one core: expected error {:.4}, of which {limit:.4} is the lobe model's own{measured}",
+        "{of}{nodes} nodes, {}{shipped} as {}, {}, {:.1} s on one core: expected error {:.4}, of which {limit:.4} is the lobe model's own{measured}",
         bytes_in_words(chosen.bytes),
         chosen.recipe.precision(),
         effort_in_words(&chosen.recipe.fit),
@@ -206,6 +220,9 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     lines.push(format!("{of}the table of the whole domain has {}{of_whole}", bytes_in_words(whole.bytes)));
     lines.extend(plan.beside.words());
     let layout = chosen.recipe.layout();
+    if plan.ships() && chosen.shipped.is_none() {
+        lines.push(format!("{of}it has no compact form: bytes are those on a GPU"));
+    }
     if !chosen.recipe.terms().any() {
         lines.push("it has no terms: how much light a lobe holds comes from elsewhere".to_owned());
     }
@@ -246,7 +263,10 @@ fn unmet(plan: &TablePlan<'_>) -> String {
             Some(measured) => format!("an error of {most} is not reached: the nearest table has {:.4}", measured.error),
             None => format!("an error of {most} cannot be had: the least that is expected is {:.4}", chosen.error),
         },
-        Budget::Bytes(most) => format!("{most} bytes are too few: the smallest table has {}", chosen.bytes),
+        Budget::Bytes(most) => {
+            let encoded = plan.fitted.last().and_then(|fitted| fitted.shipped);
+            format!("{most} bytes are too few: the smallest table has {}", encoded.unwrap_or(chosen.spent()))
+        }
         Budget::Seconds(most) => format!("{most} s are too few: the fastest fit takes {:.3} s", chosen.seconds),
         Budget::Knee => "no table serves it".to_owned(),
     }

@@ -9,8 +9,8 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 
 use crate::{
+    held::{Stopped, error_of},
     needs::{Needs, Place},
-    prediction::{Stopped, error_of},
 };
 use ltcforge_fit::{
     BrdfModel, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeFresnel, LobeModel, LookedUp, PerAxis, Plan,

@@ -4,8 +4,11 @@ use serde::Serialize;
 
 use crate::{
     candidates::{Budget, Candidate, candidates, choose},
+    form::Form,
+    held::{POINTS, Stopped, error},
     needs::Needs,
-    prediction::{Nodes, POINTS, Prediction, Stopped, error},
+    prediction::{Nodes, Prediction},
+    shipped::shipped,
     without::{Beside, GpuLimit, text_cost},
 };
 use ltcforge_files::{compact, recipe_document::Preset};
@@ -46,26 +49,6 @@ pub struct TablePlan<'a> {
     is_corrected: bool,
 }
 
-/// What a table may be.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Form {
-    /// Its layout; the scattering model's default one where there is none.
-    pub layout: Option<Layout>,
-    /// Whether nodes may stand on the scene's own values of alpha and ratio, for readers that search for nodes.
-    pub any_nodes: bool,
-    /// Whether the table has no terms, for renderers that have the energy of lobes from elsewhere.
-    pub no_terms: bool,
-    /// What the text that reads the table may cost a GPU.
-    pub gpu: GpuLimit,
-}
-
-impl Form {
-    /// The terms of tables.
-    pub(crate) fn terms(self) -> StoredTerms {
-        if self.no_terms { StoredTerms::None } else { StoredTerms::Schlick }
-    }
-}
-
 /// A fitted table on the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Measured {
@@ -86,6 +69,8 @@ pub struct Fitted {
     pub error: f64,
     /// Bytes of matrices and terms.
     pub bytes: u64,
+    /// Bytes of the compact form, where that is to ship.
+    pub shipped: Option<u64>,
     /// Seconds of all threads together, where the caller took the time.
     pub seconds: Option<f64>,
 }
@@ -161,18 +146,21 @@ impl<'a> TablePlan<'a> {
     /// choice differs then, the plan is no longer [measured](TablePlan::is_measured): its new choice is to be fitted too.
     pub fn measure(&mut self, table: &Table, whole: Option<&Table>, seconds: Option<f64>) {
         let places = self.needs.draw(POINTS);
-        let measured = error(table, &places);
+        // What is shipped is measured as it decodes.
+        let (decoded, shipped) = self.chosen.shipped.and_then(|_| shipped(table)).unzip();
+        let measured = error(decoded.as_ref().unwrap_or(table), &places);
         if let Some(whole) = whole {
             self.whole.error = Some(error(whole, &places));
         }
         let factor = measured / self.chosen.error;
         let first_off = *self.first_off.get_or_insert(factor);
         let bytes = bytes_of(table, self.chosen.recipe.precision);
-        self.fitted.push(Fitted { candidate: self.chosen.clone(), error: measured, bytes, seconds });
+        self.fitted.push(Fitted { candidate: self.chosen.clone(), error: measured, bytes, shipped, seconds });
+        let spent = if self.chosen.shipped.is_some() { shipped.unwrap_or(u64::MAX) } else { bytes };
         self.measured = Some(Measured { error: measured, off_by: factor, first_off_by: first_off });
         let is_met = match self.budget {
             Budget::Error(most) => measured <= most,
-            Budget::Bytes(most) => bytes <= most,
+            Budget::Bytes(most) => spent <= most,
             // Other machines take other times: seconds are held to the prediction.
             Budget::Seconds(_) | Budget::Knee => self.is_met,
         };
@@ -181,7 +169,8 @@ impl<'a> TablePlan<'a> {
         if !std::mem::replace(&mut self.is_corrected, true) {
             let before = self.chosen.recipe.clone();
             if (factor - 1.0).abs() > MOST_OFF || misses {
-                let corrected = self.prediction.corrected(factor);
+                let of_bytes = shipped.zip(self.chosen.shipped).map_or(1.0, |(is, was)| is as f64 / was as f64);
+                let corrected = self.prediction.corrected(factor, of_bytes);
                 let again = Self::chosen_by(self.needs.clone(), self.budget, self.form, corrected, self.whole.clone());
                 let is_met = if again.chosen.recipe == before { self.is_met } else { again.is_met };
                 let (measured, fitted) = (self.measured, std::mem::take(&mut self.fitted));
@@ -189,7 +178,7 @@ impl<'a> TablePlan<'a> {
                 *self = Self { is_met, measured, fitted, first_off, is_corrected: true, ..again };
             } else if self.whole.error.is_some_and(|whole| whole < measured) {
                 let nodes = self.of_default_nodes();
-                if matches!(self.budget, Budget::Bytes(most) if nodes.bytes <= most) {
+                if matches!(self.budget, Budget::Bytes(most) if nodes.spent() <= most) {
                     self.chosen = nodes;
                 }
             }
@@ -227,6 +216,12 @@ impl<'a> TablePlan<'a> {
     pub fn lobes(&self) -> impl Iterator<Item = (&LobeFresnel, f64)> {
         let all = self.prediction.lobes();
         all.iter().filter(|_| all.len() > 1).map(|lobes| (&lobes.fresnel, lobes.error))
+    }
+
+    /// Whether a compact form was asked for.
+    #[must_use]
+    pub fn ships(&self) -> bool {
+        self.form.ship
     }
 
     /// The limits of what a GPU may spend.

@@ -9,19 +9,19 @@ use std::ops::ControlFlow;
 
 use crate::{
     effort::added_error,
+    form::Form,
+    held::{POINTS, Stopped, error},
     lobes::{Lobes, lobes},
-    needs::{Needs, Place},
+    needs::Needs,
     placement::{Placed, by_weight, of_values},
-    plan::Form,
     resampled::resampled,
+    shipped::{ShippedBytes, has_form},
 };
 use ltcforge_fit::{
-    BrdfKind, BrdfModel, Configuration, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeFresnel, LobeModel,
-    LookedUp, PerAxis, Plan, Precision, Recipe, Table, WeightedF0, figures_of, fit_plan,
+    BrdfModel, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeFresnel, LobeModel, PerAxis, Plan, Precision,
+    Recipe, fit_plan,
 };
 
-/// Configurations at which a plan is measured, predicted and fitted alike.
-pub(crate) const POINTS: usize = 256;
 /// Those at which an axis's constant is found.
 const POINTS_OF_AXIS: usize = 64;
 
@@ -39,6 +39,8 @@ pub(crate) struct Prediction {
     of_base: f64,
     /// The lobes that a table may have, by their errors; those of the coarse one first.
     lobes: Vec<Lobes>,
+    /// The bytes of compact forms, where these are what is planned for.
+    shipped: Option<ShippedBytes>,
     /// By what the predictions were corrected.
     factor: f64,
     /// For each axis squared steps, see `ltcforge_fit::Layout::steps`, and the error that each adds to the coarse table's.
@@ -72,11 +74,6 @@ impl Nodes {
     }
 }
 
-/// Why there is no prediction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("stopped")]
-pub struct Stopped;
-
 impl Prediction {
     /// Fits the coarse table and measures it. Runs on the current rayon pool, whose size changes nothing; `go_on` may
     /// stop it.
@@ -105,7 +102,9 @@ impl Prediction {
             None => (needed, coarse),
         };
         let places = needs.draw(POINTS);
-        let (any_nodes, terms) = (form.any_nodes, form.terms());
+        // Compact forms have the evenly spaced nodes of a layout.
+        let is_any_layout = !(form.ship && has_form(layout));
+        let (any_nodes, terms) = (form.any_nodes && is_any_layout, form.terms());
         // Engines have no place for a second lobe, and terms tell how much of each there is.
         let may_be_two = layout.only_ranges().is_none() && terms.any();
         let lobes = lobes(needs, may_be_two, &places[..POINTS_OF_AXIS], fit, go_on)?;
@@ -159,8 +158,10 @@ impl Prediction {
         }
         // Tables of materials have two thetas at least.
         let has_thetas = range.theta[0] < range.theta[1];
-        let materials = if layout == Layout::Reflected && has_thetas { needs.pairs() } else { Vec::new() };
-        Ok(Self { base, of_base, lobes, factor: 1.0, added, given, materials })
+        let materials =
+            if layout == Layout::Reflected && has_thetas && is_any_layout { needs.pairs() } else { Vec::new() };
+        let shipped = if form.ship { ShippedBytes::of(&table, &base) } else { None };
+        Ok(Self { base, of_base, lobes, shipped, factor: 1.0, added, given, materials })
     }
 
     /// The recipe of the coarse table, from which others differ by their resolution, effort and precision.
@@ -189,14 +190,20 @@ impl Prediction {
         self.of_base + self.of_lobes(fresnel) + self.interpolation([0.0; 4]) - added_error(&self.base)
     }
 
-    /// The same with all errors multiplied, after a table was measured.
+    /// The bytes of a recipe's compact form, where these are what is planned for.
+    pub(crate) fn shipped(&self, recipe: &Recipe) -> Option<u64> {
+        self.shipped.as_ref().map(|shipped| shipped.bytes(recipe))
+    }
+
+    /// The same with all errors multiplied, and all bytes of compact forms, after a table was measured.
     #[must_use]
-    pub(crate) fn corrected(&self, factor: f64) -> Self {
+    pub(crate) fn corrected(&self, factor: f64, of_bytes: f64) -> Self {
         let added =
             self.added.clone().map(|axis| axis.into_iter().map(|[step, error]| [step, factor * error]).collect());
         let scaled = |placed: Placed| Placed { added: placed.added.map(|error| factor * error), ..placed };
         let given = self.given.clone().map(|placed| placed.into_iter().map(scaled).collect());
-        Self { of_base: factor * self.of_base, factor: factor * self.factor, added, given, ..self.clone() }
+        let shipped = self.shipped.as_ref().map(|shipped| shipped.corrected(of_bytes));
+        Self { of_base: factor * self.of_base, factor: factor * self.factor, added, given, shipped, ..self.clone() }
     }
 
     /// The lobes that a table may have, by their errors.
@@ -270,30 +277,4 @@ fn squared_steps(recipe: &Recipe) -> [f64; 4] {
 
 fn squared_of(steps: PerAxis<f64>) -> [f64; 4] {
     steps.named().map(|(_, step)| step * step)
-}
-
-/// Mean error of a table at some places, as a part of the width of the lobe of the material that is there.
-#[must_use]
-pub(crate) fn error(table: &Table, places: &[Place]) -> f64 {
-    let found: Vec<_> = places.iter().map(|place| (*place, table.lookup(&place.at))).collect();
-    error_of(table.brdf(), table.lobe(), &found)
-}
-
-/// The same of numbers that are found at each place, whether they come from a table or not. Domain: one place at least.
-#[must_use]
-pub(crate) fn error_of(brdf: BrdfKind, lobe: LobeModel, found: &[(Place, LookedUp)]) -> f64 {
-    let mut of_f0: Vec<(f64, Vec<(Configuration, LookedUp)>)> = Vec::new();
-    for (Place { at, f0 }, found) in found {
-        let found = (*at, found.blended_for(*f0));
-        match of_f0.iter_mut().find(|(known, _)| known == f0) {
-            Some((_, of)) => of.push(found),
-            None => of_f0.push((*f0, vec![found])),
-        }
-    }
-    let sum = |(f0, found): &(f64, Vec<_>)| {
-        let material = LobeFresnel::mix(vec![WeightedF0 { f0: *f0, weight: 1.0 }]).unwrap_or_default();
-        let model = BrdfModel::from(brdf).with_fresnel(material);
-        figures_of(&model, lobe, found).iter().map(|figures| figures.width).sum::<f64>()
-    };
-    of_f0.iter().map(sum).sum::<f64>() / found.len() as f64
 }

@@ -190,7 +190,7 @@ fn the_whole_domain_s_table_is_kept() {
     assert!(encoded == plan::WHOLE, "UPDATE_GOLDEN=whole cargo test -p ltcforge-plan whole writes it");
     let places = plan.needs.draw(64);
     let kept = ltcforge_files::compact::decode(plan::WHOLE).expect("a table");
-    let [exact, kept] = [&table, &kept].map(|table| prediction::error(table, &places));
+    let [exact, kept] = [&table, &kept].map(|table| held::error(table, &places));
     assert!((kept / exact - 1.0).abs() < 0.03, "{kept} {exact}");
 }
 

@@ -162,3 +162,18 @@ fn recipes_of_sheen_are_pinned_beside_the_others() {
     run(here, ["plan", "scene.json", "--bytes", "1000", "-o", "plans"]).exited(0);
     assert!(!here.join("plans/recipe-sheen.json").exists());
 }
+
+#[test]
+fn a_table_to_ship_is_written_in_its_compact_form() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    fs::write(here.join("scene.json"), LIST.replace(", \"f0\": 0.04", "")).expect("a list");
+    let told = run(here, ["--json", "plan", "scene.json", "--ship", "--bytes", "400", "--fit", "-o", "ltc"]).exited(0);
+    let told = json_of(told.stdout.as_bytes());
+    let rows = told["plan"]["tables"][0]["candidates"].as_array().expect("rows").clone();
+    let chosen = rows.iter().find(|row| row["chosen"] == json!(true)).expect("a choice");
+    let shipped = chosen["measured"]["shipped_bytes"].as_u64().expect("bytes");
+    assert_eq!(fs::metadata(here.join("ltc/ltc.compact")).expect("a file").len(), shipped);
+    assert!(shipped <= 400 && chosen["bytes"].as_u64().is_some_and(|bytes| bytes > shipped), "{chosen}");
+    run(here, ["report", "ltc/ltc.compact"]).exited(0);
+}

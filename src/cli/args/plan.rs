@@ -34,6 +34,9 @@ pub struct PlanArgs {
     /// Plan tables without terms, for a renderer that knows from elsewhere how much light a lobe holds
     #[arg(long, conflicts_with = "engine")]
     pub no_terms: bool,
+    /// Ship the table in its compact form: `--bytes` are those of that, without its decoder, and with `--fit` it is written
+    #[arg(long, conflicts_with_all = ["engine", "any_nodes"])]
+    pub ship: bool,
     /// Take only tables whose shader has at most as many vector registers, and name the rule of model `normals` that does
     #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..))]
     pub registers: Option<u32>,
@@ -47,7 +50,7 @@ pub struct PlanArgs {
     #[arg(long)]
     pub fit: bool,
     /// Write nothing; exit with 3 and name the materials if some lie outside of the table
-    #[arg(long, requires = "table", conflicts_with_all = ["budget", "engine", "fit"])]
+    #[arg(long, requires = "table", conflicts_with_all = ["budget", "engine", "fit", "ship"])]
     pub check: bool,
     /// The folder that is searched for a digest
     #[command(flatten)]

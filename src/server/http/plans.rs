@@ -60,7 +60,7 @@ pub(super) async fn plan(
 ) -> Result<Json<PlanView>, Problem> {
     let budget = parameters.budget()?;
     let PlanParameters { any_nodes, no_terms, registers, instructions, .. } = parameters;
-    let form = Form { layout: None, any_nodes, no_terms, gpu: GpuLimit { registers, instructions } };
+    let form = Form { layout: None, any_nodes, no_terms, ship: false, gpu: GpuLimit { registers, instructions } };
     let made = move |service: &crate::service::Service| {
         let made = service.plan(bytes.into(), sent, budget, form);
         drop(room);
