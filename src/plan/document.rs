@@ -7,7 +7,7 @@ use crate::{
     candidates::{Budget, Candidate},
     effort::in_words as effort_in_words,
     needs::pair,
-    plan::TablePlan,
+    plan::{Fitted, TablePlan},
     scene::{LobeKind, Scene, SceneLobe, SceneMaterial},
 };
 use ltcforge_files::recipe_document::{canonical_json, digest};
@@ -95,15 +95,27 @@ fn row(candidate: &Candidate, plan: &TablePlan<'_>) -> Row {
         bytes: candidate.bytes,
         predicted_shipped_bytes: candidate.shipped,
         predicted_seconds: candidate.seconds,
-        measured: fitted.map(|of| {
-            let mut value = json!({ "error": of.error, "bytes": of.bytes, "seconds": of.seconds });
-            if let Some(bytes) = of.shipped {
-                value["shipped_bytes"] = json!(bytes);
-            }
-            value
-        }),
+        measured: fitted.map(fitted_value),
         chosen: *recipe == plan.chosen.recipe,
     }
+}
+
+/// What was measured of a table.
+fn fitted_value(fitted: &Fitted) -> Value {
+    let mut value = json!({ "error": fitted.error, "bytes": fitted.bytes, "seconds": fitted.seconds });
+    if let Some(bytes) = fitted.shipped {
+        value["shipped_bytes"] = json!(bytes);
+    }
+    value
+}
+
+/// What was measured of the choice's table; null where it was not fitted.
+fn measured_value(plan: &TablePlan<'_>) -> Value {
+    let Some((measured, fitted)) = plan.measured.zip(plan.fitted.last()) else { return Value::Null };
+    let mut value = fitted_value(fitted);
+    value["off_by"] = json!(measured.off_by);
+    value["first_off_by"] = json!(measured.first_off_by);
+    value
 }
 
 /// The front of error against bytes, and what was fitted beside it.
@@ -114,7 +126,7 @@ fn rows(plan: &TablePlan<'_>) -> Vec<Row> {
 }
 
 fn table(plan: &TablePlan<'_>) -> Value {
-    let TablePlan { needs, budget, is_met, chosen, limit, measured, whole, .. } = plan;
+    let TablePlan { needs, budget, is_met, chosen, limit, whole, .. } = plan;
     let serves: Vec<Value> = needs.lobes().iter().map(|(index, lobe)| served(*index, lobe, &chosen.recipe)).collect();
     let (budget, of) = match budget {
         Budget::Error(most) => (json!(most), "error"),
@@ -129,7 +141,7 @@ fn table(plan: &TablePlan<'_>) -> Value {
         "budget": { "of": of, "most": budget, "met": is_met },
         "predicted": { "error": chosen.error, "bytes": chosen.bytes, "seconds": chosen.seconds },
         "limit": limit,
-        "measured": measured,
+        "measured": measured_value(plan),
         "lobes": plan.lobes().map(|(fresnel, error)| json!({ "fresnel": fresnel, "error": error })).collect::<Vec<_>>(),
         "gpu_limit": plan.gpu(),
         "gpu_cost": plan.beside.gpu_cost,

@@ -21,6 +21,11 @@ use ltcforge_fit::{
 /// square of that. By its surface alone it counts next to nothing, and a mix by that was the best lobe of none of the scenes tried.
 const COUNTS: [f64; 2] = [16.0, 256.0];
 
+/// Weights of a mix have three digits.
+const DIGITS: f64 = 1000.0;
+/// Places at which all choices are tried.
+const TRIED: usize = 64;
+
 /// Lobes that a table may have.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lobes {
@@ -46,19 +51,26 @@ pub(crate) fn lobes(
     let [rest, metal] = parts[..] else {
         return Ok(vec![Lobes { fresnel: LobeFresnel::mix(parts).unwrap_or_default(), error: 0.0 }]);
     };
-    let mixed = |counts: f64| vec![WeightedF0 { weight: rest.weight * counts, ..rest }, metal];
+    let mixed = |counts: f64| {
+        let (of_rest, most) = (rest.weight * counts, metal.weight.max(rest.weight * counts));
+        let weight = |weight: f64| (weight / most * DIGITS).ceil() / DIGITS;
+        vec![WeightedF0 { weight: weight(of_rest), ..rest }, WeightedF0 { weight: weight(metal.weight), ..metal }]
+    };
     let single = COUNTS.map(mixed).into_iter().chain([vec![rest], vec![metal]]).filter_map(LobeFresnel::mix);
-    let measured = |fresnel: LobeFresnel| {
+    let measured_at = |places: &[Place], fresnel: LobeFresnel| {
         let of = |place: &Place| Some((*place, fitted_at(needs, &fresnel, place, fit, go_on)?));
         let found: Option<Vec<_>> = places.par_iter().map(of).collect();
         Ok(Lobes { error: error_of(needs.brdf(), LobeModel::Ltc, &found.ok_or(Stopped)?), fresnel })
     };
+    let measured = |fresnel: LobeFresnel| measured_at(&places[..places.len().min(TRIED)], fresnel);
     let mut found = single.map(measured).collect::<Result<Vec<_>, Stopped>>()?;
     found.sort_by(|a, b| a.error.total_cmp(&b.error));
     if may_be_two {
         let two = measured(LobeFresnel::Two(SecondLobe::Blended))?;
         if two.error < found[0].error {
-            found.insert(1, two);
+            // Their difference enters predictions. Errors of plastic and of metal differ so much that few places tell it badly.
+            found[0] = measured_at(places, found[0].fresnel.clone())?;
+            found.insert(1, measured_at(places, two.fresnel)?);
         }
     }
     Ok(found)

@@ -107,7 +107,7 @@ impl Prediction {
         let (any_nodes, terms) = (form.any_nodes && is_any_layout, form.terms());
         // Engines have no place for a second lobe, and terms tell how much of each there is.
         let may_be_two = layout.only_ranges().is_none() && terms.any();
-        let lobes = lobes(needs, may_be_two, &places[..POINTS_OF_AXIS], fit, go_on)?;
+        let lobes = lobes(needs, may_be_two, &places, fit, go_on)?;
         let base = Recipe {
             fitter: FITTER_VERSION,
             brdf: BrdfModel::from(needs.brdf()).with_fresnel(lobes[0].fresnel.clone()),

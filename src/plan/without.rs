@@ -173,6 +173,6 @@ mod tests {
         // A blend of two lobes takes 64 registers, one lobe 48.
         assert_eq!(planned(Some(64), None), (Some(NormalsRule::Fast), true, true));
         assert_eq!(planned(Some(63), None), (None, false, true));
-        assert_eq!(planned(None, Some(100)).2, false);
+        assert!(!planned(None, Some(100)).2);
     }
 }

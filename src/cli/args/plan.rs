@@ -10,6 +10,7 @@ use ltcforge_textures::Engine;
 /// `plan`.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("budget").args(["error", "bytes", "seconds"])))]
+#[expect(clippy::struct_excessive_bools, reason = "a flag each")]
 pub struct PlanArgs {
     /// A scene, `.glb` or `.gltf` with its files beside it, or a list of materials, `.json`
     pub scene: PathBuf,

@@ -80,7 +80,9 @@ pub(super) fn read(json: &[u8]) -> Result<Scene, SceneError> {
                 Ok(shaded) => {
                     let mut lobes = Vec::new();
                     let there = shaded.lobes(&|_| [0.0; 2], &mut lobes);
-                    lobes.iter_mut().for_each(|lobe| lobe.weight *= there);
+                    for lobe in &mut lobes {
+                        lobe.weight *= there;
+                    }
                     scene.notes.extend(shaded.missing.iter().map(|missing| format!("{}: {missing}", shaded.name)));
                     (shaded.name, lobes, shaded.uncovered)
                 }

@@ -46,7 +46,7 @@ impl Dielectric {
         self.of_maps(factor, colour)
     }
 
-    /// `min(f0 luminance(colour), 1) factor` [KHR_materials_specular].
+    /// `min(f0 luminance(colour), 1) factor`, of `KHR_materials_specular`.
     fn of_maps(&self, factor: f64, colour: [f64; 3]) -> f64 {
         let [r, g, b] = [0, 1, 2].map(|i| self.of.specular_color_factor[i] * colour[i]);
         (self.f0 * luminance([r, g, b])).min(1.0) * self.of.specular_factor * factor
