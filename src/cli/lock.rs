@@ -88,8 +88,7 @@ pub(super) fn run(
         }
     } else {
         if args.name.is_some() {
-            let index = asked_pin(args, &mut pins, path)?;
-            made = vec![pins[index].name.clone()];
+            made = asked_pins(args, &mut pins, path)?;
         }
         // Names are checked before the work, and again with the files that it makes.
         check_pins(&pins).map_err(refused)?;
@@ -178,11 +177,24 @@ fn unknown(name: &str, path: &Path) -> CommandFailure {
     CommandFailure::new(Exit::Usage, format!("{}: {}: {what}", path.display(), name.escape_debug()))
 }
 
-/// The index in `pins` of the pin that the command line names, after its changes. Its digest may still be the old one.
-fn asked_pin(args: &LockArgs, pins: &mut Vec<Pin>, lock: &Path) -> Result<usize, CommandFailure> {
-    let name = args.name.clone().unwrap_or_default();
+/// The names of the pins that the command line names, after its changes: one, or one for each recipe of a plan. Their digests
+/// may still be the old ones.
+fn asked_pins(args: &LockArgs, pins: &mut Vec<Pin>, lock: &Path) -> Result<Vec<String>, CommandFailure> {
+    let ends = args.recipes().into_iter().map(|(end, _)| end);
+    let ends = if args.recipes().is_empty() { vec![""] } else { ends.collect() };
+    let mut names = Vec::new();
+    for end in ends {
+        let index = asked_pin(args, end, pins, lock)?;
+        names.push(pins[index].name.clone());
+    }
+    Ok(names)
+}
+
+/// The index of the pin whose name ends in `end`.
+fn asked_pin(args: &LockArgs, end: &str, pins: &mut Vec<Pin>, lock: &Path) -> Result<usize, CommandFailure> {
+    let name = args.name.clone().unwrap_or_default() + end;
     let index = pins.iter().position(|pin| pin.name == name);
-    if index.is_none() && args.table.is_none() && args.recipe().is_none() {
+    if index.is_none() && args.table.is_none() && args.recipes().is_empty() {
         return Err(unknown(&name, lock));
     }
     let index = index.unwrap_or_else(|| {
@@ -192,9 +204,10 @@ fn asked_pin(args: &LockArgs, pins: &mut Vec<Pin>, lock: &Path) -> Result<usize,
     });
     let pin = &mut pins[index];
     if let Some(to) = &args.to {
-        pin.path.clone_from(to);
+        pin.path = ended(to, end);
     }
-    if let Some(out) = &args.out {
+    // Files are made of the first one: engines read tables of one scattering model.
+    if let Some(out) = args.out.as_ref().filter(|_| end.is_empty()) {
         if args.export.engine.is_none() && args.export.container.is_none() {
             return Err(CommandFailure::new(Exit::Usage, "--out is the folder of an export: add --for or --container"));
         }
@@ -204,6 +217,14 @@ fn asked_pin(args: &LockArgs, pins: &mut Vec<Pin>, lock: &Path) -> Result<usize,
         }
     }
     Ok(index)
+}
+
+/// A path whose name, before its extension, ends in `end`.
+fn ended(path: &Path, end: &str) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let name =
+        path.extension().map_or_else(|| format!("{stem}{end}"), |of| format!("{stem}{end}.{}", of.to_string_lossy()));
+    if end.is_empty() { path.to_owned() } else { path.with_file_name(name) }
 }
 
 struct Locking<'a, 'b> {
@@ -251,7 +272,10 @@ impl Locking<'_, '_> {
 
     /// The table to pin.
     fn find(&self, pin: &Pin) -> Result<Found, CommandFailure> {
-        match (&self.args.table, &self.args.recipe()) {
+        let base = self.args.name.as_deref().unwrap_or_default();
+        let mut recipes = self.args.recipes().into_iter();
+        let recipe = recipes.find(|(end, _)| pin.name.strip_prefix(base) == Some(*end)).map(|(_, path)| path);
+        match (&self.args.table, &recipe) {
             (Some(table), _) => self.named(table, pin),
             (None, Some(recipe)) => self.fitted(recipe, pin),
             (None, None) => self.pinned(pin),

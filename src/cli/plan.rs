@@ -1,42 +1,44 @@
 //! `plan`: the recipe that a scene needs, within a budget.
 
-use std::{ffi::OsStr, path::Path};
+use std::{ffi::OsStr, fs, io, path::Path};
 
 use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit, Interrupt, args::PlanArgs, export, file_failure, fit, input::AnyTable,
-    output::check_output_folder, print, progress, shown,
+    output::check_output_folder, print, progress, shown, tradeoff::processor_seconds,
 };
 use ltcforge_files::{
     bounded::read_file,
-    container,
+    compact, container,
     digest::Digest,
     manifest::{manifest_of, table_report},
     recipe_document::canonical_json,
     replace::{replace_file, replace_pair},
 };
-use ltcforge_fit::{Layout, Plan, Recipe, Table};
+use ltcforge_fit::{GoOn, Layout, Plan, Recipe, Table};
 use ltcforge_plan::{
-    Budget, Form, Needs, Scene, SceneError, TablePlan, document, left_out, of_other_models, outside, picture, words,
+    Budget, Form, GpuLimit, Needs, Scene, SceneError, TablePlan, document, left_out, of_other_models, outside, picture,
+    words,
 };
-use ltcforge_textures::{Engine, Export, TextureLayout};
+use ltcforge_textures::{CompactContainer, Engine, Export, TextureLayout};
 
 /// The longest list of materials.
 const LIST_LIMIT_BYTES: u64 = 1 << 20;
 
 /// Reads a scene, plans its tables, writes the plan, and fits the tables if that is asked for.
 pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    let scene = read(&args.scene)?;
+    let interrupt = context.interrupt.clone();
+    let go_on = || !interrupt.is_set();
+    let scene = read(&args.scene, &go_on)?;
     if let Some(table) = &args.table {
         return check(&scene, &AnyTable::named(table, &args.folder)?, json, context);
     }
     check_output_folder(&args.out)?;
     let layout = args.engine.and_then(engine_layout);
-    let form = Form { layout, any_nodes: args.any_nodes };
+    let gpu = GpuLimit { registers: args.registers, instructions: args.instructions };
+    let form = Form { layout, any_nodes: args.any_nodes, no_terms: args.no_terms, ship: args.ship, gpu };
     let pool = args.threads.pool()?;
-    let interrupt = context.interrupt.clone();
-    let go_on = || !interrupt.is_set();
     let mut plans = Vec::new();
     for (sheen, name) in [(false, "recipe"), (true, "recipe-sheen")] {
         // An engine reads tables of one scattering model.
@@ -49,6 +51,15 @@ pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Res
         let draws = context.draws_progress;
         for (_, plan) in &mut plans {
             tables.push(pool.install(|| fitted(plan, draws, &interrupt))?);
+        }
+    }
+    // A recipe of an earlier plan is of no table of this one.
+    for name in ["recipe", "recipe-sheen"].iter().filter(|name| plans.iter().all(|(of, _)| of != *name)) {
+        let path = args.out.join(format!("{name}.json"));
+        if let Err(error) = fs::remove_file(&path)
+            && error.kind() != io::ErrorKind::NotFound
+        {
+            return Err(file_failure(&path, &error));
         }
     }
     let mut files = Vec::new();
@@ -77,16 +88,19 @@ pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Res
 }
 
 /// The scene of a file.
-fn read(path: &Path) -> Result<Scene, CommandFailure> {
+fn read(path: &Path, go_on: &GoOn<'_>) -> Result<Scene, CommandFailure> {
     let is_list =
         path.extension().and_then(OsStr::to_str).is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
     let scene = if is_list {
         let bytes = read_file(path, LIST_LIMIT_BYTES).map_err(|error| file_failure(path, &error))?;
         Scene::from_list(&bytes)
     } else {
-        Scene::open(path)
+        Scene::open(path, go_on)
     };
     scene.map_err(|error| {
+        if matches!(error, SceneError::Stopped) {
+            return CommandFailure::interrupted();
+        }
         let lines: Vec<String> = error.to_string().lines().map(|line| format!("{}: {line}", path.display())).collect();
         let exit = if matches!(error, SceneError::Open { .. }) { Exit::Failed } else { Exit::Usage };
         CommandFailure::new(exit, lines.join("\n"))
@@ -112,12 +126,16 @@ fn fitted(plan: &mut TablePlan<'_>, draws_progress: bool, interrupt: &Interrupt)
         bar.finish_and_clear();
         table.ok_or_else(CommandFailure::interrupted)
     };
+    let timed = |recipe: &Recipe| {
+        let started = processor_seconds();
+        Ok::<_, CommandFailure>((fit(recipe)?, processor_seconds() - started))
+    };
     let whole = fit(&plan.whole.recipe)?;
-    let mut table = fit(&plan.chosen.recipe)?;
-    plan.measure(&table, Some(&whole));
+    let (mut table, mut seconds) = timed(&plan.chosen.recipe)?;
+    plan.measure(&table, Some(&whole), Some(seconds));
     if !plan.is_measured() {
-        table = fit(&plan.chosen.recipe)?;
-        plan.measure(&table, None);
+        (table, seconds) = timed(&plan.chosen.recipe)?;
+        plan.measure(&table, None, Some(seconds));
     }
     Ok(table)
 }
@@ -138,9 +156,12 @@ fn write_table(
     replace_pair((&table_path, &file), (&manifest_path, manifest.as_bytes()))
         .map_err(|error| file_failure(&error.path, &error.source))?;
     files.extend([&table_path, &manifest_path].map(|path| shown(path)));
-    if let Some(engine) = args.engine {
+    // Tables of sheen have no compact form.
+    let shipped = args.ship && compact::check_lobes(table).is_ok();
+    let compact = shipped.then_some(Export::Compact(CompactContainer::Bytes));
+    if let Some(export) = args.engine.map(Export::Engine).or(compact) {
         let error = export::measured(table, Some(recipe));
-        for file in export::bundle(Export::Engine(engine), table, digest, Some(recipe), error)?.files {
+        for file in export::bundle(export, table, digest, Some(recipe), error)?.files {
             let path = args.out.join(&file.path);
             replace_file(&path, &file.bytes).map_err(|error| file_failure(&path, &error))?;
             files.push(shown(&path));

@@ -132,7 +132,7 @@ fn measure(
 
 /// Processor time of all threads of this process. Other processes do not count.
 #[cfg(unix)]
-fn processor_seconds() -> f64 {
+pub(super) fn processor_seconds() -> f64 {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
@@ -140,7 +140,7 @@ fn processor_seconds() -> f64 {
 /// Wall time of each thread of the pool, where the system gives no processor time: idle threads and other
 /// processes count too.
 #[cfg(not(unix))]
-fn processor_seconds() -> f64 {
+pub(super) fn processor_seconds() -> f64 {
     static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
     START.elapsed().as_secs_f64() * rayon::current_num_threads() as f64
 }

@@ -2,9 +2,11 @@
 
 use serde::Serialize;
 
-use crate::prediction::{Nodes, Prediction};
-use ltcforge_files::recipe_document::Preset;
-use ltcforge_fit::{FitSettings, PerAxis, Precision, Recipe, fit_seconds};
+use crate::{
+    effort::efforts,
+    prediction::{Nodes, Prediction},
+};
+use ltcforge_fit::{FitSettings, LobeFresnel, PerAxis, Precision, Recipe, fit_seconds};
 
 /// Nodes that an axis of several values may have.
 const NODES: PerAxis<[u32; 2]> = PerAxis { alpha: [2, 24], ratio: [2, 12], theta: [2, 24], phi: [2, 12] };
@@ -32,27 +34,40 @@ pub enum Budget {
 pub struct Candidate {
     /// Its recipe.
     pub recipe: Recipe,
-    /// The preset of its effort.
-    pub preset: Preset,
     /// Predicted mean error on the scene, as a part of the lobe's width.
     pub error: f64,
     /// Bytes of matrices and terms.
     pub bytes: u64,
+    /// Predicted bytes of the compact form, where that is to ship.
+    pub shipped: Option<u64>,
     /// Predicted seconds of one thread.
     pub seconds: f64,
 }
 
 impl Candidate {
-    /// The table of some nodes, a number format and an effort, as it is predicted.
-    pub(crate) fn of(prediction: &Prediction, nodes: Nodes, precision: Precision, preset: Preset) -> Self {
-        let fit = FitSettings { seed: prediction.base().fit.seed, ..preset.fit() };
-        let recipe = Recipe { precision, fit, ..prediction.recipe(nodes) };
+    /// The table of some nodes, lobes and effort, as it is predicted. Its numbers are halves, which are as good as longer ones.
+    pub(crate) fn of(prediction: &Prediction, nodes: Nodes, fresnel: &LobeFresnel, fit: FitSettings) -> Self {
+        let recipe = prediction.recipe(nodes);
+        let brdf = recipe.brdf.clone().with_fresnel(fresnel.clone());
+        let recipe = Recipe { brdf, fit, precision: Precision::F16, ..recipe };
         let (error, bytes, seconds) = (prediction.error(nodes, &recipe), recipe.bytes(), fit_seconds(&recipe));
-        Self { recipe, preset, error, bytes, seconds }
+        let shipped = prediction.shipped(&recipe);
+        Self { recipe, error, bytes, shipped, seconds }
+    }
+
+    /// The bytes that a budget is of: those to ship, or those on a GPU.
+    #[must_use]
+    pub fn spent(&self) -> u64 {
+        self.shipped.unwrap_or(self.bytes)
+    }
+
+    /// What it has in common with those that are compared with it by their nodes alone.
+    pub(crate) fn kind(&self) -> (&FitSettings, &LobeFresnel) {
+        (&self.recipe.fit, self.recipe.brdf.fresnel())
     }
 }
 
-/// The nodes for which none of fewer entries have less error, each with all efforts and number formats.
+/// The nodes for which none of fewer entries have less error, each with all efforts, of the best single lobes and of two.
 #[must_use]
 pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
     let base = prediction.base();
@@ -67,12 +82,17 @@ pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
         least = least.min(*error);
         is_better
     });
-    let efforts = || [Precision::F16, Precision::F32].into_iter().flat_map(|p| Preset::ALL.map(|preset| (p, preset)));
-    let of = |(_, _, nodes): &(u64, f64, Nodes)| {
-        let nodes = *nodes;
-        efforts().map(move |(precision, preset)| Candidate::of(prediction, nodes, precision, preset))
-    };
-    priced.iter().flat_map(of).collect()
+    let efforts = efforts(base);
+    let lobes = prediction.lobes().iter().enumerate();
+    let lobes: Vec<&LobeFresnel> =
+        lobes.filter(|(i, of)| *i == 0 || of.fresnel.second().is_some()).map(|(_, of)| &of.fresnel).collect();
+    let mut found = Vec::with_capacity(priced.len() * efforts.len() * lobes.len());
+    for (_, _, nodes) in &priced {
+        for fresnel in &lobes {
+            found.extend(efforts.iter().map(|fit| Candidate::of(prediction, *nodes, fresnel, *fit)));
+        }
+    }
+    found
 }
 
 /// All nodes that a table may have: one for a single value, else so many evenly spaced ones, or those that are given; and the
@@ -113,7 +133,7 @@ fn choices(prediction: &Prediction) -> Vec<Nodes> {
 type Price = fn(&Candidate) -> f64;
 
 const ERROR: Price = |candidate| candidate.error;
-const BYTES: Price = |candidate| candidate.bytes as f64;
+const BYTES: Price = |candidate| candidate.spent() as f64;
 const SECONDS: Price = |candidate| candidate.seconds;
 
 /// The candidate that a budget chooses; the error is the nearest one, where no candidate is within the budget. Domain:
@@ -156,7 +176,7 @@ mod tests {
 
     fn candidate(error: f64, bytes: u64, seconds: f64) -> Candidate {
         let recipe = parse(b"{}", DEFAULT_ENTRY_LIMIT).expect("a recipe");
-        Candidate { recipe, preset: Preset::Draft, error, bytes, seconds }
+        Candidate { recipe, error, bytes, shipped: None, seconds }
     }
 
     #[test]

@@ -5,12 +5,13 @@ use serde_json::{Value, json};
 
 use crate::{
     candidates::{Budget, Candidate},
+    effort::in_words as effort_in_words,
     needs::pair,
-    plan::TablePlan,
+    plan::{Fitted, TablePlan},
     scene::{LobeKind, Scene, SceneLobe, SceneMaterial},
 };
 use ltcforge_files::recipe_document::{canonical_json, digest};
-use ltcforge_fit::{PerAxis, Recipe};
+use ltcforge_fit::{PerAxis, Recipe, fit_seconds};
 
 /// Version of the document.
 const VERSION: u32 = 1;
@@ -63,28 +64,69 @@ fn lobe(lobe: &SceneLobe) -> Value {
 #[derive(Debug, Serialize)]
 struct Row {
     resolution: PerAxis<u32>,
+    layout: &'static str,
+    fresnel: Value,
+    samples: u32,
+    directions: u32,
     precision: &'static str,
-    preset: &'static str,
     predicted_error: f64,
     bytes: u64,
+    /// Of the compact form, where that is to ship.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    predicted_shipped_bytes: Option<u64>,
     predicted_seconds: f64,
+    /// What was measured, of those that were fitted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    measured: Option<Value>,
     chosen: bool,
 }
 
-fn row(candidate: &Candidate, chosen: &Candidate) -> Row {
+fn row(candidate: &Candidate, plan: &TablePlan<'_>) -> Row {
+    let recipe = &candidate.recipe;
+    let fitted = plan.fitted.iter().find(|fitted| fitted.candidate.recipe == *recipe);
     Row {
-        resolution: candidate.recipe.resolution(),
-        precision: candidate.recipe.precision().name(),
-        preset: candidate.preset.name(),
+        resolution: recipe.resolution(),
+        layout: recipe.layout().name(),
+        fresnel: json!(recipe.model().fresnel()),
+        samples: recipe.fit().samples(),
+        directions: recipe.fit().directions(),
+        precision: recipe.precision().name(),
         predicted_error: candidate.error,
         bytes: candidate.bytes,
+        predicted_shipped_bytes: candidate.shipped,
         predicted_seconds: candidate.seconds,
-        chosen: candidate == chosen,
+        measured: fitted.map(fitted_value),
+        chosen: *recipe == plan.chosen.recipe,
     }
 }
 
+/// What was measured of a table.
+fn fitted_value(fitted: &Fitted) -> Value {
+    let mut value = json!({ "error": fitted.error, "bytes": fitted.bytes, "seconds": fitted.seconds });
+    if let Some(bytes) = fitted.shipped {
+        value["shipped_bytes"] = json!(bytes);
+    }
+    value
+}
+
+/// What was measured of the choice's table; null where it was not fitted.
+fn measured_value(plan: &TablePlan<'_>) -> Value {
+    let Some((measured, fitted)) = plan.measured.zip(plan.fitted.last()) else { return Value::Null };
+    let mut value = fitted_value(fitted);
+    value["off_by"] = json!(measured.off_by);
+    value["first_off_by"] = json!(measured.first_off_by);
+    value
+}
+
+/// The front of error against bytes, and what was fitted beside it.
+fn rows(plan: &TablePlan<'_>) -> Vec<Row> {
+    let is_on_front = |recipe: &Recipe| plan.front().any(|candidate| candidate.recipe == *recipe);
+    let beside = plan.fitted.iter().map(|fitted| &fitted.candidate).filter(|of| !is_on_front(&of.recipe));
+    plan.front().chain(beside).map(|candidate| row(candidate, plan)).collect()
+}
+
 fn table(plan: &TablePlan<'_>) -> Value {
-    let TablePlan { needs, budget, is_met, chosen, limit, measured, whole, .. } = plan;
+    let TablePlan { needs, budget, is_met, chosen, limit, whole, .. } = plan;
     let serves: Vec<Value> = needs.lobes().iter().map(|(index, lobe)| served(*index, lobe, &chosen.recipe)).collect();
     let (budget, of) = match budget {
         Budget::Error(most) => (json!(most), "error"),
@@ -99,14 +141,18 @@ fn table(plan: &TablePlan<'_>) -> Value {
         "budget": { "of": of, "most": budget, "met": is_met },
         "predicted": { "error": chosen.error, "bytes": chosen.bytes, "seconds": chosen.seconds },
         "limit": limit,
-        "measured": measured,
+        "measured": measured_value(plan),
+        "lobes": plan.lobes().map(|(fresnel, error)| json!({ "fresnel": fresnel, "error": error })).collect::<Vec<_>>(),
+        "gpu_limit": plan.gpu(),
         "gpu_cost": plan.beside.gpu_cost,
         "light_error": plan.beside.light_error,
+        "rule": plan.beside.rule,
         "without_table": plan.beside.without_table,
         "whole": {
-            "recipe_digest": digest(&whole.recipe), "bytes": whole.bytes, "error": whole.error,
+            "recipe_digest": digest(&whole.recipe), "bytes": whole.bytes, "predicted_error": whole.predicted,
+            "predicted_seconds": fit_seconds(&whole.recipe), "error": whole.error,
         },
-        "candidates": plan.front().map(|candidate| row(candidate, chosen)).collect::<Vec<_>>(),
+        "candidates": rows(plan),
     })
 }
 
@@ -147,7 +193,7 @@ pub fn left_out(scene: &Scene) -> Vec<String> {
             lines.push(format!("not covered, {}: {what}", material.name));
         }
         if material.lobes.is_empty() && material.uncovered.is_empty() {
-            lines.push(format!("not covered, {}: no camera sees it", material.name));
+            lines.push(format!("not covered, {}: none of it is seen", material.name));
         }
     }
     lines.extend(scene.notes.iter().map(|note| format!("left out: {note}")));
@@ -166,38 +212,73 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     let is_sheen = plan.needs.lobes().iter().any(|(_, lobe)| lobe.kind == LobeKind::Sheen);
     let of = if is_sheen { "sheen: " } else { "" };
     let measured = measured.map_or_else(String::new, |measured| format!("; measured {:.4}", measured.error));
+    let shipped = chosen.shipped.map_or_else(String::new, |bytes| {
+        let encoded = plan.fitted.last().and_then(|fitted| fitted.shipped);
+        let told = encoded.map_or_else(|| format!("about {}", bytes_in_words(bytes)), bytes_in_words);
+        format!(", {told} to ship in its compact form,")
+    });
     let line = format!(
-        "{of}{nodes} nodes, {} as {}, preset {}, {:.1} s on one core: expected error {:.4}, of which {limit:.4} is the lobe model's own{measured}",
+        "{of}{nodes} nodes, {}{shipped} as {}, {}, {:.1} s on one core: expected error {:.4}, of which {limit:.4} is the lobe model's own{measured}",
         bytes_in_words(chosen.bytes),
         chosen.recipe.precision(),
-        chosen.preset.name(),
+        effort_in_words(&chosen.recipe.fit),
         chosen.seconds,
         chosen.error
     );
     let mut lines = vec![line];
-    let of_whole = whole.error.map_or_else(String::new, |error| format!(", with an error of {error:.4} on this scene"));
+    lines.extend(lobes_in_words(plan));
+    let error = whole.error.or(whole.predicted);
+    let of_whole = error.map_or_else(String::new, |error| format!(", with an error of {error:.4} on this scene"));
     lines.push(format!("{of}the table of the whole domain has {}{of_whole}", bytes_in_words(whole.bytes)));
     lines.extend(plan.beside.words());
     let layout = chosen.recipe.layout();
+    if plan.ships() && chosen.shipped.is_none() {
+        lines.push(format!("{of}it has no compact form: bytes are those on a GPU"));
+    }
+    if !chosen.recipe.terms().any() {
+        lines.push("it has no terms: how much light a lobe holds comes from elsewhere".to_owned());
+    }
     if layout.only_ranges().is_some() && !plan.needs.is_isotropic() {
         lines.push(format!(
             "tables of layout {layout} have no direction along the surface: materials that have one are lit as round"
         ));
     }
-    if !is_met {
+    if !is_met && plan.beside.is_table_readable {
         lines.push(format!("{of}{}", unmet(plan)));
     }
     lines
+}
+
+/// Why the lobes of a table are those that they are, where a scene has both metal and what is none.
+fn lobes_in_words(plan: &TablePlan<'_>) -> Option<String> {
+    let chosen = plan.chosen.recipe.model().fresnel();
+    let error =
+        |is_two: bool| plan.lobes().find(|(fresnel, _)| fresnel.second().is_some() == is_two).map(|(_, error)| error);
+    let of_one = error(false)?;
+    Some(match (chosen.second(), error(true)) {
+        (Some(_), Some(of_two)) => format!(
+            "metal and what is none have two lobes an entry, blended: by themselves they are off by {of_two:.4}, the best single \
+             one by {of_one:.4}; shader --two-lobes reads them"
+        ),
+        (_, of_two) => {
+            let two = of_two.map_or_else(String::new, |error| format!(", two lobes an entry by {error:.4}"));
+            format!("one lobe serves metal and what is none, that of {chosen}: by itself it is off by {of_one:.4}{two}")
+        }
+    })
 }
 
 /// What a budget that cannot be met is told.
 fn unmet(plan: &TablePlan<'_>) -> String {
     let chosen = &plan.chosen;
     match plan.budget {
-        Budget::Error(most) => {
-            format!("an error of {most} cannot be had: the least that is expected is {:.4}", chosen.error)
+        Budget::Error(most) => match plan.measured {
+            Some(measured) => format!("an error of {most} is not reached: the nearest table has {:.4}", measured.error),
+            None => format!("an error of {most} cannot be had: the least that is expected is {:.4}", chosen.error),
+        },
+        Budget::Bytes(most) => {
+            let encoded = plan.fitted.last().and_then(|fitted| fitted.shipped);
+            format!("{most} bytes are too few: the smallest table has {}", encoded.unwrap_or(chosen.spent()))
         }
-        Budget::Bytes(most) => format!("{most} bytes are too few: the smallest table has {}", chosen.bytes),
         Budget::Seconds(most) => format!("{most} s are too few: the fastest fit takes {:.3} s", chosen.seconds),
         Budget::Knee => "no table serves it".to_owned(),
     }

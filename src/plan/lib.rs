@@ -4,7 +4,11 @@
 
 mod candidates;
 mod document;
+mod effort;
+mod form;
+mod held;
 mod histogram;
+mod lobes;
 mod needs;
 mod outside;
 mod picture;
@@ -13,17 +17,19 @@ mod plan;
 mod prediction;
 mod resampled;
 mod scene;
+mod shipped;
 #[cfg(test)]
 mod tests;
 mod without;
 
 pub use candidates::{Budget, Candidate};
 pub use document::{document, left_out, recipe_value, words};
+pub use form::Form;
+pub use held::Stopped;
 pub use histogram::{Spot, Views};
-pub use needs::Needs;
+pub use needs::{Needs, Place};
 pub use outside::{Outside, OutsideAxis, of_other_models, outside};
 pub use picture::picture;
-pub use plan::{Form, Measured, TablePlan, Whole};
-pub use prediction::Stopped;
+pub use plan::{Fitted, Measured, TablePlan, Whole};
 pub use scene::{LobeKind, Scene, SceneError, SceneFault, SceneLobe, SceneMaterial};
-pub use without::{Beside, WithoutTable};
+pub use without::{Beside, GpuLimit, WithoutTable};

@@ -7,8 +7,7 @@ use crate::{
     scene::{LobeKind, Scene, SceneLobe},
 };
 use ltcforge_fit::{
-    ALPHA_FLOOR, BrdfKind, BrdfModel, Configuration, LobeFresnel, MOST_MATERIALS, PerAxis, RATIO_FLOOR, WeightedF0,
-    math::recurrence4,
+    ALPHA_FLOOR, BrdfKind, Configuration, MOST_MATERIALS, PerAxis, RATIO_FLOOR, WeightedF0, math::recurrence4,
 };
 
 /// Where the sequence of configurations begins.
@@ -27,8 +26,8 @@ const ROUNDED_TO: f64 = 1000.0;
 pub struct Needs<'a> {
     /// The lobes, and the number of each one's material.
     lobes: Vec<(usize, &'a SceneLobe)>,
-    /// The scattering model, with the reflectances of the materials.
-    brdf: BrdfModel,
+    /// The scattering model.
+    brdf: BrdfKind,
     /// The ranges that hold all of it.
     range: PerAxis<[f64; 2]>,
 }
@@ -43,11 +42,7 @@ impl<'a> Needs<'a> {
         if lobes.is_empty() {
             return None;
         }
-        let brdf = if sheen {
-            BrdfKind::CharlieNeubelt.into()
-        } else {
-            BrdfModel::from(BrdfKind::Ggx).with_fresnel(fresnel(&lobes))
-        };
+        let brdf = if sheen { BrdfKind::CharlieNeubelt } else { BrdfKind::Ggx };
         let range = range(&lobes);
         Some(Self { lobes, brdf, range })
     }
@@ -58,10 +53,15 @@ impl<'a> Needs<'a> {
         &self.lobes
     }
 
-    /// The scattering model, with the reflectances of the materials.
+    /// The scattering model.
     #[must_use]
-    pub fn brdf(&self) -> &BrdfModel {
-        &self.brdf
+    pub fn brdf(&self) -> BrdfKind {
+        self.brdf
+    }
+
+    /// The mean reflectance of what is no metal, and that of metal, each with its surface; those that the scene has.
+    pub(crate) fn reflectances(&self) -> Vec<WeightedF0> {
+        if self.brdf.has_fresnel() { reflectances(&self.lobes) } else { Vec::new() }
     }
 
     /// The ranges that hold all of it.
@@ -114,24 +114,48 @@ impl<'a> Needs<'a> {
         pairs
     }
 
-    /// Configurations as often as the scene has them: by surface, and by the views of it.
+    /// Configurations as often as the scene has them: by surface, by the views of it, and by what of it is metal.
     #[must_use]
-    pub fn draw(&self, count: usize) -> Vec<Configuration> {
+    pub fn draw(&self, count: usize) -> Vec<Place> {
         let (spots, weights): (Vec<_>, Vec<f64>) = self.spots().map(|at| (at, at.0.weight)).unzip();
         let drawn = |i: usize| {
-            let [u, v, w, _] = recurrence4(i, SHIFT);
+            let [u, v, w, metal] = recurrence4(i, SHIFT);
             let (spot, lobe) = spots[pick(&weights, u).0];
             let [theta, phi] = lobe.views.draw(v, w);
             // A round lobe has no direction along the surface.
             let phi = if lobe.is_isotropic() { w * FRAC_PI_2 } else { phi };
-            Configuration { alpha_x: spot.alpha, alpha_y: spot.alpha * spot.ratio, theta, phi }
+            let at = Configuration { alpha_x: spot.alpha, alpha_y: spot.alpha * spot.ratio, theta, phi };
+            Place { at, f0: self.f0(lobe, metal) }
         };
         (0..count).map(drawn).collect()
     }
+
+    /// The reflectance of a part of a lobe's surface, `part` in [0, 1).
+    fn f0(&self, lobe: &SceneLobe, part: f64) -> f64 {
+        let parts: Vec<f64> = lobe.f0.iter().map(|[_, weight]| *weight).collect();
+        if parts.is_empty() || !self.brdf.has_fresnel() {
+            return 1.0;
+        }
+        rounded_f0(lobe.f0[pick(&parts, part).0][0])
+    }
+}
+
+/// A configuration of a scene, and the reflectance of what is there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Roughnesses and view.
+    pub at: Configuration,
+    /// Reflectance seen from above, of F90 = 1.
+    pub f0: f64,
+}
+
+/// A reflectance to which a lobe can be fitted, without digits of rounding.
+fn rounded_f0(f0: f64) -> f64 {
+    ((f0 * ROUNDED_TO).round() / ROUNDED_TO).clamp(LEAST_F0, 1.0)
 }
 
 /// The mean reflectance of what is no metal, and that of metal, each by its surface.
-fn fresnel(lobes: &[(usize, &SceneLobe)]) -> LobeFresnel {
+fn reflectances(lobes: &[(usize, &SceneLobe)]) -> Vec<WeightedF0> {
     let all = lobes.iter().flat_map(|(_, lobe)| &lobe.f0);
     let (mut metal, mut rest) = ([0.0; 2], [0.0; 2]);
     for [f0, weight] in all {
@@ -140,13 +164,10 @@ fn fresnel(lobes: &[(usize, &SceneLobe)]) -> LobeFresnel {
     }
     let most = f64::max(metal[1], rest[1]);
     let part = |[sum, weight]: [f64; 2]| {
-        let f0 = (sum / weight * ROUNDED_TO).round() / ROUNDED_TO;
-        (weight > 0.0).then(|| WeightedF0 {
-            f0: f0.clamp(LEAST_F0, 1.0),
-            weight: (weight / most * ROUNDED_TO).round() / ROUNDED_TO,
-        })
+        let counts = (weight / most * ROUNDED_TO).round() / ROUNDED_TO;
+        (counts > 0.0).then(|| WeightedF0 { f0: rounded_f0(sum / weight), weight: counts })
     };
-    LobeFresnel::mix([rest, metal].into_iter().filter_map(part).collect()).unwrap_or_default()
+    [rest, metal].into_iter().filter_map(part).collect()
 }
 
 /// Alpha and ratio of a spot as recipes have them.

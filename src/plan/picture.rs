@@ -1,9 +1,9 @@
 //! A plan as a picture, `plan.svg`: the scene's roughnesses with the nodes of its table, and the front of error against
 //! bytes with the choice.
 
-use std::fmt::Write as _;
+use std::{collections::BTreeMap, fmt::Write as _};
 
-use crate::plan::TablePlan;
+use crate::{Spot, plan::TablePlan};
 
 const WIDTH: f64 = 1120.0;
 /// Height of a table's part of the picture: panels, and around them.
@@ -14,6 +14,10 @@ const LEFT: [f64; 2] = [64.0, 612.0];
 /// The radius of the mark of a roughness that all of a surface has.
 const LARGEST: f64 = 22.0;
 const LEAST: f64 = 1.5;
+/// Roughnesses that are marked one by one, those of the most surface.
+const MOST_MARKS: usize = 200;
+/// Cells of each axis over which the others are told.
+const CELLS: usize = 32;
 
 /// Light and dark colours in one file; the viewer's preference picks.
 const STYLE: &str = include_str!("picture.css");
@@ -71,9 +75,12 @@ fn write_spots(out: &mut String, plan: &TablePlan<'_>) -> std::fmt::Result {
     for ratio in nodes.ratio.iter().filter(|_| is_grid) {
         writeln!(out, r#"<path class="node" d="M{left} {:.1}h{}"/>"#, y(*ratio), PANEL[0])?;
     }
-    let spots = || plan.needs.lobes().iter().flat_map(|(_, lobe)| &lobe.spots);
-    let total: f64 = spots().map(|spot| spot.weight).sum();
-    for spot in spots() {
+    let mut spots: Vec<&Spot> = plan.needs.lobes().iter().flat_map(|(_, lobe)| &lobe.spots).collect();
+    spots.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    let total: f64 = spots.iter().map(|spot| spot.weight).sum();
+    let (marked, rest) = spots.split_at(spots.len().min(MOST_MARKS));
+    write_cells(out, rest, total)?;
+    for spot in marked {
         let radius = (LARGEST * (spot.weight / total).sqrt()).max(LEAST);
         writeln!(out, r#"<circle class="spot" cx="{:.1}" cy="{:.1}" r="{radius:.1}"/>"#, x(spot.alpha), y(spot.ratio))?;
     }
@@ -85,11 +92,42 @@ fn write_spots(out: &mut String, plan: &TablePlan<'_>) -> std::fmt::Result {
     Ok(())
 }
 
+/// Roughnesses that are too many to mark one by one: squares, each as large as a mark of all of its cell, and how many they are.
+fn write_cells(out: &mut String, spots: &[&Spot], total: f64) -> std::fmt::Result {
+    let mut cells = BTreeMap::new();
+    let cell = |x: f64| ((x * CELLS as f64) as usize).min(CELLS - 1);
+    for spot in spots {
+        *cells.entry([cell(spot.alpha.sqrt()), cell(spot.ratio)]).or_insert(0.0) += spot.weight;
+    }
+    for ([across, up], weight) in &cells {
+        let half = (LARGEST * (weight / total).sqrt()).max(LEAST);
+        let at = |cell: usize| (cell as f64 + 0.5) / CELLS as f64;
+        let (x, y) = (LEFT[0] + PANEL[0] * at(*across), TOP + PANEL[1] * (1.0 - at(*up)));
+        let side = 2.0 * half;
+        writeln!(
+            out,
+            r#"<rect class="spot" x="{:.1}" y="{:.1}" width="{side:.1}" height="{side:.1}"/>"#,
+            x - half,
+            y - half
+        )?;
+    }
+    if spots.is_empty() {
+        return Ok(());
+    }
+    let part = 100.0 * spots.iter().map(|spot| spot.weight).sum::<f64>() / total;
+    let (right, count) = (LEFT[0] + PANEL[0], spots.len());
+    writeln!(
+        out,
+        r#"<text class="end" x="{right:.0}" y="{:.0}">squares: {count} roughnesses more, {part:.1} % of the surface</text>"#,
+        TOP - 8.0
+    )
+}
+
 /// Errors by bytes: the front, the choice and the table of the whole domain.
 fn write_front(out: &mut String, plan: &TablePlan<'_>) -> std::fmt::Result {
     let left = LEFT[1];
     write_frame(out, left, "Error on the scene against bytes", "bytes of matrices and terms")?;
-    let whole = plan.whole.error.map(|error| (plan.whole.bytes, error));
+    let whole = plan.whole.error.or(plan.whole.predicted).map(|error| (plan.whole.bytes, error));
     let bytes = || plan.front().map(|candidate| candidate.bytes).chain(whole.map(|(bytes, _)| bytes));
     let decades = [bytes().min().unwrap_or(1), bytes().max().unwrap_or(1)].map(|bytes| log10(bytes as f64));
     let [first, last] = [decades[0].floor(), decades[1].ceil().max(decades[0].floor() + 1.0)];

@@ -8,17 +8,20 @@
 use std::ops::ControlFlow;
 
 use crate::{
+    effort::added_error,
+    form::Form,
+    held::{POINTS, Stopped, error},
+    lobes::{Lobes, lobes},
     needs::Needs,
     placement::{Placed, by_weight, of_values},
     resampled::resampled,
+    shipped::{ShippedBytes, has_form},
 };
 use ltcforge_fit::{
-    Configuration, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeModel, PerAxis, Plan, Precision, Recipe,
-    StoredTerms, Table, expectation, figures_of, fit_plan,
+    BrdfModel, FITTER_VERSION, FitSettings, GivenNodes, Layout, LobeFresnel, LobeModel, PerAxis, Plan, Precision,
+    Recipe, fit_plan,
 };
 
-/// Configurations at which a plan is measured, predicted and fitted alike.
-pub(crate) const POINTS: usize = 256;
 /// Those at which an axis's constant is found.
 const POINTS_OF_AXIS: usize = 64;
 
@@ -34,6 +37,12 @@ pub(crate) struct Prediction {
     base: Recipe,
     /// The error of the coarse table.
     of_base: f64,
+    /// The lobes that a table may have, by their errors; those of the coarse one first.
+    lobes: Vec<Lobes>,
+    /// The bytes of compact forms, where these are what is planned for.
+    shipped: Option<ShippedBytes>,
+    /// By what the predictions were corrected.
+    factor: f64,
     /// For each axis squared steps, see `ltcforge_fit::Layout::steps`, and the error that each adds to the coarse table's.
     added: [Vec<[f64; 2]>; 4],
     /// Nodes of alpha, and of ratio, that are not evenly spaced.
@@ -65,11 +74,6 @@ impl Nodes {
     }
 }
 
-/// Why there is no prediction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("stopped")]
-pub struct Stopped;
-
 impl Prediction {
     /// Fits the coarse table and measures it. Runs on the current rayon pool, whose size changes nothing; `go_on` may
     /// stop it.
@@ -79,7 +83,7 @@ impl Prediction {
     pub(crate) fn new(
         needs: &Needs<'_>,
         layout: Layout,
-        any_nodes: bool,
+        form: Form,
         fit: FitSettings,
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, Stopped> {
@@ -97,21 +101,27 @@ impl Prediction {
             Some(range) => (range, layout.default_resolution()),
             None => (needed, coarse),
         };
+        let places = needs.draw(POINTS);
+        // Compact forms have the evenly spaced nodes of a layout.
+        let is_any_layout = !(form.ship && has_form(layout));
+        let (any_nodes, terms) = (form.any_nodes && is_any_layout, form.terms());
+        // Engines have no place for a second lobe, and terms tell how much of each there is.
+        let may_be_two = layout.only_ranges().is_none() && terms.any();
+        let lobes = lobes(needs, may_be_two, &places, fit, go_on)?;
         let base = Recipe {
             fitter: FITTER_VERSION,
-            brdf: needs.brdf().clone(),
+            brdf: BrdfModel::from(needs.brdf()).with_fresnel(lobes[0].fresnel.clone()),
             lobe: LobeModel::Ltc,
             layout,
             resolution,
             range,
             fit,
-            terms: StoredTerms::Schlick,
+            terms,
             precision: Precision::F32,
             given: GivenNodes::default(),
         };
         let progress = |_| if go_on() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
         let table = fit_plan(&Plan::new(&base), &progress).ok_or(Stopped)?;
-        let places = needs.draw(POINTS);
         let of_base = error(&table, &places);
         let of_some = error(&table, &places[..POINTS_OF_AXIS]);
         let is_free = layout.only_ranges().is_none();
@@ -148,8 +158,10 @@ impl Prediction {
         }
         // Tables of materials have two thetas at least.
         let has_thetas = range.theta[0] < range.theta[1];
-        let materials = if layout == Layout::Reflected && has_thetas { needs.pairs() } else { Vec::new() };
-        Ok(Self { base, of_base, added, given, materials })
+        let materials =
+            if layout == Layout::Reflected && has_thetas && is_any_layout { needs.pairs() } else { Vec::new() };
+        let shipped = if form.ship { ShippedBytes::of(&table, &base) } else { None };
+        Ok(Self { base, of_base, lobes, shipped, factor: 1.0, added, given, materials })
     }
 
     /// The recipe of the coarse table, from which others differ by their resolution, effort and precision.
@@ -162,23 +174,42 @@ impl Prediction {
     /// there.
     #[must_use]
     pub(crate) fn error(&self, nodes: Nodes, recipe: &Recipe) -> f64 {
-        self.of_base + self.of_nodes(nodes) + effort(recipe) - effort(&self.base)
+        let of_lobes = self.of_lobes(recipe.brdf.fresnel());
+        self.of_base + of_lobes + self.of_nodes(nodes) + added_error(recipe) - added_error(&self.base)
     }
 
-    /// The error that even the finest table has.
-    #[must_use]
-    pub(crate) fn limit(&self) -> f64 {
-        self.of_base + self.interpolation([0.0; 4]) - effort(&self.base)
+    /// The error that lobes add to those of the coarse table.
+    fn of_lobes(&self, fresnel: &LobeFresnel) -> f64 {
+        let of = self.lobes.iter().find(|lobes| lobes.fresnel == *fresnel);
+        of.map_or(0.0, |of| self.factor * (of.error - self.lobes[0].error))
     }
 
-    /// The same with all errors multiplied, after a table was measured.
+    /// The error that even the finest table of some lobes has.
     #[must_use]
-    pub(crate) fn corrected(&self, factor: f64) -> Self {
+    pub(crate) fn limit(&self, fresnel: &LobeFresnel) -> f64 {
+        self.of_base + self.of_lobes(fresnel) + self.interpolation([0.0; 4]) - added_error(&self.base)
+    }
+
+    /// The bytes of a recipe's compact form, where these are what is planned for.
+    pub(crate) fn shipped(&self, recipe: &Recipe) -> Option<u64> {
+        self.shipped.as_ref().map(|shipped| shipped.bytes(recipe))
+    }
+
+    /// The same with all errors multiplied, and all bytes of compact forms, after a table was measured.
+    #[must_use]
+    pub(crate) fn corrected(&self, factor: f64, of_bytes: f64) -> Self {
         let added =
             self.added.clone().map(|axis| axis.into_iter().map(|[step, error]| [step, factor * error]).collect());
         let scaled = |placed: Placed| Placed { added: placed.added.map(|error| factor * error), ..placed };
         let given = self.given.clone().map(|placed| placed.into_iter().map(scaled).collect());
-        Self { of_base: factor * self.of_base, added, given, ..self.clone() }
+        let shipped = self.shipped.as_ref().map(|shipped| shipped.corrected(of_bytes));
+        Self { of_base: factor * self.of_base, factor: factor * self.factor, added, given, shipped, ..self.clone() }
+    }
+
+    /// The lobes that a table may have, by their errors.
+    #[must_use]
+    pub(crate) fn lobes(&self) -> &[Lobes] {
+        &self.lobes
     }
 
     /// The error that nodes add to that of the coarse table.
@@ -246,18 +277,4 @@ fn squared_steps(recipe: &Recipe) -> [f64; 4] {
 
 fn squared_of(steps: PerAxis<f64>) -> [f64; 4] {
     steps.named().map(|(_, step)| step * step)
-}
-
-/// The error that a bound of effort adds, by the expectation: over that of a fit without one.
-fn effort(recipe: &Recipe) -> f64 {
-    let endless = FitSettings { samples: u32::MAX, directions: u32::MAX, ..recipe.fit };
-    expectation(recipe).error - expectation(&Recipe { fit: endless, ..recipe.clone() }).error
-}
-
-/// Mean error of a table at some configurations, as a part of the lobe's width.
-#[must_use]
-pub(crate) fn error(table: &Table, places: &[Configuration]) -> f64 {
-    let found: Vec<_> = places.iter().map(|place| (*place, table.lookup(place))).collect();
-    let figures = figures_of(table.model(), table.lobe(), &found);
-    figures.iter().map(|figures| figures.width).sum::<f64>() / figures.len() as f64
 }

@@ -38,14 +38,18 @@ fn an_eighth_of_the_bytes_serves_a_few_materials_as_well_as_the_whole_domain() {
         let eighth = plan.whole.bytes / 8;
         plan = planned(&scene, Budget::Bytes(eighth));
         let (table, whole) = (fitted(&plan.chosen.recipe), fitted(&plan.whole.recipe));
-        plan.measure(&table, Some(&whole));
+        plan.measure(&table, Some(&whole), None);
         let measured = plan.measured.expect("the prediction was near");
         let whole = plan.whole.error.expect("it was measured");
         println!("{:?} {measured:?}, whole {whole:.4}", plan.chosen.recipe.resolution());
         assert!((0.85..1.15).contains(&measured.off_by), "{measured:?}");
         assert!(plan.chosen.bytes <= eighth && measured.error <= whole, "{measured:?} {whole}");
-        let numbers = table.matrices().len() * 9 + table.terms().map_or(0, |terms| 2 * terms.amplitude().len());
-        assert_eq!(plan.chosen.bytes, 2 * numbers as u64);
+        let second = table.second_matrices().map_or(0, <[_]>::len);
+        let numbers =
+            (table.matrices().len() + second) * 9 + table.terms().map_or(0, |terms| 2 * terms.amplitude().len());
+        assert_eq!([plan.chosen.bytes, plan.fitted[0].bytes], [2 * numbers as u64; 2]);
+        // Plastic beside metal has lobes of its own.
+        assert_eq!(second > 0, list == ANISOTROPIC);
     }
 }
 
@@ -87,7 +91,7 @@ fn nodes_may_stand_on_the_roughnesses_of_a_scene() {
     let recipe = plan.chosen.recipe.clone();
     assert_eq!(recipe.nodes().alpha, [0.04, 0.25, 0.6]);
     assert_eq!(parse(canonical_json(&recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).as_ref(), Ok(&recipe));
-    plan.measure(&fitted(&recipe), None);
+    plan.measure(&fitted(&recipe), None, None);
     let measured = plan.measured.expect("the prediction was near");
     assert!((0.85..1.15).contains(&measured.off_by), "{measured:?}");
 }
@@ -115,7 +119,7 @@ fn nodes_stand_closer_together_where_more_surface_is() {
     let measured = |candidate: &Candidate| {
         let mut plan = planned(&scene, Budget::Knee);
         plan.chosen = candidate.clone();
-        plan.measure(&fitted(&candidate.recipe), None);
+        plan.measure(&fitted(&candidate.recipe), None, None);
         plan.measured.expect("the prediction was near").error
     };
     let (even, placed) = (measured(&even), measured(&placed));
@@ -132,7 +136,7 @@ fn materials_far_apart_have_a_table_of_their_own() {
     assert_eq!((recipe.layout(), recipe.given().materials().len()), (Layout::Materials, 7));
     assert_eq!(parse(canonical_json(&recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).as_ref(), Ok(&recipe));
     let table = fitted(&recipe);
-    plan.measure(&table, None);
+    plan.measure(&table, None, None);
     let measured = plan.measured.expect("the prediction was near");
     println!("{:?} {measured:?} predicted {}", recipe.resolution(), plan.chosen.error);
     // That of the table of the whole domain is 0.0629.
@@ -164,10 +168,80 @@ fn a_prediction_that_was_far_off_is_corrected_once() {
         ..plan.chosen.recipe.clone()
     };
     let poor = fitted(&coarse);
-    plan.measure(&poor, None);
+    plan.measure(&poor, None, None);
     let is_new = !plan.is_measured();
-    plan.measure(&poor, None);
+    assert_eq!(plan.fitted.len(), 1);
+    plan.measure(&poor, None, None);
     let measured = plan.measured.expect("it is not corrected twice");
     assert!(measured.first_off_by > 1.2, "{measured:?}");
     assert!(is_new || measured.off_by == measured.first_off_by, "{measured:?}");
+}
+
+/// The table of the whole domain that plans are compared with is the default one.
+#[test]
+fn the_whole_domain_s_table_is_kept() {
+    let scene = listed(ANISOTROPIC);
+    let plan = planned(&scene, Budget::Knee);
+    let table = fitted(&plan.whole.recipe);
+    let encoded = ltcforge_files::compact::encode(&table).expect("a compact form");
+    if std::env::var("UPDATE_GOLDEN").is_ok_and(|name| name == "whole") {
+        std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/whole.compact"), &encoded).expect("a file");
+    }
+    assert!(encoded == plan::WHOLE, "UPDATE_GOLDEN=whole cargo test -p ltcforge-plan whole writes it");
+    let places = plan.needs.draw(64);
+    let kept = ltcforge_files::compact::decode(plan::WHOLE).expect("a table");
+    let [exact, kept] = [&table, &kept].map(|table| held::error(table, &places));
+    assert!((kept / exact - 1.0).abs() < 0.03, "{kept} {exact}");
+}
+
+/// An error is promised, and what is measured tells whether the promise is kept.
+#[test]
+fn whether_an_error_is_reached_is_measured() {
+    let scene = listed(ISOTROPIC);
+    let mut plan = planned(&scene, Budget::Error(0.06));
+    assert!(plan.is_met && plan.chosen.error <= 0.06);
+    // A table of a few samples in place of the choice's.
+    let poor = Recipe {
+        fit: ltcforge_fit::FitSettings { samples: 16, directions: 2, ..plan.chosen.recipe.fit },
+        ..plan.chosen.recipe.clone()
+    };
+    let poor = fitted(&poor);
+    plan.measure(&poor, None, Some(0.5));
+    assert!(plan.fitted[0].error > 0.06, "{:?}", plan.fitted);
+    if !plan.is_measured() {
+        plan.measure(&poor, None, None);
+    }
+    assert!(!plan.is_met);
+    let told = document(&scene, &[plan]);
+    let rows = told["tables"][0]["candidates"].as_array().expect("rows");
+    let measured: Vec<_> = rows.iter().filter_map(|row| row["measured"]["error"].as_f64()).collect();
+    assert!(!measured.is_empty() && measured.iter().all(|error| *error > 0.06), "{measured:?}");
+}
+
+#[test]
+fn a_table_without_terms_has_their_bytes_less() {
+    let scene = listed(ISOTROPIC);
+    let form = Form { no_terms: true, ..Form::default() };
+    let needs = Needs::of(&scene, false).expect("lobes");
+    let plan = TablePlan::new(needs, Budget::Knee, form, &|| true).expect("nothing stops it");
+    let recipe = &plan.chosen.recipe;
+    assert_eq!(plan.chosen.bytes, recipe.entries() * 9 * 2);
+    assert_eq!(parse(canonical_json(recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).as_ref(), Ok(recipe));
+}
+
+/// The largest are marked, the others told in cells with how much they are.
+#[test]
+fn a_picture_of_many_roughnesses_has_a_bounded_length() {
+    let material = |i: u32| {
+        let alpha = 1e-3 * f64::from(i + 1);
+        serde_json::json!({ "alpha_x": alpha, "alpha_y": alpha, "weight": if i < 200 { 8 } else { 1 } })
+    };
+    let materials: Vec<serde_json::Value> = (0..900).map(material).collect();
+    let scene = listed(&serde_json::json!({ "materials": materials }).to_string());
+    let svg = picture(&[planned(&scene, Budget::Bytes(2000))]);
+    assert_eq!(svg.matches(r#"<circle class="spot""#).count(), 200);
+    assert!(svg.contains("squares: 700 roughnesses more, 30.4 % of the surface"));
+    assert!((5..=32).contains(&svg.matches(r#"<rect class="spot""#).count()));
+    let few = picture(&[planned(&listed(ISOTROPIC), Budget::Bytes(2000))]);
+    assert!(!few.contains("squares:"));
 }

@@ -3,12 +3,42 @@
 use serde::Serialize;
 
 use crate::needs::Needs;
-use ltcforge_fit::{BrdfKind, PerAxis, Table};
+use ltcforge_fit::{BrdfKind, PerAxis, Recipe, Table};
 use ltcforge_light::{LightError, LightModel, Lighting, RandomLights, light_error, normals::NormalsRule};
 use ltcforge_shaders::GpuCost;
 
 /// Random rectangles over the scene's ranges by which table and model are compared.
 const LIGHTS: usize = 500;
+
+/// What a text may cost a GPU, by its compiler's counts of [`GpuCost`].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct GpuLimit {
+    /// The most vector registers.
+    pub registers: Option<u32>,
+    /// The most instructions.
+    pub instructions: Option<u32>,
+}
+
+impl GpuLimit {
+    /// Whether a cost is within the limits. One that was not counted is within none.
+    pub(crate) fn allows(self, cost: Option<GpuCost>) -> bool {
+        let within = |limit: Option<u32>, of: fn(GpuCost) -> u32| {
+            limit.is_none_or(|most| cost.is_some_and(|cost| of(cost) <= most))
+        };
+        within(self.registers, |cost| cost.registers) && within(self.instructions, |cost| cost.instructions)
+    }
+
+    /// Whether there is a limit.
+    fn is_any(self) -> bool {
+        self != Self::default()
+    }
+}
+
+/// What the text that reads a recipe's table costs a GPU.
+pub(crate) fn text_cost(recipe: &Recipe) -> Option<GpuCost> {
+    let blended = if recipe.brdf.fresnel().second().is_some() { ", blended" } else { "" };
+    GpuCost::of(&format!("ltc {}{blended}", recipe.layout))
+}
 
 /// A rule of model `normals`, in place of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -26,23 +56,34 @@ pub struct WithoutTable {
 pub struct Beside {
     /// What the text that reads the table costs a GPU.
     pub gpu_cost: Option<GpuCost>,
+    /// Whether that is within the limits.
+    pub is_table_readable: bool,
     /// Mean absolute error of the table's light, where it was measured.
     pub light_error: Option<f64>,
+    /// The rule that the limits leave: the finest within them, the default one where there are none.
+    pub rule: Option<NormalsRule>,
     /// The rules.
     pub without_table: Vec<WithoutTable>,
+    limit: GpuLimit,
 }
 
 impl Beside {
-    /// The rules beside a table of a layout, by their costs; none where the scattering model is not GGX.
-    pub(crate) fn new(needs: &Needs<'_>, layout: &str) -> Self {
-        let rules = if needs.brdf().kind() == BrdfKind::Ggx { &NormalsRule::SHADED[..] } else { &[] };
+    /// The rules beside a recipe's table, by their costs; none where the scattering model is not GGX.
+    pub(crate) fn new(needs: &Needs<'_>, recipe: &Recipe, limit: GpuLimit) -> Self {
+        let rules = if needs.brdf() == BrdfKind::Ggx { &NormalsRule::SHADED[..] } else { &[] };
         let of = |rule: &NormalsRule| WithoutTable {
             rule: *rule,
             gpu_cost: GpuCost::of(&format!("normals {rule}")),
             light_error: None,
         };
-        let gpu_cost = GpuCost::of(&format!("ltc {layout}"));
-        Self { gpu_cost, light_error: None, without_table: rules.iter().map(of).collect() }
+        let without_table: Vec<WithoutTable> = rules.iter().map(of).collect();
+        let within = without_table.iter().filter(|without| limit.allows(without.gpu_cost));
+        // A rule that takes more instructions is nearer.
+        let instructions = |without: &&WithoutTable| without.gpu_cost.map(|cost| cost.instructions);
+        let finest = if limit.is_any() { within.max_by_key(instructions) } else { without_table.first() };
+        let rule = finest.map(|without| without.rule);
+        let gpu_cost = text_cost(recipe);
+        Self { gpu_cost, is_table_readable: limit.allows(gpu_cost), light_error: None, rule, without_table, limit }
     }
 
     /// Measures the light of the table and of the rules, over the scene's ranges or at the materials of the table, for a
@@ -57,7 +98,7 @@ impl Beside {
             ranges.push(needs.range());
         }
         let each = LIGHTS.div_ceil(ranges.len());
-        let draw = |range| RandomLights::draw(&needs.brdf().kind().into(), range, each);
+        let draw = |range| RandomLights::draw(&needs.brdf().into(), range, each);
         let lights = ranges.iter().map(draw).collect::<Result<Vec<_>, _>>()?;
         let mean = |lighting: Lighting<'_>| -> Result<f64, LightError> {
             let errors = lights.iter().map(|lights| light_error(lighting, lights).map(|error| error.mean));
@@ -72,23 +113,66 @@ impl Beside {
         Ok(())
     }
 
-    /// The summary in words: the default rule beside the table.
-    pub(crate) fn words(&self) -> Option<String> {
-        let without = self.without_table.first()?;
+    /// The summary in words: the rule beside the table, and what is beyond the limits.
+    pub(crate) fn words(&self) -> Vec<String> {
         let cost = |of: Option<GpuCost>| {
             of.map_or_else(
                 || "not counted".to_owned(),
                 |of| format!("{} registers, {} instructions", of.registers, of.instructions),
             )
         };
-        let errors = self.light_error.zip(without.light_error);
-        let errors = errors
-            .map_or_else(String::new, |(table, other)| format!("; error of light {other:.4}, the table's {table:.4}"));
-        Some(format!(
-            "without a table: model normals, rule {}, {} (the table's shader: {}){errors}",
-            without.rule,
-            cost(without.gpu_cost),
-            cost(self.gpu_cost)
-        ))
+        let mut lines = Vec::new();
+        let beyond = "more than the GPU may spend";
+        if !self.is_table_readable {
+            lines.push(format!("the table's shader takes {beyond}: {}", cost(self.gpu_cost)));
+        }
+        let without = self.without_table.iter().find(|without| Some(without.rule) == self.rule);
+        match (without, self.without_table.iter().min_by_key(|without| without.gpu_cost.map(|of| of.instructions))) {
+            (Some(without), _) => {
+                let within = if self.limit.is_any() { ", the finest within the limits" } else { "" };
+                let errors = self.light_error.zip(without.light_error);
+                let errors = errors.map_or_else(String::new, |(table, other)| {
+                    format!("; error of light {other:.4}, the table's {table:.4}")
+                });
+                lines.push(format!(
+                    "without a table: model normals, rule {}{within}, {} (the table's shader: {}){errors}",
+                    without.rule,
+                    cost(without.gpu_cost),
+                    cost(self.gpu_cost)
+                ));
+            }
+            (None, Some(least)) => lines.push(format!(
+                "without a table: no rule of model normals; the shortest, {}, takes {beyond}: {}",
+                least.rule,
+                cost(least.gpu_cost)
+            )),
+            (None, None) => {}
+        }
+        lines
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Budget, Form, Scene, TablePlan};
+
+    #[test]
+    fn limits_choose_the_finest_rule_within_them() {
+        let list =
+            br#"{"materials": [{"alpha_x": 0.2, "alpha_y": 0.2}, {"alpha_x": 0.3, "alpha_y": 0.3, "f0": 0.04}]}"#;
+        let scene = Scene::from_list(list).expect("a scene");
+        let planned = |registers: Option<u32>, instructions: Option<u32>| {
+            let form = Form { gpu: GpuLimit { registers, instructions }, ..Form::default() };
+            let needs = Needs::of(&scene, false).expect("lobes");
+            let plan = TablePlan::new(needs, Budget::Knee, form, &|| true).expect("nothing stops it");
+            (plan.beside.rule, plan.chosen.recipe.brdf.fresnel().second().is_some(), plan.is_met)
+        };
+        assert_eq!(planned(None, None), (Some(NormalsRule::Balanced), true, true));
+        assert_eq!(planned(Some(96), Some(4000)), (Some(NormalsRule::Fine), true, true));
+        // A blend of two lobes takes 64 registers, one lobe 48.
+        assert_eq!(planned(Some(64), None), (Some(NormalsRule::Fast), true, true));
+        assert_eq!(planned(Some(63), None), (None, false, true));
+        assert!(!planned(None, Some(100)).2);
     }
 }

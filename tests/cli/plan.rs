@@ -27,7 +27,10 @@ fn a_plan_is_fitted_pinned_and_checked() {
     let bytes = table["predicted"]["bytes"].as_u64().expect("bytes");
     let resolution = &table["recipe"]["resolution"];
     let entries = ["alpha", "ratio", "theta", "phi"].map(|axis| resolution[axis].as_u64().expect("a count"));
-    assert_eq!(bytes, entries.iter().product::<u64>() * 11 * 2);
+    // Lacquer beside steel has a second matrix an entry.
+    assert_eq!(table["recipe"]["fresnel"], json!("blended_lobes"));
+    assert_eq!(bytes, entries.iter().product::<u64>() * 20 * 2);
+    assert_eq!(table["measured"]["bytes"], json!(bytes));
     assert!(bytes <= 2000, "{bytes}");
     let off_by = table["measured"]["off_by"].as_f64().expect("a number");
     assert!((0.85..1.15).contains(&off_by), "{off_by}");
@@ -86,4 +89,93 @@ fn scenes_that_are_none_are_usage_errors() {
     assert!(told.contains("/nodes/0/mesh: 3 is no index") && told.contains("/nodes/0/children/0: 9"), "{told}");
     run(here, ["plan", "none.glb"]).exited(1);
     assert!(fs::read_dir(here).expect("a folder").count() == 1);
+}
+
+/// The files of an engine's table lie beside the plan, and a budget below its one size is answered with that table.
+#[test]
+fn a_plan_for_an_engine_has_its_layout_and_its_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    fs::write(here.join("scene.json"), LIST).expect("a list");
+    let told = run(here, ["--json", "plan", "scene.json", "--bytes", "100000", "--fit", "--for", "three", "-o", "ltc"]);
+    let told = json_of(told.exited(0).stdout.as_bytes());
+    let table = &told["plan"]["tables"][0];
+    assert_eq!(table["recipe"]["layout"], json!("ltc2017"));
+    assert_eq!(table["measured"]["bytes"], json!(90_112));
+    let files: Vec<&str> = told["files"].as_array().expect("files").iter().filter_map(Value::as_str).collect();
+    assert!(files.iter().all(|file| here.join(file).exists()), "{files:?}");
+    assert!(files.iter().any(|file| file.ends_with("ltc.js")), "{files:?}");
+    let told = run(here, ["plan", "scene.json", "--bytes", "20000", "--for", "three", "-o", "small"]).exited(1).stdout;
+    assert!(told.contains("20000 bytes are too few: the smallest table has 90112"), "{told}");
+    assert!(here.join("small/recipe.json").exists());
+}
+
+#[test]
+fn seconds_are_a_budget_and_take_less_effort() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    fs::write(here.join("scene.json"), LIST).expect("a list");
+    let plan = |seconds: &str| {
+        let told = run(here, ["--json", "plan", "scene.json", "--seconds", seconds]).exited(0).stdout;
+        json_of(told.as_bytes())["plan"]["tables"][0]["predicted"].clone()
+    };
+    let [fast, slow] = ["0.02", "0.5"].map(plan);
+    let number = |of: &Value, name: &str| of[name].as_f64().expect("a number");
+    assert!(number(&fast, "seconds") <= 0.02 && number(&slow, "seconds") <= 0.5, "{fast} {slow}");
+    assert!(number(&fast, "error") > number(&slow, "error"), "{fast} {slow}");
+    let told = run(here, ["plan", "scene.json", "--seconds", "0.00001"]).exited(1).stdout;
+    assert!(told.contains("0.00001 s are too few: the fastest fit takes"), "{told}");
+}
+
+#[test]
+fn limits_of_a_gpu_and_tables_without_terms_are_planned() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    fs::write(here.join("scene.json"), LIST).expect("a list");
+    let two = run(here, ["plan", "scene.json"]).exited(0).stdout;
+    assert!(two.contains("two lobes an entry, blended") && two.contains("rule balanced, 72 registers"), "{two}");
+    let one = run(here, ["plan", "scene.json", "--registers", "64", "--instructions", "800"]).exited(0).stdout;
+    assert!(one.contains("one lobe serves metal and what is none"), "{one}");
+    assert!(one.contains("no rule of model normals; the shortest, fast, takes more than the GPU may spend"), "{one}");
+    let bare = run(here, ["plan", "scene.json", "--no-terms"]).exited(0).stdout;
+    assert!(bare.contains("it has no terms"), "{bare}");
+    let none = run(here, ["plan", "scene.json", "--registers", "8"]).exited(1).stdout;
+    assert!(none.contains("the table's shader takes more than the GPU may spend"), "{none}");
+}
+
+/// A scene with cloth has two tables, and both are pinned.
+#[test]
+fn recipes_of_sheen_are_pinned_beside_the_others() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    let list = r#"{"materials": [{"gltf": {
+        "pbrMetallicRoughness": {"roughnessFactor": 0.5, "metallicFactor": 0},
+        "extensions": {"KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1], "sheenRoughnessFactor": 0.7}}
+    }}]}"#;
+    fs::write(here.join("scene.json"), list).expect("a list");
+    run(here, ["plan", "scene.json", "--bytes", "1000", "-o", "plans"]).exited(0);
+    run(here, ["lock", "cloth", "--plan", "plans", "--to", "assets/cloth.bin"]).exited(0);
+    let pinned = fs::read_to_string(here.join("ltcforge.lock")).expect("a lock file");
+    assert!(pinned.contains("cloth-sheen") && pinned.contains("charlie_neubelt"), "{pinned}");
+    assert!(here.join("assets/cloth.bin").exists() && here.join("assets/cloth-sheen.bin").exists());
+    run(here, ["verify", "assets/cloth.bin", "assets/cloth-sheen.bin"]).exited(0);
+    // A plan of a scene without cloth leaves no recipe of one behind.
+    fs::write(here.join("scene.json"), LIST).expect("a list");
+    run(here, ["plan", "scene.json", "--bytes", "1000", "-o", "plans"]).exited(0);
+    assert!(!here.join("plans/recipe-sheen.json").exists());
+}
+
+#[test]
+fn a_table_to_ship_is_written_in_its_compact_form() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    fs::write(here.join("scene.json"), LIST.replace(", \"f0\": 0.04", "")).expect("a list");
+    let told = run(here, ["--json", "plan", "scene.json", "--ship", "--bytes", "400", "--fit", "-o", "ltc"]).exited(0);
+    let told = json_of(told.stdout.as_bytes());
+    let rows = told["plan"]["tables"][0]["candidates"].as_array().expect("rows").clone();
+    let chosen = rows.iter().find(|row| row["chosen"] == json!(true)).expect("a choice");
+    let shipped = chosen["measured"]["shipped_bytes"].as_u64().expect("bytes");
+    assert_eq!(fs::metadata(here.join("ltc/ltc.compact")).expect("a file").len(), shipped);
+    assert!(shipped <= 400 && chosen["bytes"].as_u64().is_some_and(|bytes| bytes > shipped), "{chosen}");
+    run(here, ["report", "ltc/ltc.compact"]).exited(0);
 }

@@ -191,7 +191,7 @@ fn square() -> Vec<u8> {
 
 #[test]
 fn scenes() {
-    Scene::from_bytes(square()).expect("a seed in order");
+    Scene::from_bytes(square(), &|| true).expect("a seed in order");
     let words = [
         "\"children\":[0]",
         "\"extensions\":{",
@@ -204,7 +204,7 @@ fn scenes() {
         ",",
     ];
     Target { name: "gltf", seeds: vec![square()], words: &words, inputs: 3000 }.survive(
-        |bytes| match Scene::from_bytes(bytes.to_vec()) {
+        |bytes| match Scene::from_bytes(bytes.to_vec(), &|| true) {
             Ok(_) => "a scene".to_owned(),
             Err(error) => error.to_string(),
         },

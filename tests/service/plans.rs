@@ -1,5 +1,7 @@
 //! Plans over HTTP.
 
+use std::{thread, time::Duration};
+
 use serde_json::json;
 
 use crate::common::server::{Server, text};
@@ -31,7 +33,7 @@ fn a_list_of_materials_gives_a_recipe_that_can_be_submitted() {
     let unmet = plan("?bytes=1", LIST.as_bytes()).with_status(422).json();
     assert_eq!(text(&unmet["type"]), "/problems/budget-unmet");
     assert_eq!(unmet["recipe"]["resolution"], json!({ "alpha": 2, "ratio": 1, "theta": 2, "phi": 1 }));
-    for query in ["?bytes=0", "?error=-1", "?seconds=NaN", "?error=1&bytes=9", "?widths=1"] {
+    for query in ["?bytes=0", "?error=-1", "?seconds=NaN", "?error=1&bytes=9", "?widths=1", "?registers=x"] {
         plan(query, LIST.as_bytes()).with_status(400);
     }
 }
@@ -50,4 +52,61 @@ fn scenes_with_faults_are_told_all_of_them() {
     let told = send("model/gltf-binary", outside).with_status(422).json();
     assert_eq!(text(&told["errors"][0]["pointer"]), "/buffers/0/uri", "{told:#}");
     send("image/png", LIST.as_bytes()).with_status(415);
+}
+
+/// A triangle of rough plastic, in one file.
+fn triangle() -> Vec<u8> {
+    let corners: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let binary: Vec<u8> = corners.iter().flat_map(|x| x.to_le_bytes()).collect();
+    let document = json!({
+        "asset": { "version": "2.0" }, "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
+        "materials": [{ "name": "rubber", "pbrMetallicRoughness": { "roughnessFactor": 0.8, "metallicFactor": 0 } }],
+        "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
+        "bufferViews": [{ "buffer": 0, "byteLength": binary.len() }], "buffers": [{ "byteLength": binary.len() }],
+    });
+    let mut text = document.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let length = |bytes: &[u8]| (bytes.len() as u32).to_le_bytes();
+    let chunks = [&length(&text)[..], b"JSON", &text, &length(&binary), b"BIN\0", &binary].concat();
+    [b"glTF\x02\0\0\0", &(12 + chunks.len() as u32).to_le_bytes()[..], &chunks].concat()
+}
+
+#[test]
+fn a_scene_in_one_file_is_planned_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let send = |query: &str| {
+        let field = [("content-type", "model/gltf-binary")];
+        server.request("POST", &format!("/v1/plans{query}"), &field, Some(&triangle())).with_status(200).json()
+    };
+    let made = send("?bytes=500");
+    assert_eq!(made["plan"]["scene"]["triangles"], json!(1));
+    assert_eq!(made["plan"]["scene"]["materials"][0]["name"], json!("rubber"));
+    let recipe = &made["plan"]["tables"][0]["recipe"];
+    assert_eq!(recipe["fresnel"], json!([{ "f0": 0.04, "weight": 1 }]));
+    server.fit(&recipe.to_string());
+    let bare = send("?bytes=500&no_terms=true&registers=64");
+    assert_eq!(bare["plan"]["tables"][0]["recipe"]["terms"], json!(false));
+    assert_eq!(bare["plan"]["tables"][0]["rule"], json!("fast"));
+}
+
+#[test]
+fn scenes_that_are_too_long_or_too_many_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &["--client-seconds", "1"]);
+    let send = |body: &[u8]| server.request("POST", "/v1/plans", &[("content-type", "application/json")], Some(body));
+    let long = send(&vec![b' '; (1 << 20) + 1]).with_status(413).json();
+    assert_eq!(text(&long["type"]), "/problems/body-too-large");
+    // Two are planned at once, each for longer than the third one waits.
+    let seven = include_bytes!("../../docs/plan/seven.json");
+    thread::scope(|scope| {
+        let first = [(); 2].map(|()| scope.spawn(|| send(seven)));
+        thread::sleep(Duration::from_millis(200));
+        let told = send(LIST.as_bytes()).with_status(503).json();
+        assert!(text(&told["detail"]).contains("2 files are being received already"), "{told:#}");
+        for answer in first {
+            answer.join().expect("an answer").with_status(200);
+        }
+    });
 }

@@ -30,6 +30,9 @@ pub struct SourceArgs {
     pub threads: Threads,
 }
 
+/// What the names of a plan's second recipe, and of its table's pin, end in.
+const SHEEN: &str = "-sheen";
+
 /// `lock`.
 #[derive(Debug, Args)]
 pub struct LockArgs {
@@ -42,7 +45,7 @@ pub struct LockArgs {
     /// The table of this recipe: its file, `-` for stdin, or the name of a preset. It is fitted, unless it is there
     #[arg(long)]
     pub recipe: Option<PathBuf>,
-    /// The table of a plan: the folder that `plan` wrote its recipe to
+    /// The tables of a plan: the folder that `plan` wrote its recipes to. That of sheen is pinned as NAME-sheen
     #[arg(long, value_name = "DIR", conflicts_with_all = ["table", "recipe"])]
     pub plan: Option<PathBuf>,
     /// Path of the table, relative to the lock file's folder and below it [default: NAME.safetensors]
@@ -66,9 +69,16 @@ pub struct LockArgs {
 }
 
 impl LockArgs {
-    /// The recipe that the command line names, by itself or as a plan's.
-    pub(crate) fn recipe(&self) -> Option<PathBuf> {
-        self.recipe.clone().or_else(|| self.plan.as_ref().map(|folder| folder.join("recipe.json")))
+    /// The recipes that the command line names, by itself or as those of a plan, and what their pins' names end in.
+    pub(crate) fn recipes(&self) -> Vec<(&'static str, PathBuf)> {
+        let Some(folder) = &self.plan else {
+            return self.recipe.iter().map(|recipe| ("", recipe.clone())).collect();
+        };
+        let of = |end: &'static str| (end, folder.join(format!("recipe{end}.json")));
+        let mut found = ["", SHEEN].map(of).to_vec();
+        found.retain(|(_, path)| path.exists());
+        // The first one is named where there is none.
+        if found.is_empty() { vec![of("")] } else { found }
     }
 }
 

@@ -10,6 +10,7 @@ use ltcforge_textures::Engine;
 /// `plan`.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("budget").args(["error", "bytes", "seconds"])))]
+#[expect(clippy::struct_excessive_bools, reason = "a flag each")]
 pub struct PlanArgs {
     /// A scene, `.glb` or `.gltf` with its files beside it, or a list of materials, `.json`
     pub scene: PathBuf,
@@ -31,6 +32,18 @@ pub struct PlanArgs {
     /// Let nodes stand on the scene's own roughnesses or be placed by its weights: a shader for them is `shader --nodes TABLE`
     #[arg(long, conflicts_with = "engine")]
     pub any_nodes: bool,
+    /// Plan tables without terms, for a renderer that knows from elsewhere how much light a lobe holds
+    #[arg(long, conflicts_with = "engine")]
+    pub no_terms: bool,
+    /// Ship the table in its compact form: `--bytes` are those of that, without its decoder, and with `--fit` it is written
+    #[arg(long, conflicts_with_all = ["engine", "any_nodes"])]
+    pub ship: bool,
+    /// Take only tables whose shader has at most as many vector registers, and name the rule of model `normals` that does
+    #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..))]
+    pub registers: Option<u32>,
+    /// The same for instructions
+    #[arg(long, value_name = "I", value_parser = clap::value_parser!(u32).range(1..))]
+    pub instructions: Option<u32>,
     /// Folder that the recipe, `plan.json` and `plan.svg` go to
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub out: PathBuf,
@@ -38,7 +51,7 @@ pub struct PlanArgs {
     #[arg(long)]
     pub fit: bool,
     /// Write nothing; exit with 3 and name the materials if some lie outside of the table
-    #[arg(long, requires = "table", conflicts_with_all = ["budget", "engine", "fit"])]
+    #[arg(long, requires = "table", conflicts_with_all = ["budget", "engine", "fit", "ship"])]
     pub check: bool,
     /// The folder that is searched for a digest
     #[command(flatten)]

@@ -3,12 +3,7 @@
 use serde::Serialize;
 
 use super::{Accuracy, GoOn, figures};
-use crate::{
-    Configuration, LobeFresnel, LookedUp, SecondLobe, Table, WeightedF0,
-    brdf::LobeTerms,
-    math::{from_row_major, row_major},
-    table::{blend_weight, blended},
-};
+use crate::{Configuration, LobeFresnel, LookedUp, SecondLobe, Table, WeightedF0};
 
 /// Plastic, whose blend is measured.
 const PLASTIC: f64 = 0.04;
@@ -40,13 +35,9 @@ impl SecondReport {
 
 /// The lobe of a material by what a lookup tells.
 fn of_material(second: SecondLobe, f0: f64, found: LookedUp) -> LookedUp {
-    let of_second = found.second.unwrap_or(found.matrix);
-    let matrix = match (second, found.amplitude.zip(found.fresnel)) {
-        (SecondLobe::Blended, Some((amplitude, fresnel))) => {
-            let weight = blend_weight(LobeTerms { amplitude, fresnel }, f0, 1.0);
-            row_major(&blended(&from_row_major(&found.matrix), &from_row_major(&of_second), weight))
-        }
-        _ => of_second,
+    let matrix = match second {
+        SecondLobe::Blended => found.blended_for(f0).matrix,
+        SecondLobe::Integrated => found.second.unwrap_or(found.matrix),
     };
     LookedUp { matrix, amplitude: None, fresnel: None, ..found }
 }

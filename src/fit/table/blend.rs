@@ -2,7 +2,11 @@
 
 use glam::DMat3;
 
-use crate::brdf::LobeTerms;
+use super::LookedUp;
+use crate::{
+    brdf::LobeTerms,
+    math::{from_row_major, row_major},
+};
 
 /// The part of a material's light that Schlick's fifth power weighs, which is the weight of the second lobe in its blend:
 ///
@@ -24,6 +28,20 @@ pub fn blend_weight(terms: LobeTerms, f0: f64, f90: f64) -> f64 {
 #[must_use]
 pub fn blended(first: &DMat3, second: &DMat3, weight: f64) -> DMat3 {
     *first * (1.0 - weight) + *second * weight
+}
+
+impl LookedUp {
+    /// The same numbers with the lobe of a material of this F0, and F90 = 1, for their matrix: the blend of both lobes, where
+    /// there are two and the terms that weigh them. Domain: F0 in \[0, 1\].
+    #[must_use]
+    pub fn blended_for(&self, f0: f64) -> Self {
+        let Some((second, (amplitude, fresnel))) = self.second.zip(self.amplitude.zip(self.fresnel)) else {
+            return *self;
+        };
+        let weight = blend_weight(LobeTerms { amplitude, fresnel }, f0, 1.0);
+        let matrix = row_major(&blended(&from_row_major(&self.matrix), &from_row_major(&second), weight));
+        Self { matrix, ..*self }
+    }
 }
 
 #[cfg(test)]

@@ -114,13 +114,26 @@ pub(super) struct Material {
     pub(super) pbr_metallic_roughness: MetallicRoughness,
     pub(super) normal_texture: Option<TextureInfo>,
     pub(super) double_sided: bool,
+    pub(super) alpha_mode: AlphaMode,
+    pub(super) alpha_cutoff: Option<f64>,
     pub(super) extensions: Extensions,
+}
+
+/// What the alpha of the base colour does.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub(super) enum AlphaMode {
+    #[default]
+    Opaque,
+    Mask,
+    Blend,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct MetallicRoughness {
     pub(super) base_color_factor: [f64; 4],
+    pub(super) base_color_texture: Option<TextureInfo>,
     pub(super) metallic_factor: f64,
     pub(super) roughness_factor: f64,
     pub(super) metallic_roughness_texture: Option<TextureInfo>,
@@ -130,6 +143,7 @@ impl Default for MetallicRoughness {
     fn default() -> Self {
         Self {
             base_color_factor: [1.0; 4],
+            base_color_texture: None,
             metallic_factor: 1.0,
             roughness_factor: 1.0,
             metallic_roughness_texture: None,
@@ -221,6 +235,7 @@ pub(super) struct Clearcoat {
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Sheen {
     pub(super) sheen_color_factor: [f64; 3],
+    pub(super) sheen_color_texture: Option<TextureInfo>,
     pub(super) sheen_roughness_factor: f64,
     pub(super) sheen_roughness_texture: Option<TextureInfo>,
 }
@@ -230,12 +245,19 @@ pub(super) struct Sheen {
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Specular {
     pub(super) specular_factor: f64,
+    pub(super) specular_texture: Option<TextureInfo>,
     pub(super) specular_color_factor: [f64; 3],
+    pub(super) specular_color_texture: Option<TextureInfo>,
 }
 
 impl Default for Specular {
     fn default() -> Self {
-        Self { specular_factor: 1.0, specular_color_factor: [1.0; 3] }
+        Self {
+            specular_factor: 1.0,
+            specular_texture: None,
+            specular_color_factor: [1.0; 3],
+            specular_color_texture: None,
+        }
     }
 }
 

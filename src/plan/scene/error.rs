@@ -1,5 +1,7 @@
 //! Why a scene cannot be planned for.
 
+use ltcforge_fit::GoOn;
+
 /// Most faults that are told of one scene.
 const MOST_FAULTS: usize = 50;
 
@@ -39,6 +41,9 @@ pub enum SceneError {
         "the scene has no surface with a lobe that a table could serve: no triangles, or none of a material with GGX"
     )]
     Empty,
+    /// The caller's `go_on` said no.
+    #[error("stopped")]
+    Stopped,
 }
 
 fn list(faults: &[SceneFault]) -> String {
@@ -53,6 +58,11 @@ impl SceneError {
     /// One fault.
     pub(super) fn fault(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
         Self::Faults(vec![SceneFault { pointer: pointer.into(), detail: detail.into() }])
+    }
+
+    /// An error where `go_on` says no.
+    pub(super) fn unless(go_on: &GoOn<'_>) -> Result<(), Self> {
+        if go_on() { Ok(()) } else { Err(Self::Stopped) }
     }
 
     /// An error where `is` is above `most`.

@@ -79,7 +79,10 @@ pub(super) fn read(json: &[u8]) -> Result<Scene, SceneError> {
             ([None, None], Some(material)) => match Shaded::read(material, Some(index), None) {
                 Ok(shaded) => {
                     let mut lobes = Vec::new();
-                    shaded.lobes(&|_| [0.0; 2], &mut lobes);
+                    let there = shaded.lobes(&|_| [0.0; 2], &mut lobes);
+                    for lobe in &mut lobes {
+                        lobe.weight *= there;
+                    }
                     scene.notes.extend(shaded.missing.iter().map(|missing| format!("{}: {missing}", shaded.name)));
                     (shaded.name, lobes, shaded.uncovered)
                 }

@@ -1,9 +1,11 @@
 //! A glTF material as the lobes that light gives on it: roughness along and across, reflectance seen from above.
 
 use super::{
-    document::{Anisotropy, Clearcoat, Extensions, Ior, Material, Sheen, Specular, TextureInfo},
+    coverage::Coverage,
+    document::{Anisotropy, Clearcoat, Extensions, Material, Sheen, TextureInfo},
     error::SceneError,
-    texture::{Sampled, Textures, extension},
+    reflectance::{Dielectric, Uv, luminance},
+    texture::{Sampled, Textures, extension, linear},
 };
 use ltcforge_fit::{
     ALPHA_FLOOR,
@@ -50,10 +52,12 @@ pub(super) struct Shaded {
     roughness: f64,
     /// Roughness, metallic.
     surface: Option<Sampled>,
-    dielectric: f64,
+    dielectric: Dielectric,
+    coverage: Coverage,
     anisotropy: Option<(Anisotropy, Option<Sampled>)>,
     clearcoat: Option<(Clearcoat, Option<Sampled>, Option<Sampled>)>,
-    sheen: Option<(Sheen, Option<Sampled>)>,
+    /// With the textures of its colour and of its roughness.
+    sheen: Option<(Sheen, Option<Sampled>, Option<Sampled>)>,
     /// Whether its own lobe is one of GGX.
     is_ggx: bool,
     /// What a table does not serve.
@@ -131,11 +135,14 @@ impl Shaded {
         let sheen: Option<Sheen> = extension(extensions, "KHR_materials_sheen")?;
         let sheen = match sheen.filter(|of| of.sheen_color_factor.iter().any(|colour| *colour > 0.0)) {
             Some(of) => {
+                let colour = texture("sheen's colour", of.sheen_color_texture.as_ref(), &[0, 1, 2])?;
                 let roughness = texture("sheen's roughness", of.sheen_roughness_texture.as_ref(), &[3])?;
-                Some((of, roughness))
+                Some((of, colour, roughness))
             }
             None => None,
         };
+        let dielectric = Dielectric::read(extensions, &mut texture)?;
+        let coverage = Coverage::read(material, &mut texture)?;
         let of_list = |list: &[(&str, &str)], extensions: &Extensions| -> Vec<String> {
             let found = list.iter().filter(|(name, _)| extensions.contains_key(*name));
             found.map(|(name, what)| format!("{what} ({name})")).collect()
@@ -152,7 +159,8 @@ impl Shaded {
             metallic: of.metallic_factor,
             roughness: of.roughness_factor,
             surface,
-            dielectric: dielectric(extensions)?,
+            dielectric,
+            coverage,
             anisotropy,
             clearcoat,
             sheen,
@@ -174,7 +182,10 @@ impl Shaded {
         };
         unit("pbrMetallicRoughness/metallicFactor", self.metallic);
         unit("pbrMetallicRoughness/roughnessFactor", self.roughness);
-        self.base_color.iter().for_each(|colour| unit("pbrMetallicRoughness/baseColorFactor", *colour));
+        let [alpha, cutoff] = self.coverage.numbers();
+        self.base_color.iter().chain([&alpha]).for_each(|part| unit("pbrMetallicRoughness/baseColorFactor", *part));
+        // A cutoff above one leaves nothing of the material [glTF 2.0, section 3.9.4].
+        unit("alphaCutoff", cutoff.min(1.0));
         if let Some((of, _)) = &self.anisotropy {
             unit("extensions/KHR_materials_anisotropy/anisotropyStrength", of.anisotropy_strength);
         }
@@ -182,8 +193,11 @@ impl Shaded {
             unit("extensions/KHR_materials_clearcoat/clearcoatFactor", of.clearcoat_factor);
             unit("extensions/KHR_materials_clearcoat/clearcoatRoughnessFactor", of.clearcoat_roughness_factor);
         }
-        if let Some((of, _)) = &self.sheen {
+        if let Some((of, ..)) = &self.sheen {
             unit("extensions/KHR_materials_sheen/sheenRoughnessFactor", of.sheen_roughness_factor);
+            of.sheen_color_factor
+                .iter()
+                .for_each(|colour| unit("extensions/KHR_materials_sheen/sheenColorFactor", *colour));
         }
         faults.none()
     }
@@ -192,11 +206,9 @@ impl Shaded {
     fn textures(&self) -> impl Iterator<Item = &Sampled> {
         let of_coat = self.clearcoat.iter().flat_map(|(_, factor, roughness)| [factor, roughness]).flatten();
         let of_anisotropy = self.anisotropy.iter().filter_map(|(_, map)| map.as_ref());
-        self.surface
-            .iter()
-            .chain(of_anisotropy)
-            .chain(of_coat)
-            .chain(self.sheen.iter().filter_map(|(_, map)| map.as_ref()))
+        let of_sheen = self.sheen.iter().flat_map(|(_, colour, roughness)| [colour, roughness]).flatten();
+        let of_base = self.surface.iter().chain(self.dielectric.textures()).chain(self.coverage.textures());
+        of_base.chain(of_anisotropy).chain(of_coat).chain(of_sheen)
     }
 
     /// The sets of texture coordinates that its textures are at.
@@ -217,8 +229,8 @@ impl Shaded {
         self.is_ggx && self.anisotropy.is_some()
     }
 
-    /// The lobes at a point; `uv` gives the texture coordinates of a set.
-    pub(super) fn lobes(&self, uv: &dyn Fn(u32) -> [f64; 2], lobes: &mut Vec<LobeAt>) {
+    /// The lobes at a point, and the part of the surface that is there; `uv` gives the texture coordinates of a set.
+    pub(super) fn lobes(&self, uv: &Uv<'_>, lobes: &mut Vec<LobeAt>) -> f64 {
         let at = |map: &Option<Sampled>| map.as_ref().map_or([1.0; 3], |map| map.at(uv(map.set)));
         lobes.clear();
         let plain = |kind, weight, roughness: f64| LobeAt {
@@ -233,10 +245,9 @@ impl Shaded {
         if self.is_ggx {
             let [roughness, metallic, _] = at(&self.surface);
             let metallic = self.metallic * metallic;
-            let [r, g, b] = self.base_color;
             let base = plain(LobeKind::Base, 1.0, self.roughness * roughness);
-            let mut lobe =
-                LobeAt { metal: [metallic, 0.2126 * r + 0.7152 * g + 0.0722 * b], dielectric: self.dielectric, ..base };
+            let metal = [metallic, luminance(self.base_color)];
+            let mut lobe = LobeAt { metal, dielectric: self.dielectric.at(uv), ..base };
             if let Some((of, map)) = &self.anisotropy {
                 let [x, y, strength] = map.as_ref().map_or([1.0, 0.5, 1.0], |map| map.at(uv(map.set)));
                 let strength = of.anisotropy_strength * strength;
@@ -252,9 +263,13 @@ impl Shaded {
             let weight = of.clearcoat_factor * at(factor)[0];
             lobes.push(plain(LobeKind::Clearcoat, weight, of.clearcoat_roughness_factor * at(roughness)[0]));
         }
-        if let Some((of, roughness)) = &self.sheen {
-            lobes.push(plain(LobeKind::Sheen, 1.0, of.sheen_roughness_factor * at(roughness)[0]));
+        if let Some((of, colour, roughness)) = &self.sheen {
+            let [r, g, b] = at(colour).map(linear);
+            let [x, y, z] = of.sheen_color_factor;
+            let weight = (r * x).max(g * y).max(b * z);
+            lobes.push(plain(LobeKind::Sheen, weight, of.sheen_roughness_factor * at(roughness)[0]));
         }
+        self.coverage.at(uv)
     }
 }
 
@@ -267,21 +282,6 @@ fn named(name: Option<&str>, index: Option<usize>) -> String {
         (Some(name), _) if !name.trim().is_empty() => name.chars().filter(|c| !c.is_control()).take(80).collect(),
         (_, Some(index)) => format!("material {index}"),
         (_, None) => "the default material".to_owned(),
-    }
-}
-
-/// Reflectance seen from above of what is no metal, by `KHR_materials_ior` and `KHR_materials_specular`.
-fn dielectric(extensions: &Extensions) -> Result<f64, SceneError> {
-    let Ior { ior } = extension(extensions, "KHR_materials_ior")?.unwrap_or_default();
-    let specular: Specular = extension(extensions, "KHR_materials_specular")?.unwrap_or_default();
-    let [r, g, b] = specular.specular_color_factor;
-    let colour = 0.2126 * r + 0.7152 * g + 0.0722 * b;
-    let root = if ior > 0.0 { (ior - 1.0) / (ior + 1.0) } else { 1.0 };
-    let f0 = (root * root * colour).min(1.0) * specular.specular_factor;
-    if f0.is_finite() && f0 >= 0.0 {
-        Ok(f0)
-    } else {
-        Err(SceneError::fault("extensions/KHR_materials_specular", format!("a reflectance of {f0}")))
     }
 }
 

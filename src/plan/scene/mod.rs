@@ -7,6 +7,7 @@ mod accessor;
 mod camera;
 mod check;
 mod container;
+mod coverage;
 mod document;
 mod error;
 mod geometry;
@@ -15,6 +16,7 @@ mod image;
 mod list;
 mod material;
 mod model;
+mod reflectance;
 mod surface;
 mod texture;
 
@@ -25,25 +27,27 @@ use self::{
     surface::Surface, texture::Textures,
 };
 
+use ltcforge_fit::GoOn;
+
 pub use error::{SceneError, SceneFault};
 pub use material::LobeKind;
 pub use model::{Scene, SceneLobe, SceneMaterial};
 
 impl Scene {
-    /// Reads a scene's file, `.glb` or `.gltf`, and the files that it names in its folder.
+    /// Reads a scene's file, `.glb` or `.gltf`, and the files that it names in its folder; `go_on` may stop it.
     ///
     /// # Errors
-    /// [`SceneError`] where it is no glTF 2.0, too large, or without a surface.
-    pub fn open(path: &Path) -> Result<Self, SceneError> {
-        Self::of_container(Container::open(path)?)
+    /// [`SceneError`] where it is no glTF 2.0, too large, or without a surface, and where `go_on` says no.
+    pub fn open(path: &Path, go_on: &GoOn<'_>) -> Result<Self, SceneError> {
+        Self::of_container(Container::open(path)?, go_on)
     }
 
     /// Reads a scene that has all its bytes in one file.
     ///
     /// # Errors
     /// As [`Scene::open`].
-    pub fn from_bytes(bytes: Vec<u8>) -> Result<Self, SceneError> {
-        Self::of_container(Container::of_bytes(bytes, None)?)
+    pub fn from_bytes(bytes: Vec<u8>, go_on: &GoOn<'_>) -> Result<Self, SceneError> {
+        Self::of_container(Container::of_bytes(bytes, None)?, go_on)
     }
 
     /// Reads a list of materials: `{"materials": [{"alpha_x": 0.1, "alpha_y": 0.3, "weight": 2}, {"gltf": {...}}]}`.
@@ -54,15 +58,15 @@ impl Scene {
         list::read(json)
     }
 
-    fn of_container(mut container: Container) -> Result<Self, SceneError> {
+    fn of_container(mut container: Container, go_on: &GoOn<'_>) -> Result<Self, SceneError> {
         let document: Document = serde_json::from_slice(&container.json)
             .map_err(|error| SceneError::fault("", format!("no glTF 2.0: {error}")))?;
         check(&document)?;
         let graph = Graph::of(&document)?;
         let buffers = Buffers::read(&document, &mut container)?;
-        let materials = materials(&document, &graph, &buffers, &mut container)?;
+        let materials = materials(&document, &graph, &buffers, &mut container, go_on)?;
         let mut surface = Surface::new(&document, &buffers, &materials);
-        surface.gather(&graph)?;
+        surface.gather(&graph, go_on)?;
         let (triangles, (materials, of_surface)) = (surface.triangles, surface.finish());
         let mut notes = graph.notes;
         notes.extend(of_surface);
@@ -85,13 +89,14 @@ fn materials(
     graph: &Graph,
     buffers: &Buffers,
     container: &mut Container,
+    go_on: &GoOn<'_>,
 ) -> Result<Vec<Option<Shaded>>, SceneError> {
     let mut used = vec![false; document.materials.len() + 1];
     let meshes = graph.instances.iter().map(|instance| &document.meshes[instance.mesh]);
     for primitive in meshes.flat_map(|mesh| &mesh.primitives) {
         used[primitive.material.unwrap_or(document.materials.len())] = true;
     }
-    let mut textures = Textures::new(document, buffers, container);
+    let mut textures = Textures::new(document, buffers, container, go_on);
     let default = document::Material::default();
     let all = document.materials.iter().enumerate().map(|(index, material)| (Some(index), material));
     all.chain([(None, &default)])

@@ -14,10 +14,15 @@ use super::{
     model::{SceneLobe, SceneMaterial},
 };
 use crate::histogram::{Histogram, Views};
-use ltcforge_fit::math::recurrence4;
+use ltcforge_fit::{GoOn, math::recurrence4};
 
 /// Points at which materials are looked up: their histograms are then within a part in a thousand.
 const POINTS: f64 = (1 << 20) as f64;
+/// Cameras that look at all of them, and the most that there may be.
+const FULL_CAMERAS: f64 = 16.0;
+const MOST_CAMERAS: u64 = 256;
+/// After as many points the caller is asked whether to go on.
+const ASKED_AT: usize = 1024;
 /// Points over the textures of a primitive whose triangles cannot be read.
 const POINTS_OF_BOX: usize = 256;
 /// Notes about meshes: more would only repeat them.
@@ -54,11 +59,14 @@ impl<'a> Surface<'a> {
     }
 
     /// Gathers the lobes of every instance of every mesh.
-    pub(super) fn gather(&mut self, graph: &Graph) -> Result<(), SceneError> {
+    pub(super) fn gather(&mut self, graph: &Graph, go_on: &GoOn<'_>) -> Result<(), SceneError> {
         let mut of_mesh = vec![Vec::new(); self.document.meshes.len()];
         graph.instances.iter().for_each(|Instance { mesh, world }| of_mesh[*mesh].push(*world));
-        let total = self.sampled_area(&of_mesh, !graph.cameras.is_empty())?;
-        let per_point = if total > 0.0 { total / POINTS } else { 1.0 };
+        SceneError::above("cameras", graph.cameras.len() as u64, MOST_CAMERAS)?;
+        let total = self.sampled_area(&of_mesh, !graph.cameras.is_empty(), go_on)?;
+        // Each camera looks at each point, so that many have fewer.
+        let points = POINTS * (FULL_CAMERAS / graph.cameras.len() as f64).min(1.0);
+        let per_point = if total > 0.0 { total / points } else { 1.0 };
         for (mesh, worlds) in of_mesh.iter().enumerate().filter(|(_, worlds)| !worlds.is_empty()) {
             for primitive in 0..self.document.meshes[mesh].primitives.len() {
                 let slot = self.slot(mesh, primitive);
@@ -66,12 +74,13 @@ impl<'a> Surface<'a> {
                 match self.shape(mesh, primitive, material, !graph.cameras.is_empty())? {
                     Shape::Triangles(geometry) => {
                         for world in worlds {
-                            let seen = Seen { cameras: &graph.cameras, world, per_point };
-                            self.gathered[slot].add(material, &geometry, &seen);
+                            let seen = Seen { cameras: &graph.cameras, world, per_point, go_on };
+                            self.gathered[slot].add(material, &geometry, &seen)?;
                         }
                     }
                     Shape::Box { why, bounds } => {
                         for world in worlds {
+                            SceneError::unless(go_on)?;
                             self.gathered[slot].add_box(material, box_area(bounds, world));
                         }
                         self.note_box(mesh, &why);
@@ -98,13 +107,14 @@ impl<'a> Surface<'a> {
     }
 
     /// The surface whose points have to be looked at, and the number of all triangles.
-    fn sampled_area(&mut self, of_mesh: &[Vec<DMat4>], has_cameras: bool) -> Result<f64, SceneError> {
+    fn sampled_area(&mut self, of_mesh: &[Vec<DMat4>], has_cameras: bool, go_on: &GoOn<'_>) -> Result<f64, SceneError> {
         let (mut total, mut corners, mut looks) = (0.0, 0, 0_u64);
         for (mesh, worlds) in of_mesh.iter().enumerate().filter(|(_, worlds)| !worlds.is_empty()) {
             for primitive in 0..self.document.meshes[mesh].primitives.len() {
                 let Some(material) = &self.materials[self.slot(mesh, primitive)] else { continue };
                 let place = format!("/meshes/{mesh}/primitives/{primitive}");
                 let of = &self.document.meshes[mesh].primitives[primitive];
+                SceneError::unless(go_on)?;
                 // What is read is counted before it is.
                 let count = |accessor: usize| self.document.accessors[accessor].count;
                 let read = of.attributes.values().copied().chain(of.indices).map(count);
@@ -178,6 +188,7 @@ struct Seen<'a> {
     world: &'a DMat4,
     /// Surface for each point.
     per_point: f64,
+    go_on: &'a GoOn<'a>,
 }
 
 impl Gathered {
@@ -191,6 +202,9 @@ impl Gathered {
 
     /// Adds lobes that a piece of surface has, and the directions from which it is seen with their azimuths' axes.
     fn note(&mut self, lobes: &[LobeAt], weight: f64, views: &[DVec3]) {
+        if weight <= 0.0 {
+            return;
+        }
         self.area += weight;
         for at in lobes.iter().filter(|at| at.weight > 0.0) {
             let weight = weight * at.weight;
@@ -206,15 +220,17 @@ impl Gathered {
     }
 
     /// Adds an instance of a primitive.
-    fn add(&mut self, material: &Shaded, geometry: &Geometry, seen: &Seen<'_>) {
+    fn add(&mut self, material: &Shaded, geometry: &Geometry, seen: &Seen<'_>) -> Result<(), SceneError> {
+        SceneError::unless(seen.go_on)?;
         let total = area(geometry, seen.world);
         let mut lobes = Vec::new();
         if seen.cameras.is_empty() && !material.is_textured() {
-            material.lobes(&|_| [0.0; 2], &mut lobes);
-            return self.note(&lobes, total, &[]);
+            let there = material.lobes(&|_| [0.0; 2], &mut lobes);
+            self.note(&lobes, total * there, &[]);
+            return Ok(());
         }
         if total <= 0.0 {
-            return;
+            return Ok(());
         }
         // Points stand at even steps of the surface, one triangle after another.
         let points = (total / seen.per_point).ceil().max(1.0);
@@ -223,6 +239,9 @@ impl Gathered {
         for triangle in 0..geometry.len() {
             reached += geometry.area(triangle, seen.world);
             while next * step <= reached && next < points {
+                if number % ASKED_AT == 0 {
+                    SceneError::unless(seen.go_on)?;
+                }
                 let [u, v, ..] = recurrence4(number, [0.0; 4]);
                 let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
                 let weights = [1.0 - u - v, u, v];
@@ -238,12 +257,13 @@ impl Gathered {
                     views.extend(towards);
                 }
                 if seen.cameras.is_empty() || !views.is_empty() {
-                    material.lobes(&|set| geometry.uv(triangle, weights, set), &mut lobes);
-                    self.note(&lobes, step, &views);
+                    let there = material.lobes(&|set| geometry.uv(triangle, weights, set), &mut lobes);
+                    self.note(&lobes, step * there, &views);
                 }
                 (next, number) = (next + 1.0, number + 1);
             }
         }
+        Ok(())
     }
 
     /// Adds surface whose place is not known.
@@ -252,8 +272,8 @@ impl Gathered {
         let mut lobes = Vec::new();
         for number in 0..points {
             let [u, v, ..] = recurrence4(number, [0.0; 4]);
-            material.lobes(&|_| [u, v], &mut lobes);
-            self.note(&lobes, area / points as f64, &[]);
+            let there = material.lobes(&|_| [u, v], &mut lobes);
+            self.note(&lobes, area / points as f64 * there, &[]);
         }
         self.is_placeless = true;
     }

@@ -12,7 +12,7 @@ use super::*;
 use crate::histogram::Spot;
 
 fn scene(glb: &Glb) -> Scene {
-    Scene::from_bytes(glb.bytes()).expect("a scene")
+    Scene::from_bytes(glb.bytes(), &|| true).expect("a scene")
 }
 
 /// The part of a lobe's weight with a roughness.
@@ -96,7 +96,7 @@ fn images_of_every_format_are_read() {
         assert!(spots.iter().all(|spot| (spot.alpha.sqrt() - 0.4).abs() < tolerance), "{spots:?}");
     }
     let broken = quad_scene(&jpeg[..jpeg.len() / 2], [1.0; 2], [10497; 2], &json!({}));
-    let told = Scene::from_bytes(broken.bytes()).map_err(|error| error.to_string());
+    let told = Scene::from_bytes(broken.bytes(), &|| true).map_err(|error| error.to_string());
     assert!(told.is_err_and(|error| error.contains("/images/0")));
 }
 
@@ -109,6 +109,86 @@ fn a_transform_of_a_texture_moves_what_is_covered() {
     let quarter_turn = json!({ "KHR_texture_transform": { "rotation": FRAC_PI_2, "scale": [1.0, 0.125] } });
     let of = scene(&quad_scene(&image, [1.0; 2], [10497; 2], &quarter_turn));
     assert!((part(&of.materials[0].lobes[0], 0.04, 1.0) - 1.0).abs() < 1e-9, "{:?}", of.materials[0].lobes[0].spots);
+}
+
+/// A PNG of four channels, its left half of other texels than its right one.
+fn halves(left: [u8; 4], right: [u8; 4]) -> Vec<u8> {
+    let texels: Vec<u8> = (0..64 * 64).flat_map(|i| if i % 64 < 32 { left } else { right }).collect();
+    let mut out = Vec::new();
+    let mut encoder = png::Encoder::new(&mut out, 64, 64);
+    encoder.set_color(png::ColorType::Rgba);
+    let mut writer = encoder.write_header().expect("a header");
+    writer.write_image_data(&texels).expect("texels");
+    writer.finish().expect("an image");
+    out
+}
+
+/// The lobes of a unit square of a material with textures of one image.
+fn lobes_of(image: &[u8], material: impl Fn(Value) -> Value) -> SceneMaterial {
+    let mut glb = Glb::default();
+    let texture = glb.texture(image, [10497; 2]);
+    let material = glb.material(material(json!({ "index": texture })));
+    let mesh = glb.quad(Some(material));
+    glb.node(json!({ "mesh": mesh }));
+    scene(&glb).materials.remove(0)
+}
+
+/// What is cut away is not there, and what is clear counts by its alpha.
+#[test]
+fn surfaces_weigh_by_their_alpha() {
+    let image = halves([255, 255, 255, 51], [255, 255, 255, 204]);
+    // (mode, cutoff, factor, area)
+    for (mode, cutoff, factor, area) in [
+        ("OPAQUE", 0.5, 1.0, 1.0),
+        ("MASK", 0.5, 1.0, 0.5),
+        ("MASK", 0.1, 1.0, 1.0),
+        ("BLEND", 0.5, 1.0, 0.5),
+        ("BLEND", 0.5, 0.5, 0.25),
+    ] {
+        let found = lobes_of(&image, |info| {
+            let pbr = json!({ "baseColorTexture": info, "baseColorFactor": [1, 1, 1, factor] });
+            json!({ "pbrMetallicRoughness": pbr, "alphaMode": mode, "alphaCutoff": cutoff })
+        });
+        for weight in [found.area, found.lobes[0].weight()] {
+            assert!((weight - area).abs() < 0.01 * area, "{mode} {cutoff} {factor}: {weight}");
+        }
+    }
+    let mut glb = Glb::default();
+    let away = json!({ "pbrMetallicRoughness": { "baseColorFactor": [1, 1, 1, 0.4] }, "alphaMode": "MASK" });
+    for material in [away, rough(0.5)] {
+        let material = glb.material(material);
+        let mesh = glb.quad(Some(material));
+        glb.node(json!({ "mesh": mesh }));
+    }
+    let found = scene(&glb);
+    assert_eq!((found.materials[0].area, found.materials[0].lobes.len()), (0.0, 0));
+}
+
+#[test]
+fn textures_of_reflectance_and_of_sheen_count() {
+    let image = halves([255, 255, 255, 255], [0, 0, 0, 51]);
+    let plastic = json!({ "metallicFactor": 0.0 });
+    let found = lobes_of(&image, |info| {
+        let specular = json!({ "specularTexture": info });
+        json!({ "pbrMetallicRoughness": plastic, "extensions": { "KHR_materials_specular": specular } })
+    });
+    assert!((found.lobes[0].f0[0][0] - 0.04 * 0.6).abs() < 1e-4, "{:?}", found.lobes[0].f0);
+    let found = lobes_of(&image, |info| {
+        let specular = json!({ "specularColorTexture": info, "specularColorFactor": [0.5, 0.5, 0.5] });
+        json!({ "pbrMetallicRoughness": plastic, "extensions": { "KHR_materials_specular": specular } })
+    });
+    assert!((found.lobes[0].f0[0][0] - 0.5 * 0.04 * 0.5).abs() < 1e-4, "{:?}", found.lobes[0].f0);
+    let found = lobes_of(&image, |info| {
+        let sheen = json!({
+            "sheenColorFactor": [0.5, 0.25, 0.5], "sheenRoughnessFactor": 0.5,
+            "sheenColorTexture": info, "sheenRoughnessTexture": info,
+        });
+        json!({ "extensions": { "KHR_materials_sheen": sheen } })
+    });
+    let sheen = found.lobes.iter().find(|lobe| lobe.kind == LobeKind::Sheen).expect("a lobe");
+    // Where its colour is black there is none.
+    assert!((sheen.weight() - 0.25).abs() < 2.5e-3 && sheen.spots.len() == 1, "{sheen:?}");
+    assert_eq!(sheen.spots[0].alpha, 0.25);
 }
 
 #[test]
@@ -133,6 +213,7 @@ fn anisotropy_is_along_the_tangent_and_coats_are_lobes_of_their_own() {
     assert_eq!((coat.kind, coat.spots[0].ratio), (LobeKind::Clearcoat, 1.0));
     assert!((coat.spots[0].alpha - 0.04).abs() < 1e-12 && (coat.weight() - 0.5).abs() < 1e-6);
     assert_eq!((sheen.kind, sheen.spots[0].alpha), (LobeKind::Sheen, 0.25));
+    assert!((sheen.weight() - 0.1).abs() < 1e-9);
     assert!(scene.materials[0].uncovered[0].contains("KHR_materials_transmission"));
 }
 

@@ -6,12 +6,15 @@ use serde::de::DeserializeOwned;
 
 use super::{
     accessor::Buffers,
-    container::{Container, Named},
+    container::{Container, MOST_BYTES, Named},
     document::{Document, Extensions, TextureInfo, TextureTransform, WebpTexture},
     error::SceneError,
     image::{MOST_PIXELS_OF_ALL, Pixels, decode},
 };
-use ltcforge_fit::math::sin_cos;
+use ltcforge_fit::{
+    GoOn,
+    math::{pow, sin_cos},
+};
 
 const CLAMP: u32 = 33_071;
 const MIRROR: u32 = 33_648;
@@ -48,7 +51,6 @@ impl Sampled {
 }
 
 /// Reads textures one at a time, and notes what it cannot have.
-#[derive(Debug)]
 pub(super) struct Textures<'a> {
     document: &'a Document,
     buffers: &'a Buffers,
@@ -56,11 +58,19 @@ pub(super) struct Textures<'a> {
     /// Channels of images that several textures may have, or why there are none, and how many pixels are kept.
     kept: BTreeMap<(usize, Vec<usize>), Result<Rc<Pixels>, String>>,
     pixels: u64,
+    /// Bytes of the images that were decoded: many may be of one part of the file.
+    bytes: u64,
+    go_on: &'a GoOn<'a>,
 }
 
 impl<'a> Textures<'a> {
-    pub(super) fn new(document: &'a Document, buffers: &'a Buffers, container: &'a mut Container) -> Self {
-        Self { document, buffers, container, kept: BTreeMap::new(), pixels: 0 }
+    pub(super) fn new(
+        document: &'a Document,
+        buffers: &'a Buffers,
+        container: &'a mut Container,
+        go_on: &'a GoOn<'a>,
+    ) -> Self {
+        Self { document, buffers, container, kept: BTreeMap::new(), pixels: 0, bytes: 0, go_on }
     }
 
     /// Some channels of a material's texture. The inner error says why there are none.
@@ -108,10 +118,13 @@ impl<'a> Textures<'a> {
     }
 
     fn decoded(&mut self, image: usize, channels: &[usize]) -> Result<Result<Rc<Pixels>, String>, SceneError> {
+        SceneError::unless(self.go_on)?;
         let bytes = match self.image(image)? {
             Ok(bytes) => bytes,
             Err(why) => return Ok(Err(format!("image {image}: {why}"))),
         };
+        self.bytes += bytes.len() as u64;
+        SceneError::above("bytes of all images", self.bytes, MOST_BYTES)?;
         let Some(pixels) = decode(&format!("/images/{image}"), &bytes, channels)? else {
             return Ok(Err(format!("image {image} is neither PNG nor JPEG nor WebP")));
         };
@@ -134,6 +147,11 @@ impl<'a> Textures<'a> {
             (None, None) => Ok(Err("it has no bytes".into())),
         }
     }
+}
+
+/// A level of a colour texture as light: the curve of sRGB [IEC 61966-2-1]. Domain: [0, 1].
+pub(super) fn linear(level: f64) -> f64 {
+    if level <= 0.040_45 { level / 12.92 } else { pow((level + 0.055) / 1.055, 2.4) }
 }
 
 /// An extension of a material or texture, where it is there.

@@ -11,7 +11,7 @@ use super::{
     problem::Problem,
 };
 use crate::service::Planned;
-use ltcforge_plan::{Budget, Form};
+use ltcforge_plan::{Budget, Form, GpuLimit};
 
 /// The query of `POST /v1/plans`.
 #[derive(Debug, Deserialize)]
@@ -22,6 +22,10 @@ pub(super) struct PlanParameters {
     seconds: Option<f64>,
     #[serde(default)]
     any_nodes: bool,
+    #[serde(default)]
+    no_terms: bool,
+    registers: Option<u32>,
+    instructions: Option<u32>,
 }
 
 impl PlanParameters {
@@ -55,7 +59,8 @@ pub(super) async fn plan(
     SceneBody(bytes, sent, room): SceneBody,
 ) -> Result<Json<PlanView>, Problem> {
     let budget = parameters.budget()?;
-    let form = Form { any_nodes: parameters.any_nodes, ..Form::default() };
+    let PlanParameters { any_nodes, no_terms, registers, instructions, .. } = parameters;
+    let form = Form { layout: None, any_nodes, no_terms, ship: false, gpu: GpuLimit { registers, instructions } };
     let made = move |service: &crate::service::Service| {
         let made = service.plan(bytes.into(), sent, budget, form);
         drop(room);

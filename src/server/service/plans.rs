@@ -49,6 +49,7 @@ impl From<SceneError> for PlanError {
     fn from(error: SceneError) -> Self {
         match error {
             SceneError::Faults(faults) => Self::Scene(faults),
+            SceneError::Stopped => Self::Service(ServiceError::Stopping),
             other => Self::Scene(vec![SceneFault { pointer: String::new(), detail: other.to_string() }]),
         }
     }
@@ -60,11 +61,11 @@ impl Service {
     /// # Errors
     /// See [`PlanError`].
     pub fn plan(&self, bytes: Vec<u8>, sent: SceneForm, budget: Budget, form: Form) -> Result<Planned, PlanError> {
+        let go_on = || !self.is_stopping();
         let scene = match sent {
-            SceneForm::Glb => Scene::from_bytes(bytes)?,
+            SceneForm::Glb => Scene::from_bytes(bytes, &go_on)?,
             SceneForm::List => Scene::from_list(&bytes)?,
         };
-        let go_on = || !self.is_stopping();
         let mut plans = Vec::new();
         for needs in [false, true].into_iter().filter_map(|sheen| Needs::of(&scene, sheen)) {
             let plan = self.state.measuring_pool.install(|| TablePlan::new(needs, budget, form, &go_on));

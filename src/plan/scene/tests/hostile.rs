@@ -11,7 +11,7 @@ use super::{
 
 fn refused(glb: &Glb) -> String {
     let started = Instant::now();
-    let error = Scene::from_bytes(glb.bytes()).expect_err("hostile").to_string();
+    let error = Scene::from_bytes(glb.bytes(), &|| true).expect_err("hostile").to_string();
     assert!(started.elapsed() < Duration::from_secs(5), "{error}");
     error
 }
@@ -80,7 +80,7 @@ fn numbers_that_are_none_weigh_nothing_and_stop_nothing() {
     let mesh = glb.quad(None);
     glb.json["meshes"][mesh]["primitives"][0] = json!({ "attributes": { "POSITION": positions } });
     glb.node(json!({ "mesh": mesh }));
-    let scene = Scene::from_bytes(glb.bytes()).expect("a scene");
+    let scene = Scene::from_bytes(glb.bytes(), &|| true).expect("a scene");
     assert!((scene.materials[0].area - 1.0).abs() < 1e-6);
     glb.json["nodes"][0]["scale"] = json!([1e300, 1e300, 1e300]);
     glb.json["nodes"][0]["children"] = json!([2]);
@@ -144,7 +144,7 @@ fn nothing_beside_a_scene_that_was_sent_is_read() {
     glb.json["buffers"] = json!([{ "byteLength": 200, "uri": "/etc/hostname" }]);
     assert!(refused(&glb).contains("/buffers/0/uri"));
     glb.json["buffers"] = json!([{ "byteLength": 1 << 16, "uri": "other.bin" }]);
-    let scene = Scene::from_bytes(glb.bytes()).expect("a scene");
+    let scene = Scene::from_bytes(glb.bytes(), &|| true).expect("a scene");
     assert!(scene.notes[0].contains("other.bin"), "{:?}", scene.notes);
 }
 
@@ -164,6 +164,59 @@ fn a_scene_without_a_lobe_is_refused() {
     glb.json["meshes"][0]["primitives"][0]["material"] = json!(0);
     assert!(refused(&glb).contains("no surface"));
     for bytes in [&b"{}"[..], b"[]", b"", b"null", b"{\"nodes\": 3}"] {
-        assert!(Scene::from_bytes(bytes.to_vec()).is_err());
+        assert!(Scene::from_bytes(bytes.to_vec(), &|| true).is_err());
     }
+}
+
+/// Asked before each image and mesh, and every thousand points: a caller that gives up is not kept waiting.
+#[test]
+fn reading_a_scene_stops_where_the_caller_says_so() {
+    use std::sync::atomic::{AtomicU32, Ordering};
+    let glb = quad_scene(&checker(4, |x, _| x as u8), [1.0; 2], [10497; 2], &json!({}));
+    let asked = AtomicU32::new(0);
+    let read_while = |most: u32| {
+        asked.store(0, Ordering::Relaxed);
+        Scene::from_bytes(glb.bytes(), &|| asked.fetch_add(1, Ordering::Relaxed) < most)
+    };
+    assert!(read_while(u32::MAX).is_ok());
+    let all = asked.load(Ordering::Relaxed);
+    assert!(all > 1000, "{all}");
+    for most in [0, 1, 2, all / 2, all - 1] {
+        assert!(matches!(read_while(most), Err(SceneError::Stopped)), "{most}");
+        assert_eq!(asked.load(Ordering::Relaxed), most + 1);
+    }
+}
+
+#[test]
+fn many_cameras_and_many_images_of_the_same_bytes_are_refused() {
+    let mut glb = plain();
+    let camera = glb.camera(json!({ "perspective": { "yfov": 1.0, "znear": 0.1 } }));
+    for _ in 0..300 {
+        glb.node(json!({ "camera": camera, "translation": [0.0, 0.0, 2.0] }));
+    }
+    assert!(refused(&glb).contains("cameras: 300"));
+    let mut glb = Glb::default();
+    // A PNG with a long chunk that no one reads.
+    let mut image = checker(4, |_, _| 9);
+    let end = image.split_off(image.len() - 12);
+    let chunk = [b"ruSt".to_vec(), vec![0; 1 << 20]].concat();
+    image.extend((1_u32 << 20).to_be_bytes());
+    image.extend(&chunk);
+    image.extend(crc(&chunk).to_be_bytes());
+    image.extend(end);
+    let view = glb.view(&image);
+    let mesh = glb.quad(None);
+    let primitive = glb.json["meshes"][mesh]["primitives"][0].clone();
+    let mut primitives = Vec::new();
+    for number in 0..1100 {
+        glb.json["images"].as_array_mut().expect("a list").push(json!({ "bufferView": view }));
+        glb.json["textures"].as_array_mut().expect("a list").push(json!({ "source": number }));
+        let texture = json!({ "metallicRoughnessTexture": { "index": number } });
+        let mut with_material = primitive.clone();
+        with_material["material"] = json!(glb.material(json!({ "pbrMetallicRoughness": texture })));
+        primitives.push(with_material);
+    }
+    glb.json["meshes"][mesh]["primitives"] = json!(primitives);
+    glb.node(json!({ "mesh": mesh }));
+    assert!(refused(&glb).contains("bytes of all images"));
 }
