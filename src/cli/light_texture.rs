@@ -56,7 +56,7 @@ pub(super) fn run(args: &LightTextureArgs, json: bool, context: &mut Context<'_>
         // Writing to a String cannot fail.
         let _ = writeln!(text, "{}  {} bytes", args.out.join(&file.name).display(), file.bytes.len());
     }
-    if *format != PROFILE_FORMAT && (0..2).all(|i| size[i] < picture[i]) {
+    if *format != PROFILE_FORMAT && (0..2).any(|i| size[i] < picture[i]) {
         let [along, in_all] = MOST_SQUARE_TEXELS;
         let _ = writeln!(text, "coarser than the picture: texels are at most {along} a side and {in_all} in all");
     }

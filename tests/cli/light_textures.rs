@@ -80,6 +80,10 @@ fn a_picture_that_becomes_coarser_is_told() {
         "{coarser}"
     );
     assert!(!said(&[]).contains("coarser"), "{}", said(&[]));
+    // Coarser along one side alone.
+    picture_of(here, [776, 866]);
+    let coarser = said(&["--light", "20x1"]);
+    assert!(coarser.contains("8192 x 410 texels") && coarser.contains("coarser than the picture"), "{coarser}");
 }
 
 #[test]

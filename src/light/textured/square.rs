@@ -12,8 +12,8 @@ pub const MOST_SQUARE_TEXELS: [usize; 2] = [8192, 1 << 24];
 
 impl LightImage {
     /// How many texels the image needs along both sides to be square on a light of this width and height, in any unit: as
-    /// many along one side as it has, and no fewer along the other, up to 8192 a side and 2^24 in all. Domain: lengths
-    /// above zero.
+    /// many along one side as it has, and no fewer along the other; fewer along both where that would be more than 8192 a
+    /// side or 2^24 in all. Domain: lengths above zero.
     #[must_use]
     pub fn square_size(&self, light: [f64; 2]) -> [usize; 2] {
         let size = [self.width() as f64, self.height() as f64];

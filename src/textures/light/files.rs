@@ -82,6 +82,10 @@ pub fn light_texture_files(
         }
         _ => {
             let precision = match texels {
+                // It has no format of three channels of 16 bits.
+                LightTexels::Rgba16f if matches!(container, TextureContainer::Dds | TextureContainer::DdsDx10) => {
+                    return Err(unsupported(name, container, "texels", texels.name().to_owned(), "rgba32f"));
+                }
                 LightTexels::Rgba16f => Precision::F16,
                 LightTexels::Rgba32f => Precision::F32,
                 LightTexels::Rgb9e5 => {

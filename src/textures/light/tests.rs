@@ -306,6 +306,8 @@ fn other_containers_hold_a_texture_for_each_level() {
     }
     let refused = files(TextureContainer::Exr, LightTexels::Rgb9e5).expect_err("no such texels").to_string();
     assert_eq!(refused, "«screen»: texels is rgb9e5; exr allows rgba16f, rgba32f");
+    let refused = files(TextureContainer::Dds, LightTexels::Rgba16f).expect_err("no such texels").to_string();
+    assert_eq!(refused, "«screen»: texels is rgba16f; dds allows rgba32f");
 }
 
 #[test]
