@@ -18,8 +18,8 @@ use ltcforge_files::{
 };
 use ltcforge_fit::{GoOn, Layout, Plan, Recipe, Table};
 use ltcforge_plan::{
-    Budget, Form, GpuLimit, Needs, Scene, SceneError, TablePlan, document, left_out, of_other_models, outside, picture,
-    words,
+    Budget, Form, GpuLimit, Needs, Scene, SceneError, TablePlan, document, left_out, of_other_models,
+    other_reflectances, outside, picture, words,
 };
 use ltcforge_textures::{CompactContainer, Engine, Export, TextureLayout};
 
@@ -30,7 +30,7 @@ const LIST_LIMIT_BYTES: u64 = 1 << 20;
 pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let interrupt = context.interrupt.clone();
     let go_on = || !interrupt.is_set();
-    let scene = read(&args.scene, &go_on)?;
+    let mut scene = read(&args.scene, &go_on)?;
     if let Some(table) = &args.table {
         return check(&scene, &AnyTable::named(table, &args.folder)?, json, context);
     }
@@ -38,6 +38,12 @@ pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Res
     let layout = args.engine.and_then(engine_layout);
     let gpu = GpuLimit { registers: args.registers, instructions: args.instructions };
     let form = Form { layout, any_nodes: args.any_nodes, no_terms: args.no_terms, ship: args.ship, gpu };
+    let engine = args.engine.filter(|_| layout.is_some());
+    if let Some(engine) = engine.filter(|_| Needs::of(&scene, true).is_some()) {
+        scene.notes.push(format!(
+            "sheen: files for {engine} are of one scattering model; without --for it has a table of its own"
+        ));
+    }
     let pool = args.threads.pool()?;
     let mut plans = Vec::new();
     for (sheen, name) in [(false, "recipe"), (true, "recipe-sheen")] {
@@ -45,6 +51,13 @@ pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Res
         let Some(needs) = Needs::of(&scene, sheen).filter(|_| !sheen || layout.is_none()) else { continue };
         let plan = pool.install(|| TablePlan::new(needs, budget(args), form, &go_on));
         plans.push((name, plan.map_err(|_| CommandFailure::interrupted())?));
+    }
+    if let Some(engine) = engine.filter(|_| plans.is_empty()) {
+        let why = format!(
+            "{}: nothing but sheen, and files for {engine} are of none: plan without --for",
+            args.scene.display()
+        );
+        return Err(CommandFailure::new(Exit::Usage, why));
     }
     let mut tables = Vec::new();
     if args.fit {
@@ -189,6 +202,11 @@ fn check(scene: &Scene, of: &AnyTable, json: bool, context: &mut Context<'_>) ->
         format!("{material}: its {} is of another model", json!(kind).as_str().unwrap_or("lobe"))
     };
     let mut left: Vec<String> = others.iter().map(other).collect();
+    left.extend(other_reflectances(scene, &of.table).map(|[found, fitted]| {
+        let [found, fitted] = [found, fitted]
+            .map(|[low, high]| if low == high { format!("{low:.2}") } else { format!("{low:.2} to {high:.2}") });
+        format!("reflectance: materials have F0 {found}, and the table's lobes are those of {fitted}")
+    }));
     left.extend(left_out(scene));
     let value = json!({ "table": of.digest, "outside": outside, "not_checked": left });
     lines.extend(left);

@@ -218,7 +218,7 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
         format!(", {told} to ship in its compact form,")
     });
     let line = format!(
-        "{of}{nodes} nodes, {}{shipped} as {}, {}, {:.1} s on one core: expected error {:.4}, of which {limit:.4} is the lobe model's own{measured}",
+        "{of}{nodes} nodes, {}{shipped} as {}, {}, {:.1} s on one core: expected error {:.4}, of which {limit:.4} stays with any number of nodes{measured}",
         bytes_in_words(chosen.bytes),
         chosen.recipe.precision(),
         effort_in_words(&chosen.recipe.fit),

@@ -28,7 +28,7 @@ pub use form::Form;
 pub use held::Stopped;
 pub use histogram::{Spot, Views};
 pub use needs::{Needs, Place};
-pub use outside::{Outside, OutsideAxis, of_other_models, outside};
+pub use outside::{Outside, OutsideAxis, of_other_models, other_reflectances, outside};
 pub use picture::picture;
 pub use plan::{Fitted, Measured, TablePlan, Whole};
 pub use scene::{LobeKind, Scene, SceneError, SceneFault, SceneLobe, SceneMaterial};

@@ -3,10 +3,13 @@
 use serde::Serialize;
 
 use crate::scene::{LobeKind, Scene, SceneLobe};
-use ltcforge_fit::{ALPHA_FLOOR, BrdfKind, RATIO_FLOOR, THETA_CEILING, Table};
+use ltcforge_fit::{ALPHA_FLOOR, BrdfKind, LobeFresnel, RATIO_FLOOR, THETA_CEILING, Table};
 
 /// Numbers that differ by no more are the same: those of tables and recipes are decimals.
 const TOLERANCE: f64 = 1e-6;
+
+/// Reflectances that differ by no more have lobes that are alike.
+const REFLECTANCE: f64 = 0.02;
 
 /// What of a material lies outside of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -36,6 +39,26 @@ pub fn of_other_models(scene: &Scene, table: &Table) -> Vec<(String, LobeKind)> 
     let lobes = scene.materials.iter().flat_map(|material| material.lobes.iter().map(move |lobe| (material, lobe)));
     let other = lobes.filter(|(_, lobe)| !is_for(table, lobe.kind));
     other.map(|(material, lobe)| (material.name.clone(), lobe.kind)).collect()
+}
+
+/// The reflectances seen from above that a scene has and those that the lobes of a table are fitted to, each from the least
+/// to the greatest, where the scene's go beyond: such a table has their roughnesses, and a lobe of other materials. `None` for a
+/// table of two lobes, which serve all.
+#[must_use]
+pub fn other_reflectances(scene: &Scene, table: &Table) -> Option<[[f64; 2]; 2]> {
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    };
+    let fitted = match table.model().fresnel() {
+        LobeFresnel::One => [1.0; 2],
+        LobeFresnel::Mix(parts) => range(&mut parts.iter().map(|part| part.f0)),
+        LobeFresnel::Two(_) => return None,
+    };
+    let lobes = scene.materials.iter().flat_map(|material| &material.lobes).filter(|lobe| lobe.kind != LobeKind::Sheen);
+    let weighed = lobes.flat_map(|lobe| &lobe.f0).filter(|[_, weight]| *weight > 0.0);
+    let found = range(&mut weighed.map(|[f0, _]| *f0));
+    let is_beyond = found[0] < fitted[0] - REFLECTANCE || found[1] > fitted[1] + REFLECTANCE;
+    (is_beyond && table.brdf().has_fresnel()).then_some([found, fitted])
 }
 
 /// Whether a table's scattering model is that of a kind of lobe.

@@ -5,7 +5,7 @@ use std::{f64::consts::FRAC_PI_4, fs};
 use ltcforge::Digest;
 use serde_json::{Value, json};
 
-use crate::common::command::run;
+use crate::common::command::{run, run_with_stdin};
 
 const LIST: &str = r#"{"materials": [
     {"name": "steel", "alpha_x": 0.2, "alpha_y": 0.2, "weight": 3}, {"name": "lacquer", "alpha_x": 0.05, "alpha_y": 0.05, "f0": 0.04}
@@ -47,7 +47,13 @@ fn a_plan_is_fitted_pinned_and_checked() {
     assert_eq!(fs::read(here.join("again/recipe.json")).expect("a recipe"), recipe);
 
     run(here, ["lock", "ltc", "--plan", "ltc"]).exited(0);
-    run(here, ["plan", "scene.json", "ltc.safetensors", "--check"]).exited(0);
+    let told = run(here, ["plan", "scene.json", "ltc.safetensors", "--check"]).exited(0).stdout;
+    assert!(!told.contains("reflectance"), "{told}");
+    let plain =
+        r#"{"preset": "draft", "range": {"ratio": [1, 1], "phi": [0, 0]}, "resolution": {"alpha": 4, "theta": 4}}"#;
+    let plain = run_with_stdin(here, ["fit", "-"], plain).exited(0).last_line().to_owned();
+    let told = run(here, ["plan", "scene.json", &plain, "--check"]).exited(0).stdout;
+    assert!(told.contains("reflectance: materials have F0 ") && told.contains("are those of 1.00"), "{told}");
     fs::write(here.join("grown.json"), LIST.replace("0.05", "0.4")).expect("a list");
     let told = run(here, ["plan", "grown.json", "ltc.safetensors", "--check"]).exited(3).stdout;
     assert!(told.starts_with("lacquer: alpha 0.4000 to 0.4000, of the table 0.0500 to 0.2000"), "{told}");
@@ -159,6 +165,14 @@ fn recipes_of_sheen_are_pinned_beside_the_others() {
     assert!(pinned.contains("cloth-sheen") && pinned.contains("charlie_neubelt"), "{pinned}");
     assert!(here.join("assets/cloth.bin").exists() && here.join("assets/cloth-sheen.bin").exists());
     run(here, ["verify", "assets/cloth.bin", "assets/cloth-sheen.bin"]).exited(0);
+    // An engine's files are of one scattering model.
+    let told = run(here, ["plan", "scene.json", "--for", "three", "-o", "three"]).exited(0).stdout;
+    assert!(told.contains("left out: sheen: files for three are of one scattering model"), "{told}");
+    assert!(!here.join("three/recipe-sheen.json").exists());
+    let unlit = list.replace(r#""extensions": {"#, r#""extensions": {"KHR_materials_unlit": {}, "#);
+    fs::write(here.join("fibres.json"), unlit).expect("a list");
+    let refused = run(here, ["plan", "fibres.json", "--for", "three", "-o", "none"]).exited(2).stderr;
+    assert!(refused.contains("nothing but sheen"), "{refused}");
     // A plan of a scene without cloth leaves no recipe of one behind.
     fs::write(here.join("scene.json"), LIST).expect("a list");
     run(here, ["plan", "scene.json", "--bytes", "1000", "-o", "plans"]).exited(0);

@@ -5,11 +5,14 @@ import { withWorld } from './world.js';
 await withWorld( async ( { service, open } ) => {
 
 	// A link with faults in it, of which one has no field.
-	const recipe = { preset: 'draft', colour: 'red', fit: { samples: 3 } };
+	const recipe = { preset: 'draft', colour: "it's red", fit: { samples: 3 } };
 	const page = await open( `new?${ new URLSearchParams( { recipe: JSON.stringify( recipe ) } ) }` );
 	const fault = ( field ) => page.locator( `#field-${ field }-fault` );
 	await fault( 'fit-samples' ).filter( { hasText: 'from 32 to 65536' } ).waitFor();
 	await page.getByText( '/colour: unknown field' ).waitFor();
+	// A shell that is given the line reads one word.
+	const line = await page.getByRole( 'region', { name: 'Call by curl' } ).textContent();
+	if ( ! line.includes( `"colour":"it'\\''s red"` ) ) throw new Error( line );
 	const samples = page.locator( '#field-fit-samples' );
 	const shown = { samples: await samples.inputValue(), invalid: await samples.getAttribute( 'aria-invalid' ), directions: await page.locator( '#field-fit-directions' ).inputValue() };
 	const isRefused = await page.getByRole( 'button', { name: 'Submit' } ).isDisabled();

@@ -34,11 +34,14 @@ await withWorld( async ( { service, open } ) => {
 	const middle = before.split( ' ' ).map( ( pair ) => pair.split( ',' ).map( Number ) ).reduce( ( [ a, b ], [ x, y ] ) => [ a + x / 4, b + y / 4 ], [ 0, 0 ] );
 	await drag( ( middle[ 0 ] + 1 ) / 2 * stage.width, ( middle[ 1 ] + 1 ) / 2 * stage.height );
 	await page.waitForFunction( () => location.hash.includes( 'light_x' ) );
+	await page.locator( '#view-split' ).fill( '0.3' );
+	await page.waitForFunction( () => location.hash.includes( 'split=0.3' ) );
 	const hash = await page.evaluate( () => location.hash );
 	const value = await page.locator( '#view-light_x' ).inputValue();
 	await page.reload();
 	await page.locator( '#view-light_x' ).waitFor();
-	const kept = await page.locator( '#view-light_x' ).inputValue() === value && await page.evaluate( () => location.hash ) === hash;
+	const kept = await page.locator( '#view-light_x' ).inputValue() === value && await page.locator( '#view-split' ).inputValue() === '0.3' && await page.evaluate( () => location.hash ) === hash;
+	await page.locator( '#view-split' ).fill( '0.5' );
 	// A light is added, made a tube, dragged away from the eye, and taken away again.
 	await page.getByRole( 'button', { name: 'Add' } ).click();
 	await page.locator( '#view-light_shape' ).selectOption( 'tube' );

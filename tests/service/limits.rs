@@ -125,6 +125,9 @@ fn met(name: &str, server: &Server) -> Value {
             server.request("POST", "/v1/brdfs", &[OCTETS], Some(&first)).with_status(201);
             server.request("POST", "/v1/brdfs", &[OCTETS], Some(&second)).json()
         }
+        name if name.starts_with("requests a second") => eventually("a refusal", || {
+            Some(server.get("/v1/jobs")).filter(|answer| answer.status != 200).map(|answer| answer.json())
+        }),
         name if name.starts_with("light textures that are stored") => {
             // One pixel of Radiance HDR, and another.
             let picture = |exponent: u8| [b"#?RADIANCE\n\n-Y 1 +X 1\n\x80\x80\x80".as_slice(), &[exponent]].concat();
@@ -152,6 +155,7 @@ fn arguments(name: &str) -> &'static [&'static str] {
         name if name.starts_with("time until") || name.starts_with("tabulated BRDFs that are received") => {
             &["--client-seconds", "1"]
         }
+        name if name.starts_with("requests a second") => &["--requests-per-second", "1"],
         name if name.starts_with("tabulated BRDFs that are stored") => &["--brdf-limit", "1"],
         name if name.starts_with("light textures that are stored") => &["--light-texture-limit", "1"],
         "jobs that wait or run" => &["--queue-limit", "1"],

@@ -25,6 +25,11 @@ pub(super) fn check(document: &Document) -> Result<(), SceneError> {
         SceneError::above(format!("/{name}"), length as u64, MOST_ITEMS)?;
     }
     let mut faults = Faults::default();
+    let version = &document.asset.version;
+    if !version.is_empty() && version.split('.').next() != Some("2") {
+        let shown: String = version.chars().take(40).collect();
+        faults.note("/asset/version".to_owned(), format!("«{shown}» is no version 2 of glTF"));
+    }
     let nodes = document.nodes.len();
     for (i, scene) in document.scenes.iter().enumerate() {
         for (j, node) in scene.nodes.iter().enumerate() {

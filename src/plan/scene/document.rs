@@ -13,6 +13,9 @@ pub(super) type Extensions = BTreeMap<String, Box<RawValue>>;
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Document {
+    pub(super) asset: Asset,
+    pub(super) extensions_used: Vec<String>,
+    pub(super) extensions_required: Vec<String>,
     pub(super) scene: Option<usize>,
     pub(super) scenes: Vec<SceneItem>,
     pub(super) nodes: Vec<Node>,
@@ -31,6 +34,13 @@ pub(super) struct Document {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
+pub(super) struct Asset {
+    /// Empty where the document does not say.
+    pub(super) version: String,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub(super) struct SceneItem {
     pub(super) nodes: Vec<usize>,
 }
@@ -45,6 +55,8 @@ pub(super) struct Node {
     pub(super) translation: Option<[f64; 3]>,
     pub(super) rotation: Option<[f64; 4]>,
     pub(super) scale: Option<[f64; 3]>,
+    /// Of the morph targets of its mesh.
+    pub(super) weights: Vec<f64>,
     pub(super) extensions: Extensions,
 }
 
@@ -53,6 +65,8 @@ pub(super) struct Node {
 pub(super) struct Mesh {
     pub(super) name: Option<String>,
     pub(super) primitives: Vec<Primitive>,
+    /// Of its morph targets.
+    pub(super) weights: Vec<f64>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -228,6 +242,7 @@ pub(super) struct Clearcoat {
     pub(super) clearcoat_texture: Option<TextureInfo>,
     pub(super) clearcoat_roughness_factor: f64,
     pub(super) clearcoat_roughness_texture: Option<TextureInfo>,
+    pub(super) clearcoat_normal_texture: Option<IgnoredAny>,
 }
 
 /// `KHR_materials_sheen`.

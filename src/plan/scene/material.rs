@@ -85,6 +85,24 @@ const KNOWN: [&str; 7] = [
     "KHR_materials_specular",
     "KHR_texture_transform",
 ];
+/// Extensions beyond those of materials that are read, or of which something else says what is left out.
+const READ: [&str; 8] = [
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",
+    "KHR_materials_variants",
+    "KHR_mesh_quantization",
+    "KHR_texture_basisu",
+];
+
+/// Whether a plan knows what an extension is.
+pub(super) fn is_known(name: &str) -> bool {
+    let told = NOT_COVERED.iter().chain(&OTHER_LOBES).map(|(name, _)| name);
+    KNOWN.iter().chain(&READ).chain(told).any(|known| *known == name)
+}
+
 /// Extensions of materials whose lobe is none of GGX.
 const OTHER_LOBES: [(&str, &str); 2] = [
     ("KHR_materials_unlit", "nothing: it is unlit"),
@@ -132,6 +150,7 @@ impl Shaded {
             }
             None => None,
         };
+        let coat_has_normal_map = clearcoat.as_ref().is_some_and(|(of, ..)| of.clearcoat_normal_texture.is_some());
         let sheen: Option<Sheen> = extension(extensions, "KHR_materials_sheen")?;
         let sheen = match sheen.filter(|of| of.sheen_color_factor.iter().any(|colour| *colour > 0.0)) {
             Some(of) => {
@@ -154,7 +173,7 @@ impl Shaded {
         let shaded = Self {
             name: named(material.name.as_deref(), index),
             double_sided: material.double_sided,
-            has_normal_map: material.normal_texture.is_some(),
+            has_normal_map: material.normal_texture.is_some() || coat_has_normal_map,
             base_color: [0, 1, 2].map(|i| of.base_color_factor[i]),
             metallic: of.metallic_factor,
             roughness: of.roughness_factor,

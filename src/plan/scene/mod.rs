@@ -23,8 +23,14 @@ mod texture;
 use std::path::Path;
 
 use self::{
-    accessor::Buffers, check::check, container::Container, document::Document, graph::Graph, material::Shaded,
-    surface::Surface, texture::Textures,
+    accessor::Buffers,
+    check::check,
+    container::Container,
+    document::Document,
+    graph::Graph,
+    material::{Shaded, is_known},
+    surface::Surface,
+    texture::Textures,
 };
 
 use ltcforge_fit::GoOn;
@@ -70,6 +76,7 @@ impl Scene {
         let (triangles, (materials, of_surface)) = (surface.triangles, surface.finish());
         let mut notes = graph.notes;
         notes.extend(of_surface);
+        notes.extend(unread(&document));
         if !document.skins.is_empty() || !document.animations.is_empty() {
             notes.push("nothing is animated: meshes, cameras and materials are as they stand in the file".to_owned());
         }
@@ -81,6 +88,26 @@ impl Scene {
         }
         Ok(Self { materials, triangles, cameras: graph.cameras.len(), notes })
     }
+}
+
+/// What of a document changes surfaces and is not read.
+fn unread(document: &Document) -> Vec<String> {
+    let unknown = document.extensions_required.iter().filter(|name| !is_known(name));
+    let mut notes: Vec<String> = unknown
+        .map(|name| {
+            let name: String = name.chars().take(80).collect();
+            format!("the scene requires {name}, which is not read: surfaces and materials are as without it")
+        })
+        .collect();
+    if document.extensions_used.iter().any(|name| name == "KHR_materials_variants") {
+        notes.push("materials of variants: each surface has the one that it has without a variant".to_owned());
+    }
+    let mut weights =
+        document.nodes.iter().map(|node| &node.weights).chain(document.meshes.iter().map(|mesh| &mesh.weights));
+    if weights.any(|weights| weights.iter().any(|weight| *weight != 0.0)) {
+        notes.push("morph targets: meshes are as without them".to_owned());
+    }
+    notes
 }
 
 /// The materials of the primitives that are in the scene, and the default one last.

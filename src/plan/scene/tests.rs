@@ -273,6 +273,27 @@ fn what_is_not_known_or_not_there_is_told() {
     assert!(found.materials[0].lobes[0].spots.len() > 1, "both levels of the texture count");
 }
 
+/// What a document asks for beyond what is read.
+#[test]
+fn what_a_scene_requires_and_is_not_read_is_told() {
+    let mut glb = Glb::default();
+    let material = glb.material(rough(0.5));
+    let mesh = glb.quad(Some(material));
+    glb.node(json!({ "mesh": mesh }));
+    assert!(scene(&glb).notes.is_empty());
+    glb.json["extensionsUsed"] = json!(["KHR_materials_variants", "KHR_mesh_quantization", "VENDOR_geometry"]);
+    glb.json["extensionsRequired"] = json!(["KHR_mesh_quantization", "VENDOR_geometry"]);
+    glb.json["meshes"][0]["weights"] = json!([0.0, 0.5]);
+    let notes = scene(&glb).notes;
+    for told in ["requires VENDOR_geometry", "materials of variants", "morph targets"] {
+        assert_eq!(notes.iter().filter(|note| note.contains(told)).count(), 1, "{told}: {notes:?}");
+    }
+    assert_eq!(notes.len(), 3, "{notes:?}");
+    glb.json["asset"]["version"] = json!("1.0");
+    let refused = Scene::from_bytes(glb.bytes(), &|| true).expect_err("another format").to_string();
+    assert!(refused.contains("/asset/version") && refused.contains("«1.0» is no version 2"), "{refused}");
+}
+
 #[test]
 fn phi_is_from_the_axis_of_the_larger_roughness() {
     for (rotation, wanted) in [(0.0, 0.0), (FRAC_PI_2, FRAC_PI_2)] {

@@ -17,12 +17,27 @@ const service = document.getElementById( 'service' );
 let leave = new AbortController();
 let refresh = null;
 
+/** A part of an address; as it is where it is malformed. */
+function decoded( text ) {
+
+	try {
+
+		return decodeURIComponent( text );
+
+	} catch {
+
+		return text;
+
+	}
+
+}
+
 /** The name of a page, what follows it, and the parameters. */
 function place() {
 
 	const [ path, query = '' ] = location.hash.replace( /^#\/?/, '' ).split( /\?(.*)/s );
 	const [ name, ...rest ] = path.split( '/' );
-	return { name: name || 'tables', rest: decodeURIComponent( rest.join( '/' ) ), parameters: new URLSearchParams( query ) };
+	return { name: name || 'tables', rest: decoded( rest.join( '/' ) ), parameters: new URLSearchParams( query ) };
 
 }
 

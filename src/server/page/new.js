@@ -9,10 +9,14 @@ import { get, GROUPS, LEFT_OUT, PRESETS, set, STARTS } from './fields.js';
 import { bytes, json as jsonText, percent, short, span } from './format.js';
 import { input } from './inputs.js';
 import { planner } from './plan.js';
+import { hasToken } from './token.js';
 import { tradeoff } from './tradeoff.js';
 
 /** How long a change waits for the next one before the service is asked, in milliseconds. */
 const PAUSE = 120;
+
+/** A word of a shell's line, whatever is in it: recipes come from links of others too. */
+const quoted = ( text ) => `'${ text.replaceAll( "'", "'\\''" ) }'`;
 
 export async function show( root, rest, parameters, signal ) {
 
@@ -23,7 +27,7 @@ export async function show( root, rest, parameters, signal ) {
 	const inputs = GROUPS.flatMap( ( { fields } ) => fields ).map( ( field ) => input( field, ( value ) => change( field, value ) ) );
 	// Until the service has told the layout.
 	for ( const { field, row } of inputs ) row.hidden = Boolean( field.layout );
-	const presets = PRESETS.map( ( preset ) => el( 'label', {}, el( 'input', { type: 'radio', name: 'preset', value: preset, checked: preset === ( recipe.preset || 'standard' ), onchange: () => change( { pointer: '/preset' }, preset ) } ), preset ) );
+	const presets = PRESETS.map( ( preset ) => el( 'label', {}, el( 'input', { type: 'radio', name: 'preset', value: preset, checked: preset === ( recipe.preset || ( recipe.fit ? '' : 'standard' ) ), onchange: () => change( { pointer: '/preset' }, preset ) } ), preset ) );
 	const expected = el( 'div', { 'aria-live': 'polite' } );
 	const others = el( 'div' );
 	const json = el( 'pre', { tabindex: 0, role: 'region', 'aria-label': 'Recipe as JSON' } );
@@ -75,7 +79,7 @@ export async function show( root, rest, parameters, signal ) {
 	function changed() {
 
 		fill( json, jsonText( recipe ) );
-		fill( curl, `curl -H 'content-type: application/json' \\\n  -d '${ JSON.stringify( recipe ) }' \\\n  ${ address( '/v1/jobs' ) }` );
+		fill( curl, `curl -H 'content-type: application/json' \\\n${ hasToken() ? '  -H "authorization: Bearer $TOKEN" \\\n' : '' }  -d ${ quoted( JSON.stringify( recipe ) ) } \\\n  ${ quoted( address( '/v1/jobs' ) ) }` );
 		// A page that is loaded again has the same recipe.
 		history.replaceState( null, '', `#/new?${ new URLSearchParams( { recipe: JSON.stringify( recipe ) } ) }` );
 		clearTimeout( timer );

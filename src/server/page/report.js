@@ -39,11 +39,20 @@ export function inWords( { nodes, between, poor, matrices } ) {
 
 }
 
+/** From the first node of an axis to the last. */
+function extent( { range, nodes }, axis ) {
+
+	return range?.[ axis ] ?? [ nodes[ axis ][ 0 ], nodes[ axis ].at( - 1 ) ];
+
+}
+
 /** A slider of a plot. */
-function slider( id, label, max, value, oninput ) {
+function slider( id, label, [ min, max ], usual, oninput ) {
+
+	const value = Math.min( max, Math.max( min, usual ) );
 
 	const output = el( 'output', { for: id }, number( value ) );
-	const input = el( 'input', { type: 'range', id, min: 0, max, step: 0.01, value, oninput: () => output.textContent = input.value, onchange: oninput } );
+	const input = el( 'input', { type: 'range', id, min, max, step: 0.01, value, oninput: () => output.textContent = input.value, onchange: oninput } );
 	return { input, row: el( 'div', { class: 'slider' }, el( 'label', { for: id }, label ), input, output ) };
 
 }
@@ -53,8 +62,8 @@ export function plots( digest, recipe, before, signal ) {
 
 	const errors = errorMaps( digest, signal );
 	const numbers = el( 'img', { alt: 'Every stored number of the table, a tile for each ratio and azimuth' } );
-	const ratio = slider( 'plot-ratio', 'Ratio of roughnesses', 1, 0.25, draw );
-	const phi = slider( 'plot-phi', 'Azimuth', 1.57, 0.7, draw );
+	const ratio = slider( 'plot-ratio', 'Ratio of roughnesses', extent( recipe, 'ratio' ), 0.25, draw );
+	const phi = slider( 'plot-phi', 'Azimuth', extent( recipe, 'phi' ), 0.7, draw );
 	function draw() {
 
 		errors.show( isIsotropic( recipe ) ? '' : `?ratio=${ ratio.input.value }&phi=${ phi.input.value }` );

@@ -85,10 +85,13 @@ function within( { min, max }, text, value ) {
 
 }
 
+/** Where the two sides meet, as a part of the width. */
+const SPLIT = 0.5;
+
 /** A scene from a link's parameters; what is missing or malformed is the default, what is out of bounds the bound. */
 export function read( parameters ) {
 
-	const scene = { table: parameters.get( 'table' ) || '', against: parameters.get( 'against' ) || '', split: 0.5 };
+	const scene = { table: parameters.get( 'table' ) || '', against: parameters.get( 'against' ) || '', split: within( { min: 0, max: 1 }, parameters.get( 'split' ), SPLIT ) };
 	for ( const field of PARAMETERS ) scene[ field.name ] = within( field, parameters.get( field.name ), field.value );
 	for ( const [ name, options ] of Object.entries( CHOICES ) ) scene[ name ] = options.includes( parameters.get( name ) ) ? parameters.get( name ) : options[ 0 ];
 	const count = Math.round( within( { min: 1, max: MOST_LIGHTS }, parameters.get( 'lights' ), 1 ) );
@@ -114,7 +117,7 @@ export function link( scene ) {
 	const chosen = Object.entries( CHOICES ).filter( ( [ name, options ] ) => options.indexOf( scene[ name ] ) > 0 ).map( ( [ name ] ) => [ name, scene[ name ] ] );
 	const models = [ 'table', 'against' ].filter( ( name ) => scene[ name ] ).map( ( name ) => [ name, scene[ name ] ] );
 	const lights = scene.lights.flatMap( ( light, i ) => Object.entries( addedLight( i ) ).filter( ( [ name, value ] ) => light[ name ] !== value && light[ name ] !== 'file' ).map( ( [ name ] ) => [ named( i, name ), light[ name ] ] ) );
-	return new URLSearchParams( [ ...models, ...chosen, ...changed, ...( scene.lights.length > 1 ? [ [ 'lights', scene.lights.length ] ] : [] ), ...lights ] );
+	return new URLSearchParams( [ ...models, ...chosen, ...( scene.split === SPLIT ? [] : [ [ 'split', scene.split ] ] ), ...changed, ...( scene.lights.length > 1 ? [ [ 'lights', scene.lights.length ] ] : [] ), ...lights ] );
 
 }
 

@@ -250,7 +250,7 @@ export async function show( root, rest, parameters, signal ) {
 
 		const isReference = ! sides[ 1 ] && scene.show !== 'model';
 		canvas.dataset.samples = sides[ 1 ] ? MOST : samples;
-		fill( figures, facts( [ [ 'Samples', isReference ? samples : '–' ], [ 'Frame', `${ ( performance.now() - since ).toFixed( 1 ) } ms` ], [ 'Draw calls', calls ], [ 'Drawn by', DRAWN_BY[ by.language ] ], scene.show === 'difference' && [ 'Red is', `${ DIFFERENCE } of radiance` ] ] ) );
+		fill( figures, facts( [ [ 'Samples', isReference ? samples : '–' ], [ 'Frame', `${ ( performance.now() - since ).toFixed( 1 ) } ms` ], [ 'Draw calls', calls ], [ 'Drawn by', DRAWN_BY[ by.language ] ] ] ), scene.show === 'difference' ? el( 'div', { class: 'scale muted' }, el( 'span', {}, 'no difference' ), el( 'span', { class: 'ramp difference' } ), el( 'span', {}, `${ DIFFERENCE } of radiance and more` ) ) : null );
 		if ( isMoving ) begin();
 		else if ( isReference && samples < MOST ) later();
 

@@ -100,7 +100,7 @@ fn by_choice() -> impl Iterator<Item = Program> {
 /// Lights that are no polygons, as they are and cut at the surface.
 fn shapes() -> impl Iterator<Item = Program> {
     let calls = [
-        ("disk", "c[0], 0.5 * (c[1] - c[0]), 0.5 * (c[3] - c[0]), false"),
+        ("disk", "c[0], 0.5 * (c[1] - c[0]), 0.5 * (c[0] - c[3]), false"),
         ("sphere", "c[0], length(c[1] - c[0])"),
         ("tube", "c[0], c[1], length(c[3] - c[0])"),
         ("line", "c[0], c[1], length(c[3] - c[0])"),
