@@ -19,7 +19,7 @@ fn a_recipe_becomes_a_table_under_its_hash() {
     let id = text(&job["id"]);
     assert_eq!(accepted.header("location"), Some(format!("/v1/jobs/{id}").as_str()));
     assert_eq!(job["progress"]["entries_total"], 16);
-    for figure in ["seconds", "error"] {
+    for figure in ["seconds", "error", "shards"] {
         assert!(job["expected"][figure].as_f64().is_some_and(|figure| figure > 0.0), "{job:#}");
     }
     assert_eq!(&text(&job["recipe_digest"])["sha256:".len()..][..32], id);

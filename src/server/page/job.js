@@ -39,6 +39,7 @@ export async function show( root, id, parameters, signal ) {
 		const { progress, expected } = job;
 		fill( figures, isActive( job ) ? bar( job ) : null, facts( [
 			[ 'Entries', `${ progress.entries_done.toLocaleString( 'en' ) } of ${ progress.entries_total.toLocaleString( 'en' ) }` ],
+			expected && [ 'Shards', expected.shards.toLocaleString( 'en' ) ],
 			expected && [ 'Expected time', span( expected.seconds ) ],
 			expected && [ 'Expected error', percent( expected.error ) ],
 			job.started_at && job.finished_at && [ 'Took', span( ( Date.parse( job.finished_at ) - Date.parse( job.started_at ) ) / 1000 ) ],

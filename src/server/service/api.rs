@@ -250,6 +250,8 @@ pub struct Expected {
     pub error: f64,
     /// Bytes of the table's matrices and terms.
     pub bytes: u64,
+    /// Parts of the table that workers fit one by one.
+    pub shards: u32,
 }
 
 /// A job at one moment. `sequence` grows with each change.

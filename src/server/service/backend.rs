@@ -31,9 +31,8 @@ pub(super) trait Backend: Send + Sync {
     /// The plan of a stored recipe, with all that its fit needs from the store.
     fn load(&self, recipe: StoredRecipe<'_>) -> Result<Arc<dyn PlannedFit>, PlanError>;
 
-    /// The expected duration of the fit of a stored recipe, on one thread of the cost model's machine, and its expected
-    /// error, with the solver; `None` for a recipe that this backend does not fit.
-    fn expect(&self, recipe: StoredRecipe<'_>) -> Option<(Solver, Expectation)>;
+    /// What is expected of the fit of a stored recipe; `None` for a recipe that this backend does not fit.
+    fn expect(&self, recipe: StoredRecipe<'_>) -> Option<ExpectedFit>;
 
     /// The canonical recipe of a canonical file, and its digest; `None` for any other bytes.
     fn recognise(&self, file: &[u8]) -> Option<(String, Digest)>;
@@ -50,6 +49,16 @@ pub(super) trait Backend: Send + Sync {
 
     /// The files of an export of a canonical file, whose manifest tells how good it is.
     fn export(&self, file: &[u8], manifest: &str, export: Export) -> Result<Bundle, ExportFailure>;
+}
+
+/// What is expected of a fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ExpectedFit {
+    pub(super) solver: Solver,
+    /// The shards that workers take one by one.
+    pub(super) shards: u32,
+    /// With the seconds of one thread of the cost model's machine.
+    pub(super) model: Expectation,
 }
 
 /// A recipe as it is stored: canonical JSON.
@@ -237,9 +246,10 @@ impl Backend for FitBackend {
         Ok(Arc::new(Plan::new(&Recipe { brdf: BrdfModel::tabulated(file), ..plan.recipe().clone() })))
     }
 
-    fn expect(&self, recipe: StoredRecipe<'_>) -> Option<(Solver, Expectation)> {
+    fn expect(&self, recipe: StoredRecipe<'_>) -> Option<ExpectedFit> {
         let plan = self.planned(recipe).ok()?;
-        Some((plan.recipe().fit().solver, fit::expectation(plan.recipe())))
+        let (solver, model) = (plan.recipe().fit().solver, fit::expectation(plan.recipe()));
+        Some(ExpectedFit { solver, shards: plan.shards(), model })
     }
 
     fn recognise(&self, file: &[u8]) -> Option<(String, Digest)> {
@@ -286,7 +296,9 @@ mod tests {
         assert_ne!(older, job.recipe);
         let older = StoredRecipe { digest: Digest::of(older.as_bytes()), text: &older };
         let expected = backend.expect((&job).into());
-        assert!(expected.is_some_and(|(_, expected)| expected.seconds > 0.0 && expected.error > 0.0));
+        assert!(expected.is_some_and(|fit| fit.shards as usize == job.shard_entries.len()
+            && fit.model.seconds > 0.0
+            && fit.model.error > 0.0));
         assert_eq!(backend.expect(older), None);
         let Err(PlanError::Failed(error)) = backend.load(older) else { panic!("it is another fitter's") };
         assert!(error.contains("submit the recipe again"), "{error}");

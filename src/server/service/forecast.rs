@@ -4,7 +4,7 @@ use std::{num::NonZeroUsize, sync::Arc};
 
 use super::{
     Expected,
-    backend::{Backend, StoredRecipe},
+    backend::{Backend, ExpectedFit, StoredRecipe},
     speed::Speed,
 };
 use ltcforge_fit::Solver;
@@ -31,14 +31,14 @@ impl Forecast {
 
     /// The forecast for a stored recipe with one core on its job; `None` for a recipe of another fitter.
     pub(super) fn on_one_core(&self, recipe: StoredRecipe<'_>) -> Option<Expected> {
-        let (solver, model) = self.backend.expect(recipe)?;
+        let ExpectedFit { solver, shards, model } = self.backend.expect(recipe)?;
         let seconds = model.seconds * self.speed(solver)?.ratio();
-        Some(Expected { seconds, error: model.error, bytes: model.bytes })
+        Some(Expected { seconds, error: model.error, bytes: model.bytes, shards })
     }
 
     /// Takes a measurement into account: a worker fitted `part` of a recipe's entries in `seconds`.
     pub(super) fn learn(&self, recipe: StoredRecipe<'_>, part: f64, seconds: f64) {
-        if let Some((solver, model)) = self.backend.expect(recipe)
+        if let Some(ExpectedFit { solver, model, .. }) = self.backend.expect(recipe)
             && let Some(speed) = self.speed(solver)
         {
             speed.learn(part * model.seconds, seconds);
@@ -60,7 +60,7 @@ mod tests {
     fn a_measurement_changes_the_forecast() {
         let backend = Arc::new(FitBackend::new(None));
         let job = backend.plan(br#"{"preset": "best"}"#, 10_000).expect("a recipe");
-        let (_, model) = backend.expect((&job).into()).expect("this fitter's");
+        let ExpectedFit { model, .. } = backend.expect((&job).into()).expect("this fitter's");
         let forecast = Forecast::new(backend, NonZeroUsize::new(2).expect("two"));
         let before = forecast.of((&job).into()).expect("this fitter's");
         assert_eq!((before.seconds, before.error), (model.seconds / 2.0, model.error));

@@ -8,7 +8,7 @@ use std::{
     time::Duration,
 };
 
-use super::super::backend::{Assembly, Backend, PlanError, PlannedFit, StoredRecipe};
+use super::super::backend::{Assembly, Backend, ExpectedFit, PlanError, PlannedFit, StoredRecipe};
 use crate::{
     queue::NewJob,
     service::{ExportFailure, SubmitError},
@@ -148,8 +148,9 @@ impl Backend for FakeBackend {
         Ok(NewJob { recipe_digest: Digest::of(document), recipe, shard_entries: vec![ENTRIES; shards], by: None })
     }
 
-    fn expect(&self, _recipe: StoredRecipe<'_>) -> Option<(Solver, Expectation)> {
-        Some((Solver::Bfgs, Expectation { seconds: 8.0, error: 0.25, bytes: 1000 }))
+    fn expect(&self, _recipe: StoredRecipe<'_>) -> Option<ExpectedFit> {
+        let model = Expectation { seconds: 8.0, error: 0.25, bytes: 1000 };
+        Some(ExpectedFit { solver: Solver::Bfgs, shards: 4, model })
     }
 
     fn load(&self, recipe: StoredRecipe<'_>) -> Result<Arc<dyn PlannedFit>, PlanError> {
