@@ -158,7 +158,7 @@ fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
     Ok(Some(chosen))
 }
 
-/// What is wrong with the options, whatever the table.
+/// The faults of the options, whatever the table.
 fn option_faults(args: &LightArgs) -> Vec<String> {
     let model = args.model;
     let mut faults = Vec::new();

@@ -21,12 +21,12 @@ const SAMPLES: [f64; 2] = [2.56, -1.3];
 /// Error that a finite number of directions adds: `0.04 directions^-2`, read off the same run from 4 to 32 directions.
 const DIRECTIONS: [f64; 2] = [0.04, -2.0];
 
-/// What the report's own samples leave of a lobe that is met exactly.
+/// The report finds this error of a lobe that is met exactly: that of its own samples.
 const EXACT: f64 = 0.0039;
-/// What interpolation adds in `theta`, where lobes are met at the nodes: times the square of the step.
+/// Interpolation in `theta` adds this times the square of the step, where lobes are met at the nodes.
 const EXACT_THETA: f64 = 0.17;
-/// What it adds in `alpha`: times the square of the step where the numbers between the nodes are chosen, else of
-/// [`roughness_interpolation`].
+/// Interpolation in `alpha` adds this times the square of the step where the numbers between the nodes are chosen, else what
+/// [`roughness_interpolation`] says.
 const EXACT_ALPHA_CHOSEN: f64 = 0.5;
 const EXACT_ALPHA: [f64; 2] = [0.2, 0.45];
 

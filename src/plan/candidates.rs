@@ -61,7 +61,7 @@ impl Candidate {
         self.shipped.unwrap_or(self.bytes)
     }
 
-    /// What it has in common with those that are compared with it by their nodes alone.
+    /// Candidates of equal kind differ by their nodes alone.
     pub(crate) fn kind(&self) -> (&FitSettings, &LobeFresnel) {
         (&self.recipe.fit, self.recipe.brdf.fresnel())
     }

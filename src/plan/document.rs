@@ -249,7 +249,7 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     lines
 }
 
-/// Why the lobes of a table are those that they are, where a scene has both metal and what is none.
+/// Why the lobes of a table are those that they are, where a scene has both metal and dielectrics.
 fn lobes_in_words(plan: &TablePlan<'_>) -> Option<String> {
     let chosen = plan.chosen.recipe.model().fresnel();
     let error =
@@ -257,12 +257,12 @@ fn lobes_in_words(plan: &TablePlan<'_>) -> Option<String> {
     let of_one = error(false)?;
     Some(match (chosen.second(), error(true)) {
         (Some(_), Some(of_two)) => format!(
-            "metal and what is none have two lobes an entry, blended: by themselves they are off by {of_two:.4}, the best single \
+            "metal and dielectrics have two lobes an entry, blended: by themselves they are off by {of_two:.4}, the best single \
              one by {of_one:.4}; shader --two-lobes reads them"
         ),
         (_, of_two) => {
             let two = of_two.map_or_else(String::new, |error| format!(", two lobes an entry by {error:.4}"));
-            format!("one lobe serves metal and what is none, that of {chosen}: by itself it is off by {of_one:.4}{two}")
+            format!("one lobe serves metal and dielectrics, that of {chosen}: by itself it is off by {of_one:.4}{two}")
         }
     })
 }

@@ -71,7 +71,7 @@ impl Histogram {
         self.cells.values().map(spot).collect()
     }
 
-    /// Reflectance seen from above with its weight, of metal and of what is none.
+    /// Reflectance seen from above with its weight, of metal and of dielectrics.
     pub(crate) fn f0(&self) -> Vec<[f64; 2]> {
         let mean = |[weight, sum]: [f64; 2]| (weight > 0.0).then(|| [sum / weight, weight]);
         [self.dielectric, self.metal].into_iter().filter_map(mean).collect()

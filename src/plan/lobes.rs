@@ -1,4 +1,4 @@
-//! Whose lobes the entries of a table are fitted to, where a scene has both metal and what is none.
+//! Whose lobes the entries of a table are fitted to, where a scene has both metal and dielectrics.
 //!
 //! Schlick's factor moves the lobe of plastic away from that of metal. One lobe stands between them, nearer to one or the other;
 //! two lobes an entry, blended, stand for both. Each choice is fitted at configurations of the scene themselves, without a table
@@ -17,7 +17,7 @@ use ltcforge_fit::{
     Precision, Recipe, SecondLobe, StoredTerms, WeightedF0, fit_plan,
 };
 
-/// By how much more the surface of what is no metal counts in a mix than it covers: a mix is drawn to what reflects more, as the
+/// By how much more the surface of dielectrics counts in a mix than it covers: a mix is drawn to what reflects more, as the
 /// square of that. By its surface alone it counts next to nothing, and a mix by that was the best lobe of none of the scenes tried.
 const COUNTS: [f64; 2] = [16.0, 256.0];
 

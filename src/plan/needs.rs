@@ -59,7 +59,7 @@ impl<'a> Needs<'a> {
         self.brdf
     }
 
-    /// The mean reflectance of what is no metal, and that of metal, each with its surface; those that the scene has.
+    /// The mean reflectance of dielectrics, and that of metal, each with its surface; those that the scene has.
     pub(crate) fn reflectances(&self) -> Vec<WeightedF0> {
         if self.brdf.has_fresnel() { reflectances(&self.lobes) } else { Vec::new() }
     }
@@ -154,7 +154,7 @@ fn rounded_f0(f0: f64) -> f64 {
     ((f0 * ROUNDED_TO).round() / ROUNDED_TO).clamp(LEAST_F0, 1.0)
 }
 
-/// The mean reflectance of what is no metal, and that of metal, each by its surface.
+/// The mean reflectance of dielectrics, and that of metal, each by its surface.
 fn reflectances(lobes: &[(usize, &SceneLobe)]) -> Vec<WeightedF0> {
     let all = lobes.iter().flat_map(|(_, lobe)| &lobe.f0);
     let (mut metal, mut rest) = ([0.0; 2], [0.0; 2]);

@@ -30,7 +30,7 @@ pub struct SourceArgs {
     pub threads: Threads,
 }
 
-/// What the names of a plan's second recipe, and of its table's pin, end in.
+/// The end of the names of a plan's second recipe and of its table's pin.
 const SHEEN: &str = "-sheen";
 
 /// `lock`.
@@ -77,7 +77,7 @@ impl LockArgs {
         let of = |end: &'static str| (end, folder.join(format!("recipe{end}.json")));
         let mut found = ["", SHEEN].map(of).to_vec();
         found.retain(|(_, path)| path.exists());
-        // The first one is named where there is none.
+        // An error about a folder without recipes names the first.
         if found.is_empty() { vec![of("")] } else { found }
     }
 }

@@ -1,4 +1,4 @@
-//! What the prefilter stands for, summed without it.
+//! The kernel that the prefilter approximates, summed over the picture.
 
 use super::LightImage;
 

@@ -198,7 +198,7 @@ fn colours_in_f32_are_those_of_f64() {
     assert_eq!(far, 0);
 }
 
-/// There are none but of rounding. docs/textured.md tells how large they are.
+/// A path is bisected down to where its light jumps: rounding alone is left. docs/textured.md tells how large that is.
 #[test]
 fn jumps_along_random_paths_are_small() {
     let pyramid = LightPyramid::new(&picture());

@@ -12,7 +12,7 @@ pub struct SceneLobe {
     pub spots: Vec<Spot>,
     /// From where it is seen.
     pub views: Views,
-    /// Reflectance seen from above and its weight: of what is no metal, then of metal.
+    /// Reflectance seen from above and its weight: of dielectrics, then of metal.
     pub f0: Vec<[f64; 2]>,
 }
 

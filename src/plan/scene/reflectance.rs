@@ -1,4 +1,4 @@
-//! Reflectance seen from above of what is no metal, by `KHR_materials_ior` and `KHR_materials_specular`.
+//! Reflectance of dielectrics seen from above, by `KHR_materials_ior` and `KHR_materials_specular`.
 
 use super::{
     document::{Extensions, Ior, Specular, TextureInfo},
