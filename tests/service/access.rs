@@ -13,8 +13,13 @@ use crate::common::{
 
 /// A new token: its secret and its line for the service.
 fn token(name: &str, scope: &str) -> (String, String) {
+    token_of(name, scope, &[])
+}
+
+fn token_of(name: &str, scope: &str, standing: &[&str]) -> (String, String) {
     let folder = tempfile::tempdir().expect("a folder");
-    let made = run(folder.path(), ["token", "new", name, "--scope", scope, "--json"]).exited(0);
+    let arguments = ["token", "new", name, "--scope", scope, "--json"].into_iter().chain(standing.iter().copied());
+    let made = run(folder.path(), arguments).exited(0);
     let made: Value = serde_json::from_str(&made.stdout).expect("JSON");
     (text(&made["token"]).to_owned(), text(&made["kept"]).to_owned())
 }
@@ -63,6 +68,41 @@ fn callers_that_ask_too_often_are_told_when_to_come_back() {
 }
 
 #[test]
+fn one_job_of_a_team_is_fitted_beside_many_of_another() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (many, many_kept) = token("many", "submit");
+    let (one, one_kept) = token_of("one", "submit", &["--team", "art", "--share", "2", "--priority", "normal"]);
+    assert!(one_kept.ends_with(" team=art share=2"), "{one_kept}");
+    for (flags, told) in [(["--share", "0"], "share «0»"), (["--team", "a b"], "«a b» is not the name")] {
+        let refused = run(folder.path(), ["token", "new", "x", "--scope", "read"].into_iter().chain(flags)).exited(2);
+        assert!(refused.complaints()[0].contains(told), "{refused:?}");
+    }
+    let flags = ["--token-list", &format!("{many_kept};{one_kept}"), "--workers", "1"];
+    let server = Server::start(&folder.path().join("data"), &flags);
+    let recipe = |alpha: u32| {
+        format!(r#"{{"preset":"draft","resolution":{{"alpha":{alpha},"ratio":16,"theta":16,"phi":16}}}}"#).into_bytes()
+    };
+    for alpha in 8..28 {
+        call(&server, "POST", "/v1/jobs", &many, Some(&recipe(alpha))).with_status(202);
+    }
+    call(&server, "POST", "/v1/jobs", &one, Some(&recipe(28))).with_status(202);
+    let done = || {
+        let jobs = call(&server, "GET", "/v1/jobs", &one, None).with_status(200).json();
+        ["art", "many"].map(|team| {
+            let jobs = jobs["items"].as_array().expect("a list").iter().filter(|job| job["team"] == team);
+            jobs.map(|job| job["progress"]["entries_done"].as_u64().expect("a number")).sum::<u64>()
+        })
+    };
+    let before = done();
+    let [art, many] = eventually("entries of both", || {
+        let now = done();
+        let since = [0, 1].map(|team| now[team] - before[team]);
+        (since.iter().sum::<u64>() >= 4096).then_some(since)
+    });
+    assert!(art > many, "two thirds of the work are for one job: {art} and {many}");
+}
+
+#[test]
 fn an_address_that_others_reach_is_not_opened_without_tokens() {
     let folder = tempfile::tempdir().expect("a folder");
     let refused = run(folder.path(), ["serve", "--listen", "0.0.0.0:0"]).exited(2);
@@ -76,6 +116,7 @@ fn tokens_open_what_their_scopes_say_and_jobs_tell_who() {
     let file = folder.path().join("tokens");
     let (reader, reader_kept) = token("viewer", "read");
     let (farm, farm_kept) = token("farm", "submit");
+    let farm_kept = format!("{farm_kept} team=art priority=low");
     let (root, root_kept) = token("root", "admin");
     assert_ne!(farm, token("farm", "submit").0, "each is new");
     fs::write(&file, format!("{reader_kept}\n{farm_kept}\n")).expect("a file");
@@ -97,7 +138,7 @@ fn tokens_open_what_their_scopes_say_and_jobs_tell_who() {
     assert!(foreseen["problem"].is_null(), "{foreseen:#}");
 
     let job = call(&server, "POST", "/v1/jobs", &farm, Some(SMALL.as_bytes())).with_status(202).json();
-    assert_eq!(job["submitted_by"], "farm");
+    assert_eq!((&job["submitted_by"], &job["team"], &job["priority"]), (&"farm".into(), &"art".into(), &"low".into()));
     let path = format!("/v1/jobs/{}", text(&job["id"]));
     let table = eventually("the table", || {
         let job = call(&server, "GET", &path, &reader, None).with_status(200).json();

@@ -71,6 +71,9 @@ const MOST_EXPENSIVE: &str = "mode=strip&size=2048&spp=4096";
 /// A picture that takes minutes, and far less than a day in any build on the busiest machine.
 const LONG: &str = "mode=strip&size=2048&spp=64";
 
+/// The token whose bytes are all 7.
+const KEPT: &str = "farm submit sha256:24f573e77440149c1390fc3e4e2226e6ac24907bcd948645269c896bd58ebe0c";
+
 /// The problem of the limit called `name`, on a service that has no table yet.
 fn met(name: &str, server: &Server) -> Value {
     let long = "x".repeat(70_000);
@@ -95,6 +98,13 @@ fn met(name: &str, server: &Server) -> Value {
         "jobs that wait or run" => {
             server.submit(ENDLESS).with_status(202);
             server.submit(SMALL).json()
+        }
+        "jobs of one team that wait or run" => {
+            let bearer = format!("Bearer ltcforge_{}", "07".repeat(32));
+            let fields = [("authorization", bearer.as_str()), ("content-type", "application/json")];
+            let submit = |recipe: &str| server.request("POST", "/v1/jobs", &fields, Some(recipe.as_bytes()));
+            submit(ENDLESS).with_status(202);
+            submit(SMALL).json()
         }
         "entries of a table" => server.submit(SMALL).json(),
         "predicted seconds of a job, with all workers on it" => server.submit(ENDLESS).json(),
@@ -159,6 +169,7 @@ fn arguments(name: &str) -> &'static [&'static str] {
         name if name.starts_with("tabulated BRDFs that are stored") => &["--brdf-limit", "1"],
         name if name.starts_with("light textures that are stored") => &["--light-texture-limit", "1"],
         "jobs that wait or run" => &["--queue-limit", "1"],
+        "jobs of one team that wait or run" => &["--queue-limit", "2", "--token-list", KEPT],
         "entries of a table" => &["--entry-limit", "15"],
         "predicted seconds of a job, with all workers on it" => &["--job-seconds", "1"],
         "pictures that wait or are rendered" => {

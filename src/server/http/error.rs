@@ -228,7 +228,7 @@ mod tests {
             (PlanError::Scene(Vec::new()).into(), 422),
             (PlanError::Unmet { nearest: serde_json::json!({}), summary: "x".into() }.into(), 422),
             (PlanError::Service(ServiceError::Stopping).into(), 503),
-            (SubmitError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
+            (SubmitError::QueueFull { limit: 1, team: None, retry_after: RESTART }.into(), 429),
             (SubmitError::Stopping.into(), 503),
             (PictureError::NoTable.into(), 404),
             (PictureError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),

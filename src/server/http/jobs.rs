@@ -20,7 +20,7 @@ use super::{
     views::{JobView, PageView},
 };
 use crate::{
-    queue::{JobId, StateName},
+    queue::{JobId, StateName, Submitter},
     service::{JobCursor, JobSnapshot, Service, SubmitError, SubmitReply},
 };
 
@@ -46,7 +46,7 @@ pub(super) async fn submit(
 ) -> Result<Response, Problem> {
     check_untagged(&headers)?;
     let submit = move |service: &Service| {
-        let (status, job) = match service.submit(&document, name(caller.as_ref()))? {
+        let (status, job) = match service.submit(&document, submitter(caller.as_ref()))? {
             SubmitReply::InFlight { job, .. } => (StatusCode::ACCEPTED, job),
             SubmitReply::Ready { job, .. } => (StatusCode::OK, job),
         };
@@ -91,14 +91,16 @@ pub(super) async fn cancel(
         // A condition on a job that does not exist is ignored.
         return Err(api.call(move |service| service.job(id)).await?.map_or_else(|| unknown(id), |_| problem));
     }
-    let snapshot =
-        api.call(move |service| service.cancel(id, name(caller.as_ref()))).await?.ok_or_else(|| unknown(id))?;
+    let snapshot = api
+        .call(move |service| service.cancel(id, submitter(caller.as_ref()).map(|by| by.name.as_str())))
+        .await?
+        .ok_or_else(|| unknown(id))?;
     answer(&snapshot)
 }
 
-/// The name of the caller's token; `None` where none is needed.
-fn name(caller: Option<&Extension<Caller>>) -> Option<&str> {
-    caller.map(|Extension(Caller(name))| &**name)
+/// Whom the caller's token names; `None` where none is needed.
+fn submitter(caller: Option<&Extension<Caller>>) -> Option<&Submitter> {
+    caller.map(|Extension(Caller(by))| &**by)
 }
 
 /// The problem of an id that no job has.

@@ -34,7 +34,7 @@ mod serve;
 mod tables;
 mod views;
 
-pub use access::{KeptToken, Scope, TOKEN_BYTES, TokenFileError, Tokens, WatchedTokens};
+pub use access::{KeptToken, Scope, Standing, TOKEN_BYTES, TokenFileError, Tokens, WatchedTokens};
 pub use certificates::{CertificateError, Certificates};
 pub use extract::BODY_LIMIT_BYTES;
 pub use limits::ConnectionLimits;

@@ -3,6 +3,7 @@
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
+use super::Claim;
 use ltcforge_files::{
     digest::Digest,
     job::{JobId, StateName},
@@ -81,6 +82,9 @@ pub struct Job {
     /// Who cancelled it, likewise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cancelled_by: Option<String>,
+    /// What it may have of the workers.
+    #[serde(default, skip_serializing_if = "Claim::is_default")]
+    pub claim: Claim,
 }
 
 impl JobState {

@@ -57,7 +57,8 @@ pub struct LeasedTask {
 pub enum Demand {
     /// Any task.
     Any,
-    /// A task of a job that no worker works for.
+    /// A task of a job that no worker works for, of the highest priority of all unfinished jobs, and of a team that has no
+    /// more than its share of all leases.
     Unserved,
 }
 

@@ -15,6 +15,14 @@ pub struct Limits {
     pub keep_ended: Option<Duration>,
 }
 
+impl Limits {
+    /// Jobs of one team that may be queued or running at the same time: the others find room. Jobs without a team may take
+    /// all of it.
+    pub(super) fn jobs_of(&self, team: &str) -> usize {
+        if team.is_empty() { self.jobs } else { self.jobs.div_ceil(2) }
+    }
+}
+
 /// Processes that may end while a task is leased before its job fails. Kills and power cuts are no fault of the task,
 /// and even a bad day has fewer; a task that ends its process each time must not go on for ever.
 pub(super) const MOST_DEATHS: u32 = 20;

@@ -5,6 +5,7 @@
 //! Invariant: `queue` knows neither HTTP nor LTC: a recipe is a text, a shard's result is bytes, and a table is its
 //! digest. A change is durable before it is acknowledged or visible.
 
+mod claim;
 pub mod embedded;
 mod job;
 mod leases;
@@ -15,6 +16,8 @@ mod submission;
 #[cfg(test)]
 mod tests;
 
+use claim::TURN;
+pub use claim::{Claim, Priority, Submitter};
 pub use job::{Failure, FailureKind, Job, JobState};
 use leases::unique_number;
 pub use leases::{Demand, Lease, LeaseError, LeasedTask, Offer, StaleLease, TaskKind};

@@ -22,9 +22,10 @@ pub struct Depth {
     pub leased: u64,
 }
 
-/// Durable jobs, which share the workers evenly. All methods block.
+/// Durable jobs, which share the workers. All methods block.
 pub trait Queue: Send + Sync + Debug {
-    /// Submits a job, which is durable when this returns. A queued or running job is joined. A job that has failed or
+    /// Submits a job, which is durable when this returns. A queued or running job is joined; from then on it is served as
+    /// that submission's if that one's priority is higher. A job that has failed or
     /// was cancelled, or whose table `has_table` says is gone, is queued again: its attempts are counted anew, and its
     /// finished shards are kept as far as they are still stored.
     ///
@@ -46,9 +47,11 @@ pub trait Queue: Send + Sync + Debug {
     /// When it cannot be stored; then nothing has changed.
     fn cancel(&self, id: JobId, by: Option<&str>) -> Result<Option<Job>, StoreError>;
 
-    /// Leases up to `most` waiting tasks, each of the job that has the fewest leased, and of such jobs the one that was
-    /// served longest ago: jobs share the workers evenly, and a new one is served next. Of the tasks during which
-    /// process after process ended one is leased at a time.
+    /// Leases up to `most` waiting tasks. Each is of the highest priority that there is; of the team that has the fewest
+    /// leased, counted in whole shares, and of such teams the one whose turn it is; of its job that has the fewest leased,
+    /// and of such jobs the one that was served longest ago. So teams share the workers by their shares, a team's jobs share
+    /// evenly, and a new one is served next. A team's turn passes with each lease by as much less as its share is
+    /// greater. Of the tasks during which process after process ended one is leased at a time.
     fn lease(&self, demand: Demand, most: NonZeroUsize) -> Offer;
 
     /// Records the entries done so far and renews the lease, which need not be durable. Nothing waits for it: while the

@@ -1,6 +1,6 @@
 //! A submitted job, and the queue's answer.
 
-use super::Job;
+use super::{Claim, Job, Submitter};
 use crate::store::StoreError;
 use ltcforge_files::digest::Digest;
 
@@ -13,8 +13,8 @@ pub struct NewJob {
     pub recipe_digest: Digest,
     /// Entries of each shard. Equal recipes have equal shards.
     pub shard_entries: Vec<u32>,
-    /// Who submits it: the name of a token; `None` where none is needed.
-    pub by: Option<String>,
+    /// Who submits it; `None` where no token is needed.
+    pub by: Option<Submitter>,
 }
 
 impl NewJob {
@@ -22,6 +22,18 @@ impl NewJob {
     #[must_use]
     pub fn entries(&self) -> u64 {
         self.shard_entries.iter().copied().map(u64::from).sum()
+    }
+
+    /// What it may have of the workers.
+    #[must_use]
+    pub(super) fn claim(&self) -> Claim {
+        self.by.as_ref().map(|by| by.claim.clone()).unwrap_or_default()
+    }
+
+    /// The name of the token that it came with.
+    #[must_use]
+    pub(super) fn submitted_by(&self) -> Option<String> {
+        self.by.as_ref().map(|by| by.name.clone())
     }
 }
 
@@ -44,6 +56,8 @@ pub enum QueueError {
     Full {
         /// The limit.
         limit: usize,
+        /// The team whose jobs they are, if it is the team's limit.
+        team: Option<String>,
     },
     /// It could not be stored.
     #[error(transparent)]

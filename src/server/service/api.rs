@@ -176,10 +176,15 @@ pub enum SubmitError {
     #[error(transparent)]
     Recipe(#[from] RecipeError),
     /// Too many jobs are queued or running.
-    #[error("the queue is full: {limit} jobs are waiting or running; `--queue-limit` of the service raises the limit")]
+    #[error(
+        "the queue is full: {limit} jobs{} are waiting or running; `--queue-limit` of the service raises the limit",
+        team.as_ref().map(|team| format!(" of the team «{team}», half of the queue,")).unwrap_or_default()
+    )]
     QueueFull {
         /// The limit.
         limit: usize,
+        /// The team whose limit it is.
+        team: Option<String>,
         /// When to try again.
         retry_after: Duration,
     },

@@ -8,7 +8,7 @@ use super::{
     Expected, Foreseen, JobCursor, JobSnapshot, Page, Service, ServiceError, SubmitError, SubmitReply,
     find_brdf::named_in, state::ServiceState,
 };
-use crate::queue::{Job, JobId, JobState, NewJob, QueueError, StateName, Submitted};
+use crate::queue::{Claim, Job, JobId, JobState, NewJob, QueueError, StateName, Submitted, Submitter};
 use ltcforge_files::digest::Digest;
 
 /// Shortest and longest time, in seconds, after which a refused client is asked to try again.
@@ -22,13 +22,13 @@ impl Service {
     ///
     /// # Errors
     /// See [`SubmitError`].
-    pub fn submit(&self, document: &[u8], by: Option<&str>) -> Result<SubmitReply, SubmitError> {
+    pub fn submit(&self, document: &[u8], by: Option<&Submitter>) -> Result<SubmitReply, SubmitError> {
         if self.state.is_stopping() {
             return Err(SubmitError::Stopping);
         }
         let _naming = self.state.naming.read().unwrap_or_else(PoisonError::into_inner);
         let new = self.state.backend.plan(document, self.state.config.entry_limit)?;
-        let new = NewJob { by: by.map(str::to_owned), ..new };
+        let new = NewJob { by: by.cloned(), ..new };
         let file = self.state.old_file(&new.recipe)?;
         let submission = self.state.submit(new);
         self.state.scheduler.wake();
@@ -135,7 +135,9 @@ impl ServiceState {
             Ok(Submitted::Queued(job)) => Ok(SubmitReply::InFlight { job, joined: false }),
             Ok(Submitted::Joined(job)) => Ok(SubmitReply::InFlight { job, joined: true }),
             Ok(Submitted::Done(job, table)) => Ok(SubmitReply::Ready { job, table }),
-            Err(QueueError::Full { limit }) => Err(SubmitError::QueueFull { limit, retry_after: self.retry_after() }),
+            Err(QueueError::Full { limit, team }) => {
+                Err(SubmitError::QueueFull { limit, team, retry_after: self.retry_after() })
+            }
             Err(QueueError::Store(error)) => Err(SubmitError::Store(error.into())),
         }
     }
@@ -166,6 +168,7 @@ impl ServiceState {
             finished_at: Some(stored_at),
             submitted_by: None,
             cancelled_by: None,
+            claim: Claim::default(),
         }
     }
 

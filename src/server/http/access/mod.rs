@@ -4,6 +4,7 @@
 //! on this machine brings the requests of others.
 
 mod rates;
+mod standing;
 mod tokens;
 mod watched;
 
@@ -19,10 +20,12 @@ use axum::{
 use self::rates::Asking;
 pub(super) use self::rates::Rates;
 pub use self::{
+    standing::Standing,
     tokens::{KeptToken, Scope, TOKEN_BYTES, Tokens},
     watched::{TokenFileError, WatchedTokens},
 };
 use super::{connection::RemoteAddress, kind::ProblemKind, problem::Problem};
+use crate::queue::Submitter;
 
 /// Whether a path tells nothing but whether the service works, for probes, or is a file of the page, which is part of the
 /// program: browsers send no token with a link or a script.
@@ -30,9 +33,9 @@ fn is_open(path: &str) -> bool {
     ["/healthz", "/readyz", "/"].contains(&path) || path.starts_with("/page/")
 }
 
-/// The name of the token that a request came with.
+/// Whom the token names that a request came with.
 #[derive(Debug, Clone)]
-pub(super) struct Caller(pub(super) Arc<str>);
+pub(super) struct Caller(pub(super) Arc<Submitter>);
 
 /// What a call needs. A method that is in neither list changes what others may use.
 fn needed(method: &Method, path: &str) -> Scope {
@@ -62,7 +65,7 @@ fn admit(tokens: &Tokens, method: &Method, path: &str, headers: &HeaderMap) -> R
     if tokens.is_empty() || is_open(path) {
         return Ok(None);
     }
-    let Some((name, scope)) = secret(headers).and_then(|secret| tokens.find(secret)) else {
+    let Some((by, scope)) = secret(headers).and_then(|secret| tokens.find(secret)) else {
         let given = if headers.contains_key(header::AUTHORIZATION) {
             "is not one that the service knows"
         } else {
@@ -74,10 +77,11 @@ fn admit(tokens: &Tokens, method: &Method, path: &str, headers: &HeaderMap) -> R
     };
     let needed = needed(method, path);
     if scope < needed {
-        let detail = format!("the token «{name}» has the scope {}; this call needs {}", scope.name(), needed.name());
+        let (name, scope, needed) = (&by.name, scope.name(), needed.name());
+        let detail = format!("the token «{name}» has the scope {scope}; this call needs {needed}");
         return Err(Problem::new(ProblemKind::OutOfScope, detail));
     }
-    Ok(Some(Caller(name.into())))
+    Ok(Some(Caller(Arc::clone(by))))
 }
 
 /// Who may call, and how often.
@@ -93,7 +97,7 @@ impl Access {
     fn count(&self, admitted: &Result<Option<Caller>, Problem>, request: &Request) -> Result<(), Problem> {
         let Some(rates) = self.rates.as_ref().filter(|_| !is_open(request.uri().path())) else { return Ok(()) };
         let asking = match admitted {
-            Ok(Some(Caller(name))) => Asking::Token(Arc::clone(name)),
+            Ok(Some(Caller(by))) => Asking::Token(Arc::clone(by)),
             _ => Asking::Address(address(request)),
         };
         rates.count(&asking)
@@ -151,8 +155,9 @@ mod tests {
 
     #[test]
     fn each_call_needs_its_scope() {
-        let made =
-            Scope::ALL.map(|scope| KeptToken::new(scope.name(), scope, &[scope as u8; TOKEN_BYTES]).expect("a name"));
+        let made = Scope::ALL.map(|scope| {
+            KeptToken::new(scope.name(), scope, Standing::default(), &[scope as u8; TOKEN_BYTES]).expect("a name")
+        });
         let [(read, _), (submit, _), (admin, _)] = &made;
         let tokens = Tokens::of(&[("", &made.clone().map(|(_, kept)| kept.to_string()).join("\n"))]).expect("tokens");
         let id = "/v1/jobs/17ef825cea151d3d007a00aaeea2fd86";

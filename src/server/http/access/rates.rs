@@ -17,7 +17,10 @@ use governor::{
     state::keyed::HashMapStateStore,
 };
 
-use crate::http::{kind::ProblemKind, problem::Problem};
+use crate::{
+    http::{kind::ProblemKind, problem::Problem},
+    queue::Submitter,
+};
 
 /// Requests after which callers that have not asked for a while are forgotten.
 const FORGET_EVERY: u32 = 1024;
@@ -25,7 +28,7 @@ const FORGET_EVERY: u32 = 1024;
 /// Who asks: a token, or an address that sent none that is known.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) enum Asking {
-    Token(Arc<str>),
+    Token(Arc<Submitter>),
     Address(IpAddr),
 }
 
@@ -55,7 +58,7 @@ impl Rates {
         }
         self.limiter.check_key(asking).map_err(|until| {
             let who = match asking {
-                Asking::Token(name) => format!("the token «{name}»"),
+                Asking::Token(by) => format!("the token «{}»", by.name),
                 Asking::Address(address) => format!("the address {address}"),
             };
             let detail =
@@ -69,11 +72,13 @@ impl Rates {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::queue::Claim;
 
     #[test]
     fn each_caller_has_requests_of_its_own() {
         let rates = Rates::new(const { NonZeroU32::new(2).unwrap() });
-        let [farm, wiki] = ["farm", "wiki"].map(|name| Asking::Token(name.into()));
+        let [farm, wiki] = ["farm", "wiki"]
+            .map(|name| Asking::Token(Arc::new(Submitter { name: name.to_owned(), claim: Claim::default() })));
         let address = Asking::Address([10, 0, 0, 1].into());
         for asking in [&farm, &farm, &wiki, &address] {
             rates.count(asking).expect("its own");

@@ -1,9 +1,17 @@
 //! Tokens: who may call the service, and for what. A token is 256 random bits; of it, only the SHA-256 hash is kept.
 
-use std::{collections::BTreeSet, fmt, str::FromStr};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt,
+    num::NonZeroU32,
+    str::FromStr,
+    sync::Arc,
+};
 
 use subtle::ConstantTimeEq as _;
 
+use super::standing::{Standing, checked_name};
+use crate::queue::{Priority, Submitter};
 use ltcforge_files::{digest::Digest, hex::to_hex};
 
 /// Random bytes of a token.
@@ -11,9 +19,6 @@ pub const TOKEN_BYTES: usize = 32;
 
 /// Begins each token, so that a program that looks for leaked secrets recognises one.
 const PREFIX: &str = "ltcforge_";
-
-/// The longest name.
-const LONGEST_NAME: usize = 64;
 
 /// What a token allows. Each allows what those before it do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -50,10 +55,11 @@ impl FromStr for Scope {
     }
 }
 
-/// A token as it is kept: `NAME SCOPE sha256:HASH`.
+/// A token as it is kept: `NAME SCOPE sha256:HASH`, and where they are others than usual `team=NAME`, `share=NUMBER` and
+/// `priority=NAME`.
 #[derive(Clone, PartialEq, Eq)]
 pub struct KeptToken {
-    name: String,
+    by: Arc<Submitter>,
     scope: Scope,
     hash: Digest,
 }
@@ -61,13 +67,24 @@ pub struct KeptToken {
 /// Without the hash, which nobody needs to see.
 impl fmt::Debug for KeptToken {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("KeptToken").field("name", &self.name).field("scope", &self.scope).finish_non_exhaustive()
+        f.debug_struct("KeptToken").field("by", &self.by).field("scope", &self.scope).finish_non_exhaustive()
     }
 }
 
 impl fmt::Display for KeptToken {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {} {}", self.name, self.scope.name(), self.hash)
+        let Submitter { name, claim } = &*self.by;
+        write!(f, "{name} {} {}", self.scope.name(), self.hash)?;
+        if claim.team != *name {
+            write!(f, " team={}", claim.team)?;
+        }
+        if claim.share != NonZeroU32::MIN {
+            write!(f, " share={}", claim.share)?;
+        }
+        match claim.priority {
+            Priority::Normal => Ok(()),
+            priority => write!(f, " priority={}", priority.name()),
+        }
     }
 }
 
@@ -77,35 +94,34 @@ impl FromStr for KeptToken {
     /// No error shows a hash, or what was taken for one: it may be a token.
     fn from_str(text: &str) -> Result<Self, String> {
         let words: Vec<&str> = text.split_whitespace().collect();
-        let &[name, scope, hash] = words.as_slice() else {
-            return Err(format!("a token is NAME SCOPE sha256:HASH, three words, and not {}", words.len()));
+        let [name, scope, hash, standing @ ..] = words.as_slice() else {
+            return Err(format!("a token is NAME SCOPE sha256:HASH, at least three words, and not {}", words.len()));
         };
         let hash = hash.strip_prefix("sha256:").and_then(|hash| hash.parse().ok());
         let hash =
             hash.ok_or_else(|| format!("the hash of «{}» is not sha256: and 64 hex digits", name.escape_debug()));
-        Ok(Self { name: checked_name(name)?, scope: scope.parse()?, hash: hash? })
+        let name = checked_name((*name).to_owned())?;
+        let claim = Standing::of(standing)?.claim(&name)?;
+        Ok(Self { by: Arc::new(Submitter { name, claim }), scope: scope.parse()?, hash: hash? })
     }
-}
-
-fn checked_name(name: &str) -> Result<String, String> {
-    let is_good = |c: char| c.is_ascii_alphanumeric() || "-_.@".contains(c);
-    if (1..=LONGEST_NAME).contains(&name.len()) && name.chars().all(is_good) {
-        return Ok(name.to_owned());
-    }
-    let shown: String = name.chars().take(LONGEST_NAME).collect();
-    let form = format!("a name is 1 to {LONGEST_NAME} letters, digits and -_.@");
-    Err(format!("«{}» is not the name of a token: {form}", shown.escape_debug()))
 }
 
 impl KeptToken {
     /// A new token of these random bytes: its secret, and the token as it is kept.
     ///
     /// # Errors
-    /// When the name is not one.
-    pub fn new(name: &str, scope: Scope, random: &[u8; TOKEN_BYTES]) -> Result<(String, Self), String> {
+    /// When a name is not one, or the share.
+    pub fn new(
+        name: &str,
+        scope: Scope,
+        standing: Standing,
+        random: &[u8; TOKEN_BYTES],
+    ) -> Result<(String, Self), String> {
         let secret = format!("{PREFIX}{}", to_hex(random));
         let hash = Digest::of(secret.as_bytes());
-        Ok((secret, Self { name: checked_name(name)?, scope, hash }))
+        let name = checked_name(name.to_owned())?;
+        let claim = standing.claim(&name)?;
+        Ok((secret, Self { by: Arc::new(Submitter { name, claim }), scope, hash }))
     }
 }
 
@@ -120,15 +136,30 @@ impl Tokens {
     /// # Errors
     /// All faults, a line each.
     pub fn of(texts: &[(&str, &str)]) -> Result<Self, String> {
-        let (mut tokens, mut faults, mut names) = (Vec::<KeptToken>::new(), Vec::new(), BTreeSet::new());
+        let (mut tokens, mut faults) = (Vec::<KeptToken>::new(), Vec::new());
+        let (mut names, mut shares) = (BTreeSet::new(), BTreeMap::new());
         for (text_name, text) in texts {
             for (at, line) in (1..).zip(text.lines().map(str::trim)) {
                 if line.is_empty() || line.starts_with('#') {
                     continue;
                 }
-                match line.parse::<KeptToken>() {
-                    Ok(token) if names.insert(token.name.clone()) => tokens.push(token),
-                    Ok(token) => faults.push(format!("{text_name}, line {at}: a second token «{}»", token.name)),
+                let read = line.parse::<KeptToken>().and_then(|token| {
+                    let Submitter { name, claim } = &*token.by;
+                    if names.contains(name) {
+                        return Err(format!("a second token «{name}»"));
+                    }
+                    let share = *shares.entry(claim.team.clone()).or_insert(claim.share);
+                    if share != claim.share {
+                        return Err(format!(
+                            "the team «{}» has a share of {share} above, and not of {}",
+                            claim.team, claim.share
+                        ));
+                    }
+                    names.insert(name.clone());
+                    Ok(token)
+                });
+                match read {
+                    Ok(token) => tokens.push(token),
                     Err(fault) => faults.push(format!("{text_name}, line {at}: {fault}")),
                 }
             }
@@ -142,13 +173,13 @@ impl Tokens {
         self.0.is_empty()
     }
 
-    /// Name and scope of the token with this secret. Each hash is compared, and all of it, so that the time tells nothing.
-    pub(super) fn find(&self, secret: &[u8]) -> Option<(&str, Scope)> {
+    /// Whom the token with this secret names, and its scope. Each hash is compared, and all of it, so that the time tells nothing.
+    pub(super) fn find(&self, secret: &[u8]) -> Option<(&Arc<Submitter>, Scope)> {
         let hash = Digest::of(secret);
         let compare = |token: &&KeptToken| bool::from(token.hash.as_bytes().ct_eq(hash.as_bytes()));
         let found: Vec<bool> = self.0.iter().map(|token| compare(&token)).collect();
         let at = found.iter().position(|found| *found)?;
-        self.0.get(at).map(|token| (token.name.as_str(), token.scope))
+        self.0.get(at).map(|token| (&token.by, token.scope))
     }
 }
 
@@ -157,7 +188,7 @@ mod tests {
     use super::*;
 
     fn new(name: &str, scope: Scope, seed: u8) -> (String, KeptToken) {
-        KeptToken::new(name, scope, &[seed; TOKEN_BYTES]).expect("a name")
+        KeptToken::new(name, scope, Standing::default(), &[seed; TOKEN_BYTES]).expect("a name")
     }
 
     #[test]
@@ -169,10 +200,11 @@ mod tests {
         assert_eq!(kept.to_string().parse(), Ok(kept.clone()));
         let tokens = Tokens::of(&[("a", &kept.to_string()), ("b", &format!("# of a person\n\n  {reader}\n"))]);
         let tokens = tokens.expect("two tokens");
-        assert_eq!(tokens.find(secret.as_bytes()), Some(("farm", Scope::Submit)));
-        assert_eq!(tokens.find(other.as_bytes()), Some(("viewer", Scope::Read)));
+        let found = |secret: &str| tokens.find(secret.as_bytes()).map(|(by, scope)| (by.name.as_str(), scope));
+        assert_eq!(found(&secret), Some(("farm", Scope::Submit)));
+        assert_eq!(found(&other), Some(("viewer", Scope::Read)));
         for wrong in ["", "farm", &secret[1..], &kept.hash.to_string(), &kept.hash.hex()] {
-            assert_eq!(tokens.find(wrong.as_bytes()), None, "{wrong}");
+            assert_eq!(found(wrong), None, "{wrong}");
         }
         assert!(!format!("{tokens:?}").contains(&kept.hash.hex()), "{tokens:?}");
     }
@@ -193,6 +225,19 @@ mod tests {
         }
         assert_eq!(faults.lines().count(), 5, "{faults}");
         assert!(!faults.contains(&secret) && !faults.contains(&kept.hash.hex()), "{faults}");
+    }
+
+    #[test]
+    fn a_line_says_what_jobs_may_have_and_a_team_has_one_share() {
+        let standing = Standing { team: Some("art".to_owned()), share: Some(3), priority: Some(Priority::High) };
+        let (secret, kept) = KeptToken::new("ann", Scope::Submit, standing, &[1; TOKEN_BYTES]).expect("names");
+        assert!(kept.to_string().ends_with(" team=art share=3 priority=high"), "{kept}");
+        let tokens = Tokens::of(&[("F", &kept.to_string())]).expect("a token");
+        let (by, _) = tokens.find(secret.as_bytes()).expect("it is known");
+        assert_eq!((by.claim.team.as_str(), by.claim.share.get(), by.claim.priority), ("art", 3, Priority::High));
+        let (_, other) = new("bob", Scope::Submit, 2);
+        let faults = Tokens::of(&[("F", &format!("{kept}\n{other} team=art"))]).expect_err("two shares");
+        assert_eq!(faults, "F, line 2: the team «art» has a share of 3 above, and not of 1");
     }
 
     #[test]

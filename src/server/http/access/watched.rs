@@ -94,14 +94,15 @@ impl Renewed for WatchedTokens {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{KeptToken, Scope, TOKEN_BYTES};
+    use super::super::{KeptToken, Scope, Standing, TOKEN_BYTES};
     use super::*;
 
     #[test]
     fn a_changed_file_counts_unless_it_has_faults_or_no_token() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("tokens");
-        let [a, b, c] = [1, 2, 3].map(|n| KeptToken::new(&format!("t{n}"), Scope::Read, &[n; TOKEN_BYTES]).unwrap());
+        let [a, b, c] = [1, 2, 3]
+            .map(|n| KeptToken::new(&format!("t{n}"), Scope::Read, Standing::default(), &[n; TOKEN_BYTES]).unwrap());
         assert!(matches!(WatchedTokens::open(None, Some(path.clone())), Err(TokenFileError::Unreadable { .. })));
         // Another length each time: the time of change may be the same within some milliseconds.
         fs::write(&path, format!("{}\n", a.1)).unwrap();

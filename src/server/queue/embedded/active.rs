@@ -11,7 +11,7 @@ use super::{
     record::JobRecord,
     task::{Task, TaskState},
 };
-use crate::queue::{Depth, Job, JobState, Lease};
+use crate::queue::{Claim, Depth, Job, JobState, Lease};
 
 /// A job with its tasks. Task `n` fits shard `n`; the last task assembles the table, and can be leased only once every
 /// shard is finished.
@@ -42,6 +42,11 @@ impl ActiveJob {
             active.set(number, task);
         }
         active
+    }
+
+    /// What it may have of the workers.
+    pub(super) fn claim(&self) -> &Claim {
+        &self.record.job.claim
     }
 
     /// Number of the assembly task.

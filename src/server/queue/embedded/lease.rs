@@ -3,7 +3,6 @@
 use std::{num::NonZeroUsize, sync::TryLockError, time::Duration};
 
 use super::{
-    active::ActiveJob,
     record,
     state::{EmbeddedQueue, QueueState},
     task::{Task, TaskState},
@@ -20,20 +19,13 @@ impl EmbeddedQueue {
             return Offer::Closed;
         }
         self.remove_leftovers(&mut state);
-        let is_meant = |active: &ActiveJob| demand == Demand::Any || active.tasks_leased() == 0;
-        let tasks: Vec<LeasedTask> = (0..most.get()).map_while(|_| self.lease_of(&mut state, is_meant)).collect();
+        let tasks: Vec<LeasedTask> = (0..most.get()).map_while(|_| self.lease_next(&mut state, demand)).collect();
         if tasks.is_empty() { Offer::Nothing { seen: state.generation } } else { Offer::Tasks(tasks) }
     }
 
-    fn lease_of(&self, state: &mut QueueState, of: impl Fn(&ActiveJob) -> bool) -> Option<LeasedTask> {
+    fn lease_next(&self, state: &mut QueueState, demand: Demand) -> Option<LeasedTask> {
         let until = self.expiry();
-        let with_suspects = !state.active.values().any(ActiveJob::has_suspect_leased);
-        let waiting = state.active.iter().filter(|(_, active)| of(active));
-        let waiting =
-            waiting.filter_map(|(submission, active)| Some((*submission, active, active.next_waiting(with_suspects)?)));
-        let next =
-            waiting.min_by_key(|(submission, active, _)| (active.tasks_leased(), active.last_served, *submission));
-        let (submission, _, number) = next?;
+        let (submission, number) = state.next_task(demand)?;
         let active = state.active.get_mut(&submission)?;
         let task = *active.tasks.get(number as usize)?;
         state.leases += 1;
@@ -69,6 +61,8 @@ impl EmbeddedQueue {
             recipe_digest: active.record.job.recipe_digest,
             entries_total: active.record.job.entries_total,
         };
+        let team = active.claim().team.clone();
+        state.pass_turn(&team);
         state.next_expiry = Some(state.next_expiry.map_or(until, |expiry| expiry.min(until)));
         state.changed_jobs.insert(id);
         Some(leased)

@@ -16,6 +16,7 @@ mod resume;
 mod state;
 mod submit;
 mod task;
+mod teams;
 
 pub use record::{JobRecord, stored_jobs, stored_results};
 pub use state::{Clock, EmbeddedQueue};

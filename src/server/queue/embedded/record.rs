@@ -105,10 +105,12 @@ fn encode(row: &impl Serialize) -> Result<Vec<u8>, StoreError> {
 
 #[cfg(test)]
 mod tests {
+    use std::num::NonZeroU32;
+
     use jiff::Timestamp;
 
     use super::*;
-    use crate::queue::{Failure, FailureKind, JobState};
+    use crate::queue::{Claim, Failure, FailureKind, JobState, Priority};
     use ltcforge_files::digest::Digest;
 
     #[test]
@@ -132,6 +134,7 @@ mod tests {
                 finished_at: Some(Timestamp::MAX),
                 submitted_by: Some("farm".to_owned()),
                 cancelled_by: None,
+                claim: Claim { team: "lighting".to_owned(), share: NonZeroU32::MIN, priority: Priority::High },
             };
             let record = JobRecord { submission: 7, shard_entries: vec![2, 1], job };
             assert_eq!(serde_json::from_slice::<JobRecord>(&encode(&record).unwrap()).unwrap(), record);

@@ -64,7 +64,7 @@ impl EmbeddedQueue {
         let submission = record.submission;
         let active = ActiveJob::new(record, tasks);
         let crashed: Vec<_> = active.leases().collect();
-        state.active.insert(submission, active);
+        state.activate(submission, active);
         for (lease, _) in crashed {
             // An error means that the job has just failed through another of its leases.
             let _ = self.count_death(state, &lease);

@@ -14,6 +14,7 @@ use super::{
     active::ActiveJob,
     record::{self, JobRecord},
     task::{Task, TaskState},
+    teams::Team,
 };
 use crate::{
     queue::{Job, JobId, JobState, Lease, Limits, StaleLease},
@@ -39,7 +40,7 @@ impl Clock {
     }
 }
 
-/// Durable jobs, which share the workers evenly.
+/// Durable jobs, which share the workers.
 ///
 /// The lock is held while a change of a job is written, so that only durable changes can be seen. Results are written
 /// without it, and their tasks count as leased meanwhile.
@@ -56,6 +57,8 @@ pub struct EmbeddedQueue {
 pub(super) struct QueueState {
     /// Unfinished jobs by submission.
     pub(super) active: BTreeMap<u64, ActiveJob>,
+    /// Teams that had jobs since the queue was opened.
+    pub(super) teams: BTreeMap<String, Team>,
     /// Jobs in final states by submission.
     pub(super) ended: BTreeMap<u64, JobRecord>,
     /// The submission of each job.

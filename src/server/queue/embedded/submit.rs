@@ -3,11 +3,11 @@
 use super::{
     active::ActiveJob,
     record::{self, JobRecord},
-    state::EmbeddedQueue,
+    state::{EmbeddedQueue, QueueState},
     task::{Task, TaskState},
 };
 use crate::{
-    queue::{Job, JobId, JobState, NewJob, QueueError, Submitted},
+    queue::{Claim, Job, JobId, JobState, NewJob, QueueError, Submitted},
     store::{Batch, StoreError},
 };
 use ltcforge_files::digest::Digest;
@@ -16,8 +16,9 @@ impl EmbeddedQueue {
     pub(super) fn submit_job(&self, new: NewJob, has_table: &dyn Fn(Digest) -> bool) -> Result<Submitted, QueueError> {
         let id = JobId::of_recipe(&new.recipe_digest);
         let mut state = self.lock();
-        if let Some(active) = state.active_job(id) {
-            return Ok(Submitted::Joined(active.job()));
+        let claim = new.claim();
+        if let Some(joined) = self.join(&mut state, id, &claim)? {
+            return Ok(Submitted::Joined(joined));
         }
         self.forget_old(&mut state);
         let former = state.ended_job(id);
@@ -27,7 +28,11 @@ impl EmbeddedQueue {
             return Ok(Submitted::Done(job.clone(), *table));
         }
         if state.active.len() >= self.limits.jobs {
-            return Err(QueueError::Full { limit: self.limits.jobs });
+            return Err(QueueError::Full { limit: self.limits.jobs, team: None });
+        }
+        let limit = self.limits.jobs_of(&claim.team);
+        if state.active.values().filter(|active| active.claim().team == claim.team).count() >= limit {
+            return Err(QueueError::Full { limit, team: Some(claim.team) });
         }
         let submission = state.next_submission;
         let record = self.new_record(new, submission);
@@ -43,26 +48,44 @@ impl EmbeddedQueue {
         let active = ActiveJob::new(record, tasks);
         let job = active.job();
         state.by_id.insert(id, submission);
-        state.active.insert(submission, active);
+        state.activate(submission, active);
         state.record_change(id);
         self.changed.notify_all();
         Ok(Submitted::Queued(job))
     }
 
+    /// The unfinished job of this id, if there is one; served from now on as `claim` says if its priority is higher.
+    fn join(&self, state: &mut QueueState, id: JobId, claim: &Claim) -> Result<Option<Job>, StoreError> {
+        let Some(active) = state.active_job(id) else { return Ok(None) };
+        if active.claim().priority < claim.priority {
+            let mut record = active.record.clone();
+            record.job.claim = claim.clone();
+            let mut batch = Batch::default();
+            record::put_job(&mut batch, &record)?;
+            self.commit(state, batch)?;
+            if let Some(mut active) = state.active.remove(&record.submission) {
+                active.record = record;
+                state.activate(active.record.submission, active);
+            }
+        }
+        Ok(state.active_job(id).map(ActiveJob::job))
+    }
+
     fn new_record(&self, new: NewJob, submission: u64) -> JobRecord {
         let job = Job {
             id: JobId::of_recipe(&new.recipe_digest),
-            recipe: new.recipe,
             recipe_digest: new.recipe_digest,
             state: JobState::Queued,
-            entries_total: new.shard_entries.iter().copied().map(u64::from).sum(),
+            entries_total: new.entries(),
             entries_done: 0,
             attempts: 0,
             created_at: (self.clock.wall)(),
             started_at: None,
             finished_at: None,
-            submitted_by: new.by,
+            submitted_by: new.submitted_by(),
             cancelled_by: None,
+            claim: new.claim(),
+            recipe: new.recipe,
         };
         JobRecord { submission, shard_entries: new.shard_entries, job }
     }

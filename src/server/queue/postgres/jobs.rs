@@ -1,11 +1,13 @@
 //! Jobs as rows: how they are inserted, read and ended.
 
+use std::num::NonZeroU32;
+
 use deadpool_postgres::{GenericClient, Transaction};
 use jiff::Timestamp;
 use tokio_postgres::{Error, Row};
 
 use crate::{
-    queue::{Failure, FailureKind, Job, JobId, JobState},
+    queue::{Claim, Failure, FailureKind, Job, JobId, JobState, Priority},
     store::StoreError,
 };
 use ltcforge_files::digest::Digest;
@@ -36,16 +38,16 @@ pub(super) const COLUMNS: &str = concat!(
             WHERE t.submission = jobs.submission AND t.state = 'leased'), 0))) AS entries_now,
         coalesce(attempts, ",
     highest_attempt!(),
-    ") AS attempts_now, created_at, started_at, finished_at, submitted_by, cancelled_by, (SELECT ltcforge.clock()) AS now
+    ") AS attempts_now, created_at, started_at, finished_at, submitted_by, cancelled_by, team, share, priority, (SELECT ltcforge.clock()) AS now
     FROM ltcforge.jobs"
 );
 
 const INSERT: &str = "
     INSERT INTO ltcforge.jobs (submission, id, recipe_digest, recipe, fitter, shards, shards_digest, entries_total,
         state, table_digest, failure, entries_done, attempts, created_at, started_at, finished_at,
-        submitted_by, cancelled_by)
+        submitted_by, cancelled_by, team, share, priority)
     VALUES (nextval('ltcforge.submissions'), $1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15,
-        $16, $17)
+        $16, $17, $18, $19, $20)
     ON CONFLICT (recipe_digest) DO NOTHING RETURNING submission";
 
 const END: &str = concat!(
@@ -100,7 +102,28 @@ pub(super) fn job(row: &Row) -> Result<Job, StoreError> {
         finished_at: row.get("finished_at"),
         submitted_by: row.get("submitted_by"),
         cancelled_by: row.get("cancelled_by"),
+        claim: claim(row)?,
     })
+}
+
+fn claim(row: &Row) -> Result<Claim, StoreError> {
+    let share = row.get::<_, i32>("share").try_into().ok().and_then(NonZeroU32::new);
+    let priority = match row.get::<_, i16>("priority") {
+        0 => Priority::Normal,
+        low if low < 0 => Priority::Low,
+        _ => Priority::High,
+    };
+    Ok(Claim { team: row.get("team"), share: share.ok_or_else(|| unreadable("share"))?, priority })
+}
+
+/// A claim as columns: the share, and the priority.
+pub(super) fn claim_columns(claim: &Claim) -> (i32, i16) {
+    let priority = match claim.priority {
+        Priority::Low => -1,
+        Priority::Normal => 0,
+        Priority::High => 1,
+    };
+    (claim.share.get().try_into().unwrap_or(i32::MAX), priority)
 }
 
 /// A state as columns: its name, the digest of its table, and its failure.
@@ -139,6 +162,7 @@ pub(super) async fn insert(
     let (shards, shards_digest) =
         (i32::try_from(shard_entries.len()).unwrap_or(i32::MAX), shards_digest(shard_entries));
     let shards_digest = shards_digest.as_bytes().as_slice();
+    let (share, priority) = claim_columns(&job.claim);
     let (fitter, entries_total) = (fitter.cast_signed(), job.entries_total.cast_signed());
     let row = client
         .query_opt(
@@ -161,6 +185,9 @@ pub(super) async fn insert(
                 &job.finished_at,
                 &job.submitted_by,
                 &job.cancelled_by,
+                &job.claim.team,
+                &share,
+                &priority,
             ],
         )
         .await?;

@@ -17,7 +17,7 @@ use super::{
     jobs::{digest, job_id},
 };
 use crate::{
-    queue::{Demand, Lease, LeasedTask, SUSPECT_DEATHS, TaskKind},
+    queue::{Demand, Lease, LeasedTask, SUSPECT_DEATHS, TURN, TaskKind},
     store::StoreError,
 };
 
@@ -28,12 +28,15 @@ const AT_ONCE: usize = 256;
 const LOOKS: u32 = 20;
 const PAUSE: Duration = Duration::from_millis(5);
 
-/// `$1` the fitter, `$2` tasks at most, `$3` seconds, `$4` the worker, `$5` whether only jobs without leased
-/// tasks count, `$6` expired leases that make a task suspect.
+/// `$1` the fitter, `$2` tasks at most, `$3` seconds, `$4` the worker, `$5` whether [`Demand::Unserved`] is asked for, `$6`
+/// expired leases that make a task suspect.
 ///
-/// `jobs` are the jobs with the fewest leased tasks that have tasks to lease; of equals, the one served longest ago
-/// comes first. `shares` gives out the tasks one by one, each to the job that has the fewest by then. `taken` locks so
-/// many rows of each job, and skips those that another lease has locked. Of the suspect tasks one is leased at a time.
+/// `jobs` are of each team the jobs of the highest priority with the fewest leased tasks that have tasks to lease; of equals,
+/// the one served longest ago comes first. `places` puts the tasks of a team in the order in which they are leased, each of the job
+/// that has the fewest by then, and `places_of_all` gives them out one by one, each to the team that has the fewest whole
+/// shares by then, by [`crate::queue::Queue::lease`]. `taken` locks so many rows of each job, and skips those that another
+/// lease has locked. Of the suspect tasks one is leased at a time. A team whose row another lease has locked keeps its turn: it
+/// decides between teams that have equally much, and where many lease, they have what they should by that.
 ///
 /// The answer has no row if there is no such job, and one row of NULLs if other leases have locked all tasks.
 /// Concurrent leases choose the same jobs and take different tasks of them; the next leases even this out.
@@ -41,25 +44,42 @@ pub(super) static LEASE: LazyLock<String> = LazyLock::new(|| {
     let lease = "
     WITH suspect AS MATERIALIZED (
         SELECT EXISTS (SELECT FROM ltcforge.tasks WHERE state = 'leased' AND deaths > 0 AND deaths >= $6) AS is_leased
-    ), jobs AS MATERIALIZED (
-        SELECT j.submission, j.last_served, j.leased, w.waiting
+    ), open AS MATERIALIZED (
+        SELECT submission, count(*) - 1 AS leased, max(last_served) AS last_served, max(team) AS team,
+            max(priority) AS priority
         FROM (
-            SELECT submission, count(*) - 1 AS leased, max(last_served) AS last_served FROM (
-                SELECT submission, last_served FROM ltcforge.serving WHERE fitter = $1
-                UNION ALL SELECT submission, NULL FROM ltcforge.tasks WHERE state = 'leased'
-            ) AS u GROUP BY submission HAVING max(last_served) IS NOT NULL AND (count(*) = 1 OR NOT $5)
-            ORDER BY leased, last_served, submission
-        ) AS j CROSS JOIN LATERAL (
-            SELECT count(*) AS waiting FROM (
-                SELECT FROM ltcforge.tasks AS t WHERE t.submission = j.submission AND is_ready LIMIT $2
-            ) AS t
-        ) AS w
-        WHERE w.waiting > 0 ORDER BY j.leased, j.last_served, j.submission LIMIT $2
+            SELECT submission, last_served, team, priority FROM ltcforge.serving WHERE fitter = $1
+            UNION ALL SELECT submission, NULL, NULL, NULL FROM ltcforge.tasks WHERE state = 'leased'
+        ) AS u GROUP BY submission HAVING max(last_served) IS NOT NULL
+    ), teams AS MATERIALIZED (
+        SELECT t.team, t.share, t.turn, sum(o.leased)::bigint AS leased
+        FROM open AS o JOIN ltcforge.teams AS t ON t.team = o.team GROUP BY t.team, t.share, t.turn
+    ), jobs AS MATERIALIZED (
+        SELECT t.team, t.share, t.turn, t.leased AS team_leased, j.*
+        FROM teams AS t CROSS JOIN LATERAL (
+            SELECT o.submission, o.priority, o.leased, o.last_served, w.waiting
+            FROM (
+                SELECT * FROM open WHERE team = t.team
+                    AND (NOT $5 OR leased = 0 AND priority = (SELECT max(priority) FROM open))
+                ORDER BY priority DESC, leased, last_served, submission
+            ) AS o CROSS JOIN LATERAL (
+                SELECT count(*) AS waiting FROM (
+                    SELECT FROM ltcforge.tasks AS t WHERE t.submission = o.submission AND is_ready LIMIT $2
+                ) AS t
+            ) AS w
+            WHERE w.waiting > 0 ORDER BY o.priority DESC, o.leased, o.last_served, o.submission LIMIT $2
+        ) AS j
+        WHERE NOT $5 OR t.leased * (SELECT sum(share) FROM teams) <= t.share * (SELECT sum(leased) FROM teams)
+    ), places AS (
+        SELECT team, share, turn, team_leased, submission, priority, row_number() OVER (
+            PARTITION BY team ORDER BY priority DESC, leased + n, last_served, submission
+        ) - 1 AS before
+        FROM jobs CROSS JOIN LATERAL generate_series(1, waiting) AS n
     ), shares AS MATERIALIZED (
         SELECT submission, count(*) AS share FROM (
-            SELECT submission FROM jobs CROSS JOIN LATERAL generate_series(1, waiting) AS n
-            ORDER BY leased + n, last_served, submission LIMIT $2
-        ) AS places GROUP BY submission
+            SELECT submission FROM places
+            ORDER BY priority DESC, (team_leased + before) / share, turn + before * (one_turn / share), team, before LIMIT $2
+        ) AS places_of_all GROUP BY submission
     ), taken AS MATERIALIZED (
         SELECT t.submission, t.task, t.deaths >= $6 AS is_suspect,
             row_number() OVER (PARTITION BY t.deaths >= $6 ORDER BY t.submission, t.task) AS n
@@ -79,12 +99,21 @@ pub(super) static LEASE: LazyLock<String> = LazyLock::new(|| {
             SELECT submission FROM ltcforge.serving WHERE submission IN (SELECT submission FROM leased)
             FOR UPDATE SKIP LOCKED
         )
+    ), turns AS (
+        UPDATE ltcforge.teams AS t SET turn = turn + p.tasks * (one_turn / t.share)
+        FROM (
+            SELECT team, count(*) AS tasks FROM leased JOIN open USING (submission)
+            WHERE (SELECT count(*) FROM teams) > 1 GROUP BY team
+        ) AS p
+        WHERE t.team = p.team AND t.team IN (
+            SELECT team FROM ltcforge.teams WHERE team IN (SELECT team FROM teams) FOR UPDATE SKIP LOCKED
+        )
     )
     SELECT l.submission, l.task, l.is_assembly, j.id, j.recipe, j.recipe_digest, j.state, j.entries_total
     FROM (SELECT FROM jobs LIMIT 1) AS any_job
     LEFT JOIN (leased AS l JOIN ltcforge.jobs AS j ON j.submission = l.submission) ON true
     ORDER BY l.submission, l.task";
-    lease.replace("is_ready", READY)
+    lease.replace("is_ready", READY).replace("one_turn", &TURN.to_string())
 });
 
 /// Whether a task `t` can be leased: the assembly when nothing else of its job is left. A subquery with LIMIT 1

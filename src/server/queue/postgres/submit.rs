@@ -22,12 +22,30 @@ const LOCK: i64 = 0x7375_626d_6974;
 const INSERT_REST: &str = "
     WITH assembly AS (
         INSERT INTO ltcforge.tasks (submission, task, is_assembly, entries, state) VALUES ($1, $2, true, 0, 'waiting')
-    ), serving AS (
-        INSERT INTO ltcforge.serving (submission, fitter)
-        SELECT submission, fitter FROM ltcforge.jobs WHERE submission = $1
     )
     INSERT INTO ltcforge.finished_entries (submission, slot, entries)
     SELECT $1, 0, coalesce(sum(entries), 0) FROM ltcforge.tasks WHERE submission = $1 AND state = 'finished'";
+
+/// Lets a job, `$1` its submission, be served as its row says. A team that has no other begins where the one begins that is next.
+const SERVE: &str = "
+    WITH job AS (
+        SELECT submission, fitter, team, share, priority FROM ltcforge.jobs WHERE submission = $1
+    ), team AS (
+        INSERT INTO ltcforge.teams AS t (team, share, turn)
+        SELECT team, share, (
+            SELECT coalesce(min(u.turn), 0) FROM ltcforge.teams AS u
+            WHERE u.team IN (SELECT team FROM ltcforge.serving WHERE submission <> $1)
+        ) FROM job
+        ON CONFLICT (team) DO UPDATE SET share = excluded.share, turn = CASE
+            WHEN EXISTS (SELECT FROM ltcforge.serving AS s WHERE s.team = t.team AND s.submission <> $1) THEN t.turn
+            ELSE greatest(t.turn, excluded.turn)
+        END
+    )
+    INSERT INTO ltcforge.serving (submission, fitter, team, priority) SELECT submission, fitter, team, priority FROM job
+    ON CONFLICT (submission) DO UPDATE SET team = excluded.team, priority = excluded.priority";
+
+/// A claim for a submission: `$1` it, `$2` the team, `$3` its share, `$4` the priority.
+const CLAIM: &str = "UPDATE ltcforge.jobs SET team = $2, share = $3, priority = $4 WHERE submission = $1";
 
 const DELETE: &str = "DELETE FROM ltcforge.jobs WHERE submission = $1 RETURNING submission, shards_digest";
 
@@ -48,6 +66,7 @@ pub(super) async fn insert_tasks(
 ) -> Result<(), Error> {
     let shards = i32::try_from(shard_entries.len()).unwrap_or(i32::MAX);
     client.execute(INSERT_REST, &[&submission, &shards]).await?;
+    client.execute(SERVE, &[&submission]).await?;
     blocks::insert(client, submission, shard_entries, finished).await?;
     jobs::notify(client, &format!("begin {id}")).await
 }
@@ -107,33 +126,48 @@ impl PostgresQueue {
         lock_submissions(transaction).await?;
         let former = lock(transaction, id).await?;
         match &former {
-            Some((_, job)) if !job.state.name().is_final() => {
-                return Ok(Some(Ok(Submitted::Joined(job.clone()))));
+            Some((submission, job)) if !job.state.name().is_final() => {
+                let claim = new.claim();
+                if claim.priority <= job.claim.priority {
+                    return Ok(Some(Ok(Submitted::Joined(job.clone()))));
+                }
+                let (share, priority) = jobs::claim_columns(&claim);
+                transaction.execute(CLAIM, &[submission, &claim.team, &share, &priority]).await?;
+                transaction.execute(SERVE, &[submission]).await?;
+                return Ok(Some(Ok(Submitted::Joined(Job { claim, ..job.clone() }))));
             }
             Some((_, Job { state: JobState::Done { table }, .. })) if without_table != Some(*table) => {
                 return Ok(None);
             }
             _ => {}
         }
-        let count =
-            "SELECT count(*), (SELECT ltcforge.clock()) FROM ltcforge.jobs WHERE state IN ('queued', 'running')";
-        let now = transaction.query_one(count, &[]).await?;
-        if usize::try_from(now.get::<_, i64>(0)).is_ok_and(|open| self.limits.jobs <= open) {
-            return Ok(Some(Err(QueueError::Full { limit: self.limits.jobs })));
+        let count = "
+            SELECT count(*), count(*) FILTER (WHERE team = $1), (SELECT ltcforge.clock()) FROM ltcforge.jobs
+            WHERE state IN ('queued', 'running')";
+        let claim = new.claim();
+        let now = transaction.query_one(count, &[&claim.team]).await?;
+        let is_full = |column, limit| usize::try_from(now.get::<_, i64>(column)).is_ok_and(|open| limit <= open);
+        let limit = self.limits.jobs_of(&claim.team);
+        if is_full(0, self.limits.jobs) {
+            return Ok(Some(Err(QueueError::Full { limit: self.limits.jobs, team: None })));
+        }
+        if is_full(1, limit) {
+            return Ok(Some(Err(QueueError::Full { limit, team: Some(claim.team) })));
         }
         let job = Job {
             id,
             recipe: new.recipe.clone(),
             recipe_digest: new.recipe_digest,
             state: JobState::Queued,
-            entries_total: new.shard_entries.iter().copied().map(u64::from).sum(),
+            entries_total: new.entries(),
             entries_done: 0,
             attempts: 0,
-            created_at: now.get(1),
+            created_at: now.get(2),
             started_at: None,
             finished_at: None,
-            submitted_by: new.by.clone(),
+            submitted_by: new.submitted_by(),
             cancelled_by: None,
+            claim,
         };
         let mut before = None;
         if let Some((submission, _)) = former {

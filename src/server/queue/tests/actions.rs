@@ -1,8 +1,10 @@
 //! The actions of a random history.
 
+use std::num::NonZeroU32;
+
 use proptest::prelude::*;
 
-use crate::queue::{LeasedTask, NewJob};
+use crate::queue::{Claim, LeasedTask, NewJob, Priority, Submitter};
 use ltcforge_files::digest::Digest;
 
 pub(super) const LEASE_SECONDS: i64 = 10;
@@ -13,7 +15,11 @@ pub(super) fn recipe(n: u8) -> NewJob {
         recipe: format!("recipe {n}"),
         recipe_digest: Digest::of(&[n]),
         shard_entries: vec![2; SHARDS as usize],
-        by: None,
+        // Each of a team of its own, or of none, and of a priority of its own.
+        by: Priority::ALL.get(usize::from(n)).filter(|_| n > 0).map(|priority| Submitter {
+            name: n.to_string(),
+            claim: Claim { team: n.to_string(), share: NonZeroU32::MIN.saturating_add(n.into()), priority: *priority },
+        }),
     }
 }
 

@@ -219,6 +219,7 @@ impl World for PostgresWorld {
         world.execute(
             "CREATE TABLE IF NOT EXISTS test_clock (seconds bigint NOT NULL);
             TRUNCATE test_clock, ltcforge.jobs, ltcforge.tasks, ltcforge.blocks, ltcforge.serving, ltcforge.finished_entries, ltcforge.rows;
+            UPDATE ltcforge.teams SET turn = 0;
             INSERT INTO test_clock VALUES (1700000000);
             CREATE OR REPLACE FUNCTION ltcforge.clock() RETURNS timestamptz LANGUAGE sql STABLE
                 AS 'SELECT to_timestamp(seconds) FROM public.test_clock'",

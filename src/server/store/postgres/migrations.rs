@@ -12,6 +12,7 @@ use ltcforge_files::digest::Digest;
 pub(super) const ALL: &[&str] = &[
     include_str!("../../migrations/postgres/0001_initial.sql"),
     include_str!("../../migrations/postgres/0002_callers.sql"),
+    include_str!("../../migrations/postgres/0003_teams.sql"),
 ];
 
 /// Number of the advisory lock: «ltcforge» in ASCII.

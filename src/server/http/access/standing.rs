@@ -1,0 +1,99 @@
+//! What the jobs of a token may have of the workers, in words of its line.
+
+use std::{fmt, num::NonZeroU32};
+
+use crate::queue::{Claim, Priority};
+
+/// The longest name.
+const LONGEST_NAME: usize = 64;
+
+/// The greatest share of a team.
+const GREATEST_SHARE: u32 = 100;
+
+/// What a token says of its jobs beside its scope.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Standing {
+    /// The team; without one, the token is a team of its own.
+    pub team: Option<String>,
+    /// The share of the team, from 1 to 100.
+    pub share: Option<u32>,
+    /// The priority of its jobs.
+    pub priority: Option<Priority>,
+}
+
+impl Standing {
+    /// The standing that words say.
+    pub(super) fn of(words: &[&str]) -> Result<Self, String> {
+        let mut standing = Self::default();
+        for word in words {
+            let unknown =
+                || format!("«{}» is none of team=NAME, share=NUMBER and priority=NAME, each once", word.escape_debug());
+            let (key, value) = word.split_once('=').ok_or_else(unknown)?;
+            match key {
+                "team" if standing.team.is_none() => standing.team = Some(value.to_owned()),
+                "share" if standing.share.is_none() => {
+                    standing.share = Some(value.parse().map_err(|_| wrong_share(value))?);
+                }
+                "priority" if standing.priority.is_none() => {
+                    let known = Priority::ALL.into_iter().find(|priority| priority.name() == value);
+                    let fault = format!("priority «{}» is none of low, normal, high", value.escape_debug());
+                    standing.priority = Some(known.ok_or(fault)?);
+                }
+                _ => return Err(unknown()),
+            }
+        }
+        Ok(standing)
+    }
+
+    /// Of a token of this name.
+    pub(super) fn claim(self, name: &str) -> Result<Claim, String> {
+        let team = self.team.map_or_else(|| Ok(name.to_owned()), checked_name)?;
+        let share = self.share.unwrap_or(1);
+        let share =
+            NonZeroU32::new(share).filter(|share| share.get() <= GREATEST_SHARE).ok_or_else(|| wrong_share(share))?;
+        Ok(Claim { team, share, priority: self.priority.unwrap_or(Priority::Normal) })
+    }
+}
+
+fn wrong_share(value: impl fmt::Display) -> String {
+    format!("share «{}» is no whole number from 1 to {GREATEST_SHARE}", value.to_string().escape_debug())
+}
+
+/// The name of a token or of a team.
+pub(super) fn checked_name(name: String) -> Result<String, String> {
+    let is_good = |c: char| c.is_ascii_alphanumeric() || "-_.@".contains(c);
+    if (1..=LONGEST_NAME).contains(&name.len()) && name.chars().all(is_good) {
+        return Ok(name);
+    }
+    let shown: String = name.chars().take(LONGEST_NAME).collect();
+    let form = format!("a name is 1 to {LONGEST_NAME} letters, digits and -_.@");
+    Err(format!("«{}» is not the name of a token or a team: {form}", shown.escape_debug()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_say_team_share_and_priority() {
+        let claim = |words: &str| Standing::of(&words.split_whitespace().collect::<Vec<_>>())?.claim("farm");
+        assert_eq!(claim(""), Ok(Claim { team: "farm".to_owned(), ..Claim::default() }));
+        let all = Claim { team: "art".to_owned(), share: NonZeroU32::new(100).unwrap(), priority: Priority::Low };
+        assert_eq!(claim("priority=low team=art share=100"), Ok(all));
+        for (words, told) in [
+            ("share=0", "share «0» is no whole number from 1 to 100"),
+            ("share=101", "share «101»"),
+            ("share=1.5", "share «1.5»"),
+            ("share=-1", "share «-1»"),
+            ("priority=urgent", "priority «urgent» is none of low, normal, high"),
+            ("team=", "«» is not the name of a token or a team"),
+            ("team=a/b", "«a/b»"),
+            ("team=a team=b", "«team=b» is none of team=NAME, share=NUMBER and priority=NAME, each once"),
+            ("turn=3", "«turn=3»"),
+            ("art", "«art»"),
+        ] {
+            let fault = claim(words).unwrap_err();
+            assert!(fault.starts_with(told), "{words}: {fault}");
+        }
+    }
+}
