@@ -21,10 +21,11 @@ export NODEVICE_SELECT := 1
 export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
-.PHONY: help demo load lighthouse figures soak schemathesis test test-units test-suites test-native lint lint-core lint-deploy lines fmt bench packages browser cluster clean
+.PHONY: help demo release advisories load lighthouse figures soak schemathesis test test-units test-suites test-native lint lint-core lint-deploy lines fmt bench packages browser cluster clean
 
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
+	@echo 'make release build, and list the crates that it is made of'
 	@echo 'make load    requests a second of the service and of nginx, side by side'
 	@echo 'make lighthouse  what Lighthouse says of the page'
 	@echo 'make figures draw the figures of docs/figures.md anew'
@@ -58,6 +59,18 @@ lighthouse: packages browser
 	$(CARGO) build --release --locked
 	@cd tests/page && npm install --no-save --ignore-scripts --no-audit --no-fund lighthouse@13.5.0 && \
 		node lighthouse.js --chromium "$$(command -v chromium-headless-shell)" --ltcforge "$(abspath $(or $(CARGO_TARGET_DIR),target))/release/ltcforge"
+
+# The program, and what it is made of: a CycloneDX document, the same for the same sources.
+release: packages
+	$(CARGO) build --release --locked
+	$(CARGO) run -q --locked -p ltcforge-supply -- sbom --target "$$(rustc -vV | sed -n 's/^host: //p')" \
+		-o $(or $(CARGO_TARGET_DIR),target)/release/ltcforge.cdx.json
+
+# The advisories that the tests hold the crates to.
+advisories:
+	@folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
+	git clone -q --depth 1 https://github.com/rustsec/advisory-db "$$folder" && \
+	$(CARGO) run -q --locked -p ltcforge-supply -- renew "$$folder"
 
 figures: packages
 	$(CARGO) run --release --locked -p ltcforge-studies -- figures -o docs/figures
