@@ -41,6 +41,7 @@ mod tabulated;
 mod tradeoff;
 mod tradeoff_models;
 mod verify;
+mod verify_export;
 
 pub use args::{Cli, Command, OnInterrupt};
 pub use context::Context;

@@ -85,15 +85,23 @@ impl Measured {
     /// # Errors
     /// When this program does not know the export, or the table has no such files.
     pub(super) fn export(&self, asked: &ExportPin) -> Result<(ExportPin, Vec<TextureFile>), CommandFailure> {
-        let Self { file: TableFile { table, recipe, .. }, digest, error } = self;
-        let bundle = export::bundle(export_of(asked)?, table, *digest, Some(recipe), *error)?;
+        let files = self.files(export_of(asked)?)?;
         let pin = |file: &TextureFile| FilePin {
             path: asked.to.join(&file.path),
             bytes: file.bytes.len() as u64,
             digest: Digest::of(&file.bytes),
         };
-        let pins = bundle.files.iter().map(pin).collect();
-        Ok((ExportPin { file: pins, ..asked.clone() }, bundle.files))
+        let pins = files.iter().map(pin).collect();
+        Ok((ExportPin { file: pins, ..asked.clone() }, files))
+    }
+
+    /// The files of an export.
+    ///
+    /// # Errors
+    /// When the table has no such files.
+    pub(super) fn files(&self, export: Export) -> Result<Vec<TextureFile>, CommandFailure> {
+        let Self { file: TableFile { table, recipe, .. }, digest, error } = self;
+        Ok(export::bundle(export, table, *digest, Some(recipe), *error)?.files)
     }
 }
 

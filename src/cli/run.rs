@@ -45,7 +45,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
         Command::Jobs(args) => jobs::run(&args, json, &connect()?, context),
         Command::Lock(args) => lock::run(&args, &sources(&args.sources)?, json, context),
         Command::Pull(args) => pull::run(&args, &sources(&args.sources)?, json, context),
-        Command::Verify(args) => verify::run(&args, json, context),
+        Command::Verify(args) => verify::run(&args, &tokens()?, json, context),
         Command::Diff(args) => diff::run(&args, json, context),
         Command::Completions { shell } => {
             let mut script = Vec::new();

@@ -1,42 +1,41 @@
-//! `verify`: checks that files are tables and have the right digests.
+//! `verify`: checks that files are tables and have the right digests, and that they are what their recipes give.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit,
+    CommandFailure, Context, Exit, Interrupt,
     args::VerifyArgs,
     pins::Fitting,
     print, shown,
     table_file::{self, check, table_path},
+    verify_export::{self, manifest_of},
 };
+use ltcforge_client::{Client, DownloadError, Limits, ServerTokens};
 use ltcforge_files::{container::TableFile, digest::Digest, recipe_document};
 
 /// Checks every file. The first that fails decides the exit code.
-pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+pub(super) fn run(
+    args: &VerifyArgs,
+    tokens: &ServerTokens,
+    json: bool,
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
     let mut failures: Vec<CommandFailure> = Vec::new();
-    let limit = args.folder.limit.table_limit;
     for name in &args.files {
-        let found = table_path(name, args.folder.tables.as_deref());
-        let path = found.as_deref().unwrap_or(name);
-        let checked = found.clone().and_then(|path| {
-            let (digest, file) = read(&path, args.digest, limit)?;
-            if args.refit {
-                refit(&path, digest, &file, &Fitting::new(args.threads, args.entry_limit, context))?;
-            }
-            Ok(digest)
-        });
+        let fitting = Fitting::new(args.threads, args.entry_limit, context);
+        let Checked { path, digest: checked } = check_one(name, args, tokens, &fitting, &context.interrupt);
         match checked {
             Ok(digest) => {
-                let value = json!({ "file": shown(path), "digest": digest, "ok": true, "refitted": args.refit });
+                let value = json!({ "file": shown(&path), "digest": digest, "ok": true, "refitted": args.refit });
                 let refitted = if args.refit { ", and so is the table that its recipe gives" } else { "" };
                 print(context.stdout, json, &value, &format!("{}: ok, {digest}{refitted}", path.display()))?;
             }
             Err(failure) if failure.exit == Exit::Interrupted => return Err(failure),
             Err(failure) => {
                 if json {
-                    let value = json!({ "file": shown(path), "ok": false, "detail": failure.message });
+                    let value = json!({ "file": shown(&path), "ok": false, "detail": failure.message });
                     print(context.stdout, true, &value, "")?;
                 }
                 failures.push(failure);
@@ -49,6 +48,80 @@ pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> R
             let lines: Vec<String> = failures.into_iter().map(|failure| failure.message).collect();
             Err(CommandFailure::new(exit, lines.join("\n")))
         }
+    }
+}
+
+/// What was checked, and the digest of its table.
+struct Checked {
+    path: PathBuf,
+    digest: Result<Digest, CommandFailure>,
+}
+
+/// Checks the table of a URL, the files of an export, or a table's file.
+fn check_one(
+    name: &Path,
+    args: &VerifyArgs,
+    tokens: &ServerTokens,
+    fitting: &Fitting<'_>,
+    interrupt: &Interrupt,
+) -> Checked {
+    let limit = args.folder.limit.table_limit;
+    let fitting = args.refit.then_some(fitting);
+    let checked = |path: &Path, digest| Checked { path: path.to_owned(), digest };
+    let refitted = |path: &Path, (digest, file): (Digest, TableFile)| {
+        fitting.map_or(Ok(()), |fitting| refit(path, digest, &file, fitting)).map(|()| digest)
+    };
+    if let Some(url) = name.to_str().filter(|name| name.contains("://")) {
+        let limits = Limits { table_bytes: limit, ..Limits::USUAL };
+        let table = download(url, args.digest, limits, tokens, interrupt);
+        return checked(name, table.and_then(|table| refitted(name, table)));
+    }
+    if let Some(manifest) = manifest_of(name) {
+        let table = verify_export::check(&manifest, limit, fitting);
+        return checked(&manifest, table.and_then(|table| expect(&manifest, table, args.digest)));
+    }
+    match table_path(name, args.folder.tables.as_deref()) {
+        Ok(path) => {
+            let table = read(&path, args.digest, limit).and_then(|table| refitted(&path, table));
+            checked(&path, table)
+        }
+        Err(failure) => checked(name, Err(failure)),
+    }
+}
+
+/// The table at a URL of a service, `http://HOST/v1/tables/sha256:DIGEST`: the bytes must be those of the digest.
+fn download(
+    url: &str,
+    expected: Option<Digest>,
+    limits: Limits,
+    tokens: &ServerTokens,
+    interrupt: &Interrupt,
+) -> Result<(Digest, TableFile), CommandFailure> {
+    let parts = url.split_once("/v1/tables/").and_then(|(base, digest)| Some((base, digest.parse::<Digest>().ok()?)));
+    let Some((base, digest)) = parts else {
+        let what = "the address of a table is http://HOST/v1/tables/sha256:DIGEST";
+        return Err(CommandFailure::new(Exit::Usage, format!("{}: {what}", url.escape_debug())));
+    };
+    expect(Path::new(url), digest, expected)?;
+    let client = Client::with_limits(base, limits)?.with_tokens(tokens);
+    let mut bytes = Vec::new();
+    match client.table(digest)?.write_to(None, &|| interrupt.is_set(), &mut bytes) {
+        Ok(()) => {}
+        Err(DownloadError::Client(error)) => return Err(error.into()),
+        Err(DownloadError::Stopped) => return Err(CommandFailure::interrupted()),
+        Err(error @ DownloadError::Write(_)) => return Err(CommandFailure::new(Exit::Failed, error.to_string())),
+    }
+    check(Path::new(url), &bytes, Some(digest))
+}
+
+/// The digest `actual`, which must be the expected one if there is one.
+fn expect(name: &Path, actual: Digest, expected: Option<Digest>) -> Result<Digest, CommandFailure> {
+    match expected {
+        Some(expected) if expected != actual => {
+            let reason = format!("the table is {actual}, not {expected}");
+            Err(CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", name.display())))
+        }
+        _ => Ok(actual),
     }
 }
 

@@ -23,6 +23,8 @@ const DIGITS: usize = 8;
 pub struct About {
     lines: Vec<String>,
     table: Option<Digest>,
+    /// Canonical JSON.
+    recipe: Option<String>,
     layout: Option<&'static str>,
 }
 
@@ -39,7 +41,7 @@ impl About {
                     .to_owned()
             }));
         }
-        Self { lines: clean, table: None, layout: None }
+        Self { lines: clean, ..Self::default() }
     }
 
     /// The known facts about a table: its digest and its recipe's, its mean error between nodes (`report.between` of
@@ -47,10 +49,8 @@ impl About {
     #[must_use]
     pub fn of_table(table: Digest, recipe: Option<&Recipe>, error: Option<MeanError>) -> Self {
         let mut lines = vec![format!("ltcforge {}", env!("CARGO_PKG_VERSION")), format!("table {table}")];
-        lines.extend(recipe.map(|recipe| {
-            let document = recipe_document::canonical_json(recipe);
-            format!("recipe {}", Digest::of(document.as_bytes()))
-        }));
+        let document = recipe.map(recipe_document::canonical_json);
+        lines.extend(document.as_ref().map(|document| format!("recipe {}", Digest::of(document.as_bytes()))));
         // Files of GGX keep the bytes that they have had.
         let brdf = recipe.map(Recipe::brdf).filter(|brdf| *brdf != BrdfKind::Ggx);
         lines.extend(brdf.map(|brdf| format!("brdf {brdf}")));
@@ -61,7 +61,12 @@ impl About {
         }));
         lines.push(if brdf == Some(BrdfKind::Fuzz) { FUZZ } else { LICENCE }.to_owned());
         lines.extend(PAPERS.map(str::to_owned));
-        Self { table: Some(table), ..Self::new(lines) }
+        Self { table: Some(table), recipe: document, ..Self::new(lines) }
+    }
+
+    /// The recipe of the table in canonical JSON, if it is known.
+    pub(super) fn recipe(&self) -> Option<&str> {
+        self.recipe.as_deref()
     }
 
     /// The same of textures of this layout.

@@ -1,12 +1,12 @@
 //! Files that belong together, and one more that tells what they are.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{about::About, file::TextureFile, rounding::RoundingError};
 use ltcforge_files::digest::Digest;
 
 /// The name of the manifest beside the other files.
-const MANIFEST: &str = "ltcforge.json";
+pub const MANIFEST: &str = "ltcforge.json";
 
 /// The files of an export.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,11 +19,15 @@ pub struct Bundle {
 
 impl Bundle {
     /// The same files and a manifest of them, `ltcforge.json`: what they are by `key` and `name`, such as `for` and an
-    /// engine, what is known of the table, the steps, and each file's size in bytes, SHA-256 and what rounding changed.
+    /// engine, what is known of the table, its recipe, the steps, and each file's size in bytes, SHA-256 and what rounding changed.
     pub(super) fn with_manifest(mut self, key: &str, name: &str, about: &About) -> Self {
         let entry = |file: &TextureFile| json!({ "path": file.path, "bytes": file.bytes.len(), "sha256": Digest::of(&file.bytes).hex(), "rounding": file.rounding });
         let files: Vec<_> = self.files.iter().map(entry).collect();
-        let document = json!({ key: name, "about": about.lines(), "files": files, "steps": self.steps });
+        let mut document = json!({ key: name, "about": about.lines(), "files": files, "steps": self.steps });
+        // The canonical text is JSON.
+        if let Some(recipe) = about.recipe().and_then(|text| serde_json::from_str::<Value>(text).ok()) {
+            document["recipe"] = recipe;
+        }
         let bytes = format!("{document:#}\n").into_bytes();
         self.files.push(TextureFile { path: MANIFEST.to_owned(), bytes, rounding: RoundingError::default() });
         self

@@ -21,7 +21,7 @@ mod rounding;
 mod texture;
 
 pub use about::About;
-pub use bundle::Bundle;
+pub use bundle::{Bundle, MANIFEST};
 pub use compact::{CompactContainer, CompactFileError};
 pub use containers::TextureContainer;
 pub use engines::Engine;

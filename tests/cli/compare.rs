@@ -45,6 +45,55 @@ fn a_table_is_refitted_and_one_of_other_numbers_is_refused() {
 }
 
 #[test]
+fn files_of_an_export_are_made_anew_from_the_recipe_that_they_carry() {
+    let (folder, [table, other]) = two();
+    let here = folder.path();
+    for (words, out) in [(["--for", "wgpu"], "wgpu"), (["--container", "compact-js"], "compact")] {
+        run(here, ["export", &table, "--out", out].iter().chain(&words)).exited(0);
+        let told = run(here, ["verify", out, "--refit"]).exited(0);
+        let right = format!("{out}/ltcforge.json: ok, sha256:{}", table.replace(".safetensors", ""));
+        assert!(told.stdout.starts_with(&right) && told.stdout.contains("its recipe gives"), "{told:#?}");
+    }
+    run(here, ["verify", "wgpu/ltcforge.json"]).exited(0);
+    let refused = run(here, ["verify", "wgpu", "--digest", &other.replace(".safetensors", "")]).exited(3);
+    assert!(refused.complaints()[0].contains("the table is"), "{refused:#?}");
+
+    let manifest = here.join("wgpu/ltcforge.json");
+    let text = fs::read_to_string(&manifest).expect("a manifest");
+    let document: Value = serde_json::from_str(&text).expect("JSON");
+    let first = here.join("wgpu").join(document["files"][0]["path"].as_str().expect("a path"));
+    let bytes = fs::read(&first).expect("a file");
+    let broken: Vec<u8> = bytes.iter().rev().copied().collect();
+    fs::write(&first, &broken).expect("a file");
+    let refused = run(here, ["verify", "wgpu"]).exited(3);
+    assert!(refused.complaints()[0].contains("the manifest has"), "{refused:#?}");
+    // With a manifest that has been changed along, only the fit tells.
+    let forged = text.replace(&Digest::of(&bytes).hex(), &Digest::of(&broken).hex());
+    fs::write(&manifest, forged).expect("a manifest");
+    run(here, ["verify", "wgpu"]).exited(0);
+    let refused = run(here, ["verify", "wgpu", "--refit"]).exited(3);
+    assert!(refused.complaints()[0].contains("has other bytes"), "{refused:#?}");
+    fs::write(&first, &bytes).expect("a file");
+
+    let mut elsewhere = document.clone();
+    elsewhere["recipe"]["fit"]["steps"] = 4.into();
+    let mut without = document.clone();
+    without.as_object_mut().expect("an object").remove("recipe");
+    let mut outside = document.clone();
+    outside["files"][0]["path"] = "../x".into();
+    for (changed, words, told) in [
+        (elsewhere, &["verify", "wgpu", "--refit"][..], "their recipe gives"),
+        (without, &["verify", "wgpu", "--refit"], "it has no recipe"),
+        (outside, &["verify", "wgpu"], "is not below"),
+        (Value::Null, &["verify", "wgpu"], "no manifest"),
+    ] {
+        fs::write(&manifest, changed.to_string()).expect("a manifest");
+        let refused = run(here, words).exited(3);
+        assert!(refused.complaints()[0].contains(told), "{told}: {refused:#?}");
+    }
+}
+
+#[test]
 fn two_tables_are_compared_by_their_lookups_and_their_errors() {
     let (folder, [table, other]) = two();
     let here = folder.path();

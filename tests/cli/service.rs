@@ -33,6 +33,17 @@ fn jobs_are_worked_with_from_the_command_line() {
     assert_eq!(jobs(&["watch", id], "").exited(0).last_line(), digest);
     assert_eq!(jobs(&["list", "--state", "done"], "").exited(0).stdout, submitted.stdout);
 
+    // What the service serves is what its recipe gives on this machine.
+    let address = format!("{}/v1/tables/{digest}", server.url);
+    let told = run(folder.path(), ["verify", &address, "--refit"]).exited(0);
+    assert_eq!(told.stdout, format!("{address}: ok, {digest}, and so is the table that its recipe gives\n"));
+    let none = format!("{}/v1/tables/sha256:{}", server.url, "0".repeat(64));
+    assert!(run(folder.path(), ["verify", &none]).exited(1).stderr.contains("404"));
+    for wrong in ["/v1/tables/sha256:12", "/v1/tables", "/v1/jobs"] {
+        let refused = run(folder.path(), ["verify", &format!("{}{wrong}", server.url)]).exited(2);
+        assert!(refused.complaints()[0].contains("http://HOST/v1/tables/sha256:DIGEST"), "{refused:#?}");
+    }
+
     let running: Value =
         serde_json::from_str(&jobs(&["submit", "-", "--json"], ENDLESS).exited(0).stdout).expect("JSON");
     let id = text(&running["id"]);

@@ -89,17 +89,18 @@ pub struct ReportArgs {
 /// `verify`.
 #[derive(Debug, Args)]
 pub struct VerifyArgs {
-    /// Tables' files, or digests (their first digits suffice) of tables in the folder of `--tables`; a file named
-    /// after a digest must hash to it
+    /// Tables' files, digests (their first digits suffice) of tables in the folder of `--tables`, addresses of tables of a
+    /// service (`http://HOST/v1/tables/sha256:DIGEST`), or folders of files that `export` made; a file named after a digest
+    /// must hash to it
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
     /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
-    /// The digest that the file must hash to, whatever its name
+    /// The digest that the table must have, whatever its name
     #[arg(long)]
     pub digest: Option<Digest>,
-    /// Fit each table's recipe again as well: it must give the table's bytes
+    /// Fit each table's recipe again as well: it must give the table's bytes, and those of an export's files
     #[arg(long)]
     pub refit: bool,
     /// Entries that a table may have to be fitted [default: 2000000]

@@ -1,0 +1,102 @@
+//! `verify` of the files of an export: by their manifest, and made anew from the recipe that it has.
+
+use std::path::{Component, Path, PathBuf};
+
+use serde::Deserialize;
+use serde_json::value::RawValue;
+
+use super::{CommandFailure, Exit, file_failure, pins::Fitting};
+use ltcforge_files::{bounded::read_file, container::TableFile, digest::Digest};
+use ltcforge_textures::{Export, MANIFEST};
+
+/// The longest manifest that is read.
+const MANIFEST_LIMIT: u64 = 4 << 20;
+
+/// What `ltcforge.json` says that is checked here.
+#[derive(Debug, Deserialize)]
+struct Manifest {
+    #[serde(rename = "for")]
+    engine: Option<String>,
+    export: Option<String>,
+    about: Vec<String>,
+    files: Vec<Listed>,
+    recipe: Option<Box<RawValue>>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Listed {
+    path: PathBuf,
+    bytes: u64,
+    sha256: String,
+}
+
+/// The manifest that `name` stands for: it, or the folder that has it.
+pub(super) fn manifest_of(name: &Path) -> Option<PathBuf> {
+    if name.is_dir() {
+        return Some(name.join(MANIFEST));
+    }
+    name.file_name().is_some_and(|name| name == MANIFEST).then(|| name.to_owned())
+}
+
+/// Checks that all files of an export are there with the bytes that their manifest states; with `fitting` also that its recipe
+/// gives a table of which these files are made, the manifest too. Returns the table's digest.
+///
+/// # Errors
+/// When a file cannot be read or has other bytes, or the manifest is none or has no recipe.
+pub(super) fn check(
+    manifest: &Path,
+    limit_bytes: u64,
+    fitting: Option<&Fitting<'_>>,
+) -> Result<Digest, CommandFailure> {
+    let mismatch = |reason: String| CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", manifest.display()));
+    let text = read_file(manifest, MANIFEST_LIMIT).map_err(|error| file_failure(manifest, &error))?;
+    let read: Manifest = serde_json::from_slice(&text)
+        .map_err(|error| mismatch(format!("this is no manifest of an export: {error}")))?;
+    let table = read.about.iter().find_map(|line| line.strip_prefix("table ")?.parse::<Digest>().ok());
+    let table = table.ok_or_else(|| mismatch("it names no table".to_owned()))?;
+    let folder = manifest.parent().unwrap_or(Path::new(""));
+    let mut here = vec![(PathBuf::from(MANIFEST), text)];
+    for Listed { path, bytes, sha256 } in &read.files {
+        let is_below = path.components().all(|part| matches!(part, Component::Normal(_)));
+        if !is_below {
+            return Err(mismatch(format!("the file «{}» is not below the manifest's folder", path.display())));
+        }
+        let file = folder.join(path);
+        let found = read_file(&file, limit_bytes).map_err(|error| file_failure(&file, &error))?;
+        if found.len() as u64 != *bytes || Digest::of(&found).hex() != *sha256 {
+            let (found, actual) = (found.len(), Digest::of(&found).hex());
+            let reason = format!("the manifest has {bytes} bytes of sha256 {sha256}, the file {found} of {actual}");
+            return Err(CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", file.display())));
+        }
+        here.push((path.clone(), found));
+    }
+    let Some(fitting) = fitting else { return Ok(table) };
+    let Some(recipe) = &read.recipe else {
+        return Err(mismatch(
+            "it has no recipe to fit: files made by ltcforge since it tells recipes have one".to_owned(),
+        ));
+    };
+    let bytes = fitting.fit(&fitting.recipe(manifest, recipe.get().as_bytes())?)?;
+    let fitted = Digest::of(&bytes);
+    if fitted != table {
+        return Err(mismatch(format!("the files are of table {table}, and their recipe gives {fitted}")));
+    }
+    let name = read.engine.or(read.export).ok_or_else(|| mismatch("it names no export".to_owned()))?;
+    let export: Export = name.parse().map_err(|error: ltcforge_textures::UnknownExport| mismatch(error.to_string()))?;
+    let file = TableFile::from_bytes(&bytes).map_err(|error| mismatch(error.to_string()))?;
+    let made = fitting.measure(file, table)?.files(export)?;
+    let made_by = read.about.first().map(String::as_str).unwrap_or_default();
+    for file in &made {
+        let same = here.iter().find(|(path, _)| *path == Path::new(&file.path)).map(|(_, bytes)| *bytes == file.bytes);
+        if same != Some(true) {
+            let what = if same.is_none() { "is not among them" } else { "has other bytes" };
+            let version = concat!("ltcforge ", env!("CARGO_PKG_VERSION"));
+            let why = format!(
+                "made anew from the table, {} {what}; they were made by {made_by}, this is {version}",
+                file.path
+            );
+            return Err(mismatch(why));
+        }
+    }
+    Ok(table)
+}
