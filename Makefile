@@ -6,8 +6,8 @@ CARGO ?= cargo
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 # The linker for crates, what the demo and the tests call, and a Vulkan driver that needs no GPU.
 PACKAGES := gcc libc6-dev make curl jq ca-certificates mesa-vulkan-drivers
-# What checks translated shaders, and runs the lines for CMake in docs/ci.md.
-TEST_PACKAGES := spirv-tools glslang-tools cmake
+# What checks translated shaders, runs the lines for CMake in docs/ci.md, and records what a service writes.
+TEST_PACKAGES := spirv-tools glslang-tools cmake strace
 # The database of a service in several processes, a link between them that loses packets, and a clock that is wrong.
 CLUSTER_PACKAGES := postgresql util-linux iproute2 nftables faketime
 # Debian has the modules that make a virtual environment apart from Python.
@@ -107,10 +107,11 @@ schemathesis:
 		|| echo '*** no schemathesis of PyPI: the test of openapi.yaml by it will be skipped' >&2
 
 # The long forms of the harnesses in docs/soak.md.
+soak: EXTRA_PACKAGES := strace
 soak: packages cluster schemathesis
 	LTCFORGE_TEST_HISTORIES=10000 $(CARGO) test --locked -p ltcforge-server --lib -- every_history
-	LTCFORGE_TEST_KILLS=200 LTCFORGE_TEST_DAMAGES=200 LTCFORGE_TEST_EXAMPLES=20 \
-		$(CARGO) test --locked --test service -- kills damage:: schemathesis
+	LTCFORGE_TEST_KILLS=200 LTCFORGE_TEST_DAMAGES=200 LTCFORGE_TEST_CUTS=300 LTCFORGE_TEST_EXAMPLES=20 \
+		$(CARGO) test --locked --test service -- kills damage:: power_cut schemathesis
 	LTCFORGE_TEST_KILLS=200 $(CARGO) test --locked --test cluster -- kills
 	LTCFORGE_TEST_FUZZ_SECONDS=90 $(CARGO) test --locked --test fuzz
 

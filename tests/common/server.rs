@@ -94,6 +94,18 @@ impl Server {
         Self::of(command, folder)
     }
 
+    /// Starts it under another program, which has its own words first and leaves the service as the child.
+    pub(crate) fn start_under(program: &str, words: &[&str], data: &Path, args: &[&str]) -> Self {
+        let data = data.to_str().expect("a path in UTF-8");
+        let folder = tempfile::tempdir().expect("a folder");
+        let plain = ltcforge(folder.path(), ["serve", "--listen", "127.0.0.1:0", "--data", data].iter().chain(args));
+        let mut under = Command::new(program);
+        under.args(words);
+        let mut command = wrapped(under, &plain);
+        command.current_dir(folder.path());
+        Self::of(command, folder)
+    }
+
     /// Starts a service on the store in `data` if it does not refuse to.
     pub(crate) fn attempt(data: &Path, args: &[&str]) -> Result<Self, Run> {
         let folder = tempfile::tempdir().expect("a folder");
@@ -293,6 +305,11 @@ impl Drop for Server {
 fn limited(command: &Command, descriptors: u32) -> Command {
     let mut shell = Command::new("sh");
     shell.args(["-c", &format!("ulimit -n {descriptors} && exec \"$@\""), "sh"]);
+    wrapped(shell, command)
+}
+
+/// `command` as the last words of another program.
+fn wrapped(mut shell: Command, command: &Command) -> Command {
     shell.arg(command.get_program()).args(command.get_args());
     for (name, value) in command.get_envs() {
         match value {

@@ -23,6 +23,7 @@ mod materials;
 mod openapi;
 mod page;
 mod plans;
+mod power_cut;
 mod recipes;
 mod schemathesis;
 mod stopping;

@@ -1,0 +1,97 @@
+//! What a disk may have after a power cut.
+//!
+//! What was synchronised before the cut is there. Of what was not, each write is there, or not, or a part of it, whichever was
+//! made first; of the changes of a folder's names the first ones are, as journalling file systems keep them, of each folder for
+//! itself. That is what POSIX allows and crash-consistency checkers assume: Pillai et al., «All File Systems Are Not Created
+//! Equal», OSDI 2014.
+
+use std::{collections::BTreeMap, fs, path::Path};
+
+use super::trace::{Change, Event, Inode, ROOT, Trace};
+use crate::common::soak::Random;
+
+/// Writes into `to` what may be there after a cut behind line `cut` of the trace.
+pub(super) fn after_cut(trace: &Trace, cut: usize, random: &mut Random, to: &Path) {
+    let begun: Vec<&Event> = trace.events.iter().filter(|event| event.began < cut).collect();
+    let is_safe = |event: &Event, of: Inode| {
+        let synced = |later: &&&Event| {
+            matches!(later.change, Change::Sync { of: synced } if synced == of)
+                && event.ended < later.began
+                && later.ended < cut
+        };
+        begun.iter().any(|later| synced(&later))
+    };
+    let mut contents: BTreeMap<Inode, Vec<u8>> = BTreeMap::new();
+    let mut names: BTreeMap<Inode, BTreeMap<&str, Inode>> = BTreeMap::new();
+    // How many changes of each folder's names are there.
+    let mut kept: BTreeMap<Inode, usize> = BTreeMap::new();
+    for folder in (0..trace.folders.len()).filter(|inode| trace.folders[*inode]) {
+        let of_folder: Vec<&&Event> = begun.iter().filter(|event| folder_of(event) == Some(folder)).collect();
+        let safe = of_folder.iter().rposition(|event| is_safe(event, folder)).map_or(0, |last| last + 1);
+        kept.insert(folder, safe + random.below(of_folder.len() - safe + 1));
+    }
+    for event in &begun {
+        match &event.change {
+            Change::Write { file, at, bytes } => {
+                let whole = is_safe(event, *file) || random.below(2) == 0;
+                let torn = if whole { bytes.len() } else { [0, random.below(bytes.len() + 1)][random.below(2)] };
+                if torn > 0 {
+                    let content = contents.entry(*file).or_default();
+                    content.resize(content.len().max(at + torn), 0);
+                    content[*at..at + torn].copy_from_slice(&bytes[..torn]);
+                }
+            }
+            Change::Truncate { file, length } => {
+                if is_safe(event, *file) || random.below(2) == 0 {
+                    contents.entry(*file).or_default().resize(*length, 0);
+                }
+            }
+            Change::Sync { .. } | Change::Sent { .. } => {}
+            Change::Link { folder, .. } | Change::Unlink { folder, .. } | Change::Rename { folder, .. } => {
+                let left = kept.get_mut(folder).expect("a folder");
+                if *left > 0 {
+                    *left -= 1;
+                    rename(names.entry(*folder).or_default(), &event.change);
+                }
+            }
+        }
+    }
+    write(ROOT, to, trace, &names, &contents);
+}
+
+fn folder_of(event: &Event) -> Option<Inode> {
+    match event.change {
+        Change::Link { folder, .. } | Change::Unlink { folder, .. } | Change::Rename { folder, .. } => Some(folder),
+        _ => None,
+    }
+}
+
+fn rename<'a>(names: &mut BTreeMap<&'a str, Inode>, change: &'a Change) {
+    match change {
+        Change::Link { name, to, .. } => drop(names.insert(name, *to)),
+        Change::Unlink { name, .. } => drop(names.remove(name.as_str())),
+        Change::Rename { from, name, to, .. } => {
+            names.remove(from.as_str());
+            names.insert(name, *to);
+        }
+        _ => {}
+    }
+}
+
+fn write(
+    folder: Inode,
+    to: &Path,
+    trace: &Trace,
+    names: &BTreeMap<Inode, BTreeMap<&str, Inode>>,
+    contents: &BTreeMap<Inode, Vec<u8>>,
+) {
+    fs::create_dir_all(to).expect("a folder");
+    for (name, inode) in names.get(&folder).into_iter().flatten() {
+        let path = to.join(name);
+        if trace.folders[*inode] {
+            write(*inode, &path, trace, names, contents);
+        } else {
+            fs::write(path, contents.get(inode).map(Vec::as_slice).unwrap_or_default()).expect("a file");
+        }
+    }
+}
