@@ -110,8 +110,8 @@ schemathesis:
 soak: EXTRA_PACKAGES := strace
 soak: packages cluster schemathesis
 	LTCFORGE_TEST_HISTORIES=10000 $(CARGO) test --locked -p ltcforge-server --lib -- every_history
-	LTCFORGE_TEST_KILLS=200 LTCFORGE_TEST_DAMAGES=200 LTCFORGE_TEST_CUTS=300 LTCFORGE_TEST_EXAMPLES=20 \
-		$(CARGO) test --locked --test service -- kills damage:: power_cut schemathesis
+	LTCFORGE_TEST_KILLS=200 LTCFORGE_TEST_DAMAGES=200 LTCFORGE_TEST_CUTS=300 LTCFORGE_TEST_CLIENTS=64 LTCFORGE_TEST_EXAMPLES=20 \
+		$(CARGO) test --locked --test service -- kills damage:: power_cut memory:: schemathesis
 	LTCFORGE_TEST_KILLS=200 $(CARGO) test --locked --test cluster -- kills
 	LTCFORGE_TEST_FUZZ_SECONDS=90 $(CARGO) test --locked --test fuzz
 

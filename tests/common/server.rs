@@ -259,6 +259,18 @@ impl Server {
         self.stderr.take().map(|thread| thread.join().expect("its stderr")).unwrap_or_default()
     }
 
+    /// MiB of memory that it has had at most, since its start or since the peak was forgotten.
+    pub(crate) fn peak_memory(&self) -> u64 {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).expect("a process on Linux");
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("its peak");
+        line.split_whitespace().next().and_then(|kibibytes| kibibytes.parse::<u64>().ok()).expect("a number") >> 10
+    }
+
+    /// Lets the peak begin anew.
+    pub(crate) fn forget_peak_memory(&self) {
+        std::fs::write(format!("/proc/{}/clear_refs", self.child.id()), "5").expect("a process of ours");
+    }
+
     /// Seconds that the processor has worked for it; it may have ended, if nobody has waited for its end.
     pub(crate) fn processor_seconds(&self) -> f64 {
         /// `USER_HZ` of every Linux.

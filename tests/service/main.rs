@@ -20,6 +20,7 @@ mod kills;
 mod light_textures;
 mod limits;
 mod materials;
+mod memory;
 mod openapi;
 mod page;
 mod plans;
