@@ -91,7 +91,7 @@ fn maps_of_errors_tell_the_cell_under_the_pointer_and_the_keys() {
 }
 
 #[test]
-fn an_open_page_outlives_a_restart_of_the_service() {
+fn every_open_page_notices_a_service_that_stops_and_outlives_its_restart() {
     let Some(seen) = script("outage.js", &[]) else { return };
     assert_eq!(seen["others"], json!([]), "{seen:#}");
 }

@@ -1,7 +1,7 @@
 // Which page is shown, by the part of the address behind `#`, and whether the service answers.
 
 import { el, fill, notice } from './elements/dom.js';
-import { call, Unreachable } from './service/api.js';
+import { call, watchService } from './service/api.js';
 
 /** Modules of the pages, by what follows their name. Each exports `show( main, rest, parameters, signal )`, and may return a function that asks anew. */
 const PAGES = {
@@ -88,7 +88,7 @@ async function tellVersion() {
 
 	} catch ( error ) {
 
-		if ( ! ( error instanceof Unreachable ) ) fill( service, error.message );
+		fill( service, error.message );
 
 	}
 
@@ -125,3 +125,4 @@ document.querySelector( '.skip' ).addEventListener( 'click', ( event ) => {
 
 tellVersion();
 show();
+watchService();

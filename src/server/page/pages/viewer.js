@@ -340,7 +340,8 @@ export async function show( root, rest, parameters, signal ) {
 	} );
 	tell();
 	start();
-	return () => {};
+	// Models that a service that went did not bring.
+	return () => sides || choose();
 
 }
 

@@ -7,6 +7,9 @@ const BASE = new URL( '.', document.baseURI );
 /** How often a service that does not answer is asked again, in milliseconds. */
 const RETRY = 1500;
 
+/** How often it is asked while it answers and somebody sees the page. */
+const WATCH = 5000;
+
 /** The absolute address of a path of the service, such as `/v1/jobs`: below the path at which the page is. */
 export function address( path ) {
 
@@ -25,9 +28,6 @@ export class Problem extends Error {
 	}
 
 }
-
-/** The service did not answer. */
-export class Unreachable extends Error {}
 
 /** The answer to a request; where the service wants a token, the visitor is asked for one until it is the right one. */
 export async function reach( path, { headers = {}, ...init } = {} ) {
@@ -53,7 +53,10 @@ export async function pictureFrom( path ) {
 
 }
 
-/** The JSON that a call answers with. `body` is sent as JSON, `raw` as it is under its media type. */
+/**
+ * The JSON that a call answers with. `body` is sent as JSON, `raw` as it is under its media type. What only asks is asked again
+ * once a service that went is back.
+ */
 export async function call( path, { method = 'GET', body, raw, type = 'application/json', signal } = {} ) {
 
 	const sent = raw ?? ( body === undefined ? undefined : JSON.stringify( body ) );
@@ -65,8 +68,11 @@ export async function call( path, { method = 'GET', body, raw, type = 'applicati
 	} catch ( error ) {
 
 		if ( error.name === 'AbortError' ) throw error;
-		awaitService();
-		throw new Unreachable( 'the service does not answer' );
+		const isBack = awaitService();
+		if ( method !== 'GET' ) throw new Error( 'the service does not answer' );
+		await isBack;
+		signal?.throwIfAborted();
+		return call( path, { signal } );
 
 	}
 
@@ -108,22 +114,41 @@ export async function each( items, atOnce, signal, work ) {
 
 }
 
-let isAwaited = false;
+let awaited = null;
 
-/** Asks until the service answers again, then tells the window by an event `serviceback`. */
-export async function awaitService() {
+/** Asks until the service answers again, which the window is told by an event `serviceback`. */
+export function awaitService() {
 
-	if ( isAwaited ) return;
-	isAwaited = true;
+	awaited ??= untilItAnswers().finally( () => awaited = null );
+	return awaited;
+
+}
+
+async function untilItAnswers() {
+
 	window.dispatchEvent( new Event( 'servicelost' ) );
-	for ( let answers = false; ! answers; ) {
-
-		await new Promise( ( done ) => setTimeout( done, RETRY ) );
-		answers = await fetch( address( '/healthz' ) ).then( ( response ) => response.ok, () => false );
-
-	}
-
-	isAwaited = false;
+	do await new Promise( ( done ) => setTimeout( done, RETRY ) );
+	while ( ! await answers() );
 	window.dispatchEvent( new Event( 'serviceback' ) );
+
+}
+
+function answers() {
+
+	return fetch( address( '/healthz' ) ).then( ( { ok } ) => ok, () => false );
+
+}
+
+/** Notices a service that goes while a page has nothing to ask. */
+export function watchService() {
+
+	const ask = async () => {
+
+		if ( ! document.hidden && ! awaited && ! await answers() ) awaitService();
+
+	};
+
+	setInterval( ask, WATCH );
+	document.addEventListener( 'visibilitychange', ask );
 
 }

@@ -7,6 +7,7 @@ import { pictureFrom } from './api.js';
 const AT_ONCE = 2;
 
 const waiting = [];
+const failed = [];
 let asked = 0;
 
 /** The address of a table's picture in a mode: its own kind of surface on a sphere under a rectangle. */
@@ -44,7 +45,8 @@ async function next() {
 
 		} catch {
 
-			// A picture that fails leaves its text in its place.
+			// A picture that fails leaves its text in its place, and may only lack the service.
+			failed.push( { image, from, signal, shown } );
 
 		}
 
@@ -57,3 +59,10 @@ async function next() {
 	next();
 
 }
+
+window.addEventListener( 'serviceback', () => {
+
+	waiting.push( ...failed.splice( 0 ) );
+	next();
+
+} );
