@@ -23,7 +23,7 @@ fn script(file: &str, args: &[&str]) -> Option<Value> {
 }
 
 #[test]
-fn jobs_are_submitted_watched_and_cancelled_and_tables_downloaded() {
+fn jobs_are_submitted_watched_cancelled_and_told_why_they_failed() {
     let Some(seen) = script("jobs.js", &[]) else { return };
     let document = json!({
         "preset": "draft", "resolution": { "alpha": 2, "ratio": 2, "theta": 2, "phi": 2 },
@@ -34,6 +34,9 @@ fn jobs_are_submitted_watched_and_cancelled_and_tables_downloaded() {
     assert_eq!(seen["table"], seen["digest"]);
     assert_eq!(seen["exported"]["saved"], seen["exported"]["told"]);
     assert_eq!(seen["cancelled"], "cancelled");
+    let [listed, told] = [0, 1].map(|i| seen["reasons"][i].as_str().unwrap_or_default());
+    assert!(listed.contains("Not a directory"), "{seen:#}");
+    assert_eq!(told, format!("The storage failed: {listed}"));
 }
 
 #[test]
@@ -48,6 +51,10 @@ fn faults_are_told_at_their_fields() {
         (&roughnesses["text"], &roughnesses["resolution"]),
         (&json!("0.4 / 0.1, 0.09, 0.3 × 0.5"), &json!(null))
     );
+    let json = &seen["json"];
+    assert_eq!((&json["fields"], &json["isTaken"]), (&json!(["nelder_mead", true]), &json!(true)), "{seen:#}");
+    assert!(json["malformed"][0].as_str().is_some_and(|fault| fault.starts_with("This is not JSON: ")), "{seen:#}");
+    assert_eq!(json["malformed"][1], true, "{seen:#}");
     assert!(roughnesses["item"].as_str().is_some_and(|fault| fault.contains("null is not a number")), "{seen:#}");
 }
 

@@ -57,6 +57,7 @@ macro_rules! page_files {
 page_files![
     "elements/dom.js",
     "elements/format.js",
+    "form/document.js",
     "form/fields.js",
     "form/inputs.js",
     "form/plan.js",

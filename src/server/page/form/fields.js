@@ -60,7 +60,8 @@ export function set( document, pointer, value ) {
 
 	const keys = pointer.slice( 1 ).split( '/' );
 	const last = keys.pop();
-	const inner = keys.reduce( ( at, key ) => at[ key ] ??= {}, document );
+	// A document that was pasted may have anything there.
+	const inner = keys.reduce( ( at, key ) => at[ key ] = Object( at[ key ] ) === at[ key ] ? at[ key ] : {}, document );
 	if ( value === undefined ) delete inner[ last ];
 	else inner[ last ] = value;
 	for ( const key of keys ) if ( ! Object.keys( document[ key ] ).length ) delete document[ key ];

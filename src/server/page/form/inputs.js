@@ -44,7 +44,7 @@ function interval( field, id, changed ) {
 	const tell = ( values ) => output.textContent = values.map( number ).join( ' – ' );
 	const show = ( values ) => {
 
-		if ( ! Array.isArray( values ) ) return;
+		if ( ! Array.isArray( values ) || values.length !== 2 || ! values.every( Number.isFinite ) ) return;
 		tell( values );
 		values.forEach( ( value, i ) => {
 
@@ -86,7 +86,7 @@ function materials( field, id, changed ) {
 		const isList = Array.isArray( value );
 		select.selectedIndex = isList ? named.length : named.indexOf( value );
 		list.hidden = ! isList;
-		if ( isList ) list.value = value.map( ( { f0, weight = 1 } ) => weight === 1 ? f0 : `${ f0 } × ${ weight }` ).join( ', ' );
+		if ( isList ) list.value = value.map( Object ).map( ( { f0, weight = 1 } ) => weight === 1 ? f0 : `${ f0 } × ${ weight }` ).join( ', ' );
 
 	};
 

@@ -4,7 +4,8 @@
 // knows no default.
 
 import { copyButton, el, facts, fill, notice } from '../elements/dom.js';
-import { bytes, json as jsonText, percent, short, span } from '../elements/format.js';
+import { bytes, percent, short, span } from '../elements/format.js';
+import { documentField, isDocument } from '../form/document.js';
 import { get, GROUPS, LEFT_OUT, PRESETS, set, STARTS } from '../form/fields.js';
 import { input } from '../form/inputs.js';
 import { planner } from '../form/plan.js';
@@ -23,14 +24,15 @@ export async function show( root, rest, parameters, signal ) {
 	let recipe = initial( parameters );
 	let timer = 0;
 	let asked = 0;
-	let isFilled = false;
+	/** The last complete recipe, of which a document with faults lacks what it does not say. */
+	let filled = null;
 	const inputs = GROUPS.flatMap( ( { fields } ) => fields ).map( ( field ) => input( field, ( value ) => change( field, value ) ) );
 	// Until the service has told the layout.
 	for ( const { field, row } of inputs ) row.hidden = Boolean( field.layout );
-	const presets = PRESETS.map( ( preset ) => el( 'label', {}, el( 'input', { type: 'radio', name: 'preset', value: preset, checked: preset === ( recipe.preset || ( recipe.fit ? '' : 'standard' ) ), onchange: () => change( { pointer: '/preset' }, preset ) } ), preset ) );
+	const presets = PRESETS.map( ( preset ) => el( 'label', {}, el( 'input', { type: 'radio', name: 'preset', value: preset, onchange: () => change( { pointer: '/preset' }, preset ) } ), preset ) );
 	const expected = el( 'div', { 'aria-live': 'polite' } );
 	const others = el( 'div' );
-	const json = el( 'pre', { tabindex: 0, role: 'region', 'aria-label': 'Recipe as JSON' } );
+	const entered = documentField( take, () => submit.disabled = true );
 	const curl = el( 'pre', { tabindex: 0, role: 'region', 'aria-label': 'Call by curl' } );
 	const submit = el( 'button', { type: 'submit', class: 'primary' }, 'Submit' );
 	const reset = el( 'button', { type: 'button', class: 'quiet', onclick: clear }, 'Back to the preset' );
@@ -49,7 +51,7 @@ export async function show( root, rest, parameters, signal ) {
 				answer, el( 'p', { class: 'actions' }, submit, reset ) ),
 			el( 'aside', { 'aria-label': 'What it would take' },
 				el( 'h2', {}, 'Forecast' ), expected, others, el( 'div', { class: 'charts' }, chart.charts ),
-				el( 'div', { class: 'bar' }, el( 'h2', {}, 'Recipe' ), copyButton( 'Copy', () => json.textContent ) ), json,
+				el( 'div', { class: 'bar' }, el( 'h2', {}, 'Recipe' ), copyButton( 'Copy', entered.text ) ), el( 'p', { class: 'muted' }, 'Edit it, or paste another: all that a recipe can say is taken here, also what has no field.' ), entered.root,
 				el( 'div', { class: 'bar' }, el( 'h2', {}, 'The same by curl' ), copyButton( 'Copy', () => curl.textContent ) ), curl ) ) );
 
 	function change( { pointer, decides = [] }, value ) {
@@ -64,7 +66,6 @@ export async function show( root, rest, parameters, signal ) {
 	function take( other ) {
 
 		recipe = other;
-		for ( const radio of root.querySelectorAll( '[name=preset]' ) ) radio.checked = radio.value === recipe.preset;
 		changed();
 
 	}
@@ -78,7 +79,8 @@ export async function show( root, rest, parameters, signal ) {
 
 	function changed() {
 
-		fill( json, jsonText( recipe ) );
+		entered.show( recipe );
+		for ( const radio of root.querySelectorAll( '[name=preset]' ) ) radio.checked = radio.value === ( recipe.preset ?? ( recipe.fit ? '' : 'standard' ) );
 		fill( curl, `curl -H 'content-type: application/json' \\\n${ hasToken() ? '  -H "authorization: Bearer $TOKEN" \\\n' : '' }  -d ${ quoted( JSON.stringify( recipe ) ) } \\\n  ${ quoted( address( '/v1/jobs' ) ) }` );
 		// A page that is loaded again has the same recipe.
 		history.replaceState( null, '', `#/new?${ new URLSearchParams( { recipe: JSON.stringify( recipe ) } ) }` );
@@ -96,7 +98,7 @@ export async function show( root, rest, parameters, signal ) {
 			if ( turn !== asked ) return;
 			tell( foreseen );
 			// A link may bring a recipe with faults; all that it does not say is that of the preset.
-			if ( ! foreseen.recipe && ! isFilled ) fillIn( ( await call( '/v1/recipes', { method: 'POST', body: { preset: recipe.preset || 'standard' }, signal } ) ).recipe );
+			if ( ! foreseen.recipe && ! filled ) fillIn( ( await call( '/v1/recipes', { method: 'POST', body: { preset: recipe.preset || 'standard' }, signal } ) ).recipe );
 
 		} catch ( error ) {
 
@@ -109,7 +111,7 @@ export async function show( root, rest, parameters, signal ) {
 	/** Shows the document's values, and those of a complete recipe where it has none. */
 	function fillIn( complete ) {
 
-		isFilled ||= Boolean( complete );
+		filled = complete;
 		for ( const { field, show } of inputs ) show( get( recipe, field.pointer ) ?? get( complete, field.pointer ) ?? LEFT_OUT[ field.pointer ] );
 
 	}
@@ -129,11 +131,10 @@ export async function show( root, rest, parameters, signal ) {
 
 		}
 
-		if ( complete ) fillIn( complete );
-
+		if ( complete || filled ) fillIn( complete || filled );
 		const rest = faults.filter( ( fault ) => ! placed.has( fault ) ).map( ( { pointer, detail } ) => `${ pointer || 'the document' }: ${ detail }` );
 		fill( others, problem && ! faults.length ? notice( problem.detail ) : null, rest.map( notice ) );
-		submit.disabled = Boolean( problem );
+		submit.disabled = Boolean( problem ) || entered.isRefused();
 		chart.show( forecast );
 		fill( submit, table ? 'Open the table' : 'Submit' );
 		fill( expected, complete ? facts( [
@@ -175,7 +176,7 @@ function initial( parameters ) {
 	try {
 
 		const recipe = JSON.parse( parameters.get( 'recipe' ) );
-		if ( recipe && typeof recipe === 'object' && ! Array.isArray( recipe ) ) return recipe;
+		if ( isDocument( recipe ) ) return recipe;
 
 	} catch {
 
