@@ -87,8 +87,29 @@ fn a_token_is_asked_for_sent_with_everything_and_kept_nowhere() {
 }
 
 #[test]
-fn maps_of_errors_tell_the_cell_under_the_pointer_and_the_keys() {
-    let Some(seen) = script("maps.js", &[]) else { return };
+fn tables_are_found_sorted_compared_and_varied_and_their_maps_read() {
+    let Some(seen) = script("tables.js", &[]) else { return };
+    assert_eq!(seen["isNewestFirst"], true, "{seen:#}");
+    for column in ["Error", "Light", "Size"] {
+        let [rising, falling] = [0, 1].map(|i| {
+            let figures = seen["sorted"][column][i]["figures"].as_array().expect("figures");
+            figures.iter().map(|figure| figure.as_f64().expect("a number")).collect::<Vec<_>>()
+        });
+        let orders = [0, 1].map(|i| &seen["sorted"][column][i]["order"]);
+        assert_eq!(orders, ["ascending", "descending"], "{column}");
+        assert!(rising.is_sorted() && falling.iter().rev().is_sorted() && rising[0] < rising[2], "{column}: {seen:#}");
+    }
+    let found = json!({
+        "F16": [[2], "1 of 3"], "ggx f16": [[2], "1 of 3"], "digest": [[0], "1 of 3"], "f16 kt2022": [[], "0 of 3"],
+        "": [[0, 1, 2], "3"],
+    });
+    assert_eq!(seen["found"], found);
+    let winners = seen["winners"].as_array().expect("rows");
+    assert_eq!(winners.len(), 4);
+    for row in winners {
+        assert_eq!(row[1], row[2], "{row}");
+    }
+    assert_eq!(seen["varied"], json!({ "isWhole": true, "precision": "f16", "samples": "64" }));
     for way in ["hovered", "keyed"] {
         let [told, wanted] = [0, 1].map(|i| seen[way][i].as_str().unwrap_or_default());
         assert!(told.starts_with("alpha ") && told.ends_with(wanted), "{way}: {seen:#}");
@@ -259,7 +280,9 @@ fn looks_right_to_everyone_at_every_width_and_below_a_prefix() {
         &[]
     };
     let Some(seen) = script("looks.js", args) else { return };
-    assert_eq!((&seen["violations"], &seen["wide"]), (&json!([]), &json!([])), "{seen:#}");
+    for faults in ["violations", "wide", "small", "moving"] {
+        assert_eq!(seen[faults], json!([]), "{faults}");
+    }
     assert_eq!(seen["looked"], 54, "nine pages, three widths, two themes");
     assert_eq!(seen["behind"], json!({ "link": "/tools/ltc/v1/tables/s", "status": 200 }));
 }

@@ -4,12 +4,12 @@ import { bytes, number, percent } from '../elements/format.js';
 import { call, each, manifest } from '../service/api.js';
 
 const SVG = 'http://www.w3.org/2000/svg';
-const [ WIDTH, HEIGHT, LEFT, TOP, BOTTOM ] = [ 300, 172, 34, 8, 30 ];
+const [ WIDTH, HEIGHT, LEFT, TOP, BOTTOM ] = [ 240, 164, 24, 8, 32 ];
 /** Least and greatest error, and those of each chart's own axis; what is beyond stands at the edge. */
 const ERRORS = [ 0.02, 0.5 ];
 const CHARTS = [
-	{ of: 'bytes', range: [ 1e2, 1e7 ], ticks: [ 1e3, 1e4, 1e5, 1e6 ], tell: bytes },
-	{ of: 'seconds', range: [ 1e-2, 1e4 ], ticks: [ 0.1, 1, 10, 100, 1000 ], tell: ( seconds ) => `${ number( seconds ) } s` },
+	{ of: 'bytes', range: [ 1e2, 1e7 ], ticks: { '1 kB': 1e3, '10 kB': 1e4, '100 kB': 1e5, '1 MB': 1e6 }, tell: bytes },
+	{ of: 'seconds', range: [ 1e-2, 1e4 ], ticks: { 0.1: 0.1, 1: 1, 10: 10, 100: 100, 1000: 1000 }, tell: ( seconds ) => `${ number( seconds ) } s` },
 ];
 
 /** Recipes of whole domains for which the service tells its predictions: by layout, from coarse to fine. */
@@ -50,7 +50,7 @@ export function tradeoff( signal ) {
 			drawn( 'line', { x1: LEFT, x2: WIDTH - 8, y1: y( error ), y2: y( error ) } ),
 			drawn( 'text', { x: LEFT - 5, y: y( error ) + 3.5, 'text-anchor': 'end' }, percent( error, 0 ).replace( ' %', '' ) ),
 		] );
-		const ticks = chart.ticks.map( ( tick ) => drawn( 'text', { x: x( tick ), y: HEIGHT - BOTTOM + 14, 'text-anchor': 'middle' }, chart.tell( tick ) ) );
+		const ticks = Object.entries( chart.ticks ).map( ( [ name, tick ] ) => drawn( 'text', { x: x( tick ), y: HEIGHT - BOTTOM + 14, 'text-anchor': 'middle' }, name ) );
 		const others = drawn( 'g', {} );
 		const own = drawn( 'circle', { class: 'own', r: 5, visibility: 'hidden' } );
 		const svg = drawn( 'svg', { class: 'tradeoff', viewBox: `0 0 ${ WIDTH } ${ HEIGHT }`, role: 'img' },

@@ -8,9 +8,9 @@ export const PARAMETERS = numbers( [
 	[ 'alpha_x', 'Roughness along', 0.01, 1, 0.01, 0.5 ],
 	[ 'alpha_y', 'Roughness across', 0.01, 1, 0.01, 0.1 ],
 	[ 'rotation', 'Rotation', - 3.14, 3.14, 0.01, 0 ],
-	[ 'camera_azimuth', 'Camera, around', - 3.14, 3.14, 0.01, 0 ],
-	[ 'camera_elevation', 'Camera, up', - 1.5, 1.5, 0.01, 0.2 ],
-	[ 'camera_distance', 'Camera, distance', 2, 16, 0.01, 9 ],
+	[ 'camera_azimuth', 'Around', - 3.14, 3.14, 0.01, 0 ],
+	[ 'camera_elevation', 'Up', - 1.5, 1.5, 0.01, 0.2 ],
+	[ 'camera_distance', 'Distance', 2, 16, 0.01, 9 ],
 	[ 'exposure', 'Exposure', 0.1, 8, 0.01, 1 ],
 ] );
 
