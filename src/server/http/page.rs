@@ -103,6 +103,7 @@ page_files![
     "webgl/surface.js",
     "webgpu/bind.js",
     "webgpu/device.js",
+    "webgpu/images.js",
     "webgpu/lights.js",
     "webgpu/models.js",
     "webgpu/pictures.js",

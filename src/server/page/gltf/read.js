@@ -297,7 +297,14 @@ async function found( buffer ) {
 			const hasPlaces = primitive.attributes?.TEXCOORD_0 !== undefined;
 			const isTextured = hasPlaces && /"index":/.test( JSON.stringify( material ?? {} ) );
 			const key = `${ material ? primitive.material : '' } ${ isTextured }`;
-			if ( ! byMaterial.has( key ) ) byMaterial.set( key, { material: materialOf( material ), textures: await texturesOf( material ?? {}, hasPlaces ), numbers: [], uv: [] } );
+			if ( ! byMaterial.has( key ) ) {
+
+				const [ own, { textures, isBent } ] = [ materialOf( material ), await texturesOf( material ?? {}, hasPlaces ) ];
+				if ( ! isBent ) own.factors.normal_scale = 0;
+				byMaterial.set( key, { material: own, textures, numbers: [], uv: [] } );
+
+			}
+
 			try {
 
 				notes.add( append( byMaterial.get( key ), budget, primitive, world, read, `meshes/${ mesh }/primitives/${ i }` ) );

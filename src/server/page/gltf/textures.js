@@ -12,6 +12,9 @@ const SHOWN = [
 	[ 'normal_texture', 'normalTexture', ( material ) => material ],
 ];
 
+/** What stands for an image that a textured material lacks: one pixel that leaves its factors as they are, in the order of SHOWN. */
+const NO_IMAGES = Object.fromEntries( SHOWN.map( ( [ name ] ) => [ name, { pixel: new Uint8Array( [ 255, 255, 255, 255 ] ), wrap: [ CLAMP, CLAMP ] } ] ) );
+
 /** The type and extents of an image by its first bytes; null where it is neither PNG nor JPEG. */
 export function header( bytes ) {
 
@@ -89,7 +92,7 @@ export function textureReader( document, bufferOf, notes ) {
 
 	}
 
-	/** The textures of a material by their names; null where there are none to show. */
+	/** The textures of a material by their names, in one order; null where there are none to show. `isBent` says whether normals are among them. */
 	return async ( material, hasPlaces ) => {
 
 		const found = {};
@@ -112,7 +115,7 @@ export function textureReader( document, bufferOf, notes ) {
 
 		const others = JSON.stringify( material, ( key, value ) => SHOWN.some( ( [ , member ] ) => member === key ) ? undefined : value );
 		if ( /"index":/.test( others ) ) notes.add( 'of other textures than base colour, metal, roughness and normals the factors are shown' );
-		return Object.keys( found ).length ? found : null;
+		return { textures: Object.keys( found ).length ? { ...NO_IMAGES, ...found } : null, isBent: Boolean( found.normal_texture ) };
 
 	};
 

@@ -69,11 +69,8 @@ export async function show( root, rest, parameters, signal ) {
 
 	/** The meshes of a glTF file that was opened; they are no part of the link. */
 	let mesh = null;
-	/** What draws, null until it is there, and what was asked to. */
+	/** What draws; null until it is there. */
 	let drawn = null;
-	let began = '';
-	/** What is to draw: textures of meshes are for WebGL 2 alone. */
-	const wanted = () => scene.surface === 'mesh' && mesh.some( ( { textures } ) => textures ) ? 'webgl2' : scene.drawn_by;
 	signal.addEventListener( 'abort', () => {
 
 		drawn?.release();
@@ -82,9 +79,8 @@ export async function show( root, rest, parameters, signal ) {
 	} );
 
 	/** Begins to draw, on a canvas of its own: one knows WebGL or WebGPU for good. */
-	async function start( by = wanted() ) {
+	async function start( by = scene.drawn_by ) {
 
-		began = wanted();
 		drawn?.release();
 		[ drawn, sides ] = [ null, null ];
 		asked ++;
@@ -166,9 +162,8 @@ export async function show( root, rest, parameters, signal ) {
 			const { meshes, triangles, notes } = await readGltf( await file.arrayBuffer() );
 			if ( signal.aborted ) return;
 			mesh = meshes;
-			const isTextured = meshes.some( ( { textures } ) => textures );
 			choices.surface.offer( [ ...SURFACES, [ 'mesh', file.name ] ], 'mesh' );
-			fill( opened, el( 'p', { class: 'muted' }, [ `${ triangles.toLocaleString( 'en' ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes, isTextured && scene.drawn_by !== 'webgl2' && 'drawn by WebGL 2 with its textures' ].filter( Boolean ).join( '; ' ) ) );
+			fill( opened, el( 'p', { class: 'muted' }, [ `${ triangles.toLocaleString( 'en' ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes ].join( '; ' ) ) );
 			change( 'surface', 'mesh' );
 
 		} catch ( error ) {
@@ -201,8 +196,7 @@ export async function show( root, rest, parameters, signal ) {
 		history.replaceState( null, '', `#/viewer?${ link( scene ) }` );
 		tell();
 		const isOther = scene.lights.some( isPictured ) !== ( prefilter !== null );
-		const by = wanted();
-		if ( by !== began && ! ( by === 'webgl2' && drawn?.language === 'glsl' ) ) start();
+		if ( name === 'drawn_by' ) start();
 		else if ( name === 'table' || name === 'against' || isOther ) choose();
 		else if ( SHOWN.includes( name ) ) later();
 		else begin();

@@ -51,7 +51,7 @@ function uploaded( gl, { name, width, height, depth, numbers, halves } ) {
 
 }
 
-/** An image on the graphics card with its smaller levels, or one pixel where there is none. */
+/** An image on the graphics card with its smaller levels, or one pixel. */
 function imaged( gl, { image, pixel, isColour, wrap } ) {
 
 	const [ texture, format ] = [ gl.createTexture(), isColour ? gl.SRGB8_ALPHA8 : gl.RGBA8 ];
@@ -64,9 +64,6 @@ function imaged( gl, { image, pixel, isColour, wrap } ) {
 	return texture;
 
 }
-
-/** What a textured mesh reads where it lacks an image. */
-const NO_IMAGES = Object.fromEntries( Object.entries( { base_texture: [ 255, 255, 255, 255 ], rough_texture: [ 255, 255, 255, 255 ], normal_texture: [ 128, 128, 255, 255 ] } ).map( ( [ name, pixel ] ) => [ name, { pixel: new Uint8Array( pixel ), wrap: [ 33071, 33071 ] } ] ) );
 
 /** The corners of a mesh on the graphics card: place, normal, tangent with its side, and the place in textures where there are some. */
 function buffered( gl, numbers, uv ) {
@@ -192,7 +189,7 @@ export function device( canvas ) {
 			for ( const { numbers, uv, textures: images, ofMaterial } of meshes ) {
 
 				const shader = known( images ? 'textured mesh' : 'mesh', () => meshShader( Boolean( images ) ), MESH_VERTEX );
-				const bound = Object.entries( images ? { ...NO_IMAGES, ...images } : {} ).map( ( [ name, image ] ) => {
+				const bound = Object.entries( images || {} ).map( ( [ name, image ] ) => {
 
 					if ( ! textures.has( image ) ) textures.set( image, imaged( gl, image ) );
 					return { name, texture: textures.get( image ) };
@@ -200,7 +197,7 @@ export function device( canvas ) {
 				} );
 				if ( ! vertices.has( numbers ) ) vertices.set( numbers, buffered( gl, numbers, uv ) );
 				gl.bindVertexArray( vertices.get( numbers ) );
-				run( shader, seen, { ...uniforms, ...ofMaterial, ...( images && ! images.normal_texture ? { normal_scale: 0 } : {} ) }, bound, numbers.length / 10 );
+				run( shader, seen, { ...uniforms, ...ofMaterial }, bound, numbers.length / 10 );
 
 			}
 

@@ -5,14 +5,14 @@ const FRAGMENT = 2;
 /** A texture that is read by texels alone. */
 export const read = ( texture, dimension = '2d' ) => ( { resource: texture.createView( { dimension } ), texture: { sampleType: 'unfilterable-float', viewDimension: dimension } } );
 
-/** A texture that a sampler interpolates. */
-export const filtered = ( texture, dimension = '2d' ) => ( { resource: texture.createView( { dimension } ), texture: { sampleType: 'float', viewDimension: dimension } } );
+/** A texture that a sampler interpolates, or the levels of it that are told. */
+export const filtered = ( texture, dimension = '2d', levels = {} ) => ( { resource: texture.createView( { dimension, ...levels } ), texture: { sampleType: 'float', viewDimension: dimension } } );
 
-/** A sampler: `filtering`, linear between texels and levels, or `non-filtering`. */
-export function sampled( device, type ) {
+/** A sampler: `filtering`, linear between texels and levels, or `non-filtering`; and how a texture goes on beyond its sides. */
+export function sampled( device, type, [ addressModeU, addressModeV ] = [] ) {
 
 	const filter = type === 'filtering' ? 'linear' : 'nearest';
-	return { resource: device.createSampler( { minFilter: filter, magFilter: filter, mipmapFilter: filter } ), sampler: { type } };
+	return { resource: device.createSampler( { minFilter: filter, magFilter: filter, mipmapFilter: filter, addressModeU, addressModeV } ), sampler: { type } };
 
 }
 

@@ -2,10 +2,11 @@
 
 import { bound, filtered, numbers, read, sampled } from './bind.js';
 import { modelShader } from './models.js';
+import { imaged } from './images.js';
 import { gpuPictures } from './pictures.js';
 import { referenceShader } from './reference.js';
 import { packed } from './scene.js';
-import { COVERS, DISPLAY_SHADER, MESH_SHADER, SURFACE_SHADER } from './surface.js';
+import { COVERS, DISPLAY_SHADER, meshShader, SURFACE_SHADER } from './surface.js';
 
 const SEEN = 4;
 /** Bytes a pixel of what a surface writes: four textures of four 32-bit numbers. */
@@ -13,6 +14,8 @@ const SEEN_BYTES = 64;
 /** The order of members of `ltc_table` in the texts; the first two are whole numbers. */
 const TABLE = [ 'nodes', 'reading', 'start', 'spacing', 'per_step', 'texel', 'roughness', 'cosines', 'azimuths' ];
 const CORNERS = { arrayStride: 40, attributes: [ [ 'float32x3', 0 ], [ 'float32x3', 12 ], [ 'float32x4', 24 ] ].map( ( [ format, offset ], shaderLocation ) => ( { format, offset, shaderLocation } ) ) };
+/** The place of a corner in textures, in a buffer of its own. */
+const PLACES = { arrayStride: 8, attributes: [ { format: 'float32x2', offset: 0, shaderLocation: 3 } ] };
 
 /** What is bound of a model: the table's uniforms and textures as its text has them, or those of engines. */
 function textures( device, { kind, uniforms, textures } ) {
@@ -63,19 +66,28 @@ export async function gpuDevice( canvas, failed ) {
 	const pipelines = new Map();
 	const models = new Map();
 	const vertices = new Map();
+	const images = new Map();
 	let pictures = null;
 
+	function buffered( numbers ) {
+
+		const buffer = device.createBuffer( { size: numbers.byteLength, usage: GPUBufferUsage.VERTEX | GPUBufferUsage.COPY_DST } );
+		device.queue.writeBuffer( buffer, 0, numbers );
+		return buffer;
+
+	}
+
 	/** The pipeline of a program, which is compiled when it is first asked for. */
-	function pipeline( code, groups, { formats, isMesh } ) {
+	function pipeline( code, groups, { formats, mesh } ) {
 
 		if ( ! pipelines.has( code ) ) {
 
 			const module = device.createShaderModule( { code } );
 			pipelines.set( code, device.createRenderPipeline( {
 				layout: device.createPipelineLayout( { bindGroupLayouts: groups.map( ( { layout } ) => layout ) } ),
-				vertex: { module, entryPoint: isMesh ? 'corner' : 'covers', buffers: isMesh ? [ CORNERS ] : [] },
+				vertex: { module, entryPoint: mesh ? 'corner' : 'covers', buffers: mesh ? [ CORNERS, PLACES ].slice( 0, mesh.buffers.length ) : [] },
 				fragment: { module, entryPoint: 'main', targets: formats.map( ( format ) => ( { format } ) ) },
-				...( isMesh && { depthStencil: { format: 'depth24plus', depthWriteEnabled: true, depthCompare: 'less' } } ),
+				...( mesh && { depthStencil: { format: 'depth24plus', depthWriteEnabled: true, depthCompare: 'less' } } ),
 			} ) );
 
 		}
@@ -84,19 +96,19 @@ export async function gpuDevice( canvas, failed ) {
 
 	}
 
-	/** Runs a program over textures, or over triangles of a mesh that are added to what is there. */
+	/** Runs a program over textures or single levels of them, or over triangles of a mesh that are added to what is there. */
 	function draw( code, to, items, { formats, mesh, clears = true } ) {
 
 		const groups = items.map( ( group ) => bound( device, group ) );
 		const encoder = device.createCommandEncoder();
 		const load = clears ? 'clear' : 'load';
 		const pass = encoder.beginRenderPass( {
-			colorAttachments: to.map( ( texture ) => ( { view: texture.createView(), loadOp: load, storeOp: 'store' } ) ),
+			colorAttachments: to.map( ( texture ) => ( { view: texture instanceof GPUTextureView ? texture : texture.createView(), loadOp: load, storeOp: 'store' } ) ),
 			...( mesh && { depthStencilAttachment: { view: depth, depthClearValue: 1, depthLoadOp: load, depthStoreOp: 'store' } } ),
 		} );
-		pass.setPipeline( pipeline( code, groups, { formats, isMesh: Boolean( mesh ) } ) );
+		pass.setPipeline( pipeline( code, groups, { formats, mesh } ) );
 		groups.forEach( ( { group }, i ) => pass.setBindGroup( i, group ) );
-		if ( mesh ) pass.setVertexBuffer( 0, mesh.buffer );
+		mesh?.buffers.forEach( ( buffer, i ) => pass.setVertexBuffer( i, buffer ) );
 		pass.draw( mesh ? mesh.corners : 3 );
 		pass.end();
 		device.queue.submit( [ encoder.finish() ] );
@@ -123,17 +135,16 @@ export async function gpuDevice( canvas, failed ) {
 		},
 		seeMeshes( uniforms, meshes ) {
 
-			meshes.forEach( ( { numbers, ofMaterial }, i ) => {
+			meshes.forEach( ( { numbers, uv, textures: ofMesh, ofMaterial }, i ) => {
 
-				if ( ! vertices.has( numbers ) ) {
+				if ( ! vertices.has( numbers ) ) vertices.set( numbers, { buffers: [ numbers, uv ].filter( Boolean ).map( buffered ), corners: numbers.length / 10 } );
+				const bound = Object.values( ofMesh || {} ).flatMap( ( image ) => {
 
-					const buffer = device.createBuffer( { size: numbers.byteLength, usage: GPUBufferUsage.VERTEX | GPUBufferUsage.COPY_DST } );
-					device.queue.writeBuffer( buffer, 0, numbers );
-					vertices.set( numbers, { buffer, corners: numbers.length / 10 } );
+					if ( ! images.has( image ) ) images.set( image, imaged( device, draw, image ) );
+					return images.get( image );
 
-				}
-
-				run( MESH_SHADER, seen, [], { ...uniforms, ...ofMaterial }, [], { formats: seen.map( () => 'rgba32float' ), mesh: vertices.get( numbers ), clears: i === 0 } );
+				} );
+				run( meshShader( Boolean( ofMesh ) ), seen, [], { ...uniforms, ...ofMaterial }, bound, { formats: seen.map( () => 'rgba32float' ), mesh: vertices.get( numbers ), clears: i === 0 } );
 
 			} );
 

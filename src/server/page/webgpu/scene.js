@@ -1,9 +1,9 @@
 // The numbers of a scene in WGSL: one structure that all programs read, with the names that the uniforms of WebGL have.
 
 const FIELDS = Object.entries( {
-	eye: 'vec3<f32>', right: 'vec3<f32>', up: 'vec3<f32>', forward: 'vec3<f32>', f0: 'vec3<f32>', material: 'vec4<f32>',
+	eye: 'vec3<f32>', right: 'vec3<f32>', up: 'vec3<f32>', forward: 'vec3<f32>', f0: 'vec3<f32>', base: 'vec3<f32>', material: 'vec4<f32>', factors: 'vec4<f32>',
 	size: 'i32', surface: 'i32', show: 'i32', first: 'i32', samples: 'i32', light_count: 'i32',
-	pixel_width: 'f32', exposure: 'f32', split: 'f32', difference_scale: 'f32', left_weight: 'f32', right_weight: 'f32', picture_base: 'f32',
+	pixel_width: 'f32', exposure: 'f32', split: 'f32', difference_scale: 'f32', left_weight: 'f32', right_weight: 'f32', picture_base: 'f32', normal_scale: 'f32', is_white: 'f32',
 	light_shape: 'vec4<i32>', light_corners: 'vec4<i32>', light_picture: 'vec4<i32>', light_radiance: 'vec4<f32>',
 	light_centre: 'array<vec4<f32>, 4>', light_x: 'array<vec4<f32>, 4>', light_y: 'array<vec4<f32>, 4>', light_normal: 'array<vec4<f32>, 4>',
 	light_vertices: 'array<vec4<f32>, 32>',

@@ -50,35 +50,80 @@ fn main(@builtin(position) at: vec4<f32>) -> Written {
 	return Written(vec4(position, coverage), vec4(tangent, scene.material.x), vec4(normal, scene.material.y), vec4(scene.f0, 1.0));
 }`;
 
-/** The triangles of a mesh without textures. */
-export const MESH_SHADER = `${ TARGETS }
+const TEXTURED = `
+@group(1) @binding(1) var base_texture: texture_2d<f32>;
+@group(1) @binding(2) var base_sampler: sampler;
+@group(1) @binding(3) var rough_texture: texture_2d<f32>;
+@group(1) @binding(4) var rough_sampler: sampler;
+@group(1) @binding(5) var normal_texture: texture_2d<f32>;
+@group(1) @binding(6) var normal_sampler: sampler;
+
+fn bent(at: Corner, normal: vec3<f32>) -> vec3<f32> {
+	let px = dpdx(at.place);
+	let py = dpdy(at.place);
+	let ux = dpdx(at.uv);
+	let uy = dpdy(at.uv);
+	let stored = textureSample(normal_texture, normal_sampler, at.uv).xyz * 2.0 - 1.0;
+	let side = select(1.0, -1.0, ux.x * uy.y < uy.x * ux.y);
+	let is_given = dot(at.tangent.xyz, at.tangent.xyz) > 1e-12;
+	var x = select(side * (px * uy.y - py * ux.y), at.tangent.xyz, is_given);
+	x -= normal * dot(normal, x);
+	if (dot(x, x) < 1e-24) {
+		return normal;
+	}
+	x = normalize(x);
+	var y = cross(normal, x);
+	y *= select(select(1.0, -1.0, dot(y, side * (px * uy.x - py * ux.x)) < 0.0), at.tangent.w, is_given);
+	return normalize(x * stored.x * scene.normal_scale + y * stored.y * scene.normal_scale + normal * max(stored.z, 1e-3));
+}
+
+fn reflected(uv: vec2<f32>, rough: vec4<f32>) -> vec3<f32> {
+	let base = scene.base * textureSample(base_texture, base_sampler, uv).rgb;
+	return mix(mix(vec3(scene.factors.z), base, scene.factors.x * rough.b), vec3(1.0), scene.is_white);
+}
+
+fn alphas(rough: vec4<f32>) -> vec2<f32> {
+	let across = scene.factors.y * rough.g * scene.factors.y * rough.g;
+	return vec2(mix(across, 1.0, scene.factors.w), across);
+}
+`;
+
+/** The triangles of a mesh. */
+export const meshShader = ( isTextured ) => `${ TARGETS }
 struct Corner {
 	@builtin(position) position: vec4<f32>,
 	@location(0) place: vec3<f32>,
 	@location(1) normal: vec3<f32>,
 	@location(2) tangent: vec4<f32>,
+${ isTextured ? '	@location(3) uv: vec2<f32>,' : '' }
 }
 const NEAR = 0.05;
 const FAR = 100.0;
 
 @vertex
-fn corner(@location(0) place: vec3<f32>, @location(1) normal: vec3<f32>, @location(2) tangent: vec4<f32>) -> Corner {
+fn corner(@location(0) place: vec3<f32>, @location(1) normal: vec3<f32>, @location(2) tangent: vec4<f32>${ isTextured ? ', @location(3) uv: vec2<f32>' : '' }) -> Corner {
 	let way = place - scene.eye;
 	let depth = dot(way, scene.forward);
 	let across = dot(way, scene.right) / dot(scene.right, scene.right);
 	let upwards = dot(way, scene.up) / dot(scene.up, scene.up);
-	return Corner(vec4(across, upwards, (depth - NEAR) * FAR / (FAR - NEAR), depth), place, normal, tangent);
+	return Corner(vec4(across, upwards, (depth - NEAR) * FAR / (FAR - NEAR), depth), place, normal, tangent${ isTextured ? ', uv' : '' });
 }
-
+${ isTextured ? TEXTURED : '' }
 @fragment
 fn main(at: Corner, @builtin(front_facing) is_front: bool) -> Written {
-	let normal = normalize(select(-at.normal, at.normal, is_front));
+	var normal = normalize(select(-at.normal, at.normal, is_front));
+	var f0 = scene.f0;
+	var alpha = scene.material.xy;
+${ isTextured ? `	normal = bent(at, normal);
+	let rough = textureSample(rough_texture, rough_sampler, at.uv);
+	f0 = reflected(at.uv, rough);
+	alpha = alphas(rough);` : '' }
 	var along = select(vec3(normal.z, 0.0, -normal.x), at.tangent.xyz, dot(at.tangent.xyz, at.tangent.xyz) > 1e-12);
 	along -= normal * dot(normal, along);
 	let other = cross(normal, select(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), abs(normal.x) > 0.7));
 	along = normalize(select(other, along, dot(along, along) > 1e-8));
 	let tangent = scene.material.z * along + scene.material.w * at.tangent.w * cross(normal, along);
-	return Written(vec4(at.place, 1.0), vec4(tangent, scene.material.x), vec4(normal, scene.material.y), vec4(scene.f0, 1.0));
+	return Written(vec4(at.place, 1.0), vec4(tangent, alpha.x), vec4(normal, alpha.y), vec4(f0, 1.0));
 }`;
 
 export const SEEN = `${ SCENE }
