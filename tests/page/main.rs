@@ -187,7 +187,7 @@ fn web_gpu_draws_what_web_gl_does() {
         return;
     };
     let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
-    assert_eq!(scenes.len(), 13, "{seen:#}");
+    assert_eq!(scenes.len(), 12, "{seen:#}");
     for scene in scenes.keys() {
         assert!(number("off", scene) <= OFF, "{scene}: {seen:#}");
         assert!(number("bright", scene) > 60.0, "{scene}: nothing is seen: {seen:#}");

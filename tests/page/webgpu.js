@@ -82,7 +82,7 @@ await withWorld( async ( { service, open } ) => {
 	await page.locator( '.page-viewer .facts', { hasText: 'WebGPU' } ).waitFor();
 	const linked = await page.evaluate( () => location.hash.includes( 'drawn_by=webgpu' ) );
 
-	// Textures of a mesh, with tangents of the file and without; the mesh stays while something else draws it.
+	// Textures of a mesh, all of them with tangents of the file, some without; the mesh stays while something else draws it.
 	const image = async ( ...pixels ) => Buffer.from( await page.evaluate( ( pixels ) => {
 
 		const canvas = Object.assign( document.createElement( 'canvas' ), { width: pixels.length, height: 2 } );
@@ -94,7 +94,7 @@ await withWorld( async ( { service, open } ) => {
 	const wide = await image( ...Array.from( { length: 4096 }, ( _, x ) => [ 255 - x / 32, 90 + x / 32, x % 2 ? 250 : 0 ] ) );
 	const material = { pbrMetallicRoughness: { baseColorTexture: { index: 0 }, metallicRoughnessTexture: { index: 1 } }, normalTexture: { index: 2 } };
 	const images = [ wide, await image( [ 0, 120, 255 ], [ 0, 200, 40 ], [ 0, 120, 255 ] ), await image( [ 128, 160, 250 ], [ 150, 128, 250 ] ) ];
-	for ( const [ name, file ] of Object.entries( { textured: texturedSphere( 32, material, images ), places: texturedSphere( 32, material, images, false ), colour: texturedSphere( 32, { pbrMetallicRoughness: { baseColorTexture: { index: 0 }, roughnessFactor: 0.4 } }, [ wide ] ) } ) ) {
+	for ( const [ name, file ] of Object.entries( { textured: texturedSphere( 32, material, images ), places: texturedSphere( 32, { ...material, pbrMetallicRoughness: { baseColorTexture: { index: 0 }, roughnessFactor: 0.6 } }, images, false ) } ) ) {
 
 		await page.evaluate( () => location.hash = '#/viewer?show=model&exposure=2&drawn_by=webgl2' );
 		await page.locator( '.page-viewer .facts', { hasText: 'WebGL 2' } ).waitFor();
