@@ -92,6 +92,13 @@ await withWorld( async ( { service, open } ) => {
 			if ( PICTURES ) await page.screenshot( { path: join( PICTURES, `${ name }-${ width }-${ colorScheme }.png` ), fullPage: true } );
 			// Rules do not depend on the width as the layout does.
 			if ( width === WIDTHS[ 2 ] ) continue;
+			if ( reducedMotion === 'reduce' && name === 'viewer' ) {
+
+				await page.locator( '#view-light_picture' ).selectOption( 'disc' );
+				if ( ! await page.getByRole( 'button', { name: 'Play' } ).isVisible() ) moving.push( `${ at }: a video` );
+
+			}
+
 			const running = await page.evaluate( animations );
 			if ( reducedMotion === 'reduce' ? running : ! running ) moving.push( `${ at }: ${ running } animations` );
 			await page.evaluate( AXE );
