@@ -7,7 +7,7 @@ await withWorld( async ( { open } ) => {
 	const page = await open( 'viewer' );
 	const geometry = await page.evaluate( async () => {
 
-		const { shaderBall } = await import( './page/shader_ball.js' );
+		const { shaderBall } = await import( './page/viewer/shader_ball.js' );
 		const numbers = shaderBall();
 		const three = ( at ) => [ ...numbers.subarray( at, at + 3 ) ];
 		const dot = ( a, b ) => a[ 0 ] * b[ 0 ] + a[ 1 ] * b[ 1 ] + a[ 2 ] * b[ 2 ];

@@ -31,7 +31,7 @@ await withWorld( async ( { service, open } ) => {
 	await page.locator( 'aside dd', { hasText: '%' } ).waitFor();
 
 	// A list of roughnesses is asked for with its layout, and decides the nodes of alpha and ratio.
-	const entered = async () => JSON.parse( await page.getByRole( 'region', { name: 'Recipe as JSON' } ).textContent() );
+	const entered = async () => JSON.parse( await page.getByRole( 'textbox', { name: 'Recipe as JSON' } ).inputValue() );
 	const list = page.locator( '#field-materials' );
 	const isHidden = await list.isHidden();
 	await page.locator( '#field-resolution-alpha' ).fill( '5' );
@@ -48,7 +48,25 @@ await withWorld( async ( { service, open } ) => {
 	const roughnesses = { isHidden, item, materials, resolution: resolution ?? null, text: await list.inputValue() };
 	await list.fill( '' );
 	await fault( 'materials' ).filter( { hasText: 'needs its materials' } ).waitFor();
+
+	// What has no field is written or pasted as JSON; the form shows what it has a field for.
+	const text = page.getByRole( 'textbox', { name: 'Recipe as JSON' } );
+	const pasted = { preset: 'draft', nodes: { alpha: [ 0.04, 0.09, 0.25 ], ratio: [ 1 ] }, resolution: { theta: 5 }, range: { phi: [ 0, 0 ] }, fit: { solver: 'nelder_mead', metric: 'l3', shear: 'z', start: 'independent' } };
+	await text.fill( JSON.stringify( pasted ) );
+	await page.locator( 'aside dd', { hasText: /^15$/ } ).waitFor();
+	const fields = [ await page.locator( '#field-fit-solver' ).inputValue(), await page.getByLabel( 'draft' ).isChecked() ];
+	await text.fill( '{ "preset": ' );
+	const malformed = [ await page.locator( '#document-fault' ).textContent(), await page.getByRole( 'button', { name: 'Submit' } ).isDisabled() ];
+	await text.fill( JSON.stringify( { ...pasted, fit: { shear: 'y', steps: 0 } } ) );
+	await page.getByText( '/fit/shear: ' ).waitFor();
+	await fault( 'fit-steps' ).filter( { hasText: '0 is not' } ).waitFor();
+	await text.fill( JSON.stringify( pasted ) );
+	await page.locator( 'aside dd', { hasText: /^15$/ } ).waitFor();
+	// A field changes its own member of it.
+	await page.locator( '#field-fit-steps' ).fill( '40' );
+	const written = await entered();
+	const isTaken = JSON.stringify( { ...pasted, fit: { ...pasted.fit, steps: 40 } } ) === JSON.stringify( written );
 	const { items } = await service.call( '/v1/jobs' );
-	return { shown, isRefused, left: left.join( '' ), jobs: items.length, roughnesses };
+	return { json: { fields, malformed, isTaken }, shown, isRefused, left: left.join( '' ), jobs: items.length, roughnesses };
 
 } );

@@ -1,5 +1,5 @@
-// A recipe from the form to a downloaded table, a job that is cancelled in another tab, and one that is watched through a
-// page that is loaded again.
+// A recipe from the form to a downloaded table, a job that is cancelled in another tab, one that is watched through a page that
+// is loaded again, and one that fails.
 
 import { createHash } from 'node:crypto';
 import { readFile } from 'node:fs/promises';
@@ -13,11 +13,11 @@ await withWorld( async ( { service, open } ) => {
 	for ( const axis of [ 'alpha', 'ratio', 'theta', 'phi' ] ) await page.locator( `#field-resolution-${ axis }` ).fill( '2' );
 	for ( const [ name, value ] of Object.entries( SMALL.fit ) ) await page.locator( `#field-fit-${ name }` ).fill( String( value ) );
 	await page.locator( 'aside dd', { hasText: /^16$/ } ).waitFor();
-	const document = JSON.parse( await page.getByRole( 'region', { name: 'Recipe as JSON' } ).textContent() );
+	const document = JSON.parse( await page.getByRole( 'textbox', { name: 'Recipe as JSON' } ).inputValue() );
 	// What was entered outlives the page.
 	await page.reload();
 	await page.locator( 'aside dd', { hasText: /^16$/ } ).waitFor();
-	const reloaded = JSON.parse( await page.getByRole( 'region', { name: 'Recipe as JSON' } ).textContent() );
+	const reloaded = JSON.parse( await page.getByRole( 'textbox', { name: 'Recipe as JSON' } ).inputValue() );
 	await page.getByRole( 'button', { name: 'Submit' } ).click();
 	await page.getByRole( 'link', { name: 'Open the table' } ).click();
 	await page.getByRole( 'heading', { name: 'Quality' } ).waitFor();
@@ -48,6 +48,16 @@ await withWorld( async ( { service, open } ) => {
 	await list.locator( '.state.cancelled' ).waitFor();
 	await other.locator( '.state.cancelled' ).waitFor();
 	const { state } = await service.call( `/v1/jobs/${ id }` );
-	return { document, reloaded, digest, table, exported, cancelled: state };
+
+	// A job that failed: both pages tell the reason, and it is submitted again.
+	await service.fail( { ...SMALL, precision: 'f16' } );
+	await list.reload();
+	const failed = list.locator( 'tr', { has: list.locator( '.state.failed' ) } );
+	const reasons = [ await failed.locator( '.reason' ).textContent() ];
+	await failed.getByRole( 'link' ).click();
+	reasons.push( await list.locator( '.notice' ).textContent() );
+	await list.getByRole( 'button', { name: 'Submit again' } ).click();
+	await list.locator( '.state.done' ).waitFor();
+	return { reasons, document, reloaded, digest, table, exported, cancelled: state };
 
 } );

@@ -1,5 +1,5 @@
-// Every page in both themes and three widths: what axe-core finds, and whether anything is wider than the window. With
-// `--pictures FOLDER` the pages are drawn there.
+// Every page in both themes and three widths: what axe-core finds, whether anything is wider than the window or too small to
+// read, and whether anything moves where less motion is asked for. With `--pictures FOLDER` the pages are drawn there.
 
 import { createRequire } from 'node:module';
 import { readFile } from 'node:fs/promises';
@@ -10,10 +10,34 @@ import { join } from 'node:path';
 import { PICTURES, SMALL, withWorld } from './world.js';
 
 const AXE = await readFile( createRequire( import.meta.url ).resolve( 'axe-core/axe.min.js' ), 'utf8' );
-const WIDTHS = [ 360, 1280, 2560 ];
+const WIDTHS = [ 360, 1280, 3840 ];
 
 /** What each page shows once its answers are there. */
 const READY = { tables: '.picture img[src]', table: '.plots img[src]', jobs: '.state', job: '.state', new: 'aside dd', faults: '.bad', compare: '.best', viewer: '.facts', nowhere: '.notice' };
+
+/** The least size of letters by the width of the window, in pixels; a screen of 4K that is not scaled has them half as large as others. */
+const LEAST = { 360: 11, 1280: 11, 3840: 16 };
+
+/** In the page: the size of its smallest letters, and the part of the window's width that it takes. */
+function text() {
+
+	const written = [ ...document.querySelectorAll( 'header *, main *' ) ].filter( ( element ) => ! ( element instanceof SVGElement ) && element.checkVisibility() && [ ...element.childNodes ].some( ( { nodeType, data } ) => nodeType === Node.TEXT_NODE && data.trim() ) );
+	const sizes = written.map( ( element ) => parseFloat( getComputedStyle( element ).fontSize ) * element.currentCSSZoom );
+	return { size: Math.min( ...sizes ), part: document.querySelector( 'main' ).getBoundingClientRect().width / window.innerWidth };
+
+}
+
+/** In the page: how many animations run where everything is to be animated. */
+function animations() {
+
+	const sheet = new CSSStyleSheet();
+	sheet.replaceSync( '@keyframes drift { to { opacity: 0.9 } } * { animation: drift 60s infinite }' );
+	document.adoptedStyleSheets = [ sheet ];
+	const count = document.getAnimations().length;
+	document.adoptedStyleSheets = [];
+	return count;
+
+}
 
 /** A proxy that has the service below a path, as an operator may. It keeps `Host`, by which the service knows its own pages. */
 async function below( prefix, service ) {
@@ -42,15 +66,16 @@ await withWorld( async ( { service, open } ) => {
 	const recipes = PICTURES ? [ { preset: 'paper' }, { preset: 'standard', layout: 'ltc2017' }, { preset: 'paper', precision: 'f16' }, { preset: 'draft', brdf: 'charlie' } ] : [ SMALL, { ...SMALL, precision: 'f16' } ];
 	const digests = [];
 	for ( const recipe of recipes ) digests.push( await service.fit( recipe ) );
-	const { items } = await service.call( '/v1/jobs' );
+	const failed = await service.fail( { ...SMALL, terms: false } );
 	const bad = JSON.stringify( { preset: 'draft', fit: { samples: 3 } } );
-	const pages = { tables: 'tables', table: `tables/${ digests[ 0 ] }`, jobs: 'jobs', job: `jobs/${ items[ 0 ].id }`, new: 'new', faults: `new?${ new URLSearchParams( { recipe: bad } ) }`, compare: `compare?tables=${ digests.slice( 0, 3 ) }`, viewer: `viewer?table=${ digests[ 0 ] }${ PICTURES ? '' : '&show=model' }`, nowhere: 'nowhere' };
+	const pages = { tables: 'tables', table: `tables/${ digests[ 0 ] }`, jobs: 'jobs', job: `jobs/${ failed }`, new: 'new', faults: `new?${ new URLSearchParams( { recipe: bad } ) }`, compare: `compare?tables=${ digests.slice( 0, 3 ) }`, viewer: `viewer?table=${ digests[ 0 ] }${ PICTURES ? '' : '&show=model' }`, nowhere: 'nowhere' };
 	const violations = [];
-	const wide = [];
+	const [ wide, small, moving ] = [ [], [], [] ];
 	let looked = 0;
 	for ( const colorScheme of [ 'light', 'dark' ] ) for ( const width of WIDTHS ) {
 
-		const page = await open( 'tables', { colorScheme, viewport: { width, height: 860 } } );
+		const reducedMotion = colorScheme === 'dark' ? 'reduce' : 'no-preference';
+		const page = await open( 'tables', { colorScheme, reducedMotion, viewport: { width, height: 860 } } );
 		for ( const [ name, hash ] of Object.entries( pages ) ) {
 
 			await page.evaluate( ( hash ) => location.hash = `#/${ hash }`, hash );
@@ -62,9 +87,20 @@ await withWorld( async ( { service, open } ) => {
 			const at = `${ name }, ${ width }, ${ colorScheme }`;
 			if ( await page.evaluate( () => document.documentElement.scrollWidth > window.innerWidth ) ) wide.push( at );
 			looked ++;
+			const { size, part } = await page.evaluate( text );
+			if ( size < LEAST[ width ] || part < 0.6 ) small.push( `${ at }: letters of ${ size } pixels, ${ Math.round( 100 * part ) } % of the width` );
 			if ( PICTURES ) await page.screenshot( { path: join( PICTURES, `${ name }-${ width }-${ colorScheme }.png` ), fullPage: true } );
 			// Rules do not depend on the width as the layout does.
 			if ( width === WIDTHS[ 2 ] ) continue;
+			if ( reducedMotion === 'reduce' && name === 'viewer' ) {
+
+				await page.locator( '#view-light_picture' ).selectOption( 'disc' );
+				if ( ! await page.getByRole( 'button', { name: 'Play' } ).isVisible() ) moving.push( `${ at }: a video` );
+
+			}
+
+			const running = await page.evaluate( animations );
+			if ( reducedMotion === 'reduce' ? running : ! running ) moving.push( `${ at }: ${ running } animations` );
 			await page.evaluate( AXE );
 			const found = await page.evaluate( () => window.axe.run( document, { runOnly: [ 'wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice' ] } ) );
 			for ( const { id, nodes } of found.violations ) violations.push( `${ at }: ${ id }: ${ nodes.map( ( { html } ) => html.slice( 0, 120 ) ).join( ' | ' ) }` );
@@ -83,6 +119,6 @@ await withWorld( async ( { service, open } ) => {
 	await behind.waitForLoadState( 'networkidle' );
 	proxy.close();
 	proxy.closeAllConnections();
-	return { violations, wide, looked, behind: { link: new URL( link ).pathname.slice( 0, 22 ), status } };
+	return { violations, wide, small, moving, looked, behind: { link: new URL( link ).pathname.slice( 0, 22 ), status } };
 
 }, [ '--allow-host', '127.0.0.1' ] );

@@ -23,7 +23,7 @@ fn script(file: &str, args: &[&str]) -> Option<Value> {
 }
 
 #[test]
-fn jobs_are_submitted_watched_and_cancelled_and_tables_downloaded() {
+fn jobs_are_submitted_watched_cancelled_and_told_why_they_failed() {
     let Some(seen) = script("jobs.js", &[]) else { return };
     let document = json!({
         "preset": "draft", "resolution": { "alpha": 2, "ratio": 2, "theta": 2, "phi": 2 },
@@ -34,6 +34,9 @@ fn jobs_are_submitted_watched_and_cancelled_and_tables_downloaded() {
     assert_eq!(seen["table"], seen["digest"]);
     assert_eq!(seen["exported"]["saved"], seen["exported"]["told"]);
     assert_eq!(seen["cancelled"], "cancelled");
+    let [listed, told] = [0, 1].map(|i| seen["reasons"][i].as_str().unwrap_or_default());
+    assert!(listed.contains("Not a directory"), "{seen:#}");
+    assert_eq!(told, format!("The storage failed: {listed}"));
 }
 
 #[test]
@@ -48,6 +51,10 @@ fn faults_are_told_at_their_fields() {
         (&roughnesses["text"], &roughnesses["resolution"]),
         (&json!("0.4 / 0.1, 0.09, 0.3 × 0.5"), &json!(null))
     );
+    let json = &seen["json"];
+    assert_eq!((&json["fields"], &json["isTaken"]), (&json!(["nelder_mead", true]), &json!(true)), "{seen:#}");
+    assert!(json["malformed"][0].as_str().is_some_and(|fault| fault.starts_with("This is not JSON: ")), "{seen:#}");
+    assert_eq!(json["malformed"][1], true, "{seen:#}");
     assert!(roughnesses["item"].as_str().is_some_and(|fault| fault.contains("null is not a number")), "{seen:#}");
 }
 
@@ -80,8 +87,29 @@ fn a_token_is_asked_for_sent_with_everything_and_kept_nowhere() {
 }
 
 #[test]
-fn maps_of_errors_tell_the_cell_under_the_pointer_and_the_keys() {
-    let Some(seen) = script("maps.js", &[]) else { return };
+fn tables_are_found_sorted_compared_and_varied_and_their_maps_read() {
+    let Some(seen) = script("tables.js", &[]) else { return };
+    assert_eq!(seen["isNewestFirst"], true, "{seen:#}");
+    for column in ["Error", "Light", "Size"] {
+        let [rising, falling] = [0, 1].map(|i| {
+            let figures = seen["sorted"][column][i]["figures"].as_array().expect("figures");
+            figures.iter().map(|figure| figure.as_f64().expect("a number")).collect::<Vec<_>>()
+        });
+        let orders = [0, 1].map(|i| &seen["sorted"][column][i]["order"]);
+        assert_eq!(orders, ["ascending", "descending"], "{column}");
+        assert!(rising.is_sorted() && falling.iter().rev().is_sorted() && rising[0] < rising[2], "{column}: {seen:#}");
+    }
+    let found = json!({
+        "F16": [[2], "1 of 3"], "ggx f16": [[2], "1 of 3"], "digest": [[0], "1 of 3"], "f16 kt2022": [[], "0 of 3"],
+        "": [[0, 1, 2], "3"],
+    });
+    assert_eq!(seen["found"], found);
+    let winners = seen["winners"].as_array().expect("rows");
+    assert_eq!(winners.len(), 4);
+    for row in winners {
+        assert_eq!(row[1], row[2], "{row}");
+    }
+    assert_eq!(seen["varied"], json!({ "isWhole": true, "precision": "f16", "samples": "64" }));
     for way in ["hovered", "keyed"] {
         let [told, wanted] = [0, 1].map(|i| seen[way][i].as_str().unwrap_or_default());
         assert!(told.starts_with("alpha ") && told.ends_with(wanted), "{way}: {seen:#}");
@@ -91,7 +119,7 @@ fn maps_of_errors_tell_the_cell_under_the_pointer_and_the_keys() {
 }
 
 #[test]
-fn an_open_page_outlives_a_restart_of_the_service() {
+fn every_open_page_notices_a_service_that_stops_and_outlives_its_restart() {
     let Some(seen) = script("outage.js", &[]) else { return };
     assert_eq!(seen["others"], json!([]), "{seen:#}");
 }
@@ -159,7 +187,7 @@ fn web_gpu_draws_what_web_gl_does() {
         return;
     };
     let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
-    assert_eq!(scenes.len(), 10, "{seen:#}");
+    assert_eq!(scenes.len(), 12, "{seen:#}");
     for scene in scenes.keys() {
         assert!(number("off", scene) <= OFF, "{scene}: {seen:#}");
         assert!(number("bright", scene) > 60.0, "{scene}: nothing is seen: {seen:#}");
@@ -169,7 +197,6 @@ fn web_gpu_draws_what_web_gl_does() {
         assert!(off < 0.1 && bright > 60.0, "{scene}: {seen:#}");
     }
     assert_eq!(seen["linked"], true);
-    assert!(seen["note"].as_str().is_some_and(|note| note.contains("drawn by WebGL 2")), "{seen:#}");
 }
 
 #[test]
@@ -252,7 +279,9 @@ fn looks_right_to_everyone_at_every_width_and_below_a_prefix() {
         &[]
     };
     let Some(seen) = script("looks.js", args) else { return };
-    assert_eq!((&seen["violations"], &seen["wide"]), (&json!([]), &json!([])), "{seen:#}");
+    for faults in ["violations", "wide", "small", "moving"] {
+        assert_eq!(seen[faults], json!([]), "{faults}");
+    }
     assert_eq!(seen["looked"], 54, "nine pages, three widths, two themes");
     assert_eq!(seen["behind"], json!({ "link": "/tools/ltc/v1/tables/s", "status": 200 }));
 }

@@ -6,7 +6,7 @@ import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
-import { camera, METALS, placed, read } from '../../src/server/page/scene.js';
+import { camera, METALS, placed, read } from '../../src/server/page/viewer/scene.js';
 import { LTCFORGE, withWorld } from './world.js';
 
 const SIZE = 512;

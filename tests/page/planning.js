@@ -7,7 +7,7 @@ await withWorld( async ( { service, open, complaints } ) => {
 
 	await service.fit( { preset: 'draft' } );
 	const page = await open( 'new' );
-	const recipe = async () => JSON.parse( await page.getByRole( 'region', { name: 'Recipe as JSON' } ).textContent() );
+	const recipe = async () => JSON.parse( await page.getByRole( 'textbox', { name: 'Recipe as JSON' } ).inputValue() );
 	const size = ( text ) => page.locator( '.facts div', { hasText: 'Size' } ).filter( { hasText: text } ).waitFor();
 	await size( '166 kB' );
 	// Twelve predictions and a measured table in the chart of bytes.

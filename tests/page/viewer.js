@@ -8,7 +8,7 @@ import { fileURLToPath } from 'node:url';
 
 import { LTCFORGE, withWorld } from './world.js';
 
-const KT2022 = fileURLToPath( new URL( '../../src/server/page/kt2022.npy', import.meta.url ) );
+const KT2022 = fileURLToPath( new URL( '../../src/server/page/published/kt2022.npy', import.meta.url ) );
 
 /** Pixels a side, as the viewer has them. */
 const SIZE = 512;

@@ -26,12 +26,20 @@ await withWorld( async ( { service, open } ) => {
 	};
 	/** Places over the picture. */
 	const places = Array.from( { length: 400 }, ( _, i ) => [ 130 + 13 * ( i % 20 ), 130 + 13 * Math.floor( i / 20 ) ] );
-	/** Pixels at the places as soon as the reference has so many samples; it has none where it is not shown. */
-	const drawn = ( scene, by, samples = 0 ) => page.evaluate( async ( { hash, name, places, samples } ) => {
+	/** Pixels at the places as soon as the reference has so many samples; it has none where it is not shown. Without a scene that which is there is drawn by another. */
+	const drawn = ( scene, by, samples = 0 ) => page.evaluate( async ( { hash, by, name, places, samples } ) => {
 
 		const seen = () => document.querySelector( '.stage canvas' );
 		const before = seen();
-		location.hash = hash;
+		const choice = document.querySelector( '#view-drawn_by' );
+		if ( hash ) location.hash = hash;
+		else {
+
+			choice.value = by;
+			choice.dispatchEvent( new Event( 'change' ) );
+
+		}
+
 		// Each frame of the viewer begins after this has seen the one before.
 		do await new Promise( ( done ) => requestAnimationFrame( done ) );
 		while ( seen() === before || ! ( Number( seen()?.dataset.samples ) >= samples ) );
@@ -45,7 +53,7 @@ await withWorld( async ( { service, open } ) => {
 		context.drawImage( image, 0, 0 );
 		return places.flatMap( ( [ x, y ] ) => [ ...context.getImageData( x, y, 1, 1 ).data ].slice( 0, 3 ) );
 
-	}, { hash: `#/viewer?${ new URLSearchParams( { ...scene, drawn_by: by } ) }`, name: { webgl2: 'WebGL 2', webgpu: 'WebGPU' }[ by ], places, samples } );
+	}, { hash: scene && `#/viewer?${ new URLSearchParams( { ...scene, drawn_by: by } ) }`, by, name: { webgl2: 'WebGL 2', webgpu: 'WebGPU' }[ by ], places, samples } );
 
 	const off = {};
 	const bright = {};
@@ -67,20 +75,37 @@ await withWorld( async ( { service, open } ) => {
 
 	}
 
-	// By itself WebGPU is not chosen where the processor has to draw, and textures of a mesh are for WebGL 2 alone.
+	// By itself WebGPU is not chosen where the processor has to draw.
 	await page.evaluate( () => location.hash = '#/viewer?show=model' );
 	await page.locator( '.page-viewer .facts', { hasText: 'WebGL 2' } ).waitFor();
 	await page.locator( '#view-drawn_by' ).selectOption( 'webgpu' );
 	await page.locator( '.page-viewer .facts', { hasText: 'WebGPU' } ).waitFor();
 	const linked = await page.evaluate( () => location.hash.includes( 'drawn_by=webgpu' ) );
-	const pixel = await page.evaluate( () => document.createElement( 'canvas' ).toDataURL().split( ',' )[ 1 ] );
-	const material = { pbrMetallicRoughness: { baseColorTexture: { index: 0 } } };
-	await page.locator( '#mesh' ).setInputFiles( { name: 'textured.glb', mimeType: 'model/gltf-binary', buffer: glb( texturedSphere( 8, material, [ Buffer.from( pixel, 'base64' ) ] ) ) } );
-	await page.locator( '.page-viewer .facts', { hasText: 'WebGL 2' } ).waitFor();
-	const note = await page.locator( '.controls [role=status] p' ).first().textContent();
-	// Without that mesh it is WebGPU again.
-	await page.locator( '#view-surface' ).selectOption( 'floor' );
-	await page.locator( '.page-viewer .facts', { hasText: 'WebGPU' } ).waitFor();
-	return { off, bright, reference, linked, note };
+
+	// Textures of a mesh, all of them with tangents of the file, some without; the mesh stays while something else draws it.
+	const image = async ( ...pixels ) => Buffer.from( await page.evaluate( ( pixels ) => {
+
+		const canvas = Object.assign( document.createElement( 'canvas' ), { width: pixels.length, height: 2 } );
+		pixels.forEach( ( pixel, x ) => [ 0, 1 ].forEach( ( y ) => canvas.getContext( '2d' ).putImageData( new ImageData( new Uint8ClampedArray( [ ...pixel, 255 ] ), 1, 1 ), x, y ) ) );
+		return canvas.toDataURL().split( ',' )[ 1 ];
+
+	}, pixels ), 'base64' );
+	// Four texels a pixel and more: the smaller levels, which are read, have the mean of the stripes.
+	const wide = await image( ...Array.from( { length: 4096 }, ( _, x ) => [ 255 - x / 32, 90 + x / 32, x % 2 ? 250 : 0 ] ) );
+	const material = { pbrMetallicRoughness: { baseColorTexture: { index: 0 }, metallicRoughnessTexture: { index: 1 } }, normalTexture: { index: 2 } };
+	const images = [ wide, await image( [ 0, 120, 255 ], [ 0, 200, 40 ], [ 0, 120, 255 ] ), await image( [ 128, 160, 250 ], [ 150, 128, 250 ] ) ];
+	for ( const [ name, file ] of Object.entries( { textured: texturedSphere( 32, material, images ), places: texturedSphere( 32, { ...material, pbrMetallicRoughness: { baseColorTexture: { index: 0 }, roughnessFactor: 0.6 } }, images, false ) } ) ) {
+
+		await page.evaluate( () => location.hash = '#/viewer?show=model&exposure=2&drawn_by=webgl2' );
+		await page.locator( '.page-viewer .facts', { hasText: 'WebGL 2' } ).waitFor();
+		await page.locator( '#mesh' ).setInputFiles( { name: `${ name }.glb`, mimeType: 'model/gltf-binary', buffer: glb( file ) } );
+		await page.locator( '.controls [role=status] p' ).first().waitFor();
+		const [ gl, gpu ] = [ await drawn( null, 'webgl2' ), await drawn( null, 'webgpu' ) ];
+		off[ name ] = apart( gl, gpu );
+		bright[ name ] = Math.max( ...gpu );
+
+	}
+
+	return { off, bright, reference, linked };
 
 }, [ '--adapter', 'cpu' ], [ '--enable-unsafe-webgpu' ] );

@@ -2,7 +2,7 @@
 
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
-import { mkdtemp, rm } from 'node:fs/promises';
+import { mkdtemp, rename, rm, writeFile } from 'node:fs/promises';
 import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -75,6 +75,26 @@ class Service {
 		const headers = { ...( body && { 'content-type': 'application/json' } ), ...( this.token && { authorization: `Bearer ${ this.token }` } ) };
 		const init = { method, headers, body: body && JSON.stringify( body ) };
 		return ( await fetch( `${ this.url }${ path }`, init ) ).json();
+
+	}
+
+	/** Submits a recipe whose table cannot be stored, and waits until the job has failed. */
+	async fail( recipe ) {
+
+		const blobs = join( this.data, 'blobs' );
+		await rename( blobs, `${ blobs }.away` );
+		await writeFile( blobs, '' );
+		let job = await this.call( '/v1/jobs', recipe );
+		while ( job.state !== 'failed' ) {
+
+			await new Promise( ( done ) => setTimeout( done, 50 ) );
+			job = await this.call( `/v1/jobs/${ job.id }` );
+
+		}
+
+		await rm( blobs );
+		await rename( `${ blobs }.away`, blobs );
+		return job.id;
 
 	}
 

@@ -13,11 +13,11 @@ fn the_page_and_all_that_it_loads_are_served_and_known_by_their_tags() {
     let html = String::from_utf8(page.body).expect("UTF-8");
     let roots: Vec<String> = links(&html, "\"page/", '"').map(str::to_owned).collect();
     // What is imported at once, by the list of tables too, and what is when it is needed.
-    let first: Vec<String> = roots.iter().cloned().chain(["tables.js".to_owned()]).collect();
-    let (seen, bytes) = loaded(&server, first, "from './");
+    let first: Vec<String> = roots.iter().cloned().chain(["pages/tables.js".to_owned()]).collect();
+    let (seen, bytes) = loaded(&server, first, "from '");
     assert!(html.len() + bytes < FIRST_VIEW_BYTES, "{bytes} bytes");
-    let (all, _) = loaded(&server, roots, "'./");
-    assert!(all.len() > 10 && seen.iter().all(|name| all.contains(name)), "{all:?}");
+    let (all, _) = loaded(&server, roots, "'");
+    assert!(all.len() > 40 && seen.len() > 8 && seen.iter().all(|name| all.contains(name)), "{all:?}");
     server.get("/page/nothing.js").with_status(404);
     server.get("/page/../main.rs").with_status(404);
     server.get("/?theme=dark").with_status(400);
@@ -37,11 +37,28 @@ fn loaded(server: &Server, mut left: Vec<String>, before: &str) -> (Vec<String>,
         assert!(again.with_status(304).body.is_empty(), "{name}");
         if name.rsplit('.').next() == Some("js") {
             let text = String::from_utf8(file.body).expect("UTF-8");
-            left.extend(links(&text, before, '\'').map(str::to_owned));
+            left.extend(links(&text, before, '\'').filter_map(|path| resolved(&name, path)));
         }
         seen.push(name);
     }
     (seen, bytes)
+}
+
+/// The file that another one imports by a path; other texts are no paths.
+fn resolved(from: &str, path: &str) -> Option<String> {
+    if !path.starts_with("./") && !path.starts_with("../") {
+        return None;
+    }
+    let mut parts: Vec<&str> = from.split('/').collect();
+    parts.pop();
+    for part in path.split('/') {
+        match part {
+            "." => {}
+            ".." => drop(parts.pop()),
+            name => parts.push(name),
+        }
+    }
+    Some(parts.join("/"))
 }
 
 /// What follows `before`, up to `end`.

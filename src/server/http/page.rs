@@ -34,7 +34,7 @@ const REVALIDATE: &str = "no-cache";
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; media-src blob:; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; require-trusted-types-for 'script'";
 
-/// A file of the page, its digest computed once.
+/// A file of the page by its path in the folder, its digest computed once.
 struct PageFile {
     name: &'static str,
     bytes: Arc<Vec<u8>>,
@@ -55,59 +55,61 @@ macro_rules! page_files {
 }
 
 page_files![
-    "api.js",
-    "backend.js",
-    "compare.js",
-    "controls.js",
-    "device.js",
-    "dom.js",
-    "downloads.js",
-    "errors.js",
-    "fields.js",
-    "follow.js",
-    "format.js",
-    "glsl_lights.js",
-    "glsl_models.js",
-    "glsl_reference.js",
-    "glsl_surface.js",
-    "gl_pictures.js",
-    "gltf.js",
-    "gltf_textures.js",
-    "gpu_bind.js",
-    "gpu_device.js",
-    "gpu_pictures.js",
+    "elements/dom.js",
+    "elements/format.js",
+    "form/document.js",
+    "form/fields.js",
+    "form/inputs.js",
+    "form/plan.js",
+    "form/tradeoff.js",
+    "gltf/read.js",
+    "gltf/textures.js",
     "icon.svg",
     "index.html",
-    "inputs.js",
-    "job.js",
-    "jobs.js",
-    "kt2022.npy",
-    "kt2022_LICENSE.txt",
-    "lights.js",
-    "ltc2017_1.dds",
-    "ltc2017_2.dds",
-    "ltc2017_LICENSE.txt",
+    "jobs/follow.js",
+    "jobs/progress.js",
     "main.js",
-    "models.js",
-    "new.js",
-    "pictures.js",
-    "plan.js",
-    "progress.js",
-    "report.js",
-    "scene.js",
-    "screens.js",
-    "shader_ball.js",
+    "pages/compare.js",
+    "pages/job.js",
+    "pages/jobs.js",
+    "pages/new.js",
+    "pages/table.js",
+    "pages/tables.js",
+    "pages/viewer.js",
+    "published/kt2022.npy",
+    "published/kt2022_LICENSE.txt",
+    "published/ltc2017_1.dds",
+    "published/ltc2017_2.dds",
+    "published/ltc2017_LICENSE.txt",
+    "report/downloads.js",
+    "report/errors.js",
+    "report/quality.js",
+    "service/api.js",
+    "service/pictures.js",
+    "service/token.js",
     "style.css",
-    "table.js",
-    "tables.js",
-    "token.js",
-    "tradeoff.js",
-    "viewer.js",
-    "wgsl_lights.js",
-    "wgsl_models.js",
-    "wgsl_reference.js",
-    "wgsl_scene.js",
-    "wgsl_surface.js",
+    "viewer/backend.js",
+    "viewer/controls.js",
+    "viewer/lights.js",
+    "viewer/models.js",
+    "viewer/scene.js",
+    "viewer/screens.js",
+    "viewer/shader_ball.js",
+    "webgl/device.js",
+    "webgl/lights.js",
+    "webgl/models.js",
+    "webgl/pictures.js",
+    "webgl/reference.js",
+    "webgl/surface.js",
+    "webgpu/bind.js",
+    "webgpu/device.js",
+    "webgpu/images.js",
+    "webgpu/lights.js",
+    "webgpu/models.js",
+    "webgpu/pictures.js",
+    "webgpu/reference.js",
+    "webgpu/scene.js",
+    "webgpu/surface.js",
 ];
 
 /// What the viewer asks for by a name without the end of its language: `normals`, or `ltc-kt2022` by a table's layout, with the
@@ -162,6 +164,16 @@ pub(super) async fn file(
     let made = api.call(|_| published_table().map_err(|error| error::internal(&error))).await?;
     let found = made.files.iter().find(|file| file.path == path).ok_or_else(|| no_file(&name))?;
     send(&path, found.digest, &found.bytes, &method, &headers)
+}
+
+/// `GET /page/{folder}/{file}`.
+pub(super) async fn file_of_folder(
+    _: QueryOf<NoParameters>,
+    Path((folder, name)): Path<(String, String)>,
+    method: Method,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    respond(&format!("{folder}/{name}"), &method, &headers)
 }
 
 fn respond(name: &str, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
@@ -227,14 +239,44 @@ mod tests {
 
     #[test]
     fn every_file_of_the_folder_is_served_and_has_a_media_type() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/page");
-        let names = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("a file").file_name());
-        let in_folder: BTreeSet<String> = names.map(|name| name.into_string().expect("UTF-8")).collect();
+        let root = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/page"));
+        let mut in_folder = BTreeSet::new();
+        let mut folders = vec![root.to_path_buf()];
+        while let Some(folder) = folders.pop() {
+            for entry in fs::read_dir(folder).expect("a folder") {
+                let path = entry.expect("a file").path();
+                if path.is_dir() {
+                    folders.push(path);
+                } else {
+                    in_folder.insert(path.strip_prefix(root).expect("below it").to_str().expect("UTF-8").to_owned());
+                }
+            }
+        }
         let served: BTreeSet<String> = FILES.iter().map(|file| file.name.to_owned()).collect();
         assert_eq!(served, in_folder);
         for file in FILES.iter() {
             assert!(media_type(file.name).is_some(), "{}", file.name);
         }
+    }
+
+    /// Folders of modules, those above before those that they use; `docs/architecture.md` says what each has.
+    const FOLDERS: [&str; 10] =
+        ["pages", "form", "report", "jobs", "viewer", "webgl", "webgpu", "gltf", "service", "elements"];
+
+    #[test]
+    fn modules_import_from_folders_below_their_own() {
+        let place = |folder: &str| FOLDERS.iter().position(|known| *known == folder).expect(folder);
+        let mut imports = 0;
+        for file in FILES.iter() {
+            let is_module = media_type(file.name).is_some_and(|known| known.starts_with("text/javascript"));
+            let Some((folder, _)) = file.name.split_once('/').filter(|_| is_module) else { continue };
+            let text = std::str::from_utf8(&file.bytes).expect("UTF-8");
+            for (used, _) in text.split("'../").skip(1).filter_map(|rest| rest.split_once('/')) {
+                assert!(place(folder) < place(used), "{}: {used}", file.name);
+                imports += 1;
+            }
+        }
+        assert!(imports > 50, "{imports}");
     }
 
     #[test]

@@ -75,6 +75,7 @@ pub static ROUTES: &[Route] = &[
     route(Method::GET, "/openapi.yaml", |on| on.get(operations::openapi)),
     route(Method::GET, "/", |on| on.get(page::index)),
     route(Method::GET, "/page/{file}", |on| on.get(page::file)),
+    route(Method::GET, "/page/{folder}/{file}", |on| on.get(page::file_of_folder)),
 ];
 
 /// Paths that tell operators how a process is, and nothing of jobs and tables.

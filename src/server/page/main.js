@@ -1,15 +1,15 @@
 // Which page is shown, by the part of the address behind `#`, and whether the service answers.
 
-import { call, Unreachable } from './api.js';
-import { el, fill, notice } from './dom.js';
+import { el, fill, notice } from './elements/dom.js';
+import { call, watchService } from './service/api.js';
 
 /** Modules of the pages, by what follows their name. Each exports `show( main, rest, parameters, signal )`, and may return a function that asks anew. */
 const PAGES = {
-	tables: ( rest ) => rest ? import( './table.js' ) : import( './tables.js' ),
-	jobs: () => import( './jobs.js' ),
-	new: () => import( './new.js' ),
-	compare: () => import( './compare.js' ),
-	viewer: () => import( './viewer.js' ),
+	tables: ( rest ) => rest ? import( './pages/table.js' ) : import( './pages/tables.js' ),
+	jobs: () => import( './pages/jobs.js' ),
+	new: () => import( './pages/new.js' ),
+	compare: () => import( './pages/compare.js' ),
+	viewer: () => import( './pages/viewer.js' ),
 };
 
 const main = document.getElementById( 'main' );
@@ -88,7 +88,7 @@ async function tellVersion() {
 
 	} catch ( error ) {
 
-		if ( ! ( error instanceof Unreachable ) ) fill( service, error.message );
+		fill( service, error.message );
 
 	}
 
@@ -125,3 +125,4 @@ document.querySelector( '.skip' ).addEventListener( 'click', ( event ) => {
 
 tellVersion();
 show();
+watchService();

@@ -8,7 +8,7 @@ use ltcforge_fit::ggx_terms;
 use ltcforge_textures::{About, Engine, Export};
 
 /// `LUT/alpha_lambda_theta_phi.npy` of the repository, byte for byte.
-const FILE: &[u8] = include_bytes!("../page/kt2022.npy");
+const FILE: &[u8] = include_bytes!("../page/published/kt2022.npy");
 
 const ABOUT: [&str; 3] = [
     "KT, Heitz, Dupuy, Narayanan: Bringing Linearly Transformed Cosines to Anisotropic GGX, 2022",

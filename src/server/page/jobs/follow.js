@@ -1,0 +1,90 @@
+// A job as it changes, by Server-Sent Events.
+
+import { awaitService, reach } from '../service/api.js';
+
+/** Whether a job may still change. */
+export function isActive( { state } ) {
+
+	return state === 'queued' || state === 'running';
+
+}
+
+/** Calls `onEvent` with the type and the data of each event of a stream until its end. EventSource cannot send a token. */
+async function events( body, onEvent ) {
+
+	const reader = body.pipeThrough( new TextDecoderStream() ).getReader();
+	for ( let [ text, chunk ] = [ '', await reader.read() ]; ! chunk.done; chunk = await reader.read() ) {
+
+		const blocks = ( text + chunk.value ).split( '\n\n' );
+		text = blocks.pop();
+		for ( const block of blocks ) {
+
+			const field = ( name ) => block.split( '\n' ).filter( ( line ) => line.startsWith( `${ name }:` ) ).map( ( line ) => line.slice( name.length + 1 ).trimStart() ).join( '\n' );
+			if ( field( 'data' ) ) onEvent( field( 'event' ), field( 'data' ) );
+
+		}
+
+	}
+
+}
+
+/**
+ * Calls `onJob` with each change of a job until its end or that of `signal`. While nobody sees the page no stream is open: a
+ * browser has six connections to a service for all its tabs.
+ */
+export function follow( id, signal, onJob ) {
+
+	let stream = null;
+	const close = () => {
+
+		stream?.abort();
+		stream = null;
+
+	};
+
+	const receive = ( data ) => {
+
+		const job = JSON.parse( data );
+		if ( ! isActive( job ) ) end();
+		// A fault of who is told is no end of the stream.
+		queueMicrotask( () => onJob( job ) );
+
+	};
+
+	async function open() {
+
+		if ( stream || document.hidden ) return;
+		const own = stream = new AbortController();
+		try {
+
+			const { body, ok } = await reach( `/v1/jobs/${ id }/events`, { signal: own.signal } );
+			if ( ok ) await events( body, ( type, data ) => own === stream && ( type === 'state' || type === 'progress' ) && receive( data ) );
+
+		} catch {
+
+			// The stream broke off, or it was closed here.
+
+		}
+
+		if ( own !== stream ) return;
+		// The service stopped, or a proxy did: the window is told once it answers.
+		close();
+		awaitService();
+
+	}
+
+	const seen = () => document.hidden ? close() : open();
+	function end() {
+
+		close();
+		document.removeEventListener( 'visibilitychange', seen );
+		window.removeEventListener( 'serviceback', open );
+
+	}
+
+	document.addEventListener( 'visibilitychange', seen );
+	window.addEventListener( 'serviceback', open );
+	signal.addEventListener( 'abort', end );
+	open();
+
+}

@@ -1,0 +1,220 @@
+// The viewer's scene: its parameters, which are those of previews, in a link and in numbers.
+
+/** Rows of name, label, bounds, step and default. */
+const numbers = ( rows ) => rows.map( ( [ name, label, min, max, step, value ] ) => ( { name, label, min, max, step, value } ) );
+
+/** Parameters: their names in a link and in `/v1/preview`. */
+export const PARAMETERS = numbers( [
+	[ 'alpha_x', 'Roughness along', 0.01, 1, 0.01, 0.5 ],
+	[ 'alpha_y', 'Roughness across', 0.01, 1, 0.01, 0.1 ],
+	[ 'rotation', 'Rotation', - 3.14, 3.14, 0.01, 0 ],
+	[ 'camera_azimuth', 'Around', - 3.14, 3.14, 0.01, 0 ],
+	[ 'camera_elevation', 'Up', - 1.5, 1.5, 0.01, 0.2 ],
+	[ 'camera_distance', 'Distance', 2, 16, 0.01, 9 ],
+	[ 'exposure', 'Exposure', 0.1, 8, 0.01, 1 ],
+] );
+
+/** Parameters of a light; in a link those of the second begin with `light2_`. */
+export const OF_LIGHT = numbers( [
+	[ 'x', 'Right', - 5, 5, 0.01, - 1.3 ],
+	[ 'y', 'Up', - 1, 5, 0.01, 1.4 ],
+	[ 'z', 'Near', - 5, 5, 0.01, 1.2 ],
+	[ 'width', 'Half width', 0.05, 3, 0.01, 0.7 ],
+	[ 'height', 'Half height', 0.02, 3, 0.01, 0.45 ],
+	[ 'intensity', 'Radiance', 0.1, 20, 0.1, 3 ],
+] );
+
+/** Lights that a scene may have, and where a further one begins. */
+export const MOST_LIGHTS = 4;
+const PLACES = [ [ - 1.3, 1.4, 1.2 ], [ 1.5, 1.2, 1 ], [ 0, 1.9, - 0.6 ], [ 0, - 0.4, 2 ] ];
+
+/** Shapes of lights, with what their two half sizes are; `corners` are those of regular polygons. */
+export const LIGHT_SHAPES = {
+	rectangle: { sizes: [ 'Half width', 'Half height' ] },
+	disk: { sizes: [ 'Half width', 'Half height' ] },
+	sphere: { sizes: [ 'Radius', null ] },
+	tube: { sizes: [ 'Half length', 'Radius' ] },
+	line: { sizes: [ 'Half length', 'Half thickness' ] },
+	triangle: { sizes: [ 'Half width', 'Half height' ], corners: 3 },
+	pentagon: { sizes: [ 'Half width', 'Half height' ], corners: 5 },
+	hexagon: { sizes: [ 'Half width', 'Half height' ], corners: 6 },
+};
+
+/** What a rectangle may show in place of one colour, by its names in a link; `file` is one that was opened, of which a link knows nothing. */
+export const PICTURES = { '': 'one colour', signs: 'a picture', disc: 'a video', file: 'a file' };
+
+/** Whether a light shows one. */
+export const isPictured = ( { shape, picture } ) => shape === 'rectangle' && picture !== '';
+
+/** Reflectances at normal incidence, linear sRGB. Sheen has none and shows what it reflects of white light. */
+export const METALS = { silver: [ 0.91, 0.92, 0.92 ], gold: [ 1, 0.71, 0.29 ], copper: [ 0.95, 0.64, 0.54 ], plastic: [ 0.04, 0.04, 0.04 ], white: [ 1, 1, 1 ] };
+
+/** Choices beside the numbers; the first of each is the default. */
+export const CHOICES = {
+	surface: [ 'sphere', 'floor', 'shader_ball' ],
+	metal: Object.keys( METALS ),
+	show: [ 'split', 'model', 'reference', 'difference' ],
+	drawn_by: [ 'automatic', 'webgl2', 'webgpu' ],
+};
+
+/** The whole angle of view, of scene `sphere`. */
+const FIELD_OF_VIEW = 0.5;
+
+const dot = ( a, b ) => a[ 0 ] * b[ 0 ] + a[ 1 ] * b[ 1 ] + a[ 2 ] * b[ 2 ];
+const cross = ( a, b ) => [ a[ 1 ] * b[ 2 ] - a[ 2 ] * b[ 1 ], a[ 2 ] * b[ 0 ] - a[ 0 ] * b[ 2 ], a[ 0 ] * b[ 1 ] - a[ 1 ] * b[ 0 ] ];
+const scaled = ( v, by ) => v.map( ( x ) => x * by );
+const plus = ( ...vectors ) => vectors.reduce( ( a, b ) => a.map( ( x, i ) => x + b[ i ] ) );
+const unit = ( v, otherwise ) => dot( v, v ) > 1e-24 ? scaled( v, 1 / Math.sqrt( dot( v, v ) ) ) : otherwise;
+
+/** The name of a light's parameter in a link. */
+const named = ( i, name ) => `light${ i ? i + 1 : '' }_${ name }`;
+
+/** The light that is added as number `i`, from zero. */
+export function addedLight( i ) {
+
+	const [ x, y, z ] = PLACES[ i ];
+	return { shape: 'rectangle', picture: '', ...Object.fromEntries( OF_LIGHT.map( ( { name, value } ) => [ name, value ] ) ), x, y, z };
+
+}
+
+/** A number of a link within its bounds; the default where it is missing or malformed. */
+function within( { min, max }, text, value ) {
+
+	const given = text === null ? value : Number( text );
+	return Number.isFinite( given ) ? Math.min( max, Math.max( min, given ) ) : value;
+
+}
+
+/** Where the two sides meet, as a part of the width. */
+const SPLIT = 0.5;
+
+/** A scene from a link's parameters; what is missing or malformed is the default, what is out of bounds the bound. */
+export function read( parameters ) {
+
+	const scene = { table: parameters.get( 'table' ) || '', against: parameters.get( 'against' ) || '', split: within( { min: 0, max: 1 }, parameters.get( 'split' ), SPLIT ) };
+	for ( const field of PARAMETERS ) scene[ field.name ] = within( field, parameters.get( field.name ), field.value );
+	for ( const [ name, options ] of Object.entries( CHOICES ) ) scene[ name ] = options.includes( parameters.get( name ) ) ? parameters.get( name ) : options[ 0 ];
+	const count = Math.round( within( { min: 1, max: MOST_LIGHTS }, parameters.get( 'lights' ), 1 ) );
+	scene.lights = Array.from( { length: count }, ( _, i ) => {
+
+		const light = addedLight( i );
+		for ( const field of OF_LIGHT ) light[ field.name ] = within( field, parameters.get( named( i, field.name ) ), light[ field.name ] );
+		const shape = parameters.get( named( i, 'shape' ) );
+		if ( Object.hasOwn( LIGHT_SHAPES, shape || '' ) ) light.shape = shape;
+		const picture = parameters.get( named( i, 'picture' ) ) || '';
+		if ( Object.hasOwn( PICTURES, picture ) && picture !== 'file' ) light.picture = picture;
+		return light;
+
+	} );
+	return scene;
+
+}
+
+/** The parameters of a link: those that are not the defaults. */
+export function link( scene ) {
+
+	const changed = PARAMETERS.filter( ( { name, value } ) => scene[ name ] !== value ).map( ( { name } ) => [ name, scene[ name ] ] );
+	const chosen = Object.entries( CHOICES ).filter( ( [ name, options ] ) => options.indexOf( scene[ name ] ) > 0 ).map( ( [ name ] ) => [ name, scene[ name ] ] );
+	const models = [ 'table', 'against' ].filter( ( name ) => scene[ name ] ).map( ( name ) => [ name, scene[ name ] ] );
+	const lights = scene.lights.flatMap( ( light, i ) => Object.entries( addedLight( i ) ).filter( ( [ name, value ] ) => light[ name ] !== value && light[ name ] !== 'file' ).map( ( [ name ] ) => [ named( i, name ), light[ name ] ] ) );
+	return new URLSearchParams( [ ...models, ...chosen, ...( scene.split === SPLIT ? [] : [ [ 'split', scene.split ] ] ), ...changed, ...( scene.lights.length > 1 ? [ [ 'lights', scene.lights.length ] ] : [] ), ...lights ] );
+
+}
+
+/** Corners of a regular polygon in the square from -1 to 1, clockwise from an angle. */
+const regular = ( count, radius, first ) => Array.from( { length: count }, ( _, i ) => [ radius * Math.cos( first - 2 * Math.PI * i / count ), radius * Math.sin( first - 2 * Math.PI * i / count ) ] );
+
+/** A light in space: its middle, its half axes, the normal of its lit side, which faces the origin, and the corners of a polygon. */
+export function placed( { shape, x, y, z, width, height } ) {
+
+	const centre = [ x, y, z ];
+	const normal = unit( scaled( centre, - 1 ), [ 0, 0, 1 ] );
+	const right = unit( cross( [ 0, 1, 0 ], normal ), [ 1, 0, 0 ] );
+	const [ along, across ] = [ scaled( right, width ), scaled( cross( normal, right ), height ) ];
+	const at = ( [ u, v ] ) => plus( centre, scaled( along, u ), scaled( across, v ) );
+	const { corners } = LIGHT_SHAPES[ shape ];
+	const flat = shape === 'rectangle' ? [ [ - 1, 1 ], [ 1, 1 ], [ 1, - 1 ], [ - 1, - 1 ] ]
+		: corners ? regular( corners, 1, Math.PI / 2 )
+		// The octagon of the disk's area stands for it where models know polygons alone.
+		: shape === 'disk' ? regular( 8, Math.sqrt( Math.PI / ( 4 * Math.sin( Math.PI / 4 ) ) ), Math.PI / 8 ) : [];
+	return { centre, normal, along, across, vertices: flat.map( at ), at, ends: [ plus( centre, scaled( along, - 1 ) ), plus( centre, along ) ] };
+
+}
+
+/** Points around a light as it is seen from an eye, for its outline. */
+export function outline( light, eye ) {
+
+	const { centre, along, vertices, at, ends } = placed( light );
+	if ( light.shape === 'disk' ) return regular( 32, 1, 0 ).map( at );
+	if ( vertices.length ) return vertices;
+	const way = unit( plus( centre, scaled( eye, - 1 ) ), [ 0, 0, 1 ] );
+	const radius = light.shape === 'sphere' ? light.width : light.height;
+	const circle = ( middle, first, from, count, turn ) => Array.from( { length: count }, ( _, i ) => {
+
+		const angle = from + turn * i / ( count - 1 );
+		return plus( middle, scaled( first, radius * Math.cos( angle ) ), scaled( unit( cross( way, first ), first ), radius * Math.sin( angle ) ) );
+
+	} );
+	if ( light.shape === 'sphere' ) return circle( centre, unit( cross( [ 0, 1, 0 ], way ), [ 1, 0, 0 ] ), 0, 33, 2 * Math.PI );
+	// A tube and a line: half a circle around each end, across the way to the eye.
+	const across = unit( plus( along, scaled( way, - dot( along, way ) ) ), [ 1, 0, 0 ] );
+	return [ ...circle( ends[ 0 ], across, Math.PI / 2, 9, Math.PI ), ...circle( ends[ 1 ], across, - Math.PI / 2, 9, Math.PI ) ];
+
+}
+
+/** The numbers of the lights that the shaders read, and a bit for each shape that is among them, with one for pictures. Pictures are layers in the order of their lights. */
+export function uniformsOf( lights ) {
+
+	const four = ( v, w = 0 ) => [ ...v, w ];
+	const made = { light_count: lights.length, light_shape: [], light_picture: [], light_corners: [], light_radiance: [], light_centre: [], light_x: [], light_y: [], light_normal: [], light_vertices: [] };
+	let layers = 0;
+	for ( const light of lights ) {
+
+		const { centre, normal, along, across, vertices, ends } = placed( light );
+		const shape = { disk: 1, sphere: 2, tube: 2, line: 3 }[ light.shape ] ?? 0;
+		const isSolid = shape > 1;
+		const [ start, end ] = light.shape === 'sphere' ? [ centre, centre ] : ends;
+		const triangle = ( i ) => Math.hypot( ...cross( plus( vertices[ i - 1 ], scaled( vertices[ 0 ], - 1 ) ), plus( vertices[ i ], scaled( vertices[ 0 ], - 1 ) ) ) ) / 2;
+		const upTo = vertices.reduce( ( sums, _, i ) => [ ...sums, i < 2 ? 0 : sums[ i - 1 ] + triangle( i ) ], [] );
+		const area = upTo.at( - 1 ) || 1;
+		made.light_shape.push( shape );
+		made.light_picture.push( isPictured( light ) ? layers ++ : - 1 );
+		made.light_corners.push( vertices.length );
+		made.light_radiance.push( light.intensity );
+		made.light_centre.push( four( isSolid ? start : centre, { sphere: light.width, tube: light.height, line: 2 * light.height }[ light.shape ] ) );
+		made.light_x.push( isSolid ? four( end ) : four( along, 1 / dot( along, along ) ) );
+		made.light_y.push( four( across, 1 / dot( across, across ) ) );
+		made.light_normal.push( four( normal, area ) );
+		for ( let i = 0; i < 8; i ++ ) made.light_vertices.push( four( vertices[ i ] || [ 0, 0, 0 ], ( upTo[ i ] || 0 ) / area ) );
+
+	}
+
+	return { uniforms: made, shapes: made.light_shape.reduce( ( bits, shape ) => bits | 1 << shape, layers && 16 ) };
+
+}
+
+/** The camera, which looks at the origin: its place, and the way to the middle, right and upper edges of the image at distance one. */
+export function camera( { camera_azimuth: azimuth, camera_elevation: elevation, camera_distance: distance } ) {
+
+	const back = [ Math.sin( azimuth ) * Math.cos( elevation ), Math.sin( elevation ), Math.cos( azimuth ) * Math.cos( elevation ) ];
+	const right = [ Math.cos( azimuth ), 0, - Math.sin( azimuth ) ];
+	const half = Math.tan( FIELD_OF_VIEW / 2 );
+	return { eye: scaled( back, distance ), forward: scaled( back, - 1 ), right: scaled( right, half ), up: scaled( cross( back, right ), half ), half };
+
+}
+
+/** Where a point is seen, in the square from -1 to 1, and how far; null behind the camera. */
+export function seen( { eye, forward, right, up, half }, point ) {
+
+	const way = plus( point, scaled( eye, - 1 ) );
+	const distance = dot( way, forward );
+	return distance > 1e-3 ? { x: dot( way, right ) / ( half * half * distance ), y: dot( way, up ) / ( half * half * distance ), distance } : null;
+
+}
+
+/** How far a point at a distance moves in the scene as it moves in the square. */
+export function moved( { right, up }, distance, x, y ) {
+
+	return plus( scaled( right, x * distance ), scaled( up, y * distance ) );
+
+}

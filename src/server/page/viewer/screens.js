@@ -1,0 +1,191 @@
+// What lights show: pictures that are drawn here, a video that is, or a file of the visitor's, which stays in the browser.
+
+import { el, fill, notice } from '../elements/dom.js';
+import { choice } from './controls.js';
+import { isPictured, PICTURES } from './scene.js';
+
+/** Texels of the longer side of a picture on a light. */
+const LONGER = 256;
+
+/** Coloured bars between black and white, and signs whose sizes are halved from left to right. */
+function drawSigns( to, width, height ) {
+
+	[ '#101820', '#ff5030', '#ffd040', '#20c060', '#3080ff', '#f0f0f0' ].forEach( ( colour, i ) => {
+
+		to.fillStyle = colour;
+		to.fillRect( Math.round( i * width / 6 ), 0, Math.ceil( width / 6 ), height );
+
+	} );
+	to.fillStyle = '#ffffff';
+	for ( let [ x, side ] = [ 0.04, 0.36 ]; side > 0.02; side /= 2 ) {
+
+		to.fillRect( x * width, 0.12 * height, side * width, side * height );
+		x += 1.35 * side;
+
+	}
+
+	to.fillStyle = '#000000';
+	for ( let i = 0; i < 24; i += 2 ) to.fillRect( Math.round( i * width / 24 ), Math.round( 0.8 * height ), Math.round( width / 24 ), Math.ceil( 0.2 * height ) );
+
+}
+
+/** A disc that moves over a grid. */
+function drawDisc( to, width, height, seconds ) {
+
+	to.fillStyle = '#0c2440';
+	to.fillRect( 0, 0, width, height );
+	to.fillStyle = '#2f6f9f';
+	for ( let i = 1; i < 8; i ++ ) to.fillRect( Math.round( i * width / 8 ), 0, 2, height );
+	for ( let i = 1; i < 5; i ++ ) to.fillRect( 0, Math.round( i * height / 5 ), width, 2 );
+	to.fillStyle = '#ffd9a0';
+	to.beginPath();
+	to.arc( width * ( 0.5 + 0.4 * Math.sin( 1.3 * seconds ) ), height * ( 0.5 + 0.3 * Math.cos( 2.1 * seconds ) ), height / 5, 0, 2 * Math.PI );
+	to.fill();
+
+}
+
+/** An image or a video of a file, with its name. */
+async function read( file ) {
+
+	const address = URL.createObjectURL( file );
+	const isVideo = file.type.startsWith( 'video/' );
+	try {
+
+		const shown = Object.assign( document.createElement( isVideo ? 'video' : 'img' ), isVideo ? { loop: true, muted: true, playsInline: true } : {}, { src: address } );
+		await ( isVideo ? new Promise( ( done, failed ) => {
+
+			shown.addEventListener( 'loadeddata', done, { once: true } );
+			shown.addEventListener( 'error', failed, { once: true } );
+
+		} ) : shown.decode() );
+		return { name: file.name, shown, isVideo, address };
+
+	} catch {
+
+		URL.revokeObjectURL( address );
+		throw new Error( `${ file.name } is no picture or video that this browser shows` );
+
+	}
+
+}
+
+/**
+ * The inputs of what a light shows, and the pixels. `change` is called with the name of what the chosen light shows, `again`
+ * where it goes on to move.
+ */
+export function screens( change, again ) {
+
+	let opened = null;
+	let isPlaying = ! matchMedia( '(prefers-reduced-motion: reduce)' ).matches;
+	/** Seconds of the video that is drawn here, and when they were counted. */
+	let [ seconds, since ] = [ 0, null ];
+	const shows = choice( 'view-light_picture', 'Shows', [], '', change );
+	const file = el( 'input', { type: 'file', id: 'picture', accept: 'image/*,video/*', class: 'hidden', onchange: () => open( file.files[ 0 ] ) } );
+	const play = el( 'button', { type: 'button', class: 'quiet', onclick: () => {
+
+		isPlaying = ! isPlaying;
+		since = null;
+		name();
+		again();
+
+	} } );
+	const name = () => {
+
+		play.textContent = isPlaying ? 'Pause' : 'Play';
+		if ( opened?.isVideo ) isPlaying ? opened.shown.play() : opened.shown.pause();
+
+	};
+
+	const told = el( 'div', { role: 'status' } );
+	const small = el( 'canvas', { class: 'screen', role: 'img', 'aria-label': 'What the light shows' } );
+	const openRow = el( 'div', { class: 'field' }, el( 'label', { for: 'picture' }, 'Picture or video' ), el( 'div', { class: 'file' }, file, el( 'label', { for: 'picture', class: 'button quiet' }, 'Open a file' ), play, small ) );
+	const isMoving = ( { picture } ) => picture === 'disc' || picture === 'file' && Boolean( opened?.isVideo );
+	let chosen = null;
+
+	async function open( chosenFile ) {
+
+		if ( ! chosenFile ) return;
+		try {
+
+			const before = opened;
+			opened = await read( chosenFile );
+			if ( before ) before.shown.removeAttribute( 'src' );
+			if ( before ) URL.revokeObjectURL( before.address );
+			fill( told );
+			name();
+			change( 'file' );
+
+		} catch ( error ) {
+
+			fill( told, notice( error.message ) );
+
+		}
+
+	}
+
+	function paint( canvas, { picture } ) {
+
+		const to = canvas.getContext( '2d', { willReadFrequently: true } );
+		const { width, height } = canvas;
+		if ( picture === 'signs' ) drawSigns( to, width, height );
+		else if ( picture === 'disc' ) drawDisc( to, width, height, seconds );
+		else if ( opened ) {
+
+			to.fillStyle = '#000000';
+			to.fillRect( 0, 0, width, height );
+			to.imageSmoothingQuality = 'high';
+			to.drawImage( opened.shown, 0, 0, width, height );
+
+		}
+
+	}
+
+	const canvases = [];
+	name();
+	return {
+		row: [ shows.row, openRow, told ],
+		/** Shows the inputs of a light, which only a rectangle has. */
+		tell( light ) {
+
+			chosen = light;
+			shows.offer( Object.entries( PICTURES ).filter( ( [ name ] ) => name !== 'file' || opened ).map( ( [ name, label ] ) => [ name, name === 'file' ? opened.name : label ] ), light.picture );
+			shows.row.hidden = openRow.hidden = light.shape !== 'rectangle';
+			small.hidden = ! isPictured( light );
+			play.hidden = small.hidden || ! isMoving( light );
+
+		},
+		/**
+		 * The pixels of all pictures, in the order of their lights, and whether they move. All have the size that is square on the
+		 * first of these lights.
+		 */
+		layers( lights ) {
+
+			const pictured = lights.filter( isPictured );
+			if ( ! pictured.length ) return { layers: [], isMoving: false };
+			const now = performance.now() / 1000;
+			if ( isPlaying ) seconds += since === null ? 0 : now - since;
+			since = now;
+			const [ { width, height } ] = pictured;
+			const texels = [ width, height ].map( ( side ) => Math.max( 1, Math.round( LONGER * side / Math.max( width, height ) ) ) );
+			while ( canvases.length < pictured.length ) canvases.push( document.createElement( 'canvas' ) );
+			const layers = pictured.map( ( light, i ) => {
+
+				if ( canvases[ i ].width !== texels[ 0 ] || canvases[ i ].height !== texels[ 1 ] ) Object.assign( canvases[ i ], { width: texels[ 0 ], height: texels[ 1 ] } );
+				paint( canvases[ i ], light );
+				if ( light === chosen ) Object.assign( small, { width: texels[ 0 ], height: texels[ 1 ] } ).getContext( '2d' ).drawImage( canvases[ i ], 0, 0 );
+				return canvases[ i ];
+
+			} );
+			return { layers, isMoving: isPlaying && pictured.some( isMoving ) };
+
+		},
+		release() {
+
+			if ( ! opened ) return;
+			if ( opened.isVideo ) opened.shown.pause();
+			URL.revokeObjectURL( opened.address );
+
+		},
+	};
+
+}

@@ -1,0 +1,153 @@
+// What lights the surface, in GLSL ES: a text of the service's shaders, or the formula of engines, summed over the lights.
+//
+// Each program sums the two parts of what arrives, for a Fresnel factor of one and weighed by Schlick's fifth power, and
+// writes the radiance that the material makes of them. Both are colours, as lights may have pictures.
+
+import { LIGHTS, OUTLINES } from './lights.js';
+import { SEEN } from './surface.js';
+
+const MAIN = `
+out vec4 radiance;
+void main() {
+	Shaded at = see();
+	mat2x3 parts = at.coverage > 0.0 ? parts_of( at ) : mat2x3( 0.0 );
+	radiance = vec4( at.f0 * ( parts[0] - parts[1] ) + parts[1], 1.0 );
+}`;
+
+/** By model normals, which lights by polygons: other shapes by those that stand for them, as in previews. */
+const BY_NORMALS = `
+mat2x3 parts_of( Shaded at ) {
+	NormalsView view = normals_view( at.alpha.x, at.alpha.y, at.wo );
+	mat2x3 sum = mat2x3( 0.0 );
+	for ( int l = 0; l < light_count; l ++ ) {
+		vec3 v[8];
+		uint count = outline_of( l, at, v );
+		vec3[4] corners = vec3[4]( v[0], v[1], v[2], v[3] );
+#if SHAPES_USED & 16
+		if ( is_pictured( l ) ) {
+			NormalsTextured textured = normals_textured_rectangle( view, corners, false, uint( light_picture[l] ), picture_base );
+			sum += outerProduct( light_radiance[l] * textured.colour, textured.parts );
+			continue;
+		}
+#endif
+		vec2 of_light = count == 4u ? normals_rectangle( view, corners, is_solid( l ) ) : normals_polygon( view, v, count, is_solid( l ) );
+		sum += outerProduct( vec3( light_radiance[l] ), of_light );
+	}
+	return sum;
+}`;
+
+/** The part of a lobe that the lights cover, each weighed by its radiance. */
+const COVERED = `
+vec3 covered( mat3 m, Shaded at ) {
+	LtcInverse local = ltc_inverse( m );
+	LtcInverse inverse = LtcInverse( local.m * transpose( mat3( at.x, at.y, at.z ) ), local.side );
+	vec3 sum = vec3( 0.0 );
+	for ( int l = 0; l < light_count; l ++ ) {
+		vec3 centre = light_centre[l].xyz - at.position;
+		vec3 end = light_x[l].xyz - at.position;
+		vec3 colour = vec3( light_radiance[l] );
+		float part = 0.0;
+		if ( is_shape( l, 0 ) ) {
+			vec3 v[8];
+			for ( int i = 0; i < 8; i ++ ) v[i] = light_vertices[8 * l + i].xyz - at.position;
+			vec3[4] corners = vec3[4]( v[0], v[1], v[2], v[3] );
+#if SHAPES_USED & 16
+			if ( is_pictured( l ) ) {
+				LtcTextured textured = ltc_textured_rectangle( inverse, corners, false, uint( light_picture[l] ), picture_base );
+				sum += textured.covered * colour * textured.colour;
+				continue;
+			}
+#endif
+			part = light_corners[l] == 4 ? ltc_rectangle( inverse, corners, false ) : ltc_polygon( inverse, v, uint( light_corners[l] ), false );
+		}
+		if ( is_shape( l, 1 ) ) part = ltc_disk( inverse, centre, light_x[l].xyz, light_y[l].xyz, false );
+		if ( is_shape( l, 2 ) ) part = ltc_tube( inverse, centre, end, light_centre[l].w );
+		if ( is_shape( l, 3 ) ) part = ltc_line( inverse, centre, end, light_centre[l].w );
+		sum += part * colour;
+	}
+	return sum;
+}
+`;
+
+const LOOKUPS = {
+	one: `
+mat2x3 parts_of( Shaded at ) {
+	LtcLobe lobe = ltc_lookup( at.alpha.x, at.alpha.y, at.wo );
+	return outerProduct( covered( lobe.m, at ), vec2( lobe.amplitude, lobe.fresnel ) );
+}`,
+	two_lobes: `
+mat2x3 parts_of( Shaded at ) {
+	LtcLobes lobes = ltc_lookup_both( at.alpha.x, at.alpha.y, at.wo );
+	return mat2x3( lobes.first.amplitude * covered( lobes.first.m, at ), lobes.first.fresnel * covered( lobes.second, at ) );
+}`,
+	blended_lobes: `
+mat2x3 parts_of( Shaded at ) {
+	LtcLobes lobes = ltc_lookup_both( at.alpha.x, at.alpha.y, at.wo );
+	float f0 = dot( at.f0, vec3( 1.0 / 3.0 ) );
+	return outerProduct( covered( ltc_blend( lobes, f0, 1.0 ), at ), vec2( lobes.first.amplitude, lobes.first.fresnel ) );
+}`,
+};
+
+/**
+ * By the isotropic table of 2017 as engines read it: the mean of the roughnesses; of a light's vector form factor what the
+ * sphere of the same one leaves above the horizon [Hill and Heitz 2016]. They know no pictures, and are lit by a picture's mean. `EngineWay::Clipless` of `ltcforge-light` is its twin.
+ */
+const BY_ENGINES = `
+uniform sampler2D shipped_matrix, shipped_terms;
+#if SHAPES_USED & 16
+uniform highp sampler2DArray engines_pictures;
+#endif
+vec3 edge( vec3 a, vec3 b ) {
+	float cosine = clamp( dot( a, b ), - 1.0, 1.0 );
+	vec3 normal = cross( a, b );
+	float sine = length( normal );
+	return sine > 1e-6 ? normal * ( atan( sine, cosine ) / sine ) : normal;
+}
+mat2x3 parts_of( Shaded at ) {
+	vec2 place = vec2( sqrt( sqrt( at.alpha.x * at.alpha.y ) ), sqrt( 1.0 - at.wo.z ) ) * ( 63.0 / 64.0 ) + 0.5 / 64.0;
+	vec4 stored = textureLod( shipped_matrix, place, 0.0 );
+	vec2 terms = textureLod( shipped_terms, place, 0.0 ).xy;
+	vec2 azimuth = dot( at.wo.xy, at.wo.xy ) > 1e-12 ? normalize( at.wo.xy ) : vec2( 1.0, 0.0 );
+	mat3 to_view = transpose( mat3( azimuth, 0.0, - azimuth.y, azimuth.x, 0.0, 0.0, 0.0, 1.0 ) );
+	mat3 inverse = mat3( stored.x, 0.0, stored.y, 0.0, 1.0, 0.0, stored.z, 0.0, stored.w ) * to_view;
+	vec3 sum = vec3( 0.0 );
+	for ( int l = 0; l < light_count; l ++ ) {
+		if ( ! is_solid( l ) && dot( light_normal[l].xyz, light_vertices[8 * l].xyz - at.position ) >= 0.0 ) continue;
+		vec3 v[8];
+		int count = int( outline_of( l, at, v ) );
+		vec3 flux = vec3( 0.0 );
+		vec3 before = normalize( inverse * v[count - 1] );
+		for ( int i = 0; i < count; i ++ ) {
+			vec3 corner = normalize( inverse * v[i] );
+			flux += edge( before, corner );
+			before = corner;
+		}
+		flux *= 0.15915494;
+		// The outline of a solid may run either way.
+		if ( is_solid( l ) && dot( flux, inverse * ( v[0] + v[count / 2] ) ) < 0.0 ) flux = - flux;
+		float size = length( flux );
+		vec3 colour = vec3( light_radiance[l] );
+#if SHAPES_USED & 16
+		if ( is_pictured( l ) ) colour *= textureLod( engines_pictures, vec3( 0.5, 0.5, light_picture[l] ), 16.0 ).rgb;
+#endif
+		sum += colour * max( size * ( size + flux.z / max( size, 1e-12 ) ) / ( size + 1.0 ), 0.0 );
+	}
+	return outerProduct( sum, terms );
+}`;
+
+/** The body of a program by its kind: normals, engines, or how the lobes of a table's entries are used. */
+const BODIES = {
+	normals: OUTLINES + BY_NORMALS,
+	engines: OUTLINES + BY_ENGINES,
+	...Object.fromEntries( Object.entries( LOOKUPS ).map( ( [ name, lookup ] ) => [ name, COVERED + lookup ] ) ),
+};
+
+/** The array of the pyramids of pictures in the program of a kind of model. */
+export const picturesOf = ( kind ) => `${ { normals: 'normals', engines: 'engines' }[ kind ] || 'ltc' }_pictures`;
+
+/** The fragment shader of a kind of model under lights of these shapes, a bit each; `text` is the service's, which begins with precisions. */
+export function modelShader( kind, text, shapes ) {
+
+	return `#version 300 es\n${ text || 'precision highp float;\nprecision highp int;\n' }\n#define SHAPES_USED ${ shapes }\nuniform float picture_base;\n${ SEEN }${ LIGHTS }${ BODIES[ kind ] }${ MAIN }`;
+
+}

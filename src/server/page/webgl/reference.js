@@ -1,0 +1,120 @@
+// The truth in GLSL ES, by Monte Carlo integration: a direction of the BRDF and a point of each light a sample, by the balance
+// heuristic [Veach and Guibas 1995]. Line by line that of shaders/ggx_reference.wgsl.
+
+import { LIGHTS, SAMPLED_LIGHTS } from './lights.js';
+import { SEEN } from './surface.js';
+
+const DRAWN = `
+uint hash( uint key ) {
+	uint x = key;
+	x = ( x ^ ( x >> 16u ) ) * 0x7feb352du;
+	x = ( x ^ ( x >> 15u ) ) * 0x846ca68bu;
+	return x ^ ( x >> 16u );
+}
+vec2 point( uint i, uvec2 seed ) { return vec2( ( uvec2( i * 0xc13fa9a9u, i * 0x91e10da5u ) + seed ) >> uvec2( 8u ) ) / 16777216.0; }
+vec3 fresnel( vec3 f0, float cosine ) { float m = clamp( 1.0 - cosine, 0.0, 1.0 ); return mix( f0, vec3( 1.0 ), m * m * m * m * m ); }
+`;
+
+/** GGX by its visible normals [Dupuy and Benyoub 2023]. */
+const GGX = `
+float lambda( vec2 alpha, vec3 w ) { vec2 t = alpha * w.xy / w.z; return 0.5 * ( sqrt( 1.0 + dot( t, t ) ) - 1.0 ); }
+float distribution( vec2 alpha, vec3 wm ) {
+	vec2 t = wm.xy / alpha;
+	float q = dot( t, t ) + wm.z * wm.z;
+	return 1.0 / ( 3.14159265 * alpha.x * alpha.y * q * q );
+}
+vec3 drawn( Shaded at, vec2 u ) {
+	vec3 standard = normalize( vec3( at.alpha * at.wo.xy, at.wo.z ) );
+	float z = ( 1.0 - u.y ) * ( 1.0 + standard.z ) - standard.z;
+	float radius = sqrt( max( 1.0 - z * z, 0.0 ) );
+	vec3 wm = vec3( radius * cos( 6.2831853 * u.x ), radius * sin( 6.2831853 * u.x ), z ) + standard;
+	wm = normalize( vec3( at.alpha * wm.xy, max( wm.z, 0.0 ) ) );
+	return 2.0 * dot( at.wo, wm ) * wm - at.wo;
+}
+/** x: the BRDF times the cosine. y: the density with which wi is drawn. */
+vec2 scattered( Shaded at, vec3 wm, vec3 wi ) {
+	float lambda_o = lambda( at.alpha, at.wo );
+	float of_brdf = distribution( at.alpha, wm ) / ( 4.0 * at.wo.z * ( 1.0 + lambda_o ) );
+	return vec2( of_brdf * ( 1.0 + lambda_o ) / ( 1.0 + lambda_o + lambda( at.alpha, wi ) ), of_brdf );
+}
+`;
+
+/** Sheen: Charlie's distribution [Estevez and Kulla 2017] under a visibility, with directions drawn by the cosine. */
+const sheen = ( visibility ) => `
+vec3 drawn( Shaded at, vec2 u ) {
+	float radius = sqrt( u.x );
+	return vec3( radius * cos( 6.2831853 * u.y ), radius * sin( 6.2831853 * u.y ), sqrt( 1.0 - u.x ) );
+}
+${ visibility }
+vec2 scattered( Shaded at, vec3 wm, vec3 wi ) {
+	float alpha = max( max( at.alpha.x, at.alpha.y ), 0.0049 );
+	float distribution = ( 2.0 + 1.0 / alpha ) * pow( max( dot( wm.xy, wm.xy ), 1e-36 ), 0.5 / alpha ) / 6.2831853;
+	return vec2( distribution * visibility( alpha, at.wo.z, wi.z ) * wi.z, wi.z / 3.14159265 );
+}
+`;
+
+const ESTEVEZ = `
+float log_lambda( float rough, float x ) {
+	vec4 s = mix( vec4( 25.3245, 3.32435, 0.16801, - 1.27393 ), vec4( 21.5473, 3.82987, 0.19823, - 1.97760 ), rough );
+	return s.x / ( 1.0 + s.y * pow( max( x, 1e-9 ), s.z ) ) + s.w * x + mix( - 4.85967, - 4.32054, rough );
+}
+float smith( float alpha, float cosine ) {
+	float rough = 1.0 - ( 1.0 - alpha ) * ( 1.0 - alpha );
+	return exp( cosine < 0.5 ? log_lambda( rough, cosine ) : 2.0 * log_lambda( rough, 0.5 ) - log_lambda( rough, max( 1.0 - cosine, 0.0 ) ) );
+}
+float visibility( float alpha, float o, float i ) { return 1.0 / ( 4.0 * o * i * ( 1.0 + smith( alpha, o ) + smith( alpha, i ) ) ); }
+`;
+
+const NEUBELT = 'float visibility( float alpha, float o, float i ) { return 0.25 / ( o + i - o * i ); }';
+
+/** The scattering models that the reference knows. */
+const BRDFS = { ggx: GGX, charlie: sheen( ESTEVEZ ), charlie_neubelt: sheen( NEUBELT ) };
+
+/** Whether there is a reference of a scattering model. */
+export const hasReference = ( brdf ) => Object.hasOwn( BRDFS, brdf );
+
+const SUM = `
+uniform sampler2D reference_sum;
+uniform int size, first, samples;
+out vec4 sum;
+
+void main() {
+	Shaded at = see();
+	sum = first > 0 ? texelFetch( reference_sum, ivec2( gl_FragCoord.xy ), 0 ) : vec4( 0.0 );
+	if ( at.coverage <= 0.0 ) return;
+	ivec2 pixel = ivec2( int( gl_FragCoord.x ), size - 1 - int( gl_FragCoord.y ) );
+	uint a = hash( uint( pixel.y * size + pixel.x ) );
+	uint b = hash( a ^ 0x9e3779b9u );
+	uint c = hash( b ^ 0x9e3779b9u );
+	uint d = hash( c ^ 0x9e3779b9u );
+	for ( int i = first; i < first + samples; i ++ ) {
+		vec3 wi = drawn( at, point( uint( i ), uvec2( a, b ) ) );
+		if ( wi.z > HORIZON ) {
+			vec3 wm = normalize( at.wo + wi );
+			vec2 found = scattered( at, wm, wi );
+			vec3 towards = at.x * wi.x + at.y * wi.y + at.z * wi.z;
+			for ( int l = 0; l < light_count; l ++ ) {
+				float of_light = light_pdf( l, at.position, towards );
+				if ( of_light >= 0.0 && found.y > 0.0 ) sum.xyz += fresnel( at.f0, dot( at.wo, wm ) ) * emitted( l, at.position, towards ) * ( found.x / ( found.y + of_light ) );
+			}
+		}
+		for ( int l = 0; l < light_count; l ++ ) {
+			vec4 of_light = light_sample( l, at.position, point( uint( i ), uvec2( c, d ) ) );
+			wi = vec3( dot( of_light.xyz, at.x ), dot( of_light.xyz, at.y ), dot( of_light.xyz, at.z ) );
+			if ( wi.z > HORIZON && of_light.w > 0.0 ) {
+				vec3 wm = normalize( at.wo + wi );
+				vec2 found = scattered( at, wm, wi );
+				// No direction is drawn that hits a line.
+				float of_both = of_light.w + ( is_shape( l, 3 ) ? 0.0 : found.y );
+				sum.xyz += fresnel( at.f0, dot( at.wo, wm ) ) * emitted( l, at.position, of_light.xyz ) * ( found.x / of_both );
+			}
+		}
+	}
+}`;
+
+/** The fragment shader that adds samples of a scattering model under lights of these shapes. */
+export function referenceShader( brdf, shapes ) {
+
+	return `#version 300 es\nprecision highp float;\nprecision highp int;\n#define SHAPES_USED ${ shapes }\n${ SEEN }${ LIGHTS }${ SAMPLED_LIGHTS }${ DRAWN }${ BRDFS[ brdf ] }${ SUM }`;
+
+}

@@ -1,0 +1,88 @@
+// Tables as they are searched, sorted, compared and varied, and the errors of one over angle and roughness by pointer and keys.
+
+import { SMALL, withWorld } from './world.js';
+
+await withWorld( async ( { service, open } ) => {
+
+	const digest = await service.fit( { preset: 'draft' } );
+	const [ coarse, half ] = [ await service.fit( SMALL ), await service.fit( { ...SMALL, precision: 'f16' } ) ];
+	const manifests = {};
+	for ( const name of [ digest, coarse, half ] ) manifests[ name ] = await service.call( `/v1/tables/${ name }/manifest` );
+	const FIGURES = { Error: ( { report } ) => report.between.width.mean, Light: ( { report } ) => report.between.light.mean, Size: ( { bytes } ) => bytes };
+	const list = await open( 'tables' );
+	const shown = () => list.locator( '.list tbody th a' ).evaluateAll( ( links ) => links.map( ( { hash } ) => hash.replace( '#/tables/', '' ) ) );
+	await list.waitForFunction( () => document.querySelectorAll( '.list tbody tr' ).length === 3 && ! document.querySelector( '.list tbody' ).textContent.includes( '…' ) );
+	// The newest is first; each column is sorted by a click, and the other way by another.
+	const newest = await shown();
+	const sorted = {};
+	for ( const [ name, figure ] of Object.entries( FIGURES ) ) {
+
+		const heading = list.getByRole( 'columnheader', { name } );
+		const states = [];
+		for ( let click = 0; click < 2; click ++ ) {
+
+			await heading.getByRole( 'button' ).click();
+			states.push( { order: await heading.getAttribute( 'aria-sort' ), figures: ( await shown() ).map( ( name ) => figure( manifests[ name ] ) ) } );
+
+		}
+
+		sorted[ name ] = states;
+
+	}
+
+	// All words have to be met, by the recipe or a digest.
+	const found = {};
+	for ( const words of [ 'F16', 'ggx f16', digest.slice( 10, 22 ), 'f16 kt2022', '' ] ) {
+
+		await list.getByRole( 'searchbox' ).fill( words );
+		found[ words.replace( digest.slice( 10, 22 ), 'digest' ) ] = [ ( await shown() ).map( ( name ) => [ digest, coarse, half ].indexOf( name ) ).sort(), await list.locator( '.bar [role=status]' ).textContent() ];
+
+	}
+
+	// Three that are compared, and the best of each figure.
+	for ( const name of [ digest, coarse, half ] ) await list.getByLabel( `Compare ${ name.slice( 7, 17 ) }` ).check();
+	await list.getByRole( 'link', { name: 'Compare 3' } ).click();
+	await list.locator( '.best' ).first().waitFor();
+	const best = await list.locator( '.compare tbody tr' ).evaluateAll( ( rows ) => Object.fromEntries( rows.map( ( { cells: [ name, ...cells ] } ) => [ name.textContent, cells.map( ( cell ) => cell.classList.contains( 'best' ) && cell.textContent.startsWith( 'best: ' ) ) ] ) ) );
+	const least = ( figure ) => [ digest, coarse, half ].map( ( name, _, names ) => figure( manifests[ name ] ) === Math.min( ...names.map( ( other ) => figure( manifests[ other ] ) ) ) );
+	const winners = Object.entries( { 'Error between nodes': FIGURES.Error, 'Error of light, mean': FIGURES.Light, Size: FIGURES.Size, Entries: ( { entries } ) => entries } ).map( ( [ name, figure ] ) => [ name, best[ name ], least( figure ) ] );
+
+	// A variation begins with the whole recipe.
+	await list.evaluate( ( hash ) => location.hash = hash, `#/tables/${ half }` );
+	await list.getByRole( 'link', { name: 'Fit a variation' } ).click();
+	await list.getByRole( 'button', { name: 'Open the table' } ).waitFor();
+	const { fitter, ...recipe } = manifests[ half ].recipe;
+	const varied = { isWhole: await list.getByRole( 'textbox', { name: 'Recipe as JSON' } ).inputValue().then( ( text ) => JSON.stringify( JSON.parse( text ) ) === JSON.stringify( recipe ) ), precision: await list.locator( '#field-precision' ).inputValue(), samples: await list.locator( '#field-fit-samples' ).inputValue() };
+	await list.locator( '#field-fit-samples' ).fill( '96' );
+	await list.getByRole( 'button', { name: 'Submit' } ).waitFor();
+
+	const errors = await service.call( `/v1/tables/${ digest }/plots/error.json?ratio=0.25&phi=0.7` );
+	const page = await open( `tables/${ digest }` );
+	const map = page.locator( '.map' ).first();
+	const told = page.locator( '.told' );
+	await told.filter( { hasText: 'lobe off by' } ).waitFor();
+	/** What is to be told of a cell, in the same words. */
+	const wanted = ( column, row ) => `seen at ${ Math.round( errors.theta[ column ] * 180 / Math.PI ) }°, azimuth 40°: lobe off by ${ ( 100 * errors.width[ row ][ column ] ).toFixed( 1 ) } % of its width, light by ${ ( 100 * errors.light[ row ][ column ] ).toFixed( 2 ) } %`;
+	await map.scrollIntoViewIfNeeded();
+	const { x, y, width, height } = await map.boundingBox();
+	// The cell of column 30 and, from below, row 5.
+	await page.mouse.move( x + width * 30.5 / 40, y + height * ( 1 - 5.5 / 40 ) );
+	const hovered = [ await told.textContent(), wanted( 30, 5 ) ];
+	await map.focus();
+	await page.keyboard.press( 'ArrowUp' );
+	await page.keyboard.press( 'ArrowLeft' );
+	const keyed = [ await told.textContent(), wanted( 29, 6 ) ];
+	// The brightest cell of the picture is that of the greatest error, the darkest that of the least.
+	const bytes = await page.locator( '.map canvas' ).first().evaluate( ( canvas ) => [ ...canvas.getContext( '2d' ).getImageData( 0, 0, 40, 40 ).data ] );
+	const flat = errors.width.flat();
+	const shade = ( cell ) => bytes.slice( 4 * cell, 4 * cell + 3 ).reduce( ( a, b ) => a + b, 0 );
+	const shades = Array.from( { length: 1600 }, ( _, cell ) => shade( cell ) );
+	// Rows of a picture go down, those of the errors up.
+	const at = ( error ) => ( 39 - Math.floor( flat.indexOf( error ) / 40 ) ) * 40 + flat.indexOf( error ) % 40;
+	const isBrightest = shades[ at( Math.max( ...flat ) ) ] === Math.max( ...shades );
+	const isDarkest = shades[ at( Math.min( ...flat ) ) ] === Math.min( ...shades );
+	await page.locator( '#plot-ratio' ).fill( '1' );
+	await told.filter( { hasText: /^alpha [0-9.]+, seen/ } ).waitFor();
+	return { isNewestFirst: String( newest ) === String( [ half, coarse, digest ] ), sorted, found, winners, varied, hovered, keyed, isBrightest, isDarkest, spread: Math.max( ...shades ) - Math.min( ...shades ) };
+
+} );
