@@ -77,7 +77,9 @@ fn tables_jump_by_rounding_alone() {
         jump(|t| {
             let Lit { mut at, mut vertices } = lit.clone();
             let turn = DQuat::from_axis_angle(axis, angle * (t - 0.5));
-            vertices.iter_mut().for_each(|v| *v = turn * *v);
+            for v in &mut vertices {
+                *v = turn * *v;
+            }
             at.phi += 0.1 * phi * t;
             at.theta += (theta - lit.at.theta) * 0.1 * t;
             let light = PolygonLight::new(vertices, Sides::Two).and_then(TexturedLight::new).expect("a rectangle");
