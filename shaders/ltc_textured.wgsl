@@ -9,20 +9,21 @@ fn ltc_height(inverse: LtcInverse, p: vec3<f32>) -> f32 {
     return (inverse.m * p).z;
 }
 
-/// The lobe on a light's plane, up to a factor.
-fn ltc_density(inverse: LtcInverse, p: vec3<f32>) -> f32 {
+/// The lobe on a light's plane over its bump, which is exact: what is left is the cosine times the distance.
+fn ltc_share(inverse: LtcInverse, p: vec3<f32>, quadratic: f32) -> f32 {
     let v = inverse.m * p;
-    let per_length = inverseSqrt(max(dot(v, v), 1e-30));
-    return (max(v.z, 0.0) * per_length + 1e-6) * (per_length * per_length) * per_length;
+    return max(v.z, 0.0) + 1e-6 * sqrt(max(dot(v, v), 1e-30));
 }
 
-/// The bump |M^-1 P|^-4, which a lobe is on a plane: its middle is the foot of the perpendicular.
+/// The bump |M^-1 P|^-4, which a lobe is on a plane: its middle is the foot of the perpendicular. No axis is so long beside the
+/// other, or beside the light, that numbers would overflow.
 fn ltc_bump(inverse: LtcInverse, frame: LtcFrame) -> LtcBump {
     let x = inverse.m * frame.x;
     let y = inverse.m * frame.y;
     let corner = inverse.m * frame.corner;
     let eigen = ltc_eigen(vec3(dot(x, x), dot(x, y), dot(y, y)));
-    let w = max(eigen.xy, vec2(1e-30));
+    let least = max(1e-7 * eigen.y, 1e-8 * dot(corner, corner) / (frame.size.x * frame.size.y));
+    let w = max(eigen.xy, vec2(max(least, 1e-30)));
     let axis = eigen.zw;
     let fall = vec2(-dot(corner, x), -dot(corner, y));
     let shift = vec2(dot(fall, axis), fall.y * axis.x - fall.x * axis.y) / w;
@@ -31,7 +32,24 @@ fn ltc_bump(inverse: LtcInverse, frame: LtcFrame) -> LtcBump {
     return LtcBump(middle, axis, max(dot(foot, foot), 1e-30) / w);
 }
 
-/// A rectangle with a picture: what the lobe covers, as ltc_rectangle has it, and the colour of what it reflects.
+/// What the lobe covers, as ltc_rectangle has it, and the colour of what it reflects of a picture or a lamp's profile.
+fn ltc_shown_rectangle(
+    inverse: LtcInverse,
+    corners: array<vec3<f32>, 4>,
+    two_sided: bool,
+    picture: u32,
+    base: f32,
+    is_profile: bool,
+) -> LtcTextured {
+    let covered = ltc_rectangle(inverse, corners, two_sided);
+    if (covered <= 0.0) {
+        return LtcTextured(0.0, vec3(0.0));
+    }
+    let frame = ltc_frame(corners);
+    return LtcTextured(covered, ltc_colour(inverse, frame, ltc_bump(inverse, frame), picture, base, is_profile));
+}
+
+/// A rectangle with a picture.
 fn ltc_textured_rectangle(
     inverse: LtcInverse,
     corners: array<vec3<f32>, 4>,
@@ -39,10 +57,15 @@ fn ltc_textured_rectangle(
     picture: u32,
     base: f32,
 ) -> LtcTextured {
-    let covered = ltc_rectangle(inverse, corners, two_sided);
-    if (covered <= 0.0) {
-        return LtcTextured(0.0, vec3(0.0));
-    }
-    let frame = ltc_frame(corners);
-    return LtcTextured(covered, ltc_colour(inverse, frame, ltc_bump(inverse, frame), picture, base));
+    return ltc_shown_rectangle(inverse, corners, two_sided, picture, base, false);
+}
+
+/// A lamp with a profile, of 512 x 512 texels.
+fn ltc_profile_rectangle(
+    inverse: LtcInverse,
+    corners: array<vec3<f32>, 4>,
+    two_sided: bool,
+    picture: u32,
+) -> LtcTextured {
+    return ltc_shown_rectangle(inverse, corners, two_sided, picture, 8.0, true);
 }

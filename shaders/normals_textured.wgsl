@@ -9,15 +9,16 @@ fn normals_height(view: NormalsView, p: vec3<f32>) -> f32 {
     return p.z;
 }
 
-/// The lobe on a light's plane, up to a factor.
-fn normals_density(view: NormalsView, p: vec3<f32>) -> f32 {
+/// The lobe on a light's plane over a bump whose Q is quadratic there, up to a factor.
+fn normals_share(view: NormalsView, p: vec3<f32>, quadratic: f32) -> f32 {
     let r = sqrt(dot(p, p));
     let c = view.image * r + p * vec3(view.per_alpha, 1.0);
     let ratio = max(r + dot(view.wo, p), 1e-6 * r) / max(dot(c, c), 1e-30);
     let stretched = vec3(view.alpha * p.xy, p.z);
     let z = max(p.z, 0.0);
     let shadowed = view.length * z + view.wo.z * sqrt(dot(stretched, stretched));
-    return ratio * ratio * (z + 1e-6 * shadowed) / max(r * shadowed, 1e-30);
+    let fall = (1.0 + quadratic) * ratio;
+    return fall * fall * (z + 1e-6 * shadowed) / max(r * shadowed, 1e-30);
 }
 
 /// The bump that the lobe is close to, where the normal A c reflects the light: of q = |c|^2 sqrt(r) / (r + wo . P), nearly
@@ -62,10 +63,4 @@ fn normals_bump(view: NormalsView, frame: NormalsFrame, flux: vec3<f32>) -> Norm
 /// xx, xy, yy of a vector's product with itself.
 fn normals_square(v: vec2<f32>) -> vec3<f32> {
     return vec3(v.x * v.x, v.x * v.y, v.y * v.y);
-}
-
-/// A picture's colour, of a rectangle whose integral of c x dc is flux.
-fn normals_picture(view: NormalsView, corners: array<vec3<f32>, 4>, flux: vec3<f32>, picture: u32, base: f32) -> vec3<f32> {
-    let frame = normals_frame(corners);
-    return normals_colour(view, frame, normals_bump(view, frame, flux), picture, base);
 }

@@ -39,9 +39,33 @@ fn textured_eigen(m: vec3<f32>) -> vec4<f32> {
     return vec4(mean - distance, mean + distance, axis);
 }
 
-/// The mean of a picture, read along the longer axis of a bump where that is within the rectangle and above the lobe's end.
-/// picture is the layer, base the binary logarithm of halves of the root of how many texels its first level has.
-fn textured_colour(lobe: TexturedLobe, frame: TexturedFrame, bump: TexturedBump, picture: u32, base: f32) -> vec3<f32> {
+/// Q of a bump, for what lies between a point and the middle.
+fn textured_quadratic(bump: TexturedBump, d: vec2<f32>) -> f32 {
+    let q = vec2(dot(d, bump.axis), d.y * bump.axis.x - d.x * bump.axis.y);
+    return q.x * q.x / bump.radii2.x + q.y * q.y / bump.radii2.y;
+}
+
+/// Where a lamp's profile is read for a point of its light, and the radius of that reading, squared, over the profile's area: at
+/// the tangents of the direction from there to the shaded point, from -4 to 4, and no wider than a square of the light's area.
+fn textured_profile(frame: TexturedFrame, p: vec2<f32>, radius2: f32) -> vec3<f32> {
+    let area = frame.size.x * frame.size.y;
+    let distance = abs(dot(frame.corner, cross(frame.x, frame.y)));
+    let per_span = 0.125 / max(distance, 1e-6 * (frame.size.x + frame.size.y));
+    let foot = -vec2(dot(frame.corner, frame.x), dot(frame.corner, frame.y));
+    let narrower = radius2 * (area / (area + 12.0 * radius2));
+    return vec3(0.5 + per_span * (foot - p), per_span * per_span * narrower);
+}
+
+/// The mean of a picture or of a lamp's profile, read along the longer axis of a bump where that is within the rectangle and above
+/// the lobe's end. picture is the layer, base the binary logarithm of halves of the root of how many texels its first level has.
+fn textured_colour(
+    lobe: TexturedLobe,
+    frame: TexturedFrame,
+    bump: TexturedBump,
+    picture: u32,
+    base: f32,
+    is_profile: bool,
+) -> vec3<f32> {
     let unit = sqrt(max(bump.radii2.x - bump.radii2.y, 1e-12 * bump.radii2.x));
     let along = bump.axis * unit;
     // Where functions that are linear along it are not negative.
@@ -64,19 +88,21 @@ fn textured_colour(lobe: TexturedLobe, frame: TexturedFrame, bump: TexturedBump,
     var sum = vec4(0.0);
     for (var i = 0u; i < TEXTURED_READINGS; i++) {
         let at = s.x + part * (f32(i) + 0.5);
-        let stretch2 = 1.0 / max(1.0 - at * at, 1e-12);
-        let stretch = sqrt(stretch2);
-        let gap = 0.35 * unit * min(part * stretch2 * stretch, t.y - t.x);
-        let wanted = bump.middle + (at * stretch) * along;
+        let reach = clamp(at * inverseSqrt(max(1.0 - at * at, 1e-12)), t.x, t.y);
+        let stretch2 = 1.0 + reach * reach;
+        let gap = 0.35 * unit * min(part * stretch2 * sqrt(stretch2), t.y - t.x);
+        let wanted = bump.middle + reach * along;
         let p = clamp(wanted, vec2(0.0), frame.size);
         let moved = wanted - p;
         let radius2 = spread * (bump.radii2.y * stretch2 + gap * gap) + dot(moved, moved);
-        let level = base + 0.5 * log2(radius2 * per_area);
-        let d = p - bump.middle;
-        let q = vec2(dot(d, bump.axis), d.y * bump.axis.x - d.x * bump.axis.y);
-        let fall = 1.0 + q.x * q.x / bump.radii2.x + q.y * q.y / bump.radii2.y;
-        let weight = fall * fall * textured_density(lobe, frame.corner + p.x * frame.x + p.y * frame.y);
-        let read = textureSampleLevel(textured_pictures, textured_picture_sampler, p / frame.size, picture, level);
+        var place = vec3(p / frame.size, radius2 * per_area);
+        if (is_profile) {
+            place = textured_profile(frame, p, radius2);
+        }
+        let level = base + 0.5 * log2(place.z);
+        let quadratic = textured_quadratic(bump, p - bump.middle);
+        let weight = textured_share(lobe, frame.corner + p.x * frame.x + p.y * frame.y, quadratic);
+        let read = textureSampleLevel(textured_pictures, textured_picture_sampler, place.xy, picture, level);
         sum += weight * vec4(read.xyz, 1.0);
     }
     return sum.xyz / sum.w;

@@ -16,6 +16,39 @@ PICTURES ON LIGHTS
       log2(sqrt(width height)) - 1 of its first level, whose texels are best square on the light.
       {own}_picture_sampler is linear between texels and levels and clamps to the edge.
       {constant}, a constant, says how often a picture is read: {number}.
+  {own}_profile_rectangle({view}, corners, two_sided, picture)
+      the same of a lamp whose radiance depends on the direction, as its IES profile tells it: picture is a layer with all
+      levels that light-texture writes of the profile. Angles around its axis are from the side to the second corner to that to
+      the fourth.
+";
+
+/// What the rule's rectangle with a picture begins with.
+const ABOUT_SHOWN: &str = "\
+/// The same of a rectangle with a picture or a lamp's profile: the parts of the whole light, and the colour of what is reflected.
+";
+
+/// The two functions that call it.
+const SHOWN: &str = "
+/// A rectangle with a picture.
+fn normals_textured_rectangle(
+    view: NormalsView,
+    corners: array<vec3<f32>, 4>,
+    two_sided: bool,
+    picture: u32,
+    base: f32,
+) -> NormalsTextured {
+    return normals_shown_rectangle(view, corners, two_sided, picture, base, false);
+}
+
+/// A lamp with a profile, of 512 x 512 texels.
+fn normals_profile_rectangle(
+    view: NormalsView,
+    corners: array<vec3<f32>, 4>,
+    two_sided: bool,
+    picture: u32,
+) -> NormalsTextured {
+    return normals_shown_rectangle(view, corners, two_sided, picture, 8.0, true);
+}
 ";
 
 /// The bindings of the pictures and their sampler: those after the table's.
@@ -58,10 +91,10 @@ impl LitBy {
         let ends = text[begins..].find("\n}\n").map_or(text.len(), |length| begins + length + 3);
         let flux = text[begins..ends].find("normals_tip(view, ").map_or("flux", |_| "around");
         let rectangle = text[begins..ends]
-            .replace("fn normals_rectangle(", "fn normals_textured_rectangle(")
+            .replace("fn normals_rectangle(", "fn normals_shown_rectangle(")
             .replace(
                 "two_sided: bool) -> vec2<f32> {",
-                "two_sided: bool, picture: u32, base: f32) -> NormalsTextured {",
+                "two_sided: bool, picture: u32, base: f32, is_profile: bool) -> NormalsTextured {",
             )
             .replace("return vec2(0.0);", "return NormalsTextured(vec2(0.0), vec3(0.0));")
             .replace(
@@ -70,11 +103,13 @@ impl LitBy {
             )
             .replace("    return normals_mean(", "    let parts = normals_mean(")
             .replace("    return normals_total(", "    let parts = normals_total(");
-        let picture =
-            format!("    return NormalsTextured(parts, normals_picture(view, corners, {flux}, picture, base));\n}}\n");
         let body = rectangle.trim_end_matches("}\n");
         format!(
-            "/// The same of a rectangle with a picture: the parts of the whole light, and the colour of what is reflected.\n{body}{picture}"
+            "{ABOUT_SHOWN}{body}    let frame = normals_frame(corners);
+    let colour = normals_colour(view, frame, normals_bump(view, frame, {flux}), picture, base, is_profile);
+    return NormalsTextured(parts, colour);
+}}
+{SHOWN}"
         )
     }
 
@@ -97,7 +132,10 @@ impl LitBy {
             return String::new();
         };
         let of = if self.model() == LightModel::Ltc { "inverse" } else { "view" };
-        format!("    let textured = {own}_textured_rectangle({of}, corners, true, 0u, 8.0);\n")
+        format!(
+            "    let textured = {own}_textured_rectangle({of}, corners, true, 0u, 8.0);
+    let lamp = {own}_profile_rectangle({of}, corners, true, 1u);\n"
+        )
     }
 
     /// What the comment says of it.

@@ -120,7 +120,12 @@ fn what_is_no_picture_is_named_and_nothing_is_written() {
     // Two pixels of Radiance HDR, then one.
     fs::write(here.join("short.hdr"), b"#?RADIANCE\n\n-Y 1 +X 2\n\x01\x02\x03\x80").expect("a file");
     for (file, more, exit, said) in [
-        ("text.png", [].as_slice(), 1, "text.png: this file is not an image that can be read; allowed: PNG, OpenEXR"),
+        (
+            "text.png",
+            [].as_slice(),
+            1,
+            "text.png: this file is neither an image nor a profile that can be read; allowed: PNG, OpenEXR, Radiance HDR, JPEG, IES LM-63",
+        ),
         ("short.hdr", &[], 1, "short.hdr: no Radiance HDR that can be read"),
         ("none.png", &[], 1, "none.png: "),
         ("sign.png", &["--as", "dds", "--texels", "rgb9e5"], 2, "texels is rgb9e5; dds allows rgba16f, rgba32f"),

@@ -1,5 +1,5 @@
 export default /* glsl */ `// SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 1, sha256 of the text below: 415ec41b3a2a59b4
+// ltcforge 0.1.0, revision 1, sha256 of the text below: a083211c34d8afbf
 // Area lights on GGX without a table, in the space of its normals, by rule balanced.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -15,6 +15,10 @@ export default /* glsl */ `// SPDX-License-Identifier: MIT OR Apache-2.0
 //       log2(sqrt(width height)) - 1 of its first level, whose texels are best square on the light.
 //       normals_picture_sampler is linear between texels and levels and clamps to the edge.
 //       NORMALS_READINGS, a constant, says how often a picture is read: 4.
+//   normals_profile_rectangle(view, corners, two_sided, picture)
+//       the same of a lamp whose radiance depends on the direction, as its IES profile tells it: picture is a layer with all
+//       levels that light-texture writes of the profile. Angles around its axis are from the side to the second corner to that to
+//       the fourth.
 //
 // CHECK of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
 //   0.3 0.15 (0.36 0.48 0.8): 0.698755 0.000000
@@ -284,25 +288,50 @@ vec4 normals_eigen(vec3 m) {
     return vec4(mean - distance_, mean + distance_, axis);
 }
 
+// Q of a bump, for what lies between a point and the middle.
+float normals_quadratic(NormalsBump bump, vec2 d) {
+    vec2 q = vec2(dot(d, bump.axis), d.y * bump.axis.x - d.x * bump.axis.y);
+    return q.x * q.x / bump.radii2.x + q.y * q.y / bump.radii2.y;
+}
+
+// Where a lamp's profile is read for a point of its light, and the radius of that reading, squared, over the profile's area: at
+// the tangents of the direction from there to the shaded point, from -4 to 4, and no wider than a square of the light's area.
+vec3 normals_profile(NormalsFrame frame, vec2 p, float radius2) {
+    float area = frame.size.x * frame.size.y;
+    float distance_ = abs(dot(frame.corner, cross(frame.x, frame.y)));
+    float per_span = 0.125 / max(distance_, 1e-6 * (frame.size.x + frame.size.y));
+    vec2 foot = -vec2(dot(frame.corner, frame.x), dot(frame.corner, frame.y));
+    float narrower = radius2 * (area / (area + 12.0 * radius2));
+    return vec3(0.5 + per_span * (foot - p), per_span * per_span * narrower);
+}
+
 // How high a point is above where the light ends, the surface.
 float normals_height(NormalsView view, vec3 p) {
     return p.z;
 }
 
-// The lobe on a light's plane, up to a factor.
-float normals_density(NormalsView view, vec3 p) {
+// The lobe on a light's plane over a bump whose Q is quadratic there, up to a factor.
+float normals_share(NormalsView view, vec3 p, float quadratic) {
     float r = sqrt(dot(p, p));
     vec3 c = view.image * r + p * vec3(view.per_alpha, 1.0);
     float ratio = max(r + dot(view.wo, p), 1e-6 * r) / max(dot(c, c), 1e-30);
     vec3 stretched = vec3(view.alpha * p.xy, p.z);
     float z = max(p.z, 0.0);
     float shadowed = view.length_ * z + view.wo.z * sqrt(dot(stretched, stretched));
-    return ratio * ratio * (z + 1e-6 * shadowed) / max(r * shadowed, 1e-30);
+    float fall = (1.0 + quadratic) * ratio;
+    return fall * fall * (z + 1e-6 * shadowed) / max(r * shadowed, 1e-30);
 }
 
-// The mean of a picture, read along the longer axis of a bump where that is within the rectangle and above the lobe's end.
-// picture is the layer, base the binary logarithm of halves of the root of how many texels its first level has.
-vec3 normals_colour(NormalsView lobe, NormalsFrame frame, NormalsBump bump, uint picture, float base) {
+// The mean of a picture or of a lamp's profile, read along the longer axis of a bump where that is within the rectangle and above
+// the lobe's end. picture is the layer, base the binary logarithm of halves of the root of how many texels its first level has.
+vec3 normals_colour(
+    NormalsView lobe,
+    NormalsFrame frame,
+    NormalsBump bump,
+    uint picture,
+    float base,
+    bool is_profile
+) {
     float unit = sqrt(max(bump.radii2.x - bump.radii2.y, 1e-12 * bump.radii2.x));
     vec2 along = bump.axis * unit;
     // Where functions that are linear along it are not negative.
@@ -325,19 +354,21 @@ vec3 normals_colour(NormalsView lobe, NormalsFrame frame, NormalsBump bump, uint
     vec4 sum = vec4(0.0);
     for (uint i = 0u; i < NORMALS_READINGS; i++) {
         float at = s.x + part * (float(i) + 0.5);
-        float stretch2 = 1.0 / max(1.0 - at * at, 1e-12);
-        float stretch = sqrt(stretch2);
-        float gap = 0.35 * unit * min(part * stretch2 * stretch, t.y - t.x);
-        vec2 wanted = bump.middle + (at * stretch) * along;
+        float reach = clamp(at * inversesqrt(max(1.0 - at * at, 1e-12)), t.x, t.y);
+        float stretch2 = 1.0 + reach * reach;
+        float gap = 0.35 * unit * min(part * stretch2 * sqrt(stretch2), t.y - t.x);
+        vec2 wanted = bump.middle + reach * along;
         vec2 p = clamp(wanted, vec2(0.0), frame.size);
         vec2 moved = wanted - p;
         float radius2 = spread * (bump.radii2.y * stretch2 + gap * gap) + dot(moved, moved);
-        float level = base + 0.5 * log2(radius2 * per_area);
-        vec2 d = p - bump.middle;
-        vec2 q = vec2(dot(d, bump.axis), d.y * bump.axis.x - d.x * bump.axis.y);
-        float fall = 1.0 + q.x * q.x / bump.radii2.x + q.y * q.y / bump.radii2.y;
-        float weight = fall * fall * normals_density(lobe, frame.corner + p.x * frame.x + p.y * frame.y);
-        vec4 read = textureLod(normals_pictures, vec3(p / frame.size, picture), level);
+        vec3 place = vec3(p / frame.size, radius2 * per_area);
+        if (is_profile) {
+            place = normals_profile(frame, p, radius2);
+        }
+        float level = base + 0.5 * log2(place.z);
+        float quadratic = normals_quadratic(bump, p - bump.middle);
+        float weight = normals_share(lobe, frame.corner + p.x * frame.x + p.y * frame.y, quadratic);
+        vec4 read = textureLod(normals_pictures, vec3(place.xy, picture), level);
         sum += weight * vec4(read.xyz, 1.0);
     }
     return sum.xyz / sum.w;
@@ -393,14 +424,8 @@ NormalsBump normals_bump(NormalsView view, NormalsFrame frame, vec3 flux) {
     return NormalsBump(at - shift.x * axis - shift.y * vec2(-axis.y, axis.x), axis, twice / w);
 }
 
-// A picture's colour, of a rectangle whose integral of c x dc is flux.
-vec3 normals_picture(NormalsView view, vec3 corners[4], vec3 flux, uint picture, float base) {
-    NormalsFrame frame = normals_frame(corners);
-    return normals_colour(view, frame, normals_bump(view, frame, flux), picture, base);
-}
-
-// The same of a rectangle with a picture: the parts of the whole light, and the colour of what is reflected.
-NormalsTextured normals_textured_rectangle(NormalsView view, vec3 corners[4], bool two_sided, uint picture, float base) {
+// The same of a rectangle with a picture or a lamp's profile: the parts of the whole light, and the colour of what is reflected.
+NormalsTextured normals_shown_rectangle(NormalsView view, vec3 corners[4], bool two_sided, uint picture, float base, bool is_profile) {
     // Sides are turned to rise. A corner below slides up along its side.
     vec2 falls = mix(vec2(0.0), vec2(1.0), lessThan(vec2(corners[1].z, corners[3].z), corners[0].zz));
     vec3 along = corners[1] - corners[0];
@@ -432,6 +457,29 @@ NormalsTextured normals_textured_rectangle(NormalsView view, vec3 corners[4], bo
     float most = max(max(rises.x, rises.y), max(rises.z, rises.w));
     vec2 sums = vec2(rises.x + rises.y + rises.z + rises.w, dot(rises, rises));
     vec2 parts = normals_mean(view, flux, seen, 0.25 * sums, vec2(least, most), two_sided);
-    return NormalsTextured(parts, normals_picture(view, corners, flux, picture, base));
+    NormalsFrame frame = normals_frame(corners);
+    vec3 colour = normals_colour(view, frame, normals_bump(view, frame, flux), picture, base, is_profile);
+    return NormalsTextured(parts, colour);
+}
+
+// A rectangle with a picture.
+NormalsTextured normals_textured_rectangle(
+    NormalsView view,
+    vec3 corners[4],
+    bool two_sided,
+    uint picture,
+    float base
+) {
+    return normals_shown_rectangle(view, corners, two_sided, picture, base, false);
+}
+
+// A lamp with a profile, of 512 x 512 texels.
+NormalsTextured normals_profile_rectangle(
+    NormalsView view,
+    vec3 corners[4],
+    bool two_sided,
+    uint picture
+) {
+    return normals_shown_rectangle(view, corners, two_sided, picture, 8.0, true);
 }
 `;

@@ -1,31 +1,11 @@
-//! Where a continuous function jumps, and whether the closed form does so along random paths.
+//! Whether the closed form jumps along random paths.
 
 use glam::DQuat;
 use rayon::prelude::*;
 
-use crate::cases::{Draw, Roughness};
+use crate::cases::{Draw, Roughness, jump};
 use crate::{NormalsRule, by_normals};
 use ltcforge_fit::Sides;
-
-/// A hundredth of a path is halved so often that lobes of roughness 1e-5 change over it by 1e-8.
-const HALVINGS: u32 = 36;
-
-/// The largest change of a function over an interval in [0, 1] that is as good as a point: halves of the three of a
-/// hundred intervals over which it changes most, each time the half over which it changes more.
-pub(crate) fn jump(of: impl Fn(f64) -> f64) -> f64 {
-    let mut steps: Vec<[f64; 2]> = (0..100).map(|i| [i, i + 1].map(|i| f64::from(i) / 100.0)).collect();
-    let change = |[from, to]: [f64; 2]| (of(to) - of(from)).abs();
-    steps.sort_by_cached_key(|step| std::cmp::Reverse((change(*step) * 1e12) as u64));
-    let narrowed = steps.into_iter().take(3).map(|mut step| {
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (step[0] + step[1]);
-            let halves = [[step[0], middle], [middle, step[1]]];
-            step = if change(halves[0]) > change(halves[1]) { halves[0] } else { halves[1] };
-        }
-        change(step)
-    });
-    narrowed.fold(0.0, f64::max)
-}
 
 /// Lights turn about the shaded point, which rises and sets them and lets their edges pass the mirror direction, while
 /// the view sinks and the surface turns.

@@ -15,5 +15,3 @@ mod small_lights;
 mod strips;
 mod true_light;
 mod walls;
-
-pub(crate) use jumps::jump;

@@ -2,8 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::jumps::jump;
-use crate::cases::{Draw, Lit, Roughness};
+use crate::cases::{Draw, Lit, Roughness, jump};
 use crate::{NormalsRule, by_normals, truth_within};
 use ltcforge_fit::Sides;
 

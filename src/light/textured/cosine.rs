@@ -14,6 +14,11 @@ use ltcforge_fit::math::{Scalar, dot};
 
 /// The cosine that a point on or below the horizon keeps, so that weights never sum to nothing.
 const LEAST_COSINE: f64 = 1e-6;
+/// The least eigenvalue, over the larger one: the longer axis is at most so long that f32 still tells it.
+const LEAST_RATIO: f64 = 1e-7;
+/// The least eigenvalue, times the light's area over the distance of its first corner squared: a bump is as good as endless far below
+/// that. No table of a fit has either.
+const LEAST_SECOND: f64 = 1e-8;
 
 /// The light of an LTC on the plane of a rectangle.
 pub(super) struct CosineLobe<'a, T> {
@@ -31,7 +36,9 @@ impl<'a, T: Scalar> CosineLobe<'a, T> {
         let [x, y] = self.rectangle.axes.map(|axis| self.space.of(axis));
         let corner = self.space.of(self.rectangle.corner);
         let (values, long) = eigen([dot(x, x), dot(x, y), dot(y, y)]);
-        let [w1, w2] = values.map(|value| value.max(T::SHORTEST));
+        let least =
+            (T::of(LEAST_RATIO) * values[1]).max(T::of(LEAST_SECOND) * dot(corner, corner) / self.rectangle.area());
+        let [w1, w2] = values.map(|value| value.max(least).max(T::SHORTEST));
         let fall = [-dot(corner, x), -dot(corner, y)];
         let short = across(long);
         let middle = step(step([T::ZERO; 2], dot2(fall, long) / w1, long), dot2(fall, short) / w2, short);
@@ -42,11 +49,10 @@ impl<'a, T: Scalar> CosineLobe<'a, T> {
 }
 
 impl<T: Scalar> Lobe<T> for CosineLobe<'_, T> {
-    fn density(&self, p: [T; 2]) -> T {
+    /// `z / |P|^4` over the bump, which is `|P|^-4` up to a factor: z is left.
+    fn weight(&self, _: &Bump<T>, p: [T; 2]) -> T {
         let p = self.space.of(self.rectangle.at(p));
-        let length2 = dot(p, p).max(T::SHORTEST);
-        let length = length2.sqrt();
-        (p[2].max(T::ZERO) / length + T::of(LEAST_COSINE)) / (length2 * length)
+        p[2].max(T::ZERO) + T::of(LEAST_COSINE) * dot(p, p).sqrt().max(T::SHORTEST)
     }
 
     /// Light ends at the distribution's own horizon.

@@ -79,6 +79,17 @@ impl<'a, T: Scalar> GgxLobe<'a, T> {
         Bump::of_derivatives(p, gradient, second, T::of(LEAST_SECOND) / self.rectangle.area())
     }
 
+    /// What a point's surroundings count, up to a factor.
+    pub(super) fn density(&self, p: [T; 2]) -> T {
+        let p = self.rectangle.at(p);
+        let (r, _, n, e) = self.parts(p);
+        let stretched = [self.view.alpha[0] * p[0], self.view.alpha[1] * p[1], p[2]];
+        let z = p[2].max(T::ZERO);
+        let shadowed = self.view.length * z + self.view.wo[2] * dot(stretched, stretched).sqrt();
+        let shadow = z / shadowed.max(T::SHORTEST) + T::of(LEAST_SHADOW);
+        (e / n) * (e / n) / r * shadow
+    }
+
     /// q at a point.
     #[cfg(test)]
     pub(super) fn inverse_root(&self, p: [T; 2]) -> T {
@@ -88,14 +99,9 @@ impl<'a, T: Scalar> GgxLobe<'a, T> {
 }
 
 impl<T: Scalar> Lobe<T> for GgxLobe<'_, T> {
-    fn density(&self, p: [T; 2]) -> T {
-        let p = self.rectangle.at(p);
-        let (r, _, n, e) = self.parts(p);
-        let stretched = [self.view.alpha[0] * p[0], self.view.alpha[1] * p[1], p[2]];
-        let z = p[2].max(T::ZERO);
-        let shadowed = self.view.length * z + self.view.wo[2] * dot(stretched, stretched).sqrt();
-        let shadow = z / shadowed.max(T::SHORTEST) + T::of(LEAST_SHADOW);
-        (e / n) * (e / n) / r * shadow
+    fn weight(&self, bump: &Bump<T>, p: [T; 2]) -> T {
+        let fall = T::ONE + bump.quadratic(p);
+        fall * fall * self.density(p)
     }
 
     /// Light ends at the surface.

@@ -13,16 +13,15 @@ use super::{
 };
 use crate::{
     CosineSpace, LightError, NormalsRule, PolygonLight, by_normals,
-    cases::{Draw, Lit, Roughness},
-    ltc::TableUse,
+    cases::{Draw, Lit, Roughness, cosine, jump},
+    ltc::{TableUse, by_table_as},
     normals::View,
-    tests::jump,
     truth,
 };
 use ltcforge_fit::{
-    Configuration, Ltc, Sides,
+    BrdfKind, Configuration, Ltc, Sides, Table, Terms,
     brdf::{Brdf, Ggx},
-    math::Triple,
+    math::{Scalar, Triple},
 };
 
 const HOW: (NormalsRule, Readings) = (NormalsRule::Balanced, Readings::Four);
@@ -99,10 +98,11 @@ fn weights_are_the_lobe_on_the_plane() {
         assert!(are_in_proportion(of_ggx), "{of_ggx:?}");
         let there = points.map(|p| DVec3::from_array(space.of(rectangle.at(p))));
         if there.iter().all(|p| p.z > 0.05 * p.length()) {
-            let of_ltc = points.map(|p| [by_ltc.density(p), share(p, &|w| ltc.pdf(w))]);
-            assert!(are_in_proportion(of_ltc), "{of_ltc:?}");
             // The bump of an LTC is exact.
             let bump = by_ltc.bump();
+            let density = |p| by_ltc.weight(&bump, p) / (1.0 + bump.quadratic(p)).powi(2);
+            let of_ltc = points.map(|p| [density(p), share(p, &|w| ltc.pdf(w))]);
+            assert!(are_in_proportion(of_ltc), "{of_ltc:?}");
             let exact = [0, 1, 2, 3].map(|i| [1.0 + bump.quadratic(points[i]), there[i].length_squared()]);
             assert!(are_in_proportion(exact), "{exact:?}");
             seen += 1;
@@ -114,10 +114,24 @@ fn weights_are_the_lobe_on_the_plane() {
 #[test]
 fn a_light_of_one_colour_is_lit_as_without_a_picture() {
     let colour = [0.25, 1.0, 3.0];
+    // One entry of two lobes.
+    let table = Table {
+        matrix: vec![[0.3, 0.0, -0.4, 0.1, 0.2, 0.0, 0.2, 0.0, 0.9]],
+        second: Some(vec![[0.5, 0.0, -0.6, 0.0, 0.3, 0.1, 0.0, 0.0, 0.7]]),
+        terms: Some(Terms { amplitude: vec![0.75], fresnel: vec![0.25], edge: None }),
+        ..cosine(BrdfKind::Ggx.into())
+    };
     for size in [[1, 1], [37, 5], [64, 64]] {
         let image = LightImage::new(size[0], size[1], vec![colour; size[0] * size[1]]).expect("an image");
         let pyramid = LightPyramid::new(&image);
         for lit in lights(4402, 100) {
+            let used = TableUse::default();
+            let found = textured(&lit).by_table(&table, &lit.at, &pyramid, (used, Readings::Four)).expect("a surface");
+            let plain = by_table_as(&table, &lit.at, &lit.light(Sides::Two), used).expect("a surface");
+            for (i, channel) in colour.map(f64::from).into_iter().enumerate() {
+                assert!((found.energy[i] - channel * plain.energy).abs() < 1e-6 * channel);
+                assert!((found.fresnel[i] - channel * plain.fresnel).abs() < 1e-6 * channel);
+            }
             for rule in NormalsRule::ALL {
                 let found = textured(&lit).by_normals(&lit.at, &pyramid, (*rule, Readings::Four)).expect("a surface");
                 let plain = by_normals(&lit.at, &lit.light(Sides::Two), *rule).expect("a surface");
@@ -247,6 +261,37 @@ fn readings_are_within_the_picture() {
     assert!(seen > 80_000, "{seen}");
 }
 
+/// Matrices that no fit makes, of two dimensions or one up to a little and of any size, with lights far and near.
+#[test]
+fn degenerate_matrices_have_finite_readings() {
+    fn check<T: Scalar + Into<f64>>(rows: [Triple<f64>; 3], corners: [Triple<f64>; 4]) {
+        let of = |v: Triple<f64>| v.map(T::of);
+        for Reading { uv, radius, weight } in
+            ltc_readings(&CosineSpace::new(rows.map(of)), &corners.map(of), Readings::Four)
+        {
+            let [u, v, radius, weight]: [f64; 4] = [uv[0], uv[1], radius, weight].map(Into::into);
+            assert!([u, v].iter().all(|x| (0.0..=1.0).contains(x)), "{rows:?} {corners:?}: {u} {v}");
+            assert!(radius > 0.0 && radius.is_finite(), "{rows:?} {corners:?}: {radius}");
+            assert!(weight > 0.0 && weight.is_finite(), "{rows:?} {corners:?}: {weight}");
+        }
+    }
+    let mut draw = Draw::new(4407);
+    for i in 0..4000 {
+        let lit = draw.lit_by(Roughness::Extreme, [0.001, 20.0]);
+        let [a, b, c] = [0; 3].map(|_| draw.vector().normalize());
+        let little = if i % 2 == 0 { 0.0 } else { 10_f64.powf(draw.within(-12.0, 0.0)) };
+        let rows = match i % 3 {
+            0 => [a, b, a * draw.within(-1.0, 1.0) + c * little],
+            1 => [a, a * draw.within(-1.0, 1.0) + b * little, a * draw.within(-1.0, 1.0) + c * little],
+            _ => [a, b * little, c * little],
+        };
+        let far = 10_f64.powf(draw.within(-6.0, 6.0));
+        let (rows, corners) = (rows.map(|row| row.to_array()), corners(&lit).map(|corner| corner.map(|x| x * far)));
+        check::<f64>(rows, corners);
+        check::<f32>(rows, corners);
+    }
+}
+
 #[test]
 fn what_has_no_picture_is_refused() {
     let polygon = |corners: &[[f64; 2]]| {
@@ -262,7 +307,7 @@ fn what_has_no_picture_is_refused() {
     let at = Configuration { alpha_x: 0.3, alpha_y: 0.3, theta: 2.0, phi: 0.0 };
     let pyramid = LightPyramid::new(&picture());
     assert!(matches!(light.by_normals(&at, &pyramid, HOW), Err(LightError::Domain { what: "theta", .. })));
-    let no_terms = crate::cases::cosine(ltcforge_fit::BrdfKind::Ggx.into());
+    let no_terms = cosine(BrdfKind::Ggx.into());
     let at = Configuration { theta: 0.3, ..at };
     let how = (TableUse::default(), Readings::Four);
     assert_eq!(light.by_table(&no_terms, &at, &pyramid, how), Err(LightError::NoTerms));

@@ -15,6 +15,7 @@ mod kernel_sum;
 #[cfg(test)]
 mod kernel_tests;
 mod light;
+mod profile;
 mod pyramid;
 mod readings;
 mod rectangle;
@@ -28,6 +29,7 @@ pub use image::{ImageError, LightImage};
 #[cfg(any(test, feature = "testing"))]
 pub use kernel_sum::kernel_sum;
 pub use light::{TexturedLight, TexturedReflection, ltc_readings, normals_readings};
+pub use profile::{PROFILE_TANGENT, ProfileWindow};
 pub use pyramid::{LightPyramid, OWN_PARTS};
 pub use readings::{Reading, Readings, colour};
 pub use square::MOST_SQUARE_TEXELS;

@@ -48,8 +48,8 @@ impl Readings {
 
 /// The light of a lobe on the plane of a rectangle.
 pub(super) trait Lobe<T> {
-    /// What a point's surroundings count, up to a factor.
-    fn density(&self, p: [T; 2]) -> T;
+    /// What a point's surroundings count over the lobe's bump, up to a factor.
+    fn weight(&self, bump: &Bump<T>, p: [T; 2]) -> T;
     /// How far a point is above where the lobe ends, up to a factor; linear.
     fn height(&self, p: [T; 2]) -> T;
 }
@@ -100,18 +100,18 @@ pub(super) fn readings<T: Scalar>(
     let [of_radius, of_gap] = number.widths().map(T::of);
     let reading = |k: usize| {
         let s = s0 + part * T::of(k as f64 + 0.5);
-        let stretch2 = T::ONE / (T::ONE - s * s).max(T::of(1e-12));
-        let stretch = stretch2.sqrt();
-        let gap = of_gap * unit * (part * stretch2 * stretch).min(t1 - t0);
-        let wanted = step(bump.middle, s * stretch, along);
+        // Far out s has few digits left: where both ends are one, t is that.
+        let t = (s / (T::ONE - s * s).max(T::of(1e-12)).sqrt()).max(t0).min(t1);
+        let stretch2 = T::ONE + t * t;
+        let gap = of_gap * unit * (part * stretch2 * stretch2.sqrt()).min(t1 - t0);
+        let wanted = step(bump.middle, t, along);
         let p = rectangle.clamped(wanted);
         let moved = [wanted[0] - p[0], wanted[1] - p[1]];
         let radius2 = of_radius * of_radius * (short2 * stretch2 + gap * gap) + dot2(moved, moved);
-        let fall = T::ONE + bump.quadratic(p);
         Reading {
             uv: [0, 1].map(|i| p[i] / rectangle.size[i]),
             radius: (radius2 / rectangle.area()).sqrt(),
-            weight: fall * fall * lobe.density(p),
+            weight: lobe.weight(bump, p),
         }
     };
     (0..number.count()).map(reading).collect()

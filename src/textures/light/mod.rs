@@ -13,6 +13,6 @@ mod texture;
 pub use curve::{Curve, TransferFunction};
 pub use decode::{LightFileError, LightPicture, MOST_PIXELS, PictureFormat};
 pub use files::{LightTexels, LightTextureFile, LightTextureFiles, is_light_texture, light_texture_files};
-pub use profile::{PROFILE_FORMAT, PROFILE_TANGENT, Profile, ProfileError};
+pub use profile::{PROFILE_FORMAT, Profile, ProfileError};
 pub use size::LightSize;
 pub use texture::{LightTexture, LightTextureError, LightTextureOptions, light_texture};

@@ -3,11 +3,9 @@
 //! Invariant: hostile bytes give every fault of the header within bounded time and memory, never a panic.
 
 use ltcforge_fit::math::atan2;
-use ltcforge_light::textured::LightImage;
+use ltcforge_light::textured::{LightImage, PROFILE_TANGENT};
 
-/// The tangents of directions from the lamp's axis to which the picture reaches: 76 degrees.
-pub const PROFILE_TANGENT: f64 = 4.0;
-/// Its texels a side.
+/// The picture's texels a side.
 const SIDE: usize = 512;
 /// The name of the format.
 pub const PROFILE_FORMAT: &str = "IES LM-63";

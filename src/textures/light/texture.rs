@@ -1,12 +1,12 @@
 //! From the file of a picture to the files of its pyramid.
 
 use ltcforge_files::digest::Digest;
-use ltcforge_light::textured::LightPyramid;
+use ltcforge_light::textured::{LightPyramid, PROFILE_TANGENT};
 use serde::Serialize;
 
 use super::{
     LightFileError, LightPicture, LightSize, LightTexels, LightTextureFile, LightTextureFiles, PROFILE_FORMAT,
-    PROFILE_TANGENT, Profile, ProfileError, TransferFunction, light_texture_files, profile::is_profile,
+    PictureFormat, Profile, ProfileError, TransferFunction, light_texture_files, profile::is_profile,
 };
 use crate::{About, TextureContainer, TextureFileError};
 
@@ -52,9 +52,15 @@ pub struct LightTexture {
 /// Why there is no prefiltered picture.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LightTextureError {
+    /// The file begins neither as a picture nor as a profile.
+    #[error(
+        "this file is neither an image nor a profile that can be read; allowed: {}, {PROFILE_FORMAT}",
+        PictureFormat::names()
+    )]
+    Format,
     /// The picture.
     #[error(transparent)]
-    Picture(#[from] LightFileError),
+    Picture(LightFileError),
     /// The profile.
     #[error(transparent)]
     Profile(#[from] ProfileError),
@@ -72,6 +78,13 @@ pub enum LightTextureError {
     /// The format.
     #[error(transparent)]
     Files(#[from] TextureFileError),
+}
+
+impl From<LightFileError> for LightTextureError {
+    /// A file that is no picture might have been a profile.
+    fn from(error: LightFileError) -> Self {
+        if error == LightFileError::Format { Self::Format } else { Self::Picture(error) }
+    }
 }
 
 /// Prefilters the picture of a file, or the radiance of an IES profile over the tangents of directions. Domain: `name` as

@@ -91,13 +91,15 @@ fn a_text_with_pictures_binds_and_reads_them() {
             let name = language.name();
             let (with, without) = (text(Some(Readings::Six)), text(None));
             let own = if model == LightModel::Ltc { "ltc" } else { "normals" };
-            let function = format!("{own}_textured_rectangle(");
-            assert!(code(&with).contains(&function) && !without.contains("textured"), "{name}: {function}");
-            assert!(with.contains("// PICTURES ON LIGHTS") && with.contains(&format!("//   {function}")), "{name}");
+            for function in [format!("{own}_textured_rectangle("), format!("{own}_profile_rectangle(")] {
+                assert!(code(&with).contains(&function) && !without.contains(&function), "{name}: {function}");
+                assert!(with.contains("// PICTURES ON LIGHTS") && with.contains(&format!("//   {function}")), "{name}");
+            }
+            assert!(!without.contains("textured"), "{name}");
             let explained =
                 with.lines().skip_while(|line| *line != "// PICTURES ON LIGHTS").take_while(|line| *line != "//");
             let lengths: Vec<usize> = explained.map(str::len).collect();
-            assert!(lengths.len() == 8 && lengths.iter().all(|length| *length <= 130), "{name}: {lengths:?}");
+            assert!(lengths.len() == 12 && lengths.iter().all(|length| *length <= 130), "{name}: {lengths:?}");
             let lines: BTreeSet<&str> = with.lines().collect();
             let missing = code(&without).lines().filter(|line| !lines.contains(line)).count();
             // Functions of MSL take what they read as arguments.

@@ -5,6 +5,9 @@ mod engines;
 mod pictures;
 mod profiles;
 pub mod scenes;
+mod single;
+#[cfg(test)]
+mod tests;
 
 use std::fmt::Write as _;
 
@@ -13,7 +16,7 @@ use ltcforge::{
     Layout, Preset, Recipe, RecipeDocument as _,
     fit::{Configuration, Ltc, Table, math::from_row_major},
     light::{
-        CosineSpace, NormalsRule, ReflectedLight, TableUse, by_table,
+        CosineSpace, NormalsRule, ReflectedLight, by_table,
         textured::{LightPyramid, Readings, TexturedLight, TexturedReflection, colour, engines_reading},
     },
 };
@@ -112,12 +115,10 @@ fn ways<'a>([table, isotropic]: [&'a Table; 2], pictures: &'a [Pictures]) -> Vec
         ways.push((format!("LTC, engines' reading, width x {width}"), Box::new(way)));
     }
     for number in [Readings::One, Readings::Four] {
-        let used = (TableUse::default(), number);
         ways.push((
             format!("LTC, its own kernel, {number}"),
             Box::new(move |case| {
-                pictures[case.form]
-                    .channels(|pyramid| case.light.by_table(table, &case.at, pyramid, used).expect("a surface"))
+                pictures[case.form].channels(|pyramid| single::by_table(table, &case.at, &case.light, pyramid, number))
             }),
         ));
     }
@@ -133,7 +134,7 @@ fn ways<'a>([table, isotropic]: [&'a Table; 2], pictures: &'a [Pictures]) -> Vec
             format!("`normals`, `{rule}`, {number}"),
             Box::new(move |case| {
                 pictures[case.form]
-                    .channels(|pyramid| case.light.by_normals(&case.at, pyramid, (rule, number)).expect("a surface"))
+                    .channels(|pyramid| single::by_normals(&case.at, &case.light, pyramid, (rule, number)))
             }),
         ));
     }
@@ -158,37 +159,5 @@ fn by_engines_reading(
     TexturedReflection {
         energy: colour.map(|channel| energy * channel),
         fresnel: colour.map(|channel| fresnel * channel),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::textured::cases::Set;
-
-    /// docs/textured.md, of a ninth of its lights: four readings by `normals`, and how much less they err than one.
-    #[test]
-    fn four_readings_err_as_little_as_the_document_says() {
-        let pictures: Vec<Pictures> = cases::FORMS.into_par_iter().map(Pictures::new).collect();
-        for (set, bound, of_one) in [
-            (Set::Random, 0.0075, 0.6),
-            (Set::Anisotropic, 0.0065, 0.7),
-            (Set::Grazing, 0.01, 0.7),
-            (Set::Rough, 0.001, 0.95),
-            (Set::Floor, 0.0032, 0.7),
-        ] {
-            let cases = cases(set, 100, &pictures);
-            let [one, four] = [Readings::One, Readings::Four].map(|number| {
-                let errors = cases.par_iter().flat_map_iter(|case| {
-                    let how = (NormalsRule::Balanced, number);
-                    let found = pictures[case.form]
-                        .channels(|pyramid| case.light.by_normals(&case.at, pyramid, how).expect("a surface"));
-                    found.into_iter().zip(&case.truth).map(|(found, truth)| (found - truth).abs()).collect::<Vec<_>>()
-                });
-                Spread::of(errors.collect()).mean
-            });
-            println!("{}: {four:.5} by four readings, {one:.5} by one", set.name());
-            assert!(four < bound && four < of_one * one, "{}: {four} {one}", set.name());
-        }
     }
 }

@@ -1,8 +1,4 @@
-//! Photometric lights: a rectangle whose radiance depends on the direction alone, as that of a lamp with an IES profile.
-//!
-//! A point p of the light's plane sends to the shaded point in the direction `(f - p, h)`, for the foot f of the
-//! perpendicular and the distance h. Over `g = (f - p) / h`, the tangents of a direction, a profile is a picture of which the
-//! light sees a window: it is prefiltered once for all, and a lobe's readings of the light are readings of it.
+//! The table of docs/textured.md for lamps with a profile: lights whose radiance depends on the direction alone.
 
 use std::fmt::Write as _;
 
@@ -15,7 +11,8 @@ use ltcforge::{
     light::{
         NormalsRule,
         textured::{
-            LightImage, LightPyramid, Reading, Readings, TexturedLight, TexturedReflection, colour, normals_readings,
+            LightImage, LightPyramid, PROFILE_TANGENT, ProfileWindow, Reading, Readings, TexturedLight,
+            TexturedReflection, colour, normals_readings,
         },
     },
 };
@@ -27,11 +24,8 @@ use crate::{
     markdown::{short, spread},
 };
 
-/// The tangent up to which a profile has texels, and how many along a side.
-const TANGENT: f64 = 4.0;
+/// Texels along a side of a profile.
 const SIDE: usize = 512;
-/// The variance of a square's points along a side, over its area: no kernel is wider than the light.
-const OF_AREA: f64 = 1.0 / 12.0;
 
 /// The radiance of a direction, up to one.
 type Profile = fn(DVec3) -> f64;
@@ -42,45 +36,16 @@ const PROFILES: [(&str, Profile); 3] = [
     ("asymmetric, tilted by 35 degrees", |d| d.dot(direction(0.61, 0.0)).max(0.0).powi(12)),
 ];
 
-/// Where a light's readings are in its profiles.
-struct Window {
-    foot: [f64; 2],
-    size: [f64; 2],
-    height: f64,
-}
-
-impl Window {
-    fn new(light: &TexturedLight) -> Self {
-        let corners = light.polygon().vertices();
-        let size = light.size();
-        let axes = [(corners[1] - corners[0]) / size[0], (corners[3] - corners[0]) / size[1]];
-        let foot = axes.map(|axis| -corners[0].dot(axis));
-        Self { foot, size, height: axes[0].cross(axes[1]).dot(corners[0]).abs().max(1e-6) }
-    }
-
-    /// The tangents of the direction from a place of the light to the shaded point.
-    fn tangents(&self, uv: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|i| (self.foot[i] - uv[i] * self.size[i]) / self.height)
-    }
-
-    fn direction(&self, uv: [f64; 2]) -> DVec3 {
-        let [x, y] = self.tangents(uv);
-        DVec3::new(x, y, 1.0).normalize()
-    }
-
-    /// A reading of a picture on the light as one of the picture of a profile.
-    fn of_profile(&self, reading: &Reading<f64>) -> Reading<f64> {
-        let uv = self.tangents(reading.uv).map(|g| (0.5 + 0.5 * g / TANGENT).clamp(0.0, 1.0));
-        let narrower = 1.0 / (1.0 / reading.radius.powi(2) + 1.0 / OF_AREA);
-        let area = self.size[0] * self.size[1];
-        Reading { uv, radius: (narrower * area).sqrt() / (self.height * 2.0 * TANGENT), weight: reading.weight }
-    }
+/// The direction from a place of the light to the shaded point, around the lamp's axis.
+fn direction_of(window: &ProfileWindow, uv: [f64; 2]) -> DVec3 {
+    let [x, y] = window.tangents(uv);
+    DVec3::new(x, y, 1.0).normalize()
 }
 
 /// The pyramid of the profiles, a channel each.
 fn pyramid() -> LightPyramid {
     let texel = |i: usize| {
-        let [x, y] = [i % SIDE, i / SIDE].map(|i| ((i as f64 + 0.5) / SIDE as f64 - 0.5) * 2.0 * TANGENT);
+        let [x, y] = [i % SIDE, i / SIDE].map(|i| ((i as f64 + 0.5) / SIDE as f64 - 0.5) * 2.0 * PROFILE_TANGENT);
         let d = DVec3::new(x, y, 1.0).normalize();
         PROFILES.map(|(_, profile)| profile(d) as f32)
     };
@@ -95,8 +60,8 @@ fn found(at: &Configuration, light: &TexturedLight, pyramid: &LightPyramid) -> [
     let wo = direction(at.theta, at.phi).to_array();
     let readings =
         |number| normals_readings([at.alpha_x, at.alpha_y], wo, &corners, Sides::Two, (NormalsRule::Balanced, number));
-    let window = Window::new(light);
-    let at_point = |uv: [f64; 2]| PROFILES.map(|(_, profile)| profile(window.direction(uv)));
+    let window = ProfileWindow::new(light);
+    let at_point = |uv: [f64; 2]| PROFILES.map(|(_, profile)| profile(direction_of(&window, uv)));
     let ([energy, _], one) = readings(Readings::One);
     let (_, four) = readings(Readings::Four);
     let blurred = |readings: &[Reading<f64>]| {
@@ -117,10 +82,10 @@ fn measured(set: Set, lights: usize, pyramid: &LightPyramid) -> Vec<Measured> {
     let of_light = |(at, light, form): &(Configuration, TexturedLight, usize)| {
         let size = FORMS[*form].map(|texels| texels / 4);
         let texels = light.texel_lights(at, size, TOLERANCE).ok()?;
-        let window = Window::new(light);
+        let window = ProfileWindow::new(light);
         let value = |i: usize| {
-            let d = window
-                .direction([0, 1].map(|axis| ([i % size[0], i / size[0]][axis] as f64 + 0.5) / size[axis] as f64));
+            let place = [0, 1].map(|axis| ([i % size[0], i / size[0]][axis] as f64 + 0.5) / size[axis] as f64);
+            let d = direction_of(&window, place);
             PROFILES.map(|(_, profile)| profile(d) as f32)
         };
         let values: Vec<[f32; 3]> = (0..texels.len()).map(value).collect();
@@ -167,23 +132,6 @@ pub fn profiles(lights: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ltcforge::light::PolygonLight;
-
-    #[test]
-    fn directions_come_from_the_place_on_the_light() {
-        let vertices = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]].map(|[x, y]| DVec3::new(x, y, 2.0));
-        let light = PolygonLight::new(vertices.to_vec(), Sides::Two).and_then(TexturedLight::new).expect("a rectangle");
-        let window = Window::new(&light);
-        for (uv, wanted) in [([0.5, 0.5], [0.0, 0.0]), ([0.0, 0.5], [0.5, 0.0]), ([0.5, 1.0], [0.0, -0.5])] {
-            assert_eq!(window.tangents(uv), wanted);
-        }
-        // A kernel far wider than the light is as wide as the light, a narrow one keeps its width.
-        let read = |radius| window.of_profile(&Reading { uv: [0.25, 0.5], radius, weight: 2.0 });
-        let of_one = 2.0 / (2.0 * 2.0 * TANGENT);
-        assert!((read(1e3).radius / (OF_AREA.sqrt() * of_one) - 1.0).abs() < 1e-3);
-        assert!((read(1e-3).radius / (1e-3 * of_one) - 1.0).abs() < 1e-3);
-        assert_eq!((read(1.0).uv, read(1.0).weight), ([0.5 + 0.125 / TANGENT, 0.5], 2.0));
-    }
 
     /// docs/textured.md: a fourth of the error of the light's middle, on rough surfaces half of that without a blur.
     #[test]

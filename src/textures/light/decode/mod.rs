@@ -38,6 +38,13 @@ named_list! {
     }
 }
 
+impl PictureFormat {
+    /// The names of all formats.
+    pub(super) fn names() -> String {
+        Self::ALL.iter().map(|format| format.name()).collect::<Vec<_>>().join(", ")
+    }
+}
+
 /// A picture from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightPicture {
@@ -53,7 +60,7 @@ pub struct LightPicture {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LightFileError {
     /// The file begins as none of the formats.
-    #[error("this file is not an image that can be read; allowed: {}", PictureFormat::ALL.iter().map(|format| format.name()).collect::<Vec<_>>().join(", "))]
+    #[error("this file is not an image that can be read; allowed: {}", PictureFormat::names())]
     Format,
     /// Sides that are too long, or zero.
     #[error("the image has {width} x {height} pixels; 1 to {MOST_ALONG} along a side are allowed, and {most} in all")]
