@@ -1,6 +1,6 @@
-//! What a disk may have after a power cut.
+//! What a disk may have after a service ended.
 //!
-//! What was synchronised before the cut is there. Of what was not, each write is there, or not, or a part of it, whichever was
+//! After a kill, all that it wrote. After a power cut, what was synchronised before the cut. Of what was not, each write is there, or not, or a part of it, whichever was
 //! made first; of the changes of a folder's names the first ones are, as journalling file systems keep them, of each folder for
 //! itself. That is what POSIX allows and crash-consistency checkers assume: Pillai et al., «All File Systems Are Not Created
 //! Equal», OSDI 2014.
@@ -10,8 +10,34 @@ use std::{collections::BTreeMap, fs, path::Path};
 use super::trace::{Change, Event, Inode, ROOT, Trace};
 use crate::common::soak::Random;
 
-/// Writes into `to` what may be there after a cut behind line `cut` of the trace.
-pub(super) fn after_cut(trace: &Trace, cut: usize, random: &mut Random, to: &Path) {
+/// How a service ends.
+pub(super) enum End<'a> {
+    /// The system goes on, and keeps what it was told.
+    Kill,
+    /// What a power cut keeps is drawn.
+    PowerCut(&'a mut Random),
+}
+
+impl End<'_> {
+    /// How many of the last `changes` that are not synchronised are kept.
+    fn kept(&mut self, changes: usize) -> usize {
+        match self {
+            Self::Kill => changes,
+            Self::PowerCut(random) => random.below(changes + 1),
+        }
+    }
+
+    /// How many of the bytes of a write that is not synchronised are kept.
+    fn torn(&mut self, bytes: usize) -> usize {
+        match self {
+            Self::Kill => bytes,
+            Self::PowerCut(random) => [bytes, bytes, 0, random.below(bytes + 1)][random.below(4)],
+        }
+    }
+}
+
+/// Writes into `to` what may be there after an end ahead of line `cut` of the trace.
+pub(super) fn after(mut end: End<'_>, trace: &Trace, cut: usize, to: &Path) {
     let begun: Vec<&Event> = trace.events.iter().filter(|event| event.began < cut).collect();
     let is_safe = |event: &Event, of: Inode| {
         let synced = |later: &&&Event| {
@@ -28,13 +54,12 @@ pub(super) fn after_cut(trace: &Trace, cut: usize, random: &mut Random, to: &Pat
     for folder in (0..trace.folders.len()).filter(|inode| trace.folders[*inode]) {
         let of_folder: Vec<&&Event> = begun.iter().filter(|event| folder_of(event) == Some(folder)).collect();
         let safe = of_folder.iter().rposition(|event| is_safe(event, folder)).map_or(0, |last| last + 1);
-        kept.insert(folder, safe + random.below(of_folder.len() - safe + 1));
+        kept.insert(folder, safe + end.kept(of_folder.len() - safe));
     }
     for event in &begun {
         match &event.change {
             Change::Write { file, at, bytes } => {
-                let whole = is_safe(event, *file) || random.below(2) == 0;
-                let torn = if whole { bytes.len() } else { [0, random.below(bytes.len() + 1)][random.below(2)] };
+                let torn = if is_safe(event, *file) { bytes.len() } else { end.torn(bytes.len()) };
                 if torn > 0 {
                     let content = contents.entry(*file).or_default();
                     content.resize(content.len().max(at + torn), 0);
@@ -42,7 +67,7 @@ pub(super) fn after_cut(trace: &Trace, cut: usize, random: &mut Random, to: &Pat
                 }
             }
             Change::Truncate { file, length } => {
-                if is_safe(event, *file) || random.below(2) == 0 {
+                if is_safe(event, *file) || end.kept(1) == 1 {
                     contents.entry(*file).or_default().resize(*length, 0);
                 }
             }

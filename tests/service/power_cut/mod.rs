@@ -1,10 +1,11 @@
-//! Power cuts: what a service writes is recorded, and at [`CUTS`] points, or `LTCFORGE_TEST_CUTS`, what a disk may have by then
-//! is made of it. A service that starts there has all that was acknowledged.
+//! Power cuts and kills: what a service writes is recorded, and at [`CUTS`] points, or `LTCFORGE_TEST_CUTS`, what a disk may have by
+//! then is made of it. A service that starts there has all that was acknowledged. Kills are between durable steps: a file is
+//! synchronised, or gets, changes or loses its name.
 
 mod disk;
 mod trace;
 
-use std::{collections::BTreeMap, fs, process::Command};
+use std::{collections::BTreeMap, fs, path::Path, process::Command, sync::LazyLock};
 
 use serde_json::Value;
 
@@ -16,6 +17,7 @@ use crate::common::{
     soak::{Random, four_shards, rounds},
     tell_skipped,
 };
+use disk::End;
 use trace::{Change, Trace};
 
 /// Each takes about half a second.
@@ -54,7 +56,9 @@ fn told(trace: &Trace) -> Vec<(usize, Told)> {
 }
 
 /// The trace of a service that fits, cancels, is asked again for what it has, and stores a tabulated BRDF.
-fn traced(folder: &std::path::Path) -> Trace {
+fn traced() -> Trace {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
     let (data, file) = (folder.join("data"), folder.join("trace"));
     fs::create_dir(&data).expect("a folder");
     run(folder, ["tabulate", "oren_nayar", "--alpha", "0.2,1", "-o", "brdf"]).exited(0);
@@ -77,44 +81,76 @@ fn traced(folder: &std::path::Path) -> Trace {
     trace::read(&fs::read_to_string(file).expect("the trace"), &data)
 }
 
+/// What was done, and what was told.
+type Recorded = (Trace, Vec<(usize, Told)>);
+
+/// What both tests use; `None`, and it says so, where nothing can be traced.
+fn recorded() -> Option<&'static Recorded> {
+    static RECORDED: LazyLock<Option<Recorded>> = LazyLock::new(|| {
+        let can_trace = Command::new("strace").args(["-f", "true"]).output().is_ok_and(|run| run.status.success());
+        can_trace.then(|| {
+            let trace = traced();
+            let told = told(&trace);
+            let tables = told.iter().filter(|(_, told)| matches!(told, Told::Job { table: Some(_), .. })).count();
+            assert!(tables >= 3 && told.iter().any(|(_, told)| matches!(told, Told::Stored { .. })), "{told:#?}");
+            (trace, told)
+        })
+    });
+    if RECORDED.is_none() {
+        tell_skipped("there is no strace here, or it may not trace");
+    }
+    RECORDED.as_ref()
+}
+
+/// A service on `data` has what was told ahead of line `line`.
+fn check(data: &Path, told: &[(usize, Told)], line: usize) {
+    let server = Server::start(data, &["--workers", "1"]);
+    // The last word on each.
+    let mut jobs = BTreeMap::new();
+    for (at, told) in told.iter().filter(|(at, _)| *at < line) {
+        match told {
+            Told::Job { id, .. } => drop(jobs.insert(id, (at, told))),
+            Told::Stored { address } => drop(server.get(address).with_status(200)),
+        }
+    }
+    for (id, (at, told)) in jobs {
+        let Told::Job { state, table, .. } = told else { continue };
+        let job = server.get(&format!("/v1/jobs/{id}"));
+        assert_eq!(job.status, 200, "ahead of line {line}: job {id}, told at line {at}, is lost");
+        let job = job.json();
+        if ["done", "cancelled"].contains(&state.as_str()) {
+            assert_eq!(job["state"], *state, "ahead of line {line}, told at line {at}: {job:#}");
+        }
+        if let Some(table) = table {
+            server.get(&format!("/v1/tables/{table}")).with_status(200);
+        }
+    }
+    let log = server.kill_and_read();
+    assert!(!log.contains("panicked"), "ahead of line {line}: {log}");
+}
+
 #[test]
 fn power_cuts_lose_nothing_that_was_acknowledged() {
-    if Command::new("strace").args(["-f", "true"]).output().is_err() {
-        return tell_skipped("there is no strace here, or it may not trace");
+    let Some((trace, told)) = recorded() else { return };
+    let mut random = Random(1);
+    for _ in 0..rounds("LTCFORGE_TEST_CUTS", CUTS) {
+        let (line, folder) = (random.below(trace.lines + 1), tempfile::tempdir().expect("a folder"));
+        disk::after(End::PowerCut(&mut random), trace, line, folder.path());
+        check(folder.path(), told, line);
     }
-    let folder = tempfile::tempdir().expect("a folder");
-    let trace = traced(folder.path());
-    let told = told(&trace);
-    let tables = told.iter().filter(|(_, told)| matches!(told, Told::Job { table: Some(_), .. })).count();
-    assert!(tables >= 3 && told.iter().any(|(_, told)| matches!(told, Told::Stored { .. })), "{told:#?}");
-    let (cuts, mut random) = (rounds("LTCFORGE_TEST_CUTS", CUTS), Random(1));
-    for cut in 0..cuts {
-        let line = random.below(trace.lines + 1);
-        let data = folder.path().join(format!("cut-{cut}"));
-        disk::after_cut(&trace, line, &mut random, &data);
-        let server = Server::start(&data, &["--workers", "1"]);
-        // The last word on each.
-        let mut jobs = BTreeMap::new();
-        for (at, told) in told.iter().filter(|(at, _)| *at < line) {
-            match told {
-                Told::Job { id, .. } => drop(jobs.insert(id, (at, told))),
-                Told::Stored { address } => drop(server.get(address).with_status(200)),
-            }
-        }
-        for (id, (at, told)) in jobs {
-            let Told::Job { state, table, .. } = told else { continue };
-            let job = server.get(&format!("/v1/jobs/{id}"));
-            assert_eq!(job.status, 200, "cut {cut} behind line {line}: job {id}, told at line {at}, is lost");
-            let job = job.json();
-            if ["done", "cancelled"].contains(&state.as_str()) {
-                assert_eq!(job["state"], *state, "cut {cut} behind line {line}, told at line {at}: {job:#}");
-            }
-            if let Some(table) = table {
-                server.get(&format!("/v1/tables/{table}")).with_status(200);
-            }
-        }
-        let log = server.kill_and_read();
-        assert!(!log.contains("panicked"), "cut {cut} behind line {line}: {log}");
-        fs::remove_dir_all(data).expect("a folder");
+}
+
+#[test]
+fn kills_between_durable_steps_lose_nothing_that_was_acknowledged() {
+    let Some((trace, told)) = recorded() else { return };
+    let is_durable = |change: &Change| !matches!(change, Change::Write { .. } | Change::Sent { .. });
+    let steps: Vec<usize> =
+        trace.events.iter().filter(|event| is_durable(&event.change)).map(|event| event.began).collect();
+    // All of them, or as many at equal distances.
+    let every = steps.len().div_ceil(rounds("LTCFORGE_TEST_CUTS", CUTS));
+    for step in steps.iter().step_by(every) {
+        let folder = tempfile::tempdir().expect("a folder");
+        disk::after(End::Kill, trace, *step, folder.path());
+        check(folder.path(), told, *step);
     }
 }
