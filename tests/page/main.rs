@@ -154,6 +154,10 @@ fn the_viewer_draws_what_previews_show() {
     }
     assert!(number("engines", "brushed") > 2.0 * number("engines", "round"), "{seen:#}");
     assert!(seen["same"].as_f64().is_some_and(|byte| byte < 100.0), "no difference is dark blue: {seen:#}");
+    assert_eq!(seen["beside"], "normals, no table");
+    let tables = seen["tables"].as_array().expect("a list");
+    assert!(!tables.iter().any(|table| table == "table normals") && tables.len() > 3, "{tables:?}");
+    assert_eq!(seen["told"], true, "two scattering models are told");
 }
 
 #[test]

@@ -154,7 +154,12 @@ await withWorld( async ( { service, open } ) => {
 	// Another model in place of the reference: the same on both sides makes no difference.
 	await shown( { table: reflected, against: reflected, show: 'difference' } );
 	const same = Math.max( ...( await pixels( null, PLACES ) ).flat() );
-	return { off, bright, reference, engines, same };
+	// A link may name normals on either side, which is no table.
+	await shown( { table: reflected, against: 'normals' } );
+	const [ beside, tables ] = [ await page.locator( '#against option:checked' ).innerText(), await page.locator( '#model option' ).allInnerTexts() ];
+	await shown( { table: sheen, against: reflected } );
+	const two = await page.locator( '.page-viewer' ).innerText();
+	return { off, bright, reference, engines, same, beside, tables, told: /Two scattering models: charlie on the left, ggx/.test( two ) };
 
 
 }, [ '--adapter', 'cpu' ] );

@@ -10,7 +10,7 @@ const BUDGETS = { '': [ 'nearly as good as any', '' ], bytes: [ 'bytes at most',
 /** A field for a file; `take` gets the recipe that is chosen of its plan. */
 export function planner( signal, take ) {
 
-	const file = el( 'input', { type: 'file', id: 'scene', accept: '.glb,.json', class: 'hidden', onchange: () => plan( file.files[ 0 ] ) } );
+	const file = el( 'input', { type: 'file', id: 'scene', accept: '.glb,.gltf,.json', class: 'hidden', onchange: () => plan( file.files[ 0 ] ) } );
 	const budget = el( 'select', { id: 'budget', 'aria-label': 'Budget', onchange: () => {
 
 		const first = BUDGETS[ budget.value ][ 1 ];

@@ -42,7 +42,7 @@ export async function show( root, rest, parameters, signal ) {
 	const outlines = [];
 	const figures = el( 'div' );
 	const { items } = await call( '/v1/tables?limit=200', { signal } );
-	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && ! Object.hasOwn( PUBLISHED, name ) );
+	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && name !== 'normals' && ! Object.hasOwn( PUBLISHED, name ) );
 	const models = [ ...Object.entries( PUBLISHED ), ...known.map( ( digest ) => [ digest, `table ${ short( digest ) }` ] ) ];
 	const table = choice( 'model', 'Lit by', [ [ '', 'normals, no table' ], ...models ], scene.table, ( name ) => change( 'table', name ) );
 	const against = choice( 'against', 'Beside', [ [ '', 'Monte Carlo integration' ], [ 'normals', 'normals, no table' ], ...models ], scene.against, ( name ) => change( 'against', name ) );
@@ -244,7 +244,7 @@ export async function show( root, rest, parameters, signal ) {
 
 		const isReference = ! sides[ 1 ] && scene.show !== 'model';
 		canvas.dataset.samples = sides[ 1 ] ? MOST : samples;
-		fill( figures, facts( [ [ 'Samples', isReference ? samples : '–' ], [ 'Frame', `${ ( performance.now() - since ).toFixed( 1 ) } ms` ], [ 'Draw calls', calls ], [ 'Drawn by', DRAWN_BY[ by.language ] ] ] ), scene.show === 'difference' ? el( 'div', { class: 'scale muted' }, el( 'span', {}, 'no difference' ), el( 'span', { class: 'ramp difference' } ), el( 'span', {}, `${ DIFFERENCE } of radiance and more` ) ) : null );
+		fill( figures, facts( [ [ 'Samples', isReference ? samples : '–' ], [ 'Frame', `${ ( performance.now() - since ).toFixed( 1 ) } ms` ], [ 'Draw calls', calls ], [ 'Drawn by', DRAWN_BY[ by.language ] ] ] ), sides[ 1 ] && sides[ 1 ].brdf !== sides[ 0 ].brdf ? el( 'p', { class: 'muted' }, `Two scattering models: ${ sides[ 0 ].brdf } on the left, ${ sides[ 1 ].brdf } on the right. Both have the colour of the left one.` ) : null, scene.show === 'difference' ? el( 'div', { class: 'scale muted' }, el( 'span', {}, 'no difference' ), el( 'span', { class: 'ramp difference' } ), el( 'span', {}, `${ DIFFERENCE } of radiance and more` ) ) : null );
 		if ( isMoving ) begin();
 		else if ( isReference && samples < MOST ) later();
 

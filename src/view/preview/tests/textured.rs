@@ -202,8 +202,8 @@ fn the_shaders_read_profiles_as_f64_does() {
     check((LitBy::from(Layout::Reflected), 5, &of_lamps(LTC)), Readings::Four, &profile, &lights, of);
 }
 
-/// Compares colours and parts of lights with f64: 99 of 100 colours are within two thousandths, since samplers of GPUs weigh
-/// texels by 8 bits, 999 of 1000 within a hundredth.
+/// Compares colours and parts of lights with f64: 99 of 100 colours are within a thousandth, since samplers of GPUs weigh
+/// texels by 8 bits, 999 of 1000 within four.
 fn check(
     (lit_by, first, entry): (LitBy, u32, &str),
     number: Readings,
@@ -227,7 +227,7 @@ fn check(
     let count = differences.len();
     let [usual, rare, most] = [count * 99 / 100, count * 999 / 1000, count - 1].map(|i| differences[i]);
     println!("{}: {count} colours off by {usual:.1e} (p99), {rare:.1e} (p99.9), {most:.1e}", lit_by.name());
-    assert!(count > 1500 && usual < 4e-4 && rare < 4e-3, "{}: {usual} {rare} {most}", lit_by.name());
+    assert!(count > 1500 && usual < 1e-3 && rare < 4e-3, "{}: {usual} {rare} {most}", lit_by.name());
 }
 
 /// A light of one colour, of any texels, is lit as without a picture: by `normals` and by a fitted table with its terms.
