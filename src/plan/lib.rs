@@ -3,6 +3,7 @@
 //! Invariant: no clock and no thread count decides anything here: equal scenes and budgets give equal plans.
 
 mod candidates;
+mod curve;
 mod document;
 mod effort;
 mod form;
@@ -20,6 +21,8 @@ mod scene;
 mod shipped;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod textured;
 mod without;
 
 pub use candidates::{Budget, Candidate};

@@ -5,11 +5,11 @@ use serde::Serialize;
 use crate::{
     candidates::{Budget, Candidate, candidates, choose},
     form::Form,
-    held::{POINTS, Stopped, error},
+    held::{Held, Stopped},
     needs::Needs,
     prediction::{Nodes, Prediction},
     shipped::shipped,
-    without::{Beside, GpuLimit, text_cost},
+    without::{Beside, GpuLimit, text_cost_of},
 };
 use ltcforge_files::{compact, recipe_document::Preset};
 use ltcforge_fit::{BrdfKind, FITTER_VERSION, Layout, LobeFresnel, PerAxis, Precision, Recipe, StoredTerms, Table};
@@ -103,15 +103,16 @@ impl<'a> TablePlan<'a> {
     ) -> Result<Self, Stopped> {
         let default = Layout::ALL.iter().copied().find(|layout| layout.takes(&needs.brdf().into()));
         let layout = form.layout.or(default).unwrap_or(Layout::ALL[0]);
-        let prediction = Prediction::new(&needs, layout, form, Preset::Standard.fit(), go_on)?;
+        let held = Held::new(&needs);
+        let prediction = Prediction::new((&needs, &held), layout, form, Preset::Standard.fit(), go_on)?;
         let mut whole = whole(prediction.base());
-        whole.predicted = default_table(&whole.recipe).map(|table| error(&table, &needs.draw(POINTS)));
+        whole.predicted = default_table(&whole.recipe).map(|table| held.error(&table));
         Ok(Self::chosen_by(needs, budget, form, prediction, whole))
     }
 
     fn chosen_by(needs: Needs<'a>, budget: Budget, form: Form, prediction: Prediction, whole: Whole) -> Self {
         let mut candidates = candidates(&prediction);
-        let is_readable = |candidate: &Candidate| form.gpu.allows(text_cost(&candidate.recipe));
+        let is_readable = |candidate: &Candidate| form.gpu.allows(text_cost_of(&candidate.recipe));
         let is_any_readable = candidates.iter().any(is_readable);
         if is_any_readable {
             candidates.retain(is_readable);
@@ -139,18 +140,26 @@ impl<'a> TablePlan<'a> {
         }
     }
 
+    /// The plan of the same scene within another budget and other limits of a GPU. Domain: limits that allow two lobes an entry
+    /// where those of this plan do.
+    #[cfg(test)]
+    pub(crate) fn within(&self, budget: Budget, gpu: GpuLimit) -> Self {
+        let form = Form { gpu, ..self.form };
+        Self::chosen_by(self.needs.clone(), budget, form, self.prediction.clone(), self.whole.clone())
+    }
+
     /// Measures the fitted table of the choice, and that of the whole domain if it is given; `seconds` is what the fit took.
     /// Whether the budget is met is then told by what was measured. The choice is made again, once, by corrected predictions
     /// where the prediction was off by more than a fifth or the table misses the error that was asked for; or, where the table of
     /// the whole domain is better and half of its bytes are within the budget, with its nodes over the scene's ranges. If the
     /// choice differs then, the plan is no longer [measured](TablePlan::is_measured): its new choice is to be fitted too.
     pub fn measure(&mut self, table: &Table, whole: Option<&Table>, seconds: Option<f64>) {
-        let places = self.needs.draw(POINTS);
+        let held = Held::new(&self.needs);
         // What is shipped is measured as it decodes.
         let (decoded, shipped) = self.chosen.shipped.and_then(|_| shipped(table)).unzip();
-        let measured = error(decoded.as_ref().unwrap_or(table), &places);
+        let measured = held.error(decoded.as_ref().unwrap_or(table));
         if let Some(whole) = whole {
-            self.whole.error = Some(error(whole, &places));
+            self.whole.error = Some(held.error(whole));
         }
         let factor = measured / self.chosen.error;
         let first_off = *self.first_off.get_or_insert(factor);
@@ -203,7 +212,8 @@ impl<'a> TablePlan<'a> {
             phi: nodes(of.phi, range.phi),
         };
         let fresnel = self.chosen.recipe.brdf.fresnel();
-        Candidate::of(&self.prediction, Nodes::even(resolution), fresnel, Preset::Paper.fit())
+        let lobes = self.prediction.curves().iter().position(|curve| curve.fresnel == *fresnel).unwrap_or(0);
+        Candidate::of(&self.prediction, Nodes::even(lobes, resolution), Preset::Paper.fit())
     }
 
     /// The candidates of the choice's effort and lobes: the front of error against bytes.

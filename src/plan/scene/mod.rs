@@ -135,4 +135,4 @@ fn materials(
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
