@@ -30,7 +30,8 @@ const LIST_LIMIT_BYTES: u64 = 1 << 20;
 pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let interrupt = context.interrupt.clone();
     let go_on = || !interrupt.is_set();
-    let mut scene = read(&args.scene, &go_on)?;
+    let pool = args.threads.pool()?;
+    let mut scene = pool.install(|| read(&args.scene, &go_on))?;
     if let Some(table) = &args.table {
         return check(&scene, &AnyTable::named(table, &args.folder)?, json, context);
     }
@@ -44,7 +45,6 @@ pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Res
             "sheen: files for {engine} are of one scattering model; without --for it has a table of its own"
         ));
     }
-    let pool = args.threads.pool()?;
     let mut plans = Vec::new();
     for (sheen, name) in [(false, "recipe"), (true, "recipe-sheen")] {
         // An engine reads tables of one scattering model.
