@@ -143,7 +143,8 @@ fn fitted(plan: &mut TablePlan<'_>, draws_progress: bool, interrupt: &Interrupt)
         let started = processor_seconds();
         Ok::<_, CommandFailure>((fit(recipe)?, processor_seconds() - started))
     };
-    let whole = fit(&plan.whole.recipe)?;
+    let (whole, seconds) = timed(&plan.whole.recipe)?;
+    plan.time_whole(seconds);
     let (mut table, mut seconds) = timed(&plan.chosen.recipe)?;
     plan.measure(&table, Some(&whole), Some(seconds));
     if !plan.is_measured() {

@@ -115,6 +115,7 @@ fn measured_value(plan: &TablePlan<'_>) -> Value {
     let mut value = fitted_value(fitted);
     value["off_by"] = json!(measured.off_by);
     value["first_off_by"] = json!(measured.first_off_by);
+    value["seconds_off_by"] = json!(plan.seconds_off_by(fitted));
     value
 }
 
@@ -150,7 +151,8 @@ fn table(plan: &TablePlan<'_>) -> Value {
         "without_table": plan.beside.without_table,
         "whole": {
             "recipe_digest": digest(&whole.recipe), "bytes": whole.bytes, "predicted_error": whole.predicted,
-            "predicted_seconds": fit_seconds(&whole.recipe), "error": whole.error,
+            "predicted_seconds": fit_seconds(&whole.recipe), "error": whole.error, "seconds": whole.seconds,
+            "presets": whole.presets(),
         },
         "candidates": rows(plan),
     })
@@ -218,12 +220,13 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
         format!(", {told} to ship in its compact form,")
     });
     let line = format!(
-        "{of}{nodes} nodes, {}{shipped} as {}, {}, {:.1} s on one core: expected error {:.4}, of which {limit:.4} stays with any number of nodes{measured}",
+        "{of}{nodes} nodes, {}{shipped} as {}, {}, {:.1} s on one core: expected error {:.4}, of which {limit:.4} stays with {}{measured}",
         bytes_in_words(chosen.bytes),
         chosen.recipe.precision(),
         effort_in_words(&chosen.recipe.fit),
         chosen.seconds,
-        chosen.error
+        chosen.error,
+        plan.limit_stays_with()
     );
     let mut lines = vec![line];
     lines.extend(lobes_in_words(plan));

@@ -33,6 +33,6 @@ pub use histogram::{Spot, Views};
 pub use needs::{Needs, Place};
 pub use outside::{Outside, OutsideAxis, of_other_models, other_reflectances, outside};
 pub use picture::picture;
-pub use plan::{Fitted, Measured, TablePlan, Whole};
+pub use plan::{Fitted, Measured, TablePlan, Whole, WholeAt};
 pub use scene::{LobeKind, Scene, SceneError, SceneFault, SceneLobe, SceneMaterial};
 pub use without::{Beside, GpuLimit, WithoutTable};

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use crate::{
     candidates::{Budget, Candidate, candidates, choose},
+    effort::added_error,
     form::Form,
     held::{Held, Stopped},
     needs::Needs,
@@ -12,7 +13,9 @@ use crate::{
     without::{Beside, GpuLimit, text_cost_of},
 };
 use ltcforge_files::{compact, recipe_document::Preset};
-use ltcforge_fit::{BrdfKind, FITTER_VERSION, Layout, LobeFresnel, PerAxis, Precision, Recipe, StoredTerms, Table};
+use ltcforge_fit::{
+    BrdfKind, FITTER_VERSION, Layout, LobeFresnel, PerAxis, Precision, Recipe, StoredTerms, Table, fit_seconds,
+};
 
 /// The default table in its compact form; `UPDATE_GOLDEN=whole cargo test -p ltcforge-plan whole` fits it again.
 pub(crate) const WHOLE: &[u8] = include_bytes!("whole.compact");
@@ -33,7 +36,7 @@ pub struct TablePlan<'a> {
     pub chosen: Candidate,
     /// The candidates, of ascending bytes.
     pub candidates: Vec<Candidate>,
-    /// The error that even the finest table has: that of the lobe model.
+    /// The error that even the finest table has: that of the lobe model, and of the nodes where a layout has one size.
     pub limit: f64,
     /// The choice's table as it was measured.
     pub measured: Option<Measured>,
@@ -87,6 +90,38 @@ pub struct Whole {
     pub predicted: Option<f64>,
     /// Mean error on the same configurations, where the table was measured.
     pub error: Option<f64>,
+    /// Processor seconds of its fit, where the caller took the time.
+    pub seconds: Option<f64>,
+}
+
+/// The table of the whole domain at one preset.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct WholeAt {
+    /// The preset's name.
+    pub preset: &'static str,
+    /// Mean error on the same configurations: that of the kept or measured table, with what the preset's effort adds or takes.
+    pub error: f64,
+    /// Predicted seconds of one thread.
+    pub seconds: f64,
+}
+
+impl Whole {
+    /// The table at each preset, the fastest first; none where its error is not known.
+    #[must_use]
+    pub fn presets(&self) -> Vec<WholeAt> {
+        let Some(error) = self.error.or(self.predicted) else { return Vec::new() };
+        let at = |preset: Preset| {
+            let recipe = Recipe { fit: preset.fit(), ..self.recipe.clone() };
+            let error = error + added_error(&recipe) - added_error(&self.recipe);
+            WholeAt { preset: preset.name(), error, seconds: fit_seconds(&recipe) }
+        };
+        Preset::ALL.map(at).to_vec()
+    }
+
+    /// By how much slower this machine fitted it than it was predicted; `None` where the caller took no time.
+    fn slower(&self) -> Option<f64> {
+        self.seconds.map(|seconds| seconds / fit_seconds(&self.recipe))
+    }
 }
 
 impl<'a> TablePlan<'a> {
@@ -146,6 +181,25 @@ impl<'a> TablePlan<'a> {
     pub(crate) fn within(&self, budget: Budget, gpu: GpuLimit) -> Self {
         let form = Form { gpu, ..self.form };
         Self::chosen_by(self.needs.clone(), budget, form, self.prediction.clone(), self.whole.clone())
+    }
+
+    /// Notes what the fit of the table of the whole domain took, in processor seconds: by that the speed of this machine is known.
+    pub fn time_whole(&mut self, seconds: f64) {
+        self.whole.seconds = Some(seconds);
+    }
+
+    /// The processor seconds of a fit over those that were predicted for it, on this machine: the table of the whole domain
+    /// tells its speed. `None` where the caller took no time of both.
+    #[must_use]
+    pub fn seconds_off_by(&self, fitted: &Fitted) -> Option<f64> {
+        Some(fitted.seconds? / (fitted.candidate.seconds * self.whole.slower()?))
+    }
+
+    /// What the error of [`TablePlan::limit`] stays with.
+    #[must_use]
+    pub(crate) fn limit_stays_with(&self) -> &'static str {
+        let is_of_one_size = self.chosen.recipe.layout().only_ranges().is_some();
+        if is_of_one_size { "any samples and directions" } else { "any number of nodes" }
     }
 
     /// Measures the fitted table of the choice, and that of the whole domain if it is given; `seconds` is what the fit took.
@@ -266,7 +320,7 @@ fn whole(base: &Recipe) -> Whole {
         precision: Precision::F32,
         ..base.clone()
     };
-    Whole { bytes: recipe.bytes(), recipe, predicted: None, error: None }
+    Whole { bytes: recipe.bytes(), recipe, predicted: None, error: None, seconds: None }
 }
 
 /// The default table as it is kept here; `None` for another recipe than its.

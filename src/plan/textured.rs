@@ -56,7 +56,7 @@ fn errors_of_textured_scenes_are_as_predicted() {
         let needs = Needs::of(&scene, false).expect("lobes");
         let held = Held::new(&needs);
         let plan = TablePlan::new(needs, Budget::Knee, Form::default(), &|| true).expect("nothing stops it");
-        for budget in [Budget::Knee, Budget::Bytes(1200)] {
+        for budget in [Budget::Bytes(4000), Budget::Bytes(1200)] {
             let chosen = plan.within(budget, GpuLimit::default()).chosen;
             assert_eq!(chosen.recipe.brdf.fresnel().second().is_some(), is_mixed, "{name}");
             let table = fit_plan(&Plan::new(&chosen.recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it");

@@ -7,8 +7,8 @@ use ltcforge_fit::{BrdfKind, Layout, PerAxis, Recipe, Table};
 use ltcforge_light::{LightError, LightModel, Lighting, RandomLights, light_error, normals::NormalsRule};
 use ltcforge_shaders::GpuCost;
 
-/// Random rectangles over the scene's ranges by which table and model are compared.
-const LIGHTS: usize = 500;
+/// Random rectangles over the scene's ranges by which table and model are compared; the tests hold no figure of them.
+const LIGHTS: usize = if cfg!(test) { 50 } else { 500 };
 
 /// What a text may cost a GPU, by its compiler's counts of [`GpuCost`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
