@@ -213,7 +213,9 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     let nodes = format!("{surfaces} {theta} x {phi}");
     let is_sheen = plan.needs.lobes().iter().any(|(_, lobe)| lobe.kind == LobeKind::Sheen);
     let of = if is_sheen { "sheen: " } else { "" };
-    let measured = measured.map_or_else(String::new, |measured| format!("; measured {:.4}", measured.error));
+    let took = plan.fitted.last().and_then(|fitted| fitted.seconds);
+    let took = took.map_or_else(String::new, |seconds| format!(", fitted in {seconds:.1} s of processor time"));
+    let measured = measured.map_or_else(String::new, |measured| format!("; measured {:.4}{took}", measured.error));
     let shipped = chosen.shipped.map_or_else(String::new, |bytes| {
         let encoded = plan.fitted.last().and_then(|fitted| fitted.shipped);
         let told = encoded.map_or_else(|| format!("about {}", bytes_in_words(bytes)), bytes_in_words);
