@@ -32,7 +32,7 @@ help:
 	@echo 'make test    run all tests'
 	@echo 'make soak    kills, damage, histories of the queue and mutated inputs for up to an hour'
 	@echo 'make lint    rustfmt, clippy and docs, warnings denied'
-	@echo 'make bench   measure an evaluation, an entry, the speed-up over the published algorithm, a picture, what the service adds'
+	@echo 'make bench   measure an evaluation, an entry, the speed-up over the published algorithm, a picture, a plan, what the service adds'
 
 # Asks apt only for what is missing, so that a machine without network or root works once it has everything.
 packages:
@@ -185,6 +185,7 @@ fmt:
 
 bench: packages cluster
 	$(CARGO) bench --locked -p ltcforge-benches --bench fit
+	$(CARGO) bench --locked -p ltcforge-benches --bench plan
 	$(CARGO) bench --locked -p ltcforge-benches --bench preview
 	$(CARGO) bench --locked -p ltcforge-benches --bench service
 	$(CARGO) bench --locked -p ltcforge-benches --bench cluster

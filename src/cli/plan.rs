@@ -30,7 +30,8 @@ const LIST_LIMIT_BYTES: u64 = 1 << 20;
 pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let interrupt = context.interrupt.clone();
     let go_on = || !interrupt.is_set();
-    let mut scene = read(&args.scene, &go_on)?;
+    let pool = args.threads.pool()?;
+    let mut scene = pool.install(|| read(&args.scene, &go_on))?;
     if let Some(table) = &args.table {
         return check(&scene, &AnyTable::named(table, &args.folder)?, json, context);
     }
@@ -44,7 +45,6 @@ pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Res
             "sheen: files for {engine} are of one scattering model; without --for it has a table of its own"
         ));
     }
-    let pool = args.threads.pool()?;
     let mut plans = Vec::new();
     for (sheen, name) in [(false, "recipe"), (true, "recipe-sheen")] {
         // An engine reads tables of one scattering model.
@@ -143,7 +143,8 @@ fn fitted(plan: &mut TablePlan<'_>, draws_progress: bool, interrupt: &Interrupt)
         let started = processor_seconds();
         Ok::<_, CommandFailure>((fit(recipe)?, processor_seconds() - started))
     };
-    let whole = fit(&plan.whole.recipe)?;
+    let (whole, seconds) = timed(&plan.whole.recipe)?;
+    plan.time_whole(seconds);
     let (mut table, mut seconds) = timed(&plan.chosen.recipe)?;
     plan.measure(&table, Some(&whole), Some(seconds));
     if !plan.is_measured() {

@@ -45,11 +45,9 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// The table of some nodes, lobes and effort, as it is predicted. Its numbers are halves, which are as good as longer ones.
-    pub(crate) fn of(prediction: &Prediction, nodes: Nodes, fresnel: &LobeFresnel, fit: FitSettings) -> Self {
-        let recipe = prediction.recipe(nodes);
-        let brdf = recipe.brdf.clone().with_fresnel(fresnel.clone());
-        let recipe = Recipe { brdf, fit, precision: Precision::F16, ..recipe };
+    /// The table of some nodes and effort, as it is predicted. Its numbers are halves, which are as good as longer ones.
+    pub(crate) fn of(prediction: &Prediction, nodes: Nodes, fit: FitSettings) -> Self {
+        let recipe = Recipe { fit, precision: Precision::F16, ..prediction.recipe(nodes) };
         let (error, bytes, seconds) = (prediction.error(nodes, &recipe), recipe.bytes(), fit_seconds(&recipe));
         let shipped = prediction.shipped(&recipe);
         Self { recipe, error, bytes, shipped, seconds }
@@ -72,24 +70,21 @@ impl Candidate {
 pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
     let base = prediction.base();
     let is_free = base.layout.only_ranges().is_none();
-    let all = if is_free { choices(prediction) } else { vec![Nodes::even(base.resolution)] };
-    let priced = |nodes: Nodes| (nodes.entries(), prediction.of_nodes(nodes), nodes);
-    let mut priced: Vec<(u64, f64, Nodes)> = all.into_iter().map(priced).collect();
-    priced.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let mut least = f64::INFINITY;
-    priced.retain(|(_, error, _)| {
-        let is_better = *error < least;
-        least = least.min(*error);
-        is_better
-    });
     let efforts = efforts(base);
-    let lobes = prediction.lobes().iter().enumerate();
-    let lobes: Vec<&LobeFresnel> =
-        lobes.filter(|(i, of)| *i == 0 || of.fresnel.second().is_some()).map(|(_, of)| &of.fresnel).collect();
-    let mut found = Vec::with_capacity(priced.len() * efforts.len() * lobes.len());
-    for (_, _, nodes) in &priced {
-        for fresnel in &lobes {
-            found.extend(efforts.iter().map(|fit| Candidate::of(prediction, *nodes, fresnel, *fit)));
+    let mut found = Vec::new();
+    for lobes in 0..prediction.curves().len() {
+        let all = if is_free { choices(prediction, lobes) } else { vec![Nodes::even(lobes, base.resolution)] };
+        let priced = |nodes: Nodes| (nodes.entries(), prediction.of_nodes(nodes), nodes);
+        let mut priced: Vec<(u64, f64, Nodes)> = all.into_iter().map(priced).collect();
+        priced.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let mut least = f64::INFINITY;
+        priced.retain(|(_, error, _)| {
+            let is_better = *error < least;
+            least = least.min(*error);
+            is_better
+        });
+        for (_, _, nodes) in priced {
+            found.extend(efforts.iter().map(|fit| Candidate::of(prediction, nodes, *fit)));
         }
     }
     found
@@ -97,11 +92,11 @@ pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
 
 /// All nodes that a table may have: one for a single value, else so many evenly spaced ones, or those that are given; and the
 /// scene's materials.
-fn choices(prediction: &Prediction) -> Vec<Nodes> {
+fn choices(prediction: &Prediction, lobes: usize) -> Vec<Nodes> {
     let range = &prediction.base().range;
     let counts = |[low, high]: [f64; 2], [from, to]: [u32; 2]| if low < high { from..=to } else { 1..=1 };
     let surface = |axis: usize, range, limits| -> Vec<(u32, Option<usize>)> {
-        let given = prediction.given_on(axis).iter().enumerate();
+        let given = prediction.curves()[lobes].given[axis].iter().enumerate();
         let given = given.map(|(number, placed)| (placed.nodes.len() as u32, Some(number)));
         counts(range, limits).map(|n| (n, None)).chain(given).collect()
     };
@@ -111,6 +106,7 @@ fn choices(prediction: &Prediction) -> Vec<Nodes> {
         for (ratio, given_ratio) in &ratios {
             for theta in counts(range.theta, NODES.theta) {
                 all.extend(counts(range.phi, NODES.phi).map(|phi| Nodes {
+                    lobes,
                     resolution: PerAxis { alpha, ratio: *ratio, theta, phi },
                     given: [given_alpha, *given_ratio],
                     of_materials: false,
@@ -121,6 +117,7 @@ fn choices(prediction: &Prediction) -> Vec<Nodes> {
     let materials = prediction.materials().len() as u32;
     for theta in counts(range.theta, NODES.theta).filter(|_| materials > 0) {
         all.extend(counts(range.phi, NODES.phi).map(|phi| Nodes {
+            lobes,
             resolution: PerAxis { alpha: materials, ratio: 1, theta, phi },
             given: [None; 2],
             of_materials: true,

@@ -115,6 +115,7 @@ fn measured_value(plan: &TablePlan<'_>) -> Value {
     let mut value = fitted_value(fitted);
     value["off_by"] = json!(measured.off_by);
     value["first_off_by"] = json!(measured.first_off_by);
+    value["seconds_off_by"] = json!(plan.seconds_off_by(fitted));
     value
 }
 
@@ -150,7 +151,8 @@ fn table(plan: &TablePlan<'_>) -> Value {
         "without_table": plan.beside.without_table,
         "whole": {
             "recipe_digest": digest(&whole.recipe), "bytes": whole.bytes, "predicted_error": whole.predicted,
-            "predicted_seconds": fit_seconds(&whole.recipe), "error": whole.error,
+            "predicted_seconds": fit_seconds(&whole.recipe), "error": whole.error, "seconds": whole.seconds,
+            "presets": whole.presets(),
         },
         "candidates": rows(plan),
     })
@@ -211,19 +213,22 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     let nodes = format!("{surfaces} {theta} x {phi}");
     let is_sheen = plan.needs.lobes().iter().any(|(_, lobe)| lobe.kind == LobeKind::Sheen);
     let of = if is_sheen { "sheen: " } else { "" };
-    let measured = measured.map_or_else(String::new, |measured| format!("; measured {:.4}", measured.error));
+    let took = plan.fitted.last().and_then(|fitted| fitted.seconds);
+    let took = took.map_or_else(String::new, |seconds| format!(", fitted in {seconds:.1} s of processor time"));
+    let measured = measured.map_or_else(String::new, |measured| format!("; measured {:.4}{took}", measured.error));
     let shipped = chosen.shipped.map_or_else(String::new, |bytes| {
         let encoded = plan.fitted.last().and_then(|fitted| fitted.shipped);
         let told = encoded.map_or_else(|| format!("about {}", bytes_in_words(bytes)), bytes_in_words);
         format!(", {told} to ship in its compact form,")
     });
     let line = format!(
-        "{of}{nodes} nodes, {}{shipped} as {}, {}, {:.1} s on one core: expected error {:.4}, of which {limit:.4} stays with any number of nodes{measured}",
+        "{of}{nodes} nodes, {}{shipped} as {}, {}, {:.1} s on one core: expected error {:.4}, of which {limit:.4} stays with {}{measured}",
         bytes_in_words(chosen.bytes),
         chosen.recipe.precision(),
         effort_in_words(&chosen.recipe.fit),
         chosen.seconds,
-        chosen.error
+        chosen.error,
+        plan.limit_stays_with()
     );
     let mut lines = vec![line];
     lines.extend(lobes_in_words(plan));

@@ -61,6 +61,20 @@ impl Histogram {
         }
     }
 
+    /// Adds all of another histogram.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        for (key, of) in &other.cells {
+            let cell = self.cells.entry(*key).or_insert(Cell { weight: 0.0, moved: [0.0; 2], ..*of });
+            cell.weight += of.weight;
+            for i in 0..2 {
+                cell.moved[i] += of.moved[i] + of.weight * (of.first[i] - cell.first[i]);
+            }
+        }
+        for (sums, others) in [(&mut self.metal, other.metal), (&mut self.dielectric, other.dielectric)] {
+            sums.iter_mut().zip(others).for_each(|(sum, other)| *sum += other);
+        }
+    }
+
     /// The cells, the smoothest first.
     pub(crate) fn spots(&self) -> Vec<Spot> {
         let spot = |cell: &Cell| Spot {
@@ -107,6 +121,18 @@ impl Views {
         self.weights[cell(theta, VIEWS[0]) * VIEWS[1] + cell(phi, VIEWS[1])] += weight;
         for (range, x) in [(&mut self.theta, theta), (&mut self.phi, phi)] {
             *range = [range[0].min(x), range[1].max(x)];
+        }
+    }
+
+    /// Adds all of other views.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        if self.weights.is_empty() {
+            self.weights.clone_from(&other.weights);
+        } else {
+            self.weights.iter_mut().zip(&other.weights).for_each(|(weight, other)| *weight += other);
+        }
+        for (range, [low, high]) in [(&mut self.theta, other.theta), (&mut self.phi, other.phi)] {
+            *range = [range[0].min(low), range[1].max(high)];
         }
     }
 
@@ -171,6 +197,36 @@ mod tests {
         assert_eq!((spots[0].alpha, spots[0].ratio, spots[0].weight), (0.1, 1.0, 3.0));
         assert_eq!((spots[1].alpha, spots[1].ratio), (0.3, 1.0 / 3.0));
         assert!((spots[1].weight - 100.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn parts_that_are_merged_are_as_one() {
+        let values = [(0.3, 1.0, 0.5), (0.3002, 1.0, 1.5), (0.1, 0.25, 2.0), (0.3001, 1.0, 0.25)];
+        let (mut whole, mut merged) = (Histogram::default(), Histogram::default());
+        let (mut all_views, mut merged_views) = (Views::default(), Views::default());
+        for part in values.chunks(2) {
+            let (mut histogram, mut views) = (Histogram::default(), Views::default());
+            for (alpha, ratio, weight) in part {
+                for of in [&mut histogram, &mut whole] {
+                    of.add(*alpha, *ratio, *weight);
+                    of.add_f0([*ratio, 0.9], 0.04, *weight);
+                }
+                for of in [&mut views, &mut all_views] {
+                    of.add(*alpha, *ratio, *weight);
+                }
+            }
+            merged.merge(&histogram);
+            merged_views.merge(&views);
+        }
+        assert_eq!((merged.spots().len(), merged_views), (2, all_views));
+        for (merged, whole) in merged.spots().iter().zip(whole.spots()) {
+            let near = |a: f64, b: f64| (a - b).abs() < 1e-15;
+            assert!(near(merged.alpha, whole.alpha) && near(merged.weight, whole.weight), "{merged:?} {whole:?}");
+        }
+        assert_eq!(merged.f0(), whole.f0());
+        let mut none = Views::default();
+        none.merge(&Views::default());
+        assert!(none.is_all());
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! Invariant: no clock and no thread count decides anything here: equal scenes and budgets give equal plans.
 
 mod candidates;
+mod curve;
 mod document;
 mod effort;
 mod form;
@@ -20,6 +21,8 @@ mod scene;
 mod shipped;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod textured;
 mod without;
 
 pub use candidates::{Budget, Candidate};
@@ -30,6 +33,6 @@ pub use histogram::{Spot, Views};
 pub use needs::{Needs, Place};
 pub use outside::{Outside, OutsideAxis, of_other_models, other_reflectances, outside};
 pub use picture::picture;
-pub use plan::{Fitted, Measured, TablePlan, Whole};
+pub use plan::{Fitted, Measured, TablePlan, Whole, WholeAt};
 pub use scene::{LobeKind, Scene, SceneError, SceneFault, SceneLobe, SceneMaterial};
 pub use without::{Beside, GpuLimit, WithoutTable};

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 
 use crate::{
-    held::{Stopped, error_of},
+    held::{Held, Stopped},
     needs::{Needs, Place},
 };
 use ltcforge_fit::{
@@ -35,15 +35,15 @@ pub(crate) struct Lobes {
     pub(crate) error: f64,
 }
 
-/// The lobes that a scene's tables may have, the best single ones first, then two an entry where these are better and the layout's
-/// readers may have them. Runs on the current rayon pool, whose size changes nothing.
+/// The lobes that a scene's tables may have, the best first: two an entry where these are better and the layout's readers may have
+/// them, then the single ones. Runs on the current rayon pool, whose size changes nothing.
 ///
 /// # Errors
 /// [`Stopped`] where `go_on` says no.
 pub(crate) fn lobes(
     needs: &Needs<'_>,
     may_be_two: bool,
-    places: &[Place],
+    held: &Held,
     fit: FitSettings,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Vec<Lobes>, Stopped> {
@@ -57,20 +57,17 @@ pub(crate) fn lobes(
         vec![WeightedF0 { weight: weight(of_rest), ..rest }, WeightedF0 { weight: weight(metal.weight), ..metal }]
     };
     let single = COUNTS.map(mixed).into_iter().chain([vec![rest], vec![metal]]).filter_map(LobeFresnel::mix);
-    let measured_at = |places: &[Place], fresnel: LobeFresnel| {
+    let measured = |fresnel: LobeFresnel| {
         let of = |place: &Place| Some((*place, fitted_at(needs, &fresnel, place, fit, go_on)?));
-        let found: Option<Vec<_>> = places.par_iter().map(of).collect();
-        Ok(Lobes { error: error_of(needs.brdf(), LobeModel::Ltc, &found.ok_or(Stopped)?), fresnel })
+        let found: Option<Vec<_>> = held.places()[..TRIED].par_iter().map(of).collect();
+        Ok(Lobes { error: held.error_of(&found.ok_or(Stopped)?), fresnel })
     };
-    let measured = |fresnel: LobeFresnel| measured_at(&places[..places.len().min(TRIED)], fresnel);
     let mut found = single.map(measured).collect::<Result<Vec<_>, Stopped>>()?;
     found.sort_by(|a, b| a.error.total_cmp(&b.error));
     if may_be_two {
         let two = measured(LobeFresnel::Two(SecondLobe::Blended))?;
         if two.error < found[0].error {
-            // Their difference enters predictions. Errors of plastic and of metal differ so much that few places tell it badly.
-            found[0] = measured_at(places, found[0].fresnel.clone())?;
-            found.insert(1, measured_at(places, two.fresnel)?);
+            found.insert(0, two);
         }
     }
     Ok(found)
@@ -112,7 +109,7 @@ mod tests {
     fn found(list: &str, may_be_two: bool) -> Vec<Lobes> {
         let scene = Scene::from_list(list.as_bytes()).expect("a scene");
         let needs = Needs::of(&scene, false).expect("lobes");
-        lobes(&needs, may_be_two, &needs.draw(32), Preset::Draft.fit(), &|| true).expect("nothing stops it")
+        lobes(&needs, may_be_two, &Held::new(&needs), Preset::Draft.fit(), &|| true).expect("nothing stops it")
     }
 
     fn list(plastic: u32, metal: u32) -> String {
@@ -137,7 +134,7 @@ mod tests {
     #[test]
     fn two_lobes_serve_a_mixed_scene_far_better_than_any_one() {
         let found = found(&list(1, 1), true);
-        let (one, two) = (&found[0], &found[1]);
+        let (two, one) = (&found[0], &found[1]);
         assert_eq!((one.fresnel.second(), two.fresnel.second()), (None, Some(SecondLobe::Blended)));
         assert!(two.error < 0.7 * one.error, "{} {}", one.error, two.error);
     }

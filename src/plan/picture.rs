@@ -3,7 +3,10 @@
 
 use std::{collections::BTreeMap, fmt::Write as _};
 
-use crate::{Spot, plan::TablePlan};
+use crate::{
+    Spot,
+    plan::{TablePlan, WholeAt},
+};
 
 const WIDTH: f64 = 1120.0;
 /// Height of a table's part of the picture: panels, and around them.
@@ -169,13 +172,21 @@ fn write_front(out: &mut String, plan: &TablePlan<'_>) -> std::fmt::Result {
         mark("measured", plan.chosen.bytes, measured.error, "")?;
     }
     if let Some((bytes, error)) = whole {
-        mark("whole", bytes, error, "whole domain")?;
+        mark("whole", bytes, error, "whole domain, presets draft to best")?;
+        for WholeAt { preset, error, seconds } in plan.whole.presets().iter().filter(|at| at.error <= reach) {
+            let (at, up) = (x(bytes), y(*error));
+            writeln!(
+                out,
+                r#"<circle class="whole" cx="{at:.1}" cy="{up:.1}" r="3"><title>whole domain, preset {preset}: error {error:.4}, {seconds:.1} s</title></circle>"#
+            )?;
+        }
     }
     writeln!(
         out,
-        r#"<text class="end" x="{:.1}" y="{:.1}">the lobe model's own</text>"#,
+        r#"<text class="end" x="{:.1}" y="{:.1}">stays with {}</text>"#,
         left + PANEL[0] - 8.0,
-        y(plan.limit) + 16.0
+        y(plan.limit) + 16.0,
+        plan.limit_stays_with()
     )
 }
 

@@ -4,15 +4,18 @@ use serde::Serialize;
 
 use crate::{
     candidates::{Budget, Candidate, candidates, choose},
+    effort::added_error,
     form::Form,
-    held::{POINTS, Stopped, error},
+    held::{Held, Stopped},
     needs::Needs,
     prediction::{Nodes, Prediction},
     shipped::shipped,
-    without::{Beside, GpuLimit, text_cost},
+    without::{Beside, GpuLimit, text_cost_of},
 };
 use ltcforge_files::{compact, recipe_document::Preset};
-use ltcforge_fit::{BrdfKind, FITTER_VERSION, Layout, LobeFresnel, PerAxis, Precision, Recipe, StoredTerms, Table};
+use ltcforge_fit::{
+    BrdfKind, FITTER_VERSION, Layout, LobeFresnel, PerAxis, Precision, Recipe, StoredTerms, Table, fit_seconds,
+};
 
 /// The default table in its compact form; `UPDATE_GOLDEN=whole cargo test -p ltcforge-plan whole` fits it again.
 pub(crate) const WHOLE: &[u8] = include_bytes!("whole.compact");
@@ -33,7 +36,7 @@ pub struct TablePlan<'a> {
     pub chosen: Candidate,
     /// The candidates, of ascending bytes.
     pub candidates: Vec<Candidate>,
-    /// The error that even the finest table has: that of the lobe model.
+    /// The error that even the finest table has: that of the lobe model, and of the nodes where a layout has one size.
     pub limit: f64,
     /// The choice's table as it was measured.
     pub measured: Option<Measured>,
@@ -87,6 +90,38 @@ pub struct Whole {
     pub predicted: Option<f64>,
     /// Mean error on the same configurations, where the table was measured.
     pub error: Option<f64>,
+    /// Processor seconds of its fit, where the caller took the time.
+    pub seconds: Option<f64>,
+}
+
+/// The table of the whole domain at one preset.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct WholeAt {
+    /// The preset's name.
+    pub preset: &'static str,
+    /// Mean error on the same configurations: that of the kept or measured table, with what the preset's effort adds or takes.
+    pub error: f64,
+    /// Predicted seconds of one thread.
+    pub seconds: f64,
+}
+
+impl Whole {
+    /// The table at each preset, the fastest first; none where its error is not known.
+    #[must_use]
+    pub fn presets(&self) -> Vec<WholeAt> {
+        let Some(error) = self.error.or(self.predicted) else { return Vec::new() };
+        let at = |preset: Preset| {
+            let recipe = Recipe { fit: preset.fit(), ..self.recipe.clone() };
+            let error = error + added_error(&recipe) - added_error(&self.recipe);
+            WholeAt { preset: preset.name(), error, seconds: fit_seconds(&recipe) }
+        };
+        Preset::ALL.map(at).to_vec()
+    }
+
+    /// By how much slower this machine fitted it than it was predicted; `None` where the caller took no time.
+    fn slower(&self) -> Option<f64> {
+        self.seconds.map(|seconds| seconds / fit_seconds(&self.recipe))
+    }
 }
 
 impl<'a> TablePlan<'a> {
@@ -103,15 +138,16 @@ impl<'a> TablePlan<'a> {
     ) -> Result<Self, Stopped> {
         let default = Layout::ALL.iter().copied().find(|layout| layout.takes(&needs.brdf().into()));
         let layout = form.layout.or(default).unwrap_or(Layout::ALL[0]);
-        let prediction = Prediction::new(&needs, layout, form, Preset::Standard.fit(), go_on)?;
+        let held = Held::new(&needs);
+        let prediction = Prediction::new((&needs, &held), layout, form, Preset::Standard.fit(), go_on)?;
         let mut whole = whole(prediction.base());
-        whole.predicted = default_table(&whole.recipe).map(|table| error(&table, &needs.draw(POINTS)));
+        whole.predicted = default_table(&whole.recipe).map(|table| held.error(&table));
         Ok(Self::chosen_by(needs, budget, form, prediction, whole))
     }
 
     fn chosen_by(needs: Needs<'a>, budget: Budget, form: Form, prediction: Prediction, whole: Whole) -> Self {
         let mut candidates = candidates(&prediction);
-        let is_readable = |candidate: &Candidate| form.gpu.allows(text_cost(&candidate.recipe));
+        let is_readable = |candidate: &Candidate| form.gpu.allows(text_cost_of(&candidate.recipe));
         let is_any_readable = candidates.iter().any(is_readable);
         if is_any_readable {
             candidates.retain(is_readable);
@@ -139,18 +175,45 @@ impl<'a> TablePlan<'a> {
         }
     }
 
+    /// The plan of the same scene within another budget and other limits of a GPU. Domain: limits that allow two lobes an entry
+    /// where those of this plan do.
+    #[cfg(test)]
+    pub(crate) fn within(&self, budget: Budget, gpu: GpuLimit) -> Self {
+        let form = Form { gpu, ..self.form };
+        Self::chosen_by(self.needs.clone(), budget, form, self.prediction.clone(), self.whole.clone())
+    }
+
+    /// Notes what the fit of the table of the whole domain took, in processor seconds: by that the speed of this machine is known.
+    pub fn time_whole(&mut self, seconds: f64) {
+        self.whole.seconds = Some(seconds);
+    }
+
+    /// The processor seconds of a fit over those that were predicted for it, on this machine: the table of the whole domain
+    /// tells its speed. `None` where the caller took no time of both.
+    #[must_use]
+    pub fn seconds_off_by(&self, fitted: &Fitted) -> Option<f64> {
+        Some(fitted.seconds? / (fitted.candidate.seconds * self.whole.slower()?))
+    }
+
+    /// What the error of [`TablePlan::limit`] stays with.
+    #[must_use]
+    pub(crate) fn limit_stays_with(&self) -> &'static str {
+        let is_of_one_size = self.chosen.recipe.layout().only_ranges().is_some();
+        if is_of_one_size { "any samples and directions" } else { "any number of nodes" }
+    }
+
     /// Measures the fitted table of the choice, and that of the whole domain if it is given; `seconds` is what the fit took.
     /// Whether the budget is met is then told by what was measured. The choice is made again, once, by corrected predictions
     /// where the prediction was off by more than a fifth or the table misses the error that was asked for; or, where the table of
     /// the whole domain is better and half of its bytes are within the budget, with its nodes over the scene's ranges. If the
     /// choice differs then, the plan is no longer [measured](TablePlan::is_measured): its new choice is to be fitted too.
     pub fn measure(&mut self, table: &Table, whole: Option<&Table>, seconds: Option<f64>) {
-        let places = self.needs.draw(POINTS);
+        let held = Held::new(&self.needs);
         // What is shipped is measured as it decodes.
         let (decoded, shipped) = self.chosen.shipped.and_then(|_| shipped(table)).unzip();
-        let measured = error(decoded.as_ref().unwrap_or(table), &places);
+        let measured = held.error(decoded.as_ref().unwrap_or(table));
         if let Some(whole) = whole {
-            self.whole.error = Some(error(whole, &places));
+            self.whole.error = Some(held.error(whole));
         }
         let factor = measured / self.chosen.error;
         let first_off = *self.first_off.get_or_insert(factor);
@@ -203,7 +266,8 @@ impl<'a> TablePlan<'a> {
             phi: nodes(of.phi, range.phi),
         };
         let fresnel = self.chosen.recipe.brdf.fresnel();
-        Candidate::of(&self.prediction, Nodes::even(resolution), fresnel, Preset::Paper.fit())
+        let lobes = self.prediction.curves().iter().position(|curve| curve.fresnel == *fresnel).unwrap_or(0);
+        Candidate::of(&self.prediction, Nodes::even(lobes, resolution), Preset::Paper.fit())
     }
 
     /// The candidates of the choice's effort and lobes: the front of error against bytes.
@@ -256,7 +320,7 @@ fn whole(base: &Recipe) -> Whole {
         precision: Precision::F32,
         ..base.clone()
     };
-    Whole { bytes: recipe.bytes(), recipe, predicted: None, error: None }
+    Whole { bytes: recipe.bytes(), recipe, predicted: None, error: None, seconds: None }
 }
 
 /// The default table as it is kept here; `None` for another recipe than its.

@@ -2,8 +2,8 @@
 
 use ltcforge_fit::{PerAxis, Table, Terms};
 
-/// The table with its stored numbers at other nodes within its own, linear between its own. Domain: one lobe an entry, no
-/// edge term, and a layout whose weights are linear in the values of the axes.
+/// The table with its stored numbers at other nodes within its own, linear between its own. Domain: no edge
+/// term, and a layout whose weights are linear in the values of the axes.
 pub(crate) fn resampled(table: &Table, axes: PerAxis<Vec<f64>>) -> Table {
     let own = table.lengths();
     let between =
@@ -13,13 +13,14 @@ pub(crate) fn resampled(table: &Table, axes: PerAxis<Vec<f64>>) -> Table {
     let theta = between(&table.axes.theta, &axes.theta);
     let phi = between(&table.axes.phi, &axes.phi);
     let mut matrix = Vec::new();
+    let mut second = table.second.as_ref().map(|_| Vec::new());
     let mut terms = table.terms.as_ref().map(|_| Terms { amplitude: Vec::new(), fresnel: Vec::new(), edge: None });
     let mut node_error = Vec::new();
     for a in &alpha {
         for r in &ratio {
             for t in &theta {
                 for p in &phi {
-                    let mut sum = [0.0; 12];
+                    let mut sum = [0.0; 21];
                     for corner in 0..16_usize {
                         let of = [a, r, t, p];
                         let at = |axis: usize| of[axis][corner >> axis & 1];
@@ -30,10 +31,15 @@ pub(crate) fn resampled(table: &Table, axes: PerAxis<Vec<f64>>) -> Table {
                         let index = ((at(0).0 * own.ratio + at(1).0) * own.theta + at(2).0) * own.phi + at(3).0;
                         let terms =
                             table.terms.as_ref().map_or([0.0; 2], |of| [of.amplitude[index], of.fresnel[index]]);
+                        let of_second = table.second.as_ref().map_or([0.0; 9], |second| second[index]);
                         let numbers = table.matrix[index].iter().chain(&terms).chain([&table.node_error[index]]);
+                        let numbers = numbers.chain(&of_second);
                         sum.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += weight * f64::from(*number));
                     }
                     matrix.push(std::array::from_fn(|i| sum[i] as f32));
+                    if let Some(second) = &mut second {
+                        second.push(std::array::from_fn(|i| sum[12 + i] as f32));
+                    }
                     if let Some(terms) = &mut terms {
                         terms.amplitude.push(sum[9] as f32);
                         terms.fresnel.push(sum[10] as f32);
@@ -43,7 +49,7 @@ pub(crate) fn resampled(table: &Table, axes: PerAxis<Vec<f64>>) -> Table {
             }
         }
     }
-    Table { axes, matrix, terms, node_error, ..table.clone() }
+    Table { axes, matrix, second, terms, node_error, ..table.clone() }
 }
 
 /// The nodes around a value, with their weights.

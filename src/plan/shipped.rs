@@ -72,7 +72,7 @@ pub(crate) fn has_form(layout: Layout) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Budget, Form, Needs, Scene, TablePlan};
+    use crate::{Budget, Form, GpuLimit, Needs, Scene, TablePlan, tests::isotropic};
     use ltcforge_fit::{Plan, fit_plan};
     use std::ops::ControlFlow;
 
@@ -81,12 +81,10 @@ mod tests {
     fn a_table_to_ship_is_within_its_bytes_and_finer_than_one_that_is_not_encoded() {
         let list = br#"{"materials": [{"alpha_x": 0.04, "alpha_y": 0.04}, {"alpha_x": 0.25, "alpha_y": 0.25}, {"alpha_x": 0.6, "alpha_y": 0.6}]}"#;
         let scene = Scene::from_list(list).expect("a scene");
-        let planned = |ship| {
-            let needs = Needs::of(&scene, false).expect("lobes");
-            let form = Form { ship, ..Form::default() };
-            TablePlan::new(needs, Budget::Bytes(400), form, &|| true).expect("nothing stops it")
-        };
-        let (plain, mut plan) = (planned(false), planned(true));
+        let needs = Needs::of(&scene, false).expect("lobes");
+        let form = Form { ship: true, ..Form::default() };
+        let mut plan = TablePlan::new(needs, Budget::Bytes(400), form, &|| true).expect("nothing stops it");
+        let plain = isotropic().within(Budget::Bytes(400), GpuLimit::default());
         assert!(plan.is_met && plan.chosen.error < plain.chosen.error, "{:?} {:?}", plan.chosen, plain.chosen);
         let fitted = |plan: &TablePlan<'_>| {
             fit_plan(&Plan::new(&plan.chosen.recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")

@@ -20,6 +20,7 @@ mod plan;
 mod project;
 mod pull;
 mod same_bytes;
+mod scenes;
 mod service;
 mod tables;
 mod tabulated;

@@ -3,4 +3,5 @@
 mod accuracy;
 mod examples;
 mod extremes;
+mod plans;
 mod readme;

@@ -20,7 +20,7 @@ const LOG2_SAMPLES: u32 = 11;
 /// Digital shift of the points of the LTC's samples.
 const SCRAMBLE: [u32; 2] = [0x1b87_3593, 0x7f4a_7c15];
 /// Directions that both are projected on: `2^5`.
-const LOG2_DIRECTIONS: u32 = 5;
+pub(super) const LOG2_DIRECTIONS: u32 = 5;
 
 /// The farthest that two distributions of directions can be from each other. Numbers that make no distribution count as
 /// that far.
@@ -52,10 +52,15 @@ pub(super) struct Probe {
 
 impl Probe {
     pub(super) fn new() -> Self {
+        Self::of_directions(LOG2_DIRECTIONS)
+    }
+
+    /// Of `2^log2_directions` directions.
+    pub(super) fn of_directions(log2_directions: u32) -> Self {
         Self {
             points: net(LOG2_SAMPLES, SCRAMBLE).collect(),
             // A projection on -d mirrors that on d, so half of the sphere stands for all of it.
-            directions: net(LOG2_DIRECTIONS, [0, 0]).map(uniform).collect(),
+            directions: net(log2_directions, [0, 0]).map(uniform).collect(),
         }
     }
 

@@ -16,6 +16,7 @@ mod map;
 mod matrices;
 mod places;
 mod poor;
+mod sampled;
 mod second;
 mod sequence;
 mod steps;
@@ -31,6 +32,7 @@ pub use floors::{Floors, Moved};
 pub use map::{ErrorMap, error_map, error_map_while};
 pub use matrices::{Extent, Matrices};
 pub use poor::{POOR_WIDTH, Poor};
+pub use sampled::{Closeness, SampledLobes};
 pub use second::SecondReport;
 
 use crate::{Configuration, PerAxis, Table};

@@ -1,5 +1,7 @@
 //! Numbers of accessors: positions, normals, tangents, texture coordinates and indices.
 
+use rayon::prelude::*;
+
 use super::{
     container::{Container, Named},
     document::{Accessor, Document},
@@ -8,6 +10,8 @@ use super::{
 
 /// Elements of one accessor.
 const MOST_ELEMENTS: u64 = 1 << 26;
+/// Elements that a thread reads at once.
+const LEAST_READ: usize = 1 << 14;
 
 /// The buffers of a scene, and how to read them.
 #[derive(Debug)]
@@ -80,11 +84,11 @@ impl Buffers {
         self.elements::<1, _>(document, index, |bytes, component, _| component.whole(bytes))
     }
 
-    fn elements<const N: usize, T>(
+    fn elements<const N: usize, T: Send>(
         &self,
         document: &Document,
         index: usize,
-        read: impl Fn(&[u8], Component, bool) -> T,
+        read: impl Fn(&[u8], Component, bool) -> T + Sync,
     ) -> Result<Result<Vec<T>, String>, SceneError> {
         let pointer = format!("/accessors/{index}");
         let wrong = |detail: String| Err(SceneError::fault(pointer.clone(), detail));
@@ -113,9 +117,9 @@ impl Buffers {
         if length > 0 && accessor.byte_offset.saturating_add(length) > bytes.len() as u64 {
             return wrong(format!("{} elements go beyond buffer view {view}", accessor.count));
         }
-        let at = |i: u64| (accessor.byte_offset + i * stride) as usize;
-        let element = |i: u64| read(&bytes[at(i)..at(i) + size], component, accessor.normalized);
-        Ok(Ok((0..accessor.count).map(element).collect()))
+        let at = |i: usize| (accessor.byte_offset + i as u64 * stride) as usize;
+        let element = |i: usize| read(&bytes[at(i)..at(i) + size], component, accessor.normalized);
+        Ok(Ok((0..accessor.count as usize).into_par_iter().with_min_len(LEAST_READ).map(element).collect()))
     }
 }
 

@@ -8,7 +8,7 @@ use zune_jpeg::JpegDecoder;
 use super::error::SceneError;
 
 /// Pixels of one image, and of all that are kept.
-const MOST_PIXELS: u64 = 1 << 26;
+pub(super) const MOST_PIXELS: u64 = 1 << 26;
 pub(super) const MOST_PIXELS_OF_ALL: u64 = 1 << 28;
 
 /// One to three channels of an image, 8 bits each.
@@ -29,20 +29,45 @@ impl Pixels {
         }
         out
     }
+}
 
-    /// How many there are.
-    pub(super) fn count(&self) -> u64 {
-        self.size[0] as u64 * self.size[1] as u64
+/// The formats that are read.
+#[derive(Debug, Clone, Copy)]
+enum Format {
+    Png,
+    Jpeg,
+    Webp,
+}
+
+impl Format {
+    fn of(bytes: &[u8]) -> Option<Self> {
+        match bytes {
+            [0x89, b'P', b'N', b'G', ..] => Some(Self::Png),
+            [0xff, 0xd8, ..] => Some(Self::Jpeg),
+            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some(Self::Webp),
+            _ => None,
+        }
     }
 }
 
-/// The `wanted` channels of an image (0 red to 3 alpha), and `None` for a format that is not read.
-pub(super) fn decode(pointer: &str, bytes: &[u8], wanted: &[usize]) -> Result<Option<Pixels>, SceneError> {
-    let (size, channels, pixels) = match bytes {
-        [0x89, b'P', b'N', b'G', ..] => png(pointer, bytes)?,
-        [0xff, 0xd8, ..] => jpeg(pointer, bytes)?,
-        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => webp(pointer, bytes)?,
-        _ => return Ok(None),
+/// How many pixels an image says that it has; `None` for a format that is not read.
+pub(super) fn pixels_of(pointer: &str, bytes: &[u8]) -> Result<Option<u64>, SceneError> {
+    let Some(format) = Format::of(bytes) else { return Ok(None) };
+    let size = match format {
+        Format::Png => png_header(pointer, bytes)?.1,
+        Format::Jpeg => jpeg_header(pointer, bytes)?.1,
+        Format::Webp => webp_header(pointer, bytes)?.1,
+    };
+    Ok(Some(size[0] as u64 * size[1] as u64))
+}
+
+/// The `wanted` channels of an image (0 red to 3 alpha). Domain: a format that [`pixels_of`] knows.
+pub(super) fn decode(pointer: &str, bytes: &[u8], wanted: &[usize]) -> Result<Pixels, SceneError> {
+    let (size, channels, pixels) = match Format::of(bytes) {
+        Some(Format::Png) => png(pointer, bytes)?,
+        Some(Format::Jpeg) => jpeg(pointer, bytes)?,
+        Some(Format::Webp) => webp(pointer, bytes)?,
+        None => return Err(SceneError::fault(pointer, "neither PNG nor JPEG nor WebP")),
     };
     let from = |wanted: usize| match channels {
         1 => (wanted < 3).then_some(0),
@@ -51,7 +76,7 @@ pub(super) fn decode(pointer: &str, bytes: &[u8], wanted: &[usize]) -> Result<Op
     };
     let from: Vec<Option<usize>> = wanted.iter().map(|channel| from(*channel)).collect();
     let kept = pixels.chunks_exact(channels).flat_map(|pixel| from.iter().map(|from| from.map_or(255, |i| pixel[i])));
-    Ok(Some(Pixels { size, channels: wanted.len(), bytes: kept.collect() }))
+    Ok(Pixels { size, channels: wanted.len(), bytes: kept.collect() })
 }
 
 type Decoded = ([usize; 2], usize, Vec<u8>);
@@ -70,12 +95,19 @@ fn broken(pointer: &str, kind: &str, error: &dyn std::fmt::Display) -> SceneErro
     SceneError::fault(pointer, format!("no {kind} that can be read: {error}"))
 }
 
-fn png(pointer: &str, bytes: &[u8]) -> Result<Decoded, SceneError> {
-    let wrong = |error: png::DecodingError| broken(pointer, "PNG", &error);
+type PngDecoder<'a> = png::Decoder<Cursor<&'a [u8]>>;
+
+fn png_header<'a>(pointer: &str, bytes: &'a [u8]) -> Result<(PngDecoder<'a>, [usize; 2]), SceneError> {
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::normalize_to_color8());
-    let info = decoder.read_header_info().map_err(wrong)?;
+    let info = decoder.read_header_info().map_err(|error| broken(pointer, "PNG", &error))?;
     let size = bounded(pointer, info.width.into(), info.height.into())?;
+    Ok((decoder, size))
+}
+
+fn png(pointer: &str, bytes: &[u8]) -> Result<Decoded, SceneError> {
+    let wrong = |error: png::DecodingError| broken(pointer, "PNG", &error);
+    let (decoder, size) = png_header(pointer, bytes)?;
     let mut reader = decoder.read_info().map_err(wrong)?;
     let length = reader.output_buffer_size().ok_or_else(|| broken(pointer, "PNG", &"its size overflows"))?;
     let mut pixels = vec![0; length];
@@ -84,26 +116,39 @@ fn png(pointer: &str, bytes: &[u8]) -> Result<Decoded, SceneError> {
     Ok((size, frame.color_type.samples(), pixels))
 }
 
-fn jpeg(pointer: &str, bytes: &[u8]) -> Result<Decoded, SceneError> {
+type JpegBytes<'a> = JpegDecoder<ZCursor<&'a [u8]>>;
+
+fn jpeg_header<'a>(pointer: &str, bytes: &'a [u8]) -> Result<(JpegBytes<'a>, [usize; 2]), SceneError> {
     let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(|error| broken(pointer, "JPEG", &error))?;
     let (width, height) = decoder.dimensions().ok_or_else(|| broken(pointer, "JPEG", &"it has no size"))?;
     let size = bounded(pointer, width as u64, height as u64)?;
+    Ok((decoder, size))
+}
+
+fn jpeg(pointer: &str, bytes: &[u8]) -> Result<Decoded, SceneError> {
+    let (mut decoder, size) = jpeg_header(pointer, bytes)?;
     let pixels = decoder.decode().map_err(|error| broken(pointer, "JPEG", &error))?;
-    if pixels.len() != 3 * width * height {
+    if pixels.len() != 3 * size[0] * size[1] {
         return Err(broken(pointer, "JPEG", &"its pixels are no RGB"));
     }
     Ok((size, 3, pixels))
 }
 
-fn webp(pointer: &str, bytes: &[u8]) -> Result<Decoded, SceneError> {
-    let wrong = |error: image_webp::DecodingError| broken(pointer, "WebP", &error);
-    let mut decoder = image_webp::WebPDecoder::new(Cursor::new(bytes)).map_err(wrong)?;
+type WebpDecoder<'a> = image_webp::WebPDecoder<Cursor<&'a [u8]>>;
+
+fn webp_header<'a>(pointer: &str, bytes: &'a [u8]) -> Result<(WebpDecoder<'a>, [usize; 2]), SceneError> {
+    let decoder = image_webp::WebPDecoder::new(Cursor::new(bytes)).map_err(|error| broken(pointer, "WebP", &error))?;
     let (width, height) = decoder.dimensions();
     let size = bounded(pointer, width.into(), height.into())?;
+    Ok((decoder, size))
+}
+
+fn webp(pointer: &str, bytes: &[u8]) -> Result<Decoded, SceneError> {
+    let (mut decoder, size) = webp_header(pointer, bytes)?;
     let channels = if decoder.has_alpha() { 4 } else { 3 };
     let mut pixels = vec![0; channels * size[0] * size[1]];
-    decoder.read_image(&mut pixels).map_err(wrong)?;
+    decoder.read_image(&mut pixels).map_err(|error| broken(pointer, "WebP", &error))?;
     Ok((size, channels, pixels))
 }

@@ -8,6 +8,7 @@ mod camera;
 mod check;
 mod container;
 mod coverage;
+mod decoding;
 mod document;
 mod error;
 mod geometry;
@@ -40,7 +41,8 @@ pub use material::LobeKind;
 pub use model::{Scene, SceneLobe, SceneMaterial};
 
 impl Scene {
-    /// Reads a scene's file, `.glb` or `.gltf`, and the files that it names in its folder; `go_on` may stop it.
+    /// Reads a scene's file, `.glb` or `.gltf`, and the files that it names in its folder; `go_on` may stop it. Runs on the current
+    /// rayon pool, whose size changes nothing.
     ///
     /// # Errors
     /// [`SceneError`] where it is no glTF 2.0, too large, or without a surface, and where `go_on` says no.
@@ -126,13 +128,16 @@ fn materials(
     let mut textures = Textures::new(document, buffers, container, go_on);
     let default = document::Material::default();
     let all = document.materials.iter().enumerate().map(|(index, material)| (Some(index), material));
-    all.chain([(None, &default)])
+    let read = all
+        .chain([(None, &default)])
         .zip(used)
         .map(|((index, material), is_used)| {
             is_used.then(|| Shaded::read(material, index, Some(&mut textures))).transpose()
         })
-        .collect()
+        .collect::<Result<_, _>>()?;
+    textures.finish()?;
+    Ok(read)
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

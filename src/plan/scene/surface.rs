@@ -1,7 +1,10 @@
 //! The lobes of a scene's surface, weighed by the surface that has them: exactly where a material is the same all over
 //! and there is no camera, else at points that are spread evenly over all of it.
 
+use std::ops::Range;
+
 use glam::{DMat4, DVec3};
+use rayon::prelude::*;
 
 use super::{
     accessor::Buffers,
@@ -21,8 +24,10 @@ const POINTS: f64 = (1 << 20) as f64;
 /// Cameras that look at all of them, and the most that there may be.
 const FULL_CAMERAS: f64 = 16.0;
 const MOST_CAMERAS: u64 = 256;
-/// After as many points the caller is asked whether to go on.
-const ASKED_AT: usize = 1024;
+/// Points that one thread looks at before another may; before them the caller is asked whether to go on.
+const POINTS_OF_PART: usize = 1 << 10;
+/// Triangles whose surface one thread tells at once.
+const LEAST_AREAS: usize = 1 << 12;
 /// Points over the textures of a primitive whose triangles cannot be read.
 const POINTS_OF_BOX: usize = 256;
 /// Notes about meshes: more would only repeat them.
@@ -134,7 +139,7 @@ impl<'a> Surface<'a> {
                 if let Shape::Triangles(geometry) = &shape
                     && (has_cameras || material.is_textured())
                 {
-                    total += worlds.iter().map(|world| area(geometry, world)).sum::<f64>();
+                    total += worlds.iter().flat_map(|world| areas(geometry, world)).sum::<f64>();
                 }
             }
         }
@@ -178,8 +183,10 @@ impl<'a> Surface<'a> {
     }
 }
 
-fn area(geometry: &Geometry, world: &DMat4) -> f64 {
-    (0..geometry.len()).map(|triangle| geometry.area(triangle, world)).sum()
+/// The surface of each triangle in the world.
+fn areas(geometry: &Geometry, world: &DMat4) -> Vec<f64> {
+    let all = (0..geometry.len()).into_par_iter().with_min_len(LEAST_AREAS);
+    all.map(|triangle| geometry.area(triangle, world)).collect()
 }
 
 /// How an instance is looked at.
@@ -222,9 +229,10 @@ impl Gathered {
     /// Adds an instance of a primitive.
     fn add(&mut self, material: &Shaded, geometry: &Geometry, seen: &Seen<'_>) -> Result<(), SceneError> {
         SceneError::unless(seen.go_on)?;
-        let total = area(geometry, seen.world);
-        let mut lobes = Vec::new();
+        let areas = areas(geometry, seen.world);
+        let total: f64 = areas.iter().sum();
         if seen.cameras.is_empty() && !material.is_textured() {
+            let mut lobes = Vec::new();
             let there = material.lobes(&|_| [0.0; 2], &mut lobes);
             self.note(&lobes, total * there, &[]);
             return Ok(());
@@ -232,38 +240,69 @@ impl Gathered {
         if total <= 0.0 {
             return Ok(());
         }
-        // Points stand at even steps of the surface, one triangle after another.
+        // Points stand at even steps of the surface, one triangle after another: that of number i at i + 1/2 steps.
         let points = (total / seen.per_point).ceil().max(1.0);
-        let (step, mut next, mut reached, mut views) = (total / points, 0.5, 0.0, Vec::new());
-        let mut number = 0;
-        for triangle in 0..geometry.len() {
-            reached += geometry.area(triangle, seen.world);
-            while next * step <= reached && next < points {
-                if number % ASKED_AT == 0 {
-                    SceneError::unless(seen.go_on)?;
-                }
-                let [u, v, ..] = recurrence4(number, [0.0; 4]);
-                let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-                let weights = [1.0 - u - v, u, v];
-                views.clear();
-                if !seen.cameras.is_empty() {
-                    let point = geometry.point(triangle, weights, seen.world);
-                    let towards = seen.cameras.iter().filter_map(|camera| {
-                        let wo = camera.view(point.position)?;
-                        let up = wo.dot(point.normal);
-                        let up = if material.double_sided { up.abs() } else { up };
-                        (up > 0.0).then(|| DVec3::new(wo.dot(point.tangent), wo.dot(point.bitangent), up))
-                    });
-                    views.extend(towards);
-                }
-                if seen.cameras.is_empty() || !views.is_empty() {
-                    let there = material.lobes(&|set| geometry.uv(triangle, weights, set), &mut lobes);
-                    self.note(&lobes, step * there, &views);
-                }
-                (next, number) = (next + 1.0, number + 1);
+        let (step, count) = (total / points, points as usize);
+        let reached: Vec<f64> =
+            areas.iter().scan(0.0, |sum, area| Some(*sum + area).inspect(|is| *sum = *is)).collect();
+        let parts = (0..count.div_ceil(POINTS_OF_PART)).into_par_iter().map(|part| {
+            SceneError::unless(seen.go_on)?;
+            let numbers = part * POINTS_OF_PART..((part + 1) * POINTS_OF_PART).min(count);
+            Ok(Self::of_points(material, geometry, seen, numbers, (step, &reached)))
+        });
+        // Sums have one order, on any number of threads.
+        parts.collect::<Result<Vec<_>, SceneError>>()?.iter().for_each(|part| self.merge(part));
+        Ok(())
+    }
+
+    /// The points of some numbers: `step` is the surface of each, and `reached` that of the triangles up to each.
+    fn of_points(
+        material: &Shaded,
+        geometry: &Geometry,
+        seen: &Seen<'_>,
+        numbers: Range<usize>,
+        (step, reached): (f64, &[f64]),
+    ) -> Self {
+        let (mut found, mut lobes, mut views) = (Self::default(), Vec::new(), Vec::new());
+        let mut triangle = reached.partition_point(|reached| *reached < (numbers.start as f64 + 0.5) * step);
+        for number in numbers {
+            let at = (number as f64 + 0.5) * step;
+            while triangle < reached.len() && reached[triangle] < at {
+                triangle += 1;
+            }
+            if triangle == reached.len() {
+                break;
+            }
+            let [u, v, ..] = recurrence4(number, [0.0; 4]);
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            let weights = [1.0 - u - v, u, v];
+            views.clear();
+            if !seen.cameras.is_empty() {
+                let point = geometry.point(triangle, weights, seen.world);
+                let towards = seen.cameras.iter().filter_map(|camera| {
+                    let wo = camera.view(point.position)?;
+                    let up = wo.dot(point.normal);
+                    let up = if material.double_sided { up.abs() } else { up };
+                    (up > 0.0).then(|| DVec3::new(wo.dot(point.tangent), wo.dot(point.bitangent), up))
+                });
+                views.extend(towards);
+            }
+            if seen.cameras.is_empty() || !views.is_empty() {
+                let there = material.lobes(&|set| geometry.uv(triangle, weights, set), &mut lobes);
+                found.note(&lobes, step * there, &views);
             }
         }
-        Ok(())
+        found
+    }
+
+    /// Adds all that a part gathered.
+    fn merge(&mut self, part: &Self) {
+        self.area += part.area;
+        for (kind, histogram, views) in &part.lobes {
+            let (_, all, all_views) = self.lobe(*kind);
+            all.merge(histogram);
+            all_views.merge(views);
+        }
     }
 
     /// Adds surface whose place is not known.

@@ -1,6 +1,6 @@
 //! Scenes whose areas and texels are known in closed form, and hostile ones.
 
-mod glb;
+pub(crate) mod glb;
 mod hostile;
 
 use std::f64::consts::FRAC_PI_2;

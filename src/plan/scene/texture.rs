@@ -1,15 +1,16 @@
 //! Textures: images with their wrap modes and transforms, at texture coordinates.
 
-use std::{collections::BTreeMap, rc::Rc};
+use std::collections::BTreeMap;
 
 use serde::de::DeserializeOwned;
 
 use super::{
     accessor::Buffers,
     container::{Container, MOST_BYTES, Named},
+    decoding::{Channels, Decoding},
     document::{Document, Extensions, TextureInfo, TextureTransform, WebpTexture},
     error::SceneError,
-    image::{MOST_PIXELS_OF_ALL, Pixels, decode},
+    image::{MOST_PIXELS_OF_ALL, pixels_of},
 };
 use ltcforge_fit::{
     GoOn,
@@ -23,7 +24,7 @@ const REPEAT: u32 = 10_497;
 /// A texture of a material.
 #[derive(Debug)]
 pub(super) struct Sampled {
-    pixels: Rc<Pixels>,
+    pixels: Channels,
     wrap: [u32; 2],
     /// The set of texture coordinates.
     pub(super) set: u32,
@@ -31,8 +32,9 @@ pub(super) struct Sampled {
 }
 
 impl Sampled {
-    /// The texel at texture coordinates.
+    /// The texel at texture coordinates. Domain: after [`Textures::finish`].
     pub(super) fn at(&self, uv: [f64; 2]) -> [f64; 3] {
+        let Some(pixels) = self.pixels.get() else { return [1.0; 3] };
         let place = self.transform.map(|[a, b, c]| a * uv[0] + b * uv[1] + c);
         let texel = |i: usize| {
             let wrapped = match self.wrap[i] {
@@ -44,9 +46,9 @@ impl Sampled {
                 _ => place[i].rem_euclid(1.0),
             };
             // A coordinate that is no number falls on the first texel.
-            ((wrapped * self.pixels.size[i] as f64) as usize).min(self.pixels.size[i] - 1)
+            ((wrapped * pixels.size[i] as f64) as usize).min(pixels.size[i] - 1)
         };
-        self.pixels.at([texel(0), texel(1)])
+        pixels.at([texel(0), texel(1)])
     }
 }
 
@@ -56,10 +58,11 @@ pub(super) struct Textures<'a> {
     buffers: &'a Buffers,
     container: &'a mut Container,
     /// Channels of images that several textures may have, or why there are none, and how many pixels are kept.
-    kept: BTreeMap<(usize, Vec<usize>), Result<Rc<Pixels>, String>>,
+    kept: BTreeMap<(usize, Vec<usize>), Result<Channels, String>>,
     pixels: u64,
     /// Bytes of the images that were decoded: many may be of one part of the file.
     bytes: u64,
+    decoding: Decoding<'a>,
     go_on: &'a GoOn<'a>,
 }
 
@@ -70,7 +73,13 @@ impl<'a> Textures<'a> {
         container: &'a mut Container,
         go_on: &'a GoOn<'a>,
     ) -> Self {
-        Self { document, buffers, container, kept: BTreeMap::new(), pixels: 0, bytes: 0, go_on }
+        let decoding = Decoding::new(go_on);
+        Self { document, buffers, container, kept: BTreeMap::new(), pixels: 0, bytes: 0, decoding, go_on }
+    }
+
+    /// Decodes what was read and waits for it.
+    pub(super) fn finish(mut self) -> Result<(), SceneError> {
+        self.decoding.finish()
     }
 
     /// Some channels of a material's texture. The inner error says why there are none.
@@ -106,7 +115,7 @@ impl<'a> Textures<'a> {
         }))
     }
 
-    fn pixels(&mut self, image: usize, channels: &[usize]) -> Result<Result<Rc<Pixels>, String>, SceneError> {
+    fn pixels(&mut self, image: usize, channels: &[usize]) -> Result<Result<Channels, String>, SceneError> {
         let key = (image, channels.to_vec());
         if let Some(known) = self.kept.get(&key) {
             return Ok(known.clone());
@@ -117,7 +126,7 @@ impl<'a> Textures<'a> {
         Ok(found)
     }
 
-    fn decoded(&mut self, image: usize, channels: &[usize]) -> Result<Result<Rc<Pixels>, String>, SceneError> {
+    fn decoded(&mut self, image: usize, channels: &[usize]) -> Result<Result<Channels, String>, SceneError> {
         SceneError::unless(self.go_on)?;
         let bytes = match self.image(image)? {
             Ok(bytes) => bytes,
@@ -125,12 +134,13 @@ impl<'a> Textures<'a> {
         };
         self.bytes += bytes.len() as u64;
         SceneError::above("bytes of all images", self.bytes, MOST_BYTES)?;
-        let Some(pixels) = decode(&format!("/images/{image}"), &bytes, channels)? else {
+        let pointer = format!("/images/{image}");
+        let Some(pixels) = pixels_of(&pointer, &bytes)? else {
             return Ok(Err(format!("image {image} is neither PNG nor JPEG nor WebP")));
         };
-        self.pixels += pixels.count();
+        self.pixels += pixels;
         SceneError::above("pixels of all textures", self.pixels, MOST_PIXELS_OF_ALL)?;
-        Ok(Ok(Rc::new(pixels)))
+        self.decoding.push(pointer, bytes, channels.to_vec(), pixels).map(Ok)
     }
 
     fn image(&mut self, index: usize) -> Result<Result<Vec<u8>, String>, SceneError> {

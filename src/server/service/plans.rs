@@ -63,7 +63,7 @@ impl Service {
     pub fn plan(&self, bytes: Vec<u8>, sent: SceneForm, budget: Budget, form: Form) -> Result<Planned, PlanError> {
         let go_on = || !self.is_stopping();
         let scene = match sent {
-            SceneForm::Glb => Scene::from_bytes(bytes, &go_on)?,
+            SceneForm::Glb => self.state.measuring_pool.install(|| Scene::from_bytes(bytes, &go_on))?,
             SceneForm::List => Scene::from_list(&bytes)?,
         };
         let mut plans = Vec::new();

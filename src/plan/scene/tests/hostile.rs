@@ -174,16 +174,19 @@ fn reading_a_scene_stops_where_the_caller_says_so() {
     use std::sync::atomic::{AtomicU32, Ordering};
     let glb = quad_scene(&checker(4, |x, _| x as u8), [1.0; 2], [10497; 2], &json!({}));
     let asked = AtomicU32::new(0);
-    let read_while = |most: u32| {
+    let read_while = |most: u32, threads: usize| {
         asked.store(0, Ordering::Relaxed);
-        Scene::from_bytes(glb.bytes(), &|| asked.fetch_add(1, Ordering::Relaxed) < most)
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| Scene::from_bytes(glb.bytes(), &|| asked.fetch_add(1, Ordering::Relaxed) < most))
     };
-    assert!(read_while(u32::MAX).is_ok());
+    assert!(read_while(u32::MAX, 1).is_ok());
     let all = asked.load(Ordering::Relaxed);
     assert!(all > 1000, "{all}");
-    for most in [0, 1, 2, all / 2, all - 1] {
-        assert!(matches!(read_while(most), Err(SceneError::Stopped)), "{most}");
-        assert_eq!(asked.load(Ordering::Relaxed), most + 1);
+    for (most, threads) in [(0, 1), (1, 1), (2, 1), (all / 2, 1), (all - 1, 1), (all / 2, 3)] {
+        assert!(matches!(read_while(most, threads), Err(SceneError::Stopped)), "{most}");
+        // Each thread asks once more.
+        let last = most + threads as u32;
+        assert!((most + 1..=last).contains(&asked.load(Ordering::Relaxed)), "{most} {threads}");
     }
 }
 
