@@ -13,6 +13,12 @@ use super::{
     limits::{Limits, Pace, SizeOrigin},
 };
 
+/// The codings that a download may come in, as `Accept-Encoding` has them.
+pub(super) const CODINGS: &str = "zstd, gzip";
+
+/// The largest window of a zstd frame, 8 MiB, which a server must not exceed [RFC 9659, section 3].
+const WINDOW_LOG: u32 = 23;
+
 /// How much of an answer is read, and where that limit comes from.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SizeLimit {
@@ -59,17 +65,25 @@ pub(super) fn copy(
     sink: &mut dyn Write,
 ) -> Result<(), CopyError> {
     let too_long = || ClientError::TooLong { url: url.to_owned(), limit_bytes: size.bytes, origin: size.origin };
+    // The client asks for zstd itself, so ureq leaves it.
     let coding = response.headers().get("content-encoding").and_then(|name| name.to_str().ok()).unwrap_or_default();
     // One that ureq undoes it also takes out of the head. It knows gzip in this spelling alone.
     let is_gzip = ["gzip", "x-gzip"].iter().any(|name| coding.eq_ignore_ascii_case(name));
+    let is_zstd = coding.eq_ignore_ascii_case("zstd");
     let body = response.into_body();
-    if !is_gzip && body.content_length().is_some_and(|length| length > size.bytes) {
+    if !is_gzip && !is_zstd && body.content_length().is_some_and(|length| length > size.bytes) {
         return Err(too_long().into());
     }
     let start = Instant::now();
     let mut pace = Pace::new(limits, time);
     let plain = body.into_reader();
-    let mut reader: Box<dyn io::Read> = if is_gzip { Box::new(MultiGzDecoder::new(plain)) } else { Box::new(plain) };
+    let mut reader: Box<dyn io::Read> = if is_gzip {
+        Box::new(MultiGzDecoder::new(plain))
+    } else if is_zstd {
+        Box::new(unzstd(plain).map_err(|error| ClientError::transport(url, &ureq::Error::from(error)))?)
+    } else {
+        Box::new(plain)
+    };
     let mut chunk = vec![0; 1 << 16];
     let mut total = 0;
     loop {
@@ -90,6 +104,13 @@ pub(super) fn copy(
         in_time.map_err(|reason| ClientError::Unavailable { url: url.to_owned(), reason })?;
         sink.write_all(&chunk[..read]).map_err(CopyError::Write)?;
     }
+}
+
+/// The bytes that zstd made `packed` of. A frame that wants more memory than [`WINDOW_LOG`] allows is an error.
+fn unzstd<R: io::Read>(packed: R) -> io::Result<impl io::Read> {
+    let mut decoder = zstd::Decoder::new(packed)?;
+    decoder.window_log_max(WINDOW_LOG)?;
+    Ok(decoder)
 }
 
 /// The body of an answer that is a document.

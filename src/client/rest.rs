@@ -206,7 +206,8 @@ impl Client {
 
     fn download(&self, path: &str, digest: Digest) -> Result<Download, ClientError> {
         let url = self.url(path);
-        let response = self.successful(&url, self.get(&url).call())?;
+        let request = self.get(&url).header("accept-encoding", answer::CODINGS);
+        let response = self.successful(&url, request.call())?;
         Ok(Download::new(url, response, digest, self.limits))
     }
 

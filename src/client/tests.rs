@@ -116,6 +116,48 @@ fn gzip_is_undone_under_each_of_its_names() {
     assert!(matches!(refused, DownloadError::Client(ClientError::TooLong { limit_bytes: 1000, .. })), "{refused:?}");
 }
 
+/// A client of a server that answers with `packed`, and what it asked.
+fn zstd_server(packed: &[u8]) -> (Client, thread::JoinHandle<Vec<String>>) {
+    let length = packed.len();
+    let head = format!("HTTP/1.1 200 OK\r\ncontent-encoding: zstd\r\ncontent-length: {length}\r\n\r\n");
+    let file = [head.as_bytes(), packed].concat();
+    // A client that has enough leaves.
+    let send = move |mut stream: TcpStream| drop(stream.write_all(&file));
+    let (url, requests) = server_of(vec![Box::new(send)]);
+    (Client::new(&url).expect("a URL"), requests)
+}
+
+#[test]
+fn zstd_is_asked_for_and_undone_within_the_limit_of_what_comes_out() {
+    // Of three bytes zstd makes more than three, so the length of the answer is not held to the limit.
+    let (client, requests) = zstd_server(&zstd::bulk::compress(b"abc", 3).expect("memory"));
+    assert_eq!(table(&client, b"abc", Some(3)).expect("the very bytes"), b"abc");
+    let requests = requests.join().expect("a request");
+    assert!(requests[0].to_lowercase().contains("accept-encoding: zstd"), "{}", requests[0]);
+
+    let bomb = zstd::bulk::compress(&vec![0; 1 << 28], 3).expect("memory");
+    assert!(bomb.len() < 1 << 16, "{} bytes of 256 MiB", bomb.len());
+    let refused = table(&zstd_server(&bomb).0, b"", Some(1000)).expect_err("it is longer");
+    assert!(matches!(refused, DownloadError::Client(ClientError::TooLong { limit_bytes: 1000, .. })), "{refused:?}");
+
+    let whole = zstd::bulk::compress(&[7; 1000], 3).expect("memory");
+    for broken in [&whole[..whole.len() - 1], b"abc"] {
+        table(&zstd_server(broken).0, &[7; 1000], Some(1000)).expect_err("no whole frame");
+    }
+}
+
+#[test]
+fn a_frame_that_wants_more_memory_than_a_server_may_ask_for_is_refused() {
+    let pack = |window_log| {
+        let mut encoder = zstd::Encoder::new(Vec::new(), 3).expect("memory");
+        encoder.window_log(window_log).expect("a window");
+        encoder.write_all(b"abc").expect("memory");
+        encoder.finish().expect("memory")
+    };
+    assert_eq!(table(&zstd_server(&pack(23)).0, b"abc", None).expect("8 MiB are allowed"), b"abc");
+    table(&zstd_server(&pack(24)).0, b"abc", None).expect_err("16 MiB");
+}
+
 #[test]
 fn a_broken_stream_is_resumed_where_it_broke() {
     let running = document("running");

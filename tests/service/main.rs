@@ -29,3 +29,4 @@ mod recipes;
 mod schemathesis;
 mod stopping;
 mod tls;
+mod zstd_coding;

@@ -10,8 +10,8 @@ use axum::{
 use super::{
     api::Api,
     conditional::{EntityTag, check_untagged},
+    download::stored_file,
     extract::{BrdfBody, NoParameters, PathOf, QueryOf},
-    file,
     problem::Problem,
     tables::ListParameters,
     views::PageView,
@@ -47,7 +47,7 @@ pub(super) async fn download(
     method: Method,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    file::download(api, FileKind::Brdf, digest, &method, &headers).await
+    stored_file(api, FileKind::Brdf, digest, &method, &headers).await
 }
 
 /// `GET /v1/brdfs`.

@@ -50,6 +50,11 @@ impl EntityTag {
         field.is_some_and(|field| self.meets(|tag| !field.precondition_passes(tag)))
     }
 
+    /// Whether a precondition names this representation: the client has it or insists on it.
+    pub(super) fn is_named_in(&self, headers: &HeaderMap) -> bool {
+        self.is_known_to(headers) || headers.contains_key(header::IF_MATCH) && self.check_if_match(headers).is_ok()
+    }
+
     /// Whether `If-Range` allows a range to be served, by strong comparison. A date never matches: no representation
     /// has one.
     pub(super) fn allows_range(&self, headers: &HeaderMap) -> bool {

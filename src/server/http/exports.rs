@@ -11,6 +11,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     api::Api,
+    coding::Coding,
+    download::negotiate,
     error,
     extract::{NoParameters, QueryOf},
     file::{Contents, FOREVER, File},
@@ -146,8 +148,9 @@ pub(super) async fn file(
         media_type: media_type(path),
         caching: if wanted.is_some() { FOREVER } else { ONE_DAY },
         name: path.rsplit('/').next().map(str::to_owned),
+        coding: Coding::Identity,
     };
-    file.respond(&method, &headers)
+    negotiate(&api, file, &headers).await?.respond(&method, &headers)
 }
 
 async fn made(api: &Api, address: &Address) -> Result<(Digest, Export, Arc<MadeExport>), Problem> {
@@ -171,6 +174,7 @@ fn document(view: &impl Serialize) -> Result<File, Problem> {
         media_type: "application/json",
         caching: ONE_DAY,
         name: None,
+        coding: Coding::Fixed,
     })
 }
 

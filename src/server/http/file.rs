@@ -15,9 +15,9 @@ use base64::{Engine as _, engine::general_purpose::STANDARD};
 use futures_util::stream;
 use http_range_header::{RangeUnsatisfiableError, parse_range_header};
 
-use super::{api::Api, conditional::EntityTag, kind::ProblemKind, problem::Problem};
-use crate::service::{Checked, FileKind, SHORT_BYTES, Service};
-use ltcforge_files::{digest::Digest, tabulated::kept_name};
+use super::{api::Api, coding::Coding, conditional::EntityTag, kind::ProblemKind, problem::Problem};
+use crate::service::SHORT_BYTES;
+use ltcforge_files::digest::Digest;
 
 /// The bytes never change under their address, because the address has their digest or that of all they follow from.
 pub(super) const FOREVER: &str = "public, max-age=31536000, immutable";
@@ -67,57 +67,10 @@ async fn step(api: &Api, digest: Digest, left: Range<u64>) -> io::Result<Option<
     Ok(Some((read.into(), next..left.end)))
 }
 
-/// A stored file, all of it or less. It is checked against its digest before any of it is sent, unless that was done since
-/// it last changed; only in a store elsewhere it is not read whole for less than all of it.
-pub(super) async fn download(
-    api: Api,
-    kind: FileKind,
-    digest: Digest,
-    method: &Method,
-    headers: &HeaderMap,
-) -> Result<Response, Problem> {
-    let hex = digest.hex();
-    let octets = "application/octet-stream";
-    let (problem, noun, name, media_type) = match kind {
-        FileKind::Table => (ProblemKind::UnknownTable, "table", format!("{hex}.safetensors"), octets),
-        FileKind::Brdf => (ProblemKind::UnknownBrdf, "BRDF", kept_name(digest.as_bytes()), octets),
-        FileKind::LightTexture => {
-            (ProblemKind::UnknownLightTexture, "light texture", format!("{hex}.ktx2"), "image/ktx2")
-        }
-    };
-    let unknown = || Problem::new(problem, format!("no {noun} with the digest {digest} is stored"));
-    let is_plain = [header::IF_NONE_MATCH, header::IF_MATCH, header::RANGE].iter().all(|f| !headers.contains_key(f));
-    let asks_for_all = method == Method::GET && is_plain;
-    let read = async |all: bool| {
-        let read =
-            move |service: &Service| if all { service.checked(kind, digest) } else { service.glance(kind, digest) };
-        api.read(read).await?.ok_or_else(unknown)
-    };
-    // Most requests are for a file that was checked before, and need no other thread.
-    let checked = match api.service.known(kind, digest) {
-        Some(known) => known,
-        None => read(asks_for_all).await?,
-    };
-    let contents = match checked {
-        Checked::Bytes(bytes) => Contents::Memory(bytes),
-        Checked::Long(length) => Contents::Stored { api: api.clone(), length },
-    };
-    let file = File { digest, contents, media_type, caching: FOREVER, name: Some(name) };
-    let response = file.respond(method, headers)?;
-    if !asks_for_all
-        && method == Method::GET
-        && response.status() == StatusCode::OK
-        && api.service.known(kind, digest).is_none()
-    {
-        read(true).await?;
-    }
-    Ok(response)
-}
-
 /// A file and how it is sent.
 #[derive(Debug)]
 pub(super) struct File {
-    /// The digest of the bytes, which is their entity tag.
+    /// The digest of the bytes as they are sent, which is their entity tag.
     pub(super) digest: Digest,
     pub(super) contents: Contents,
     pub(super) media_type: &'static str,
@@ -126,6 +79,7 @@ pub(super) struct File {
     /// The name under which it is saved, of letters, digits, dots, hyphens and underscores; `None` for a file that is
     /// shown.
     pub(super) name: Option<String>,
+    pub(super) coding: Coding,
 }
 
 /// Shares the service's copy of a file with the response instead of making another.
@@ -141,6 +95,13 @@ impl File {
     /// The file, a part of it, or 304 if the client has it; conditions are evaluated in the order of RFC 9110, section
     /// 13.2.2.
     pub(super) fn respond(self, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
+        let coding = self.coding;
+        let mut response = self.in_its_coding(method, headers)?;
+        coding.tell(&mut response);
+        Ok(response)
+    }
+
+    fn in_its_coding(self, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
         let tag = EntityTag::strong(self.digest);
         tag.check_if_match(headers)?;
         let validators = [(header::ETAG, tag.as_str()), (header::CACHE_CONTROL, self.caching)];
@@ -240,7 +201,8 @@ mod tests {
 
     fn file() -> File {
         let (digest, contents) = (Digest::of(FILE), Contents::Memory(Arc::new(FILE.to_vec())));
-        File { digest, contents, media_type: "image/ktx2", caching: FOREVER, name: Some("ltc.ktx2".to_owned()) }
+        let (name, coding) = (Some("ltc.ktx2".to_owned()), Coding::Identity);
+        File { digest, contents, media_type: "image/ktx2", caching: FOREVER, name, coding }
     }
 
     fn get(fields: &[(HeaderName, &str)]) -> Response {

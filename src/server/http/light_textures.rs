@@ -11,8 +11,8 @@ use serde::Deserialize;
 use super::{
     api::Api,
     conditional::{EntityTag, check_untagged},
+    download::stored_file,
     extract::{NoParameters, PathOf, PictureBody, QueryOf},
-    file,
     problem::Problem,
     tables::ListParameters,
     views::PageView,
@@ -73,7 +73,7 @@ pub(super) async fn download(
     method: Method,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    file::download(api, FileKind::LightTexture, digest, &method, &headers).await
+    stored_file(api, FileKind::LightTexture, digest, &method, &headers).await
 }
 
 /// `GET /v1/light-textures`.

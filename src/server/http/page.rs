@@ -14,6 +14,7 @@ use axum::{
 
 use super::{
     api::Api,
+    coding::Coding,
     error,
     extract::{NoParameters, QueryOf},
     file::{Contents, File},
@@ -200,6 +201,7 @@ fn send(
         media_type: media_type(name).ok_or_else(|| error::internal(&format!("{name} has no media type")))?,
         caching: REVALIDATE,
         name: None,
+        coding: Coding::Fixed,
     };
     let mut response = file.respond(method, headers)?;
     let fields = [

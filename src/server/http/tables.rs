@@ -10,8 +10,8 @@ use serde::Deserialize;
 
 use super::{
     api::Api,
+    download::stored_file,
     extract::{NoParameters, PageLimit, PathOf, QueryOf},
-    file,
     kind::ProblemKind,
     problem::Problem,
     views::PageView,
@@ -54,7 +54,7 @@ pub(super) async fn download(
     {
         return Ok((StatusCode::TEMPORARY_REDIRECT, [(header::LOCATION, url)]).into_response());
     }
-    file::download(api, FileKind::Table, digest, &method, &headers).await
+    stored_file(api, FileKind::Table, digest, &method, &headers).await
 }
 
 /// `GET /v1/tables/{digest}/manifest`.

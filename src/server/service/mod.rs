@@ -10,6 +10,7 @@ mod backup;
 mod brdfs;
 mod check;
 mod cluster;
+mod compressed;
 mod cursor;
 mod downloads;
 mod exports;
@@ -43,6 +44,7 @@ pub use backup::{back_up, restore};
 pub use brdfs::{DeleteBrdfError, StoreBrdfError, StoredBrdf};
 pub use check::{CheckReport, check};
 pub use cluster::{DatabaseUrl, Removal, Shared, Swept, sweep};
+pub use compressed::Zstd;
 pub use cursor::{CursorError, JobCursor, TableCursor};
 pub use exports::{ExportFailure, ExportedFile, MadeExport};
 pub use light_textures::{

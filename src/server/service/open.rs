@@ -13,6 +13,7 @@ use std::{
 use super::{
     Config, OpenError, Service,
     backend::{Backend, FitBackend},
+    compressed::Compressed,
     exports::Exports,
     forecast::Forecast,
     pictures::Pictures,
@@ -78,6 +79,7 @@ impl Service {
             scheduler: Scheduler::new(config.workers),
             pictures: Pictures::new(tables, config.adapter, config.pictures),
             exports: Exports::new(config.export_bytes),
+            compressed: Compressed::default(),
             storing: Mutex::default(),
             naming: RwLock::default(),
             stopping: AtomicBool::new(false),

@@ -10,8 +10,8 @@ use std::{
 };
 
 use super::{
-    Config, Metrics, ServiceError, backend::Backend, exports::Exports, forecast::Forecast, pictures::Pictures,
-    scheduler::Scheduler, tables::Tables, watch::Hub,
+    Config, Metrics, ServiceError, backend::Backend, compressed::Compressed, exports::Exports, forecast::Forecast,
+    pictures::Pictures, scheduler::Scheduler, tables::Tables, watch::Hub,
 };
 use crate::{
     queue::{JobId, Queue},
@@ -39,6 +39,7 @@ pub(super) struct ServiceState {
     pub(super) scheduler: Scheduler,
     pub(super) pictures: Pictures,
     pub(super) exports: Exports,
+    pub(super) compressed: Compressed,
     /// Held while a file that was sent is counted and stored.
     pub(super) storing: Mutex<()>,
     /// Read while a recipe that may name a tabulated BRDF becomes a job, written while one is deleted.
