@@ -22,6 +22,7 @@ mod limits;
 mod materials;
 mod openapi;
 mod page;
+mod pins;
 mod plans;
 mod recipes;
 mod schemathesis;

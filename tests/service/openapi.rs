@@ -32,7 +32,11 @@ fn every_documented_call_is_answered_by_its_own_handler() {
         let (method, path) = call.split_once(' ').expect("a method and a path");
         // Well-formed, and of nothing that exists.
         let path = path.replace("{id}", &"0".repeat(32)).replace("{digest}", &"0".repeat(64));
-        let path = path.replace("{export}", "wgpu").replace("{folder}", "a").replace("{file}", "icon.svg");
+        let path = path
+            .replace("{export}", "wgpu")
+            .replace("{folder}", "a")
+            .replace("{file}", "icon.svg")
+            .replace("{name}", "film");
         let answer = server.request(method, &path, &[], (method == "POST").then_some(b"[]"));
         assert_ne!(answer.status, 405, "{call}");
         let problem: Value = serde_json::from_slice(&answer.body).unwrap_or_default();

@@ -16,7 +16,7 @@ use super::{
     file::{Contents, FOREVER, File},
     kind::ProblemKind,
     problem::Problem,
-    tables::unknown,
+    tables::absent,
 };
 use crate::service::{ExportedFile, MadeExport};
 use ltcforge_files::digest::Digest;
@@ -95,7 +95,9 @@ pub(super) async fn list(
     method: Method,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let exports = api.read(move |service| service.exports(table)).await?.ok_or_else(|| unknown(table))?;
+    let Some(exports) = api.read(move |service| service.exports(table)).await? else {
+        return Err(absent(&api, table).await);
+    };
     let item = |export: Export| ItemView { name: export.to_string(), url: url(table, export) };
     document(&ExportsView { table, items: exports.into_iter().map(item).collect() })?.respond(&method, &headers)
 }
@@ -153,8 +155,10 @@ pub(super) async fn file(
 async fn made(api: &Api, address: &Address) -> Result<(Digest, Export, Arc<MadeExport>), Problem> {
     let table = address.table;
     let export = address.export.ok_or_else(|| error::internal(&"a route of exports without one"))?;
-    let made = api.call(move |service| service.export(table, export)).await?.ok_or_else(|| unknown(table))?;
-    Ok((table, export, made))
+    match api.call(move |service| service.export(table, export)).await? {
+        Some(made) => Ok((table, export, made)),
+        None => Err(absent(api, table).await),
+    }
 }
 
 fn url(table: Digest, export: Export) -> String {

@@ -15,7 +15,7 @@ use base64::{Engine as _, engine::general_purpose::STANDARD};
 use futures_util::stream;
 use http_range_header::{RangeUnsatisfiableError, parse_range_header};
 
-use super::{api::Api, conditional::EntityTag, kind::ProblemKind, problem::Problem};
+use super::{api::Api, conditional::EntityTag, kind::ProblemKind, problem::Problem, tables::absent};
 use crate::service::{Checked, FileKind, SHORT_BYTES, Service};
 use ltcforge_files::{digest::Digest, tabulated::kept_name};
 
@@ -85,13 +85,16 @@ pub(super) async fn download(
             (ProblemKind::UnknownLightTexture, "light texture", format!("{hex}.ktx2"), "image/ktx2")
         }
     };
-    let unknown = || Problem::new(problem, format!("no {noun} with the digest {digest} is stored"));
     let is_plain = [header::IF_NONE_MATCH, header::IF_MATCH, header::RANGE].iter().all(|f| !headers.contains_key(f));
     let asks_for_all = method == Method::GET && is_plain;
     let read = async |all: bool| {
         let read =
             move |service: &Service| if all { service.checked(kind, digest) } else { service.glance(kind, digest) };
-        api.read(read).await?.ok_or_else(unknown)
+        match api.read(read).await? {
+            Some(read) => Ok(read),
+            None if kind == FileKind::Table => Err(absent(&api, digest).await),
+            None => Err(Problem::new(problem, format!("no {noun} with the digest {digest} is stored"))),
+        }
     };
     // Most requests are for a file that was checked before, and need no other thread.
     let checked = match api.service.known(kind, digest) {

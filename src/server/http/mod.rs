@@ -23,6 +23,7 @@ mod operations;
 mod origin_policy;
 mod page;
 mod pictures;
+mod pins;
 mod plans;
 mod problem;
 mod recipes;

@@ -87,6 +87,7 @@ impl Service {
         if self.state.tables.catalogue.table(digest)?.is_none() || !self.state.tables.contains(digest)? {
             return Ok(None);
         }
+        self.state.tables.uses.note(digest);
         Ok(self.state.tables.store.blobs.link(digest, LINK)?)
     }
 
@@ -128,6 +129,11 @@ impl Service {
     /// See [`ExportFailure`].
     pub fn export(&self, table: Digest, export: Export) -> Result<Option<Arc<MadeExport>>, ExportFailure> {
         let key = Digest::of(format!("{export} of {table}").as_bytes());
+        // The export of a table that was removed may still be in memory.
+        if !self.state.tables.contains(table).map_err(ServiceError::from)? {
+            return Ok(None);
+        }
+        self.state.tables.uses.note(table);
         self.state.exports.get(key, || {
             if self.state.is_stopping() {
                 return Err(ServiceError::Stopping.into());

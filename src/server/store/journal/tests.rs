@@ -29,7 +29,7 @@ fn row(key: &str, value: Option<&str>) -> Row {
 }
 
 fn jobs(journal: &Journal) -> Vec<String> {
-    let rows = journal.jobs().unwrap();
+    let rows = journal.rows(Tree::Jobs).unwrap();
     rows.into_iter().map(|row| String::from_utf8(row.value.unwrap()).unwrap()).collect()
 }
 
@@ -70,7 +70,10 @@ fn a_journal_that_has_grown_too_long_is_written_anew() {
     let text = fs::read_to_string(dir.path().join("jobs.log")).unwrap();
     assert!(!text.contains(&to_hex(b"b running")), "{text}");
     assert_eq!(jobs(&journal)[..3], AT_LAST);
-    assert_eq!(journal.most, MOST_APPENDED + journal.length - words(b"e", Some(b"e queued")).len() as u64 - 18);
+    assert_eq!(
+        journal.most,
+        MOST_APPENDED + journal.length - words(Tree::Jobs, b"e", Some(b"e queued")).len() as u64 - 18
+    );
     drop(journal);
     assert_eq!(jobs(&open(dir.path()).0).len(), 4);
 }
@@ -238,7 +241,7 @@ fn journals_of_earlier_versions_are_read() {
     let with_revisions = of(&[" head 7 2", " 4 jobs 61 00", " 4 job_order 31 61", " 8 job_order 31 - jobs 61 02"]);
     for journal in [without_revisions, with_revisions] {
         let (journal, damage) = with_bytes(dir.path(), journal.as_bytes());
-        assert_eq!((journal.jobs().unwrap(), damage), (vec![row("a", Some("\u{2}"))], Damage::default()));
+        assert_eq!((journal.rows(Tree::Jobs).unwrap(), damage), (vec![row("a", Some("\u{2}"))], Damage::default()));
     }
 }
 

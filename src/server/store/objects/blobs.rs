@@ -183,7 +183,7 @@ fn failure(error: &Error) -> StoreError {
 fn info(object: &ObjectMeta) -> Option<BlobInfo> {
     let digest = object.location.filename()?.parse().ok()?;
     let stored_at = Timestamp::from_microsecond(object.last_modified.timestamp_micros()).ok()?;
-    Some(BlobInfo { digest, stored_at })
+    Some(BlobInfo { digest, stored_at, bytes: object.size })
 }
 
 impl Blobs for ObjectBlobs {
@@ -258,6 +258,27 @@ impl Blobs for ObjectBlobs {
         self.seen.lock().unwrap_or_else(PoisonError::into_inner).remove(&digest);
         self.cache.remove(digest);
         Ok(())
+    }
+
+    fn delete_unless(
+        &self,
+        digest: Digest,
+        is_known: &dyn Fn(Digest) -> Result<bool, StoreError>,
+    ) -> Result<(), StoreError> {
+        let bytes = self.fetch_blob(digest)?;
+        if is_known(digest)? {
+            return Ok(());
+        }
+        self.delete(digest)?;
+        match bytes {
+            Some(bytes) if is_known(digest)? => self.put(&bytes).map(drop),
+            _ => Ok(()),
+        }
+    }
+
+    fn drop_copy(&self, digest: Digest) {
+        self.seen.lock().unwrap_or_else(PoisonError::into_inner).remove(&digest);
+        self.cache.remove(digest);
     }
 
     fn keep(&self, digest: Digest, bytes: &[u8]) -> Result<(), StoreError> {

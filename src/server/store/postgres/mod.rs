@@ -9,7 +9,7 @@ mod rows;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use database::Database;
+pub use database::{Database, DatabaseTimeouts};
 pub use failure::DatabaseOpenError;
 pub use rows::PostgresRows;
 
