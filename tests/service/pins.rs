@@ -41,12 +41,13 @@ fn a_pin_keeps_a_table_from_being_deleted_and_a_deleted_one_is_fitted_again() {
     let bad = server.request("PUT", &format!("{path}/pins/a%2Fb"), ADMIN, None).with_status(400).json();
     assert!(text(&bad["detail"]).contains("1 to 64 letters, digits and -_.@"), "{bad}");
     server.request("DELETE", &path, &[("if-match", "\"other\"")], None).with_status(412);
+    let exports = format!("{path}/exports");
+    let export = text(&server.get(&exports).with_status(200).json()["items"][0]["url"]).to_owned();
+    server.get(&export).with_status(200);
     server.request("DELETE", &path, ADMIN, None).with_status(204);
 
-    let exports = format!("{path}/exports");
-    for gone in
-        [&path, &format!("{path}/manifest"), &format!("{path}/pins"), &exports, &format!("{path}/plots/error.png")]
-    {
+    let below = ["/manifest", "/pins", "/exports", "/plots/error.png"].map(|below| format!("{path}{below}"));
+    for gone in below.iter().chain([&path, &export]) {
         let told = server.get(gone).with_status(404).json();
         assert_eq!(told["type"], "/problems/removed-table", "{gone}: {told:#}");
         let detail = text(&told["detail"]);

@@ -83,6 +83,7 @@ impl Service {
         let (why, at) = (RemovalReason::Deleted(by.map(str::to_owned)), self.state.queue.now());
         let alone = self.state.naming.write().unwrap_or_else(PoisonError::into_inner);
         if tables.remove_table(table, why, at)? {
+            self.state.exports.forget(table);
             tracing::info!(%table, by, "the table was deleted");
             return Ok(());
         }

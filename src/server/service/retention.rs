@@ -221,6 +221,7 @@ impl ServiceState {
                 break;
             }
             if self.remove_unless_used(going, now)? {
+                self.exports.forget(going.digest);
                 (files, bytes) = (files + 1, bytes + going.bytes);
                 self.files_removed.fetch_add(1, Ordering::Relaxed);
             }

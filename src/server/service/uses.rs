@@ -133,8 +133,8 @@ impl Tables {
 }
 
 impl ServiceState {
-    /// Writes the uses since the last time. A table that another process has removed is dropped from this one's cache, from
-    /// where it was sent.
+    /// Writes the uses since the last time. A table that another process has removed is dropped from this one's cache and
+    /// memory, from where it was sent.
     pub(super) fn write_uses(&self) -> Result<(), StoreError> {
         let uses = self.tables.uses.take();
         if uses.is_empty() {
@@ -146,6 +146,7 @@ impl ServiceState {
             for (digest, at) in &uses {
                 if self.tables.use_of(*digest)?.is_some_and(|row| row.removed.is_some()) {
                     self.tables.store.blobs.drop_copy(*digest);
+                    self.exports.forget(*digest);
                     continue;
                 }
                 let ago = SignedDuration::try_from(at.elapsed()).unwrap_or_default();
