@@ -121,6 +121,10 @@ fn what_was_used_longest_ago_goes_first_and_what_is_pinned_stays() {
         age(&service, &file(&blobs, asked), asked, 7000);
         service.pin(pinned, &name("film"), Some("farm")).unwrap();
         assert!(service.table(asked).unwrap().is_some());
+        service.state.write_uses().unwrap();
+        let later = service.state.queue.now().checked_add(jiff::SignedDuration::from_hours(1)).unwrap();
+        let plan = service.state.tables.plan(service.state.queue.as_ref(), Some(1), later, vec![]).unwrap();
+        assert_eq!(plan.going.iter().map(|going| going.digest).collect::<Vec<_>>(), [oldest, new, asked]);
 
         // One byte less than all: one table is enough.
         let bounded = |store_bytes| Config { store_bytes: Some(store_bytes), ..config.clone() };
