@@ -7,9 +7,10 @@ use serde_json::json;
 use super::{
     CommandFailure, Context, Exit,
     args::{GcArgs, MigrateArgs, ReplicaArgs, SharedArgs, TimeoutArgs, WorkArgs},
+    descriptors::raise_descriptor_limit,
     print,
     serve::failed,
-    settings::{ServeSettings, raise_descriptor_limit},
+    settings::ServeSettings,
 };
 use crate::args::threads::ThreadCount;
 use ltcforge_server::{

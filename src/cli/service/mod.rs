@@ -3,6 +3,7 @@
 mod args;
 mod backup;
 mod cluster;
+mod descriptors;
 mod doors;
 mod fsck;
 mod serve;

@@ -13,7 +13,6 @@ use std::{
 };
 
 use clap::{ArgMatches, Args, Command, FromArgMatches};
-use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use serde::{Deserialize, Deserializer, de::Error as _};
 
 use super::{CommandFailure, Exit, args::ReplicaArgs};
@@ -287,20 +286,6 @@ impl ServeSettings {
     }
 }
 
-/// Lets the process open as many files as the system permits it, and returns how many that are; `None` if there is no
-/// limit. Many systems begin with 1024, for the sake of programs that cannot handle more.
-pub(super) fn raise_descriptor_limit() -> Option<u64> {
-    let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
-    if current == maximum {
-        return current;
-    }
-    match setrlimit(Resource::Nofile, Rlimit { current: maximum, maximum }) {
-        Ok(()) => maximum,
-        // Then there are as many as before.
-        Err(_) => current,
-    }
-}
-
 #[cfg(test)]
 pub(super) mod tests {
     use clap::Parser as _;
@@ -407,12 +392,5 @@ pub(super) mod tests {
         let names = |names: &[&str]| names.iter().map(|name| name.parse().expect("a host")).collect::<Vec<_>>();
         assert_eq!(hosts(&[]), names(&["farm"]));
         assert_eq!(hosts(&["--allow-host", "a", "--allow-host", "b,c"]), names(&["a", "b", "c"]));
-    }
-
-    #[test]
-    fn the_process_gets_as_many_descriptors_as_it_may_have() {
-        let raised = raise_descriptor_limit();
-        assert_eq!(getrlimit(Resource::Nofile).current, raised);
-        assert!(raised.is_none_or(|raised| raised > 64), "{raised:?}");
     }
 }

@@ -10,13 +10,13 @@ use axum::{
 use serde::{Deserialize, Serialize};
 
 use super::{
+    absent::absent,
     api::Api,
     error,
     extract::{NoParameters, QueryOf},
     file::{Contents, FOREVER, File},
     kind::ProblemKind,
     problem::Problem,
-    tables::absent,
 };
 use crate::service::{ExportedFile, MadeExport};
 use ltcforge_files::digest::Digest;

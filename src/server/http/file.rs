@@ -15,7 +15,7 @@ use base64::{Engine as _, engine::general_purpose::STANDARD};
 use futures_util::stream;
 use http_range_header::{RangeUnsatisfiableError, parse_range_header};
 
-use super::{api::Api, conditional::EntityTag, kind::ProblemKind, problem::Problem, tables::absent};
+use super::{absent::absent, api::Api, conditional::EntityTag, kind::ProblemKind, problem::Problem};
 use crate::service::{Checked, FileKind, SHORT_BYTES, Service};
 use ltcforge_files::{digest::Digest, tabulated::kept_name};
 

@@ -10,13 +10,13 @@ use axum::{
 };
 
 use super::{
+    absent::absent,
     api::Api,
     conditional::EntityTag,
     error::{self, bad_parameters},
     extract::{PathOf, QueryPairs},
     kind::ProblemKind,
     problem::Problem,
-    tables::absent,
 };
 use crate::service::{PictureError, PictureReply, Subject};
 use ltcforge_files::digest::Digest;

@@ -10,13 +10,13 @@ use axum::{
 use serde::Serialize;
 
 use super::{
+    absent::absent,
     access::Caller,
     api::Api,
     conditional::check_untagged,
     extract::{NoParameters, PathOf, QueryOf, read_body},
     kind::ProblemKind,
     problem::Problem,
-    tables::absent,
 };
 use crate::service::{PinError, PinName, PinnedLock, TablePin};
 use ltcforge_files::digest::Digest;

@@ -9,16 +9,16 @@ use axum::{
 use serde::Deserialize;
 
 use super::{
+    absent::absent,
     access::Caller,
     api::Api,
     conditional::EntityTag,
     extract::{NoParameters, PageLimit, PathOf, QueryOf},
     file,
-    kind::ProblemKind,
     problem::Problem,
     views::PageView,
 };
-use crate::service::{DeleteTableError, FileKind, RemovedTable, TableCursor, TableRow};
+use crate::service::{DeleteTableError, FileKind, TableCursor, TableRow};
 use ltcforge_files::digest::Digest;
 
 #[derive(Debug, Deserialize)]
@@ -92,22 +92,4 @@ pub(super) async fn delete(
         return Ok((StatusCode::NO_CONTENT, [(header::ETAG, tag.as_str())]).into_response());
     }
     Err(absent(&api, digest).await)
-}
-
-/// The problem of a table that is not there: never was, as far as is known, or was removed, and by which recipe it is fitted
-/// again.
-pub(super) async fn absent(api: &Api, digest: Digest) -> Problem {
-    match api.call(move |service| service.removed_table(digest)).await {
-        Err(problem) => problem,
-        Ok(None) => Problem::new(ProblemKind::UnknownTable, format!("no table with the digest {digest} is stored")),
-        Ok(Some(RemovedTable { at, why, recipe, .. })) => {
-            let detail =
-                format!("the table {digest} was removed at {at}: {why}; submit its recipe, and it is fitted again");
-            let problem = Problem::new(ProblemKind::RemovedTable, detail);
-            match serde_json::from_str(&recipe) {
-                Ok(recipe) => problem.with_recipe(recipe),
-                Err(_) => problem,
-            }
-        }
-    }
 }

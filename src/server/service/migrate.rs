@@ -88,7 +88,9 @@ pub fn migrate(config: &Config, shared: &Shared) -> Result<Migrated, OpenError> 
         }
         let mut pins = Batch::default();
         for Row { key, value } in store.rows.scan(Tree::Pins, &[])? {
-            value.into_iter().for_each(|value| pins.put(Tree::Pins, key.as_slice(), value));
+            if let Some(value) = value {
+                pins.put(Tree::Pins, key, value);
+            }
         }
         to.commit(&pins)?;
         for stored in stored_jobs(store.rows.as_ref())? {

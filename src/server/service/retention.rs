@@ -20,7 +20,7 @@ use super::{
     pins::pinned,
     state::ServiceState,
     tables::Tables,
-    uses::FLUSH,
+    uses::{FLUSH, UseRow},
 };
 use crate::{
     queue::Queue,
@@ -199,6 +199,35 @@ impl ServiceState {
         if let Err(error) = self.write_uses() {
             tracing::warn!(%error, "the last uses of files were not written");
         }
+    }
+
+    /// Writes the uses since the last time. A table that another process has removed is dropped from this one's cache and
+    /// memory, from where it was sent.
+    pub(super) fn write_uses(&self) -> Result<(), StoreError> {
+        let uses = self.tables.uses.take();
+        if uses.is_empty() {
+            return Ok(());
+        }
+        let now = self.queue.now();
+        let written = (|| {
+            let mut batch = Batch::default();
+            for (digest, at) in &uses {
+                if self.tables.use_of(*digest)?.is_some_and(|row| row.removed.is_some()) {
+                    self.tables.store.blobs.drop_copy(*digest);
+                    self.exports.forget(*digest);
+                    continue;
+                }
+                let ago = SignedDuration::try_from(at.elapsed()).unwrap_or_default();
+                let used_at = now.checked_sub(ago).unwrap_or(now);
+                UseRow { used_at, removed: None }.put(&mut batch, *digest)?;
+            }
+            // It is durable with the next commit.
+            self.tables.store.rows.stage(&batch).map(drop)
+        })();
+        if written.is_err() {
+            self.tables.uses.put_back(uses);
+        }
+        written
     }
 
     /// Completes removals that were interrupted, and removes what is too much.

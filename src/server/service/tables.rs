@@ -1,7 +1,7 @@
 //! The stored tables: their files, which are hashed when they are first read and once they changed, and the catalogue.
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeSet, HashMap},
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
         atomic::{AtomicU64, Ordering},
@@ -10,8 +10,12 @@ use std::{
 
 use quick_cache::sync::Cache;
 
-use super::{ServiceError, reconcile::unless_full, uses::Uses};
-use crate::store::{Catalogue, Checked, Store, StoreError};
+use super::{
+    ServiceError,
+    reconcile::unless_full,
+    uses::{UseRow, Uses, use_of},
+};
+use crate::store::{Catalogue, Checked, Row, Store, StoreError, Tree};
 use ltcforge_files::{
     digest::Digest,
     manifest::MANIFEST_VERSION,
@@ -80,6 +84,21 @@ impl Tables {
             missing: Mutex::default(),
             uses: Uses::default(),
         }
+    }
+
+    /// As [`use_of`].
+    pub(super) fn use_of(&self, digest: Digest) -> Result<Option<UseRow>, StoreError> {
+        use_of(self.store.rows.as_ref(), digest)
+    }
+
+    /// All that is stored about uses.
+    pub(super) fn all_uses(&self) -> Result<HashMap<Digest, UseRow>, StoreError> {
+        let rows = self.store.rows.scan(Tree::Uses, &[])?.into_iter();
+        let read = |row: Row| {
+            let digest = Digest::from_bytes(row.key.try_into().ok()?);
+            Some((digest, serde_json::from_slice(&row.value?).ok()?))
+        };
+        Ok(rows.filter_map(read).collect())
     }
 
     /// Whether there is a file with this digest. Its bytes are not read.

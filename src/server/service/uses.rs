@@ -10,10 +10,9 @@ use std::{
     time::{Duration, Instant},
 };
 
-use jiff::{SignedDuration, Timestamp};
+use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-use super::{state::ServiceState, tables::Tables};
 use crate::store::{Batch, Rows, StoreError, Tree};
 use ltcforge_files::digest::Digest;
 
@@ -84,12 +83,13 @@ impl Uses {
         self.lock().contains_key(&digest)
     }
 
-    fn take(&self) -> HashMap<Digest, Instant> {
+    /// Those since the last time.
+    pub(super) fn take(&self) -> HashMap<Digest, Instant> {
         std::mem::take(&mut self.lock())
     }
 
     /// Takes back what could not be written.
-    fn put_back(&self, uses: HashMap<Digest, Instant>) {
+    pub(super) fn put_back(&self, uses: HashMap<Digest, Instant>) {
         let mut noted = self.lock();
         for (digest, at) in uses {
             noted.entry(digest).or_insert(at);
@@ -112,53 +112,5 @@ pub(super) fn use_of(rows: &dyn Rows, digest: Digest) -> Result<Option<UseRow>, 
         Ok(value) => Ok(value.and_then(|value| serde_json::from_slice(&value).ok())),
         Err(StoreError::DamagedRow { .. }) => Ok(None),
         Err(error) => Err(error),
-    }
-}
-
-impl Tables {
-    /// As [`use_of`].
-    pub(super) fn use_of(&self, digest: Digest) -> Result<Option<UseRow>, StoreError> {
-        use_of(self.store.rows.as_ref(), digest)
-    }
-
-    /// All that is stored about uses.
-    pub(super) fn all_uses(&self) -> Result<HashMap<Digest, UseRow>, StoreError> {
-        let rows = self.store.rows.scan(Tree::Uses, &[])?.into_iter();
-        let read = |row: crate::store::Row| {
-            let digest = Digest::from_bytes(row.key.try_into().ok()?);
-            Some((digest, serde_json::from_slice(&row.value?).ok()?))
-        };
-        Ok(rows.filter_map(read).collect())
-    }
-}
-
-impl ServiceState {
-    /// Writes the uses since the last time. A table that another process has removed is dropped from this one's cache and
-    /// memory, from where it was sent.
-    pub(super) fn write_uses(&self) -> Result<(), StoreError> {
-        let uses = self.tables.uses.take();
-        if uses.is_empty() {
-            return Ok(());
-        }
-        let now = self.queue.now();
-        let written = (|| {
-            let mut batch = Batch::default();
-            for (digest, at) in &uses {
-                if self.tables.use_of(*digest)?.is_some_and(|row| row.removed.is_some()) {
-                    self.tables.store.blobs.drop_copy(*digest);
-                    self.exports.forget(*digest);
-                    continue;
-                }
-                let ago = SignedDuration::try_from(at.elapsed()).unwrap_or_default();
-                let used_at = now.checked_sub(ago).unwrap_or(now);
-                UseRow { used_at, removed: None }.put(&mut batch, *digest)?;
-            }
-            // It is durable with the next commit.
-            self.tables.store.rows.stage(&batch).map(drop)
-        })();
-        if written.is_err() {
-            self.tables.uses.put_back(uses);
-        }
-        written
     }
 }

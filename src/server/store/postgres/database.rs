@@ -29,6 +29,7 @@ use tokio_postgres_rustls::MakeRustlsConnect;
 use super::{
     failure::{self, DatabaseOpenError},
     migrations,
+    settings::DatabaseTimeouts,
 };
 use crate::store::{StoreError, certificates};
 
@@ -37,11 +38,6 @@ pub(crate) type Client = deadpool_postgres::Client;
 
 /// Connections of one process, at most. Callers of the service share them; workers need two or three.
 const CONNECTIONS: usize = 16;
-
-/// Settings of every connection: each statement is to use indexes, whatever the statistics and the arguments; it is planned once
-/// for a connection, and compiling it is not worth while. The last ends a statement whose connection was given up.
-const SETTINGS: &str = "SET jit = off; SET enable_seqscan = off; SET enable_bitmapscan = off; SET enable_hashjoin = off; \
-    SET enable_mergejoin = off; SET plan_cache_mode = force_generic_plan; SET client_connection_check_interval = 5000";
 
 /// How long connecting may take, and how long the server may not respond.
 const TIMEOUT: Duration = Duration::from_secs(5);
@@ -57,36 +53,6 @@ const RETRY: Duration = Duration::from_secs(5);
 
 /// The first pause between two tries, and the longest.
 const PAUSES: (Duration, Duration) = (Duration::from_millis(20), Duration::from_millis(500));
-
-/// How long the server lets this process's statements and transactions take; `None` for any time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct DatabaseTimeouts {
-    /// A statement, `statement_timeout`.
-    pub statement: Option<Duration>,
-    /// A transaction that waits for this process, `idle_in_transaction_session_timeout`.
-    pub idle_in_transaction: Option<Duration>,
-}
-
-impl Default for DatabaseTimeouts {
-    /// More than an operation may take here, [`LIMIT`]: the server ends what this process does not end any more.
-    fn default() -> Self {
-        Self { statement: Some(Duration::from_secs(30)), idle_in_transaction: Some(Duration::from_secs(60)) }
-    }
-}
-
-impl DatabaseTimeouts {
-    /// None, for commands that look at all there is.
-    pub const NONE: Self = Self { statement: None, idle_in_transaction: None };
-
-    fn settings(self) -> String {
-        let milliseconds = |time: Option<Duration>| time.map_or(0, |time| time.as_millis().clamp(1, i32::MAX as u128));
-        format!(
-            "SET statement_timeout = {}; SET idle_in_transaction_session_timeout = {}",
-            milliseconds(self.statement),
-            milliseconds(self.idle_in_transaction)
-        )
-    }
-}
 
 const STRAY_AT: &str = "in a user or a password, @ : / ? # are written as %40 %3A %2F %3F %23";
 
@@ -178,7 +144,7 @@ impl Database {
         let timeouts = Timeouts { wait: Some(6 * TIMEOUT), create: Some(2 * TIMEOUT), recycle: Some(TIMEOUT) };
         let pool = Pool::builder(manager).max_size(CONNECTIONS).timeouts(timeouts).runtime(PoolRuntime::Tokio1);
         // Not among the startup parameters, of which a pooler in between knows only some.
-        let settings: Arc<str> = format!("{SETTINGS}; {}", limits.settings()).into();
+        let settings: Arc<str> = limits.statements().into();
         let pool = pool.post_create(Hook::async_fn(move |client: &mut ClientWrapper, _| {
             let settings = Arc::clone(&settings);
             Box::pin(async move { client.batch_execute(&settings).await.map_err(HookError::Backend) })
@@ -392,41 +358,6 @@ mod tests {
         };
         while sleeping() > 0 {
             std::thread::yield_now();
-        }
-    }
-
-    /// A pooler that hands out connections by the transaction has to make these settings itself.
-    #[test]
-    fn the_document_on_poolers_has_the_settings_of_connections() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scale.md");
-        let document = std::fs::read_to_string(path).unwrap();
-        let query = format!("connect_query='{SETTINGS}; {}'", DatabaseTimeouts::default().settings());
-        assert!(document.contains(&query), "{query}");
-    }
-
-    #[test]
-    fn the_server_ends_statements_and_transactions_that_take_too_long() {
-        let Some(url) = throwaway::empty_database() else { return };
-        let short = Some(Duration::from_millis(50));
-        let soon = || Some(Instant::now() + LIMIT);
-        let slow = Database::open_with(&url, DatabaseTimeouts { statement: short, ..DatabaseTimeouts::NONE }).unwrap();
-        let sleep = async |client: &mut Client| Ok(client.batch_execute("SELECT pg_sleep(60)").await?);
-        let Err(StoreError::Unavailable(reason)) = slow.block_on(slow.tried(soon(), &sleep)) else {
-            panic!("it slept")
-        };
-        assert!(reason.contains("statement timeout"), "{reason}");
-        let idle = DatabaseTimeouts { idle_in_transaction: short, ..DatabaseTimeouts::NONE };
-        let idle = Database::open_with(&url, idle).unwrap();
-        let wait = async |client: &mut Client| {
-            let transaction = client.transaction().await?;
-            tokio::time::sleep(Duration::from_millis(500)).await;
-            transaction.batch_execute("SELECT 1").await?;
-            Ok(transaction.commit().await?)
-        };
-        let Err(StoreError::Unavailable(_)) = idle.block_on(idle.tried(soon(), &wait)) else { panic!("it waited") };
-        // Both go on.
-        for database in [slow, idle] {
-            database.run(async |client| Ok(client.batch_execute("SELECT 1").await?)).unwrap();
         }
     }
 
