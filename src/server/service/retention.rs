@@ -6,7 +6,7 @@
 
 use std::{
     cmp::Reverse,
-    collections::BTreeMap,
+    collections::{BTreeMap, HashMap},
     sync::{PoisonError, atomic::Ordering},
     time::{Duration, Instant},
 };
@@ -144,11 +144,11 @@ impl Tables {
     /// pins, submits or stores meanwhile.
     pub(super) fn remove(&self, queue: &dyn Queue, going: &Going, at: Timestamp) -> Result<bool, StoreError> {
         let digest = going.digest;
-        if let Some(mut row) = self.use_of(digest)?.filter(|row| row.removed.is_some()) {
-            return self.remove_file(digest, &mut row).map(|()| true);
-        }
         if self.catalogue.table(digest)?.is_some() {
             return self.remove_table(digest, RemovalReason::StoreBytes, at);
+        }
+        if let Some(mut row) = self.use_of(digest)?.filter(|row| row.removed.is_some()) {
+            return self.remove_file(digest, &mut row).map(|()| true);
         }
         let is_picture = self.length(FileKind::LightTexture, digest)?.is_some();
         let is_known = |digest: Digest| {
@@ -166,9 +166,9 @@ impl Tables {
     }
 
     /// Forgets what is no longer told of removed tables.
-    fn forget_removed(&self) -> Result<(), StoreError> {
-        let uses = self.all_uses()?.into_iter();
-        let mut removed: Vec<_> = uses.filter_map(|(digest, row)| Some((Reverse(row.removed?.at), digest))).collect();
+    fn forget_removed(&self, uses: &HashMap<Digest, UseRow>) -> Result<(), StoreError> {
+        let at = |row: &UseRow| row.removed.as_ref().map(|removed| Reverse(removed.at));
+        let mut removed: Vec<_> = uses.iter().filter_map(|(digest, row)| Some((at(row)?, *digest))).collect();
         removed.sort_unstable();
         let mut batch = Batch::default();
         for (_, digest) in removed.iter().skip(MOST_REMOVED) {
@@ -212,7 +212,8 @@ impl ServiceState {
         let written = (|| {
             let mut batch = Batch::default();
             for (digest, at) in &uses {
-                if self.tables.use_of(*digest)?.is_some_and(|row| row.removed.is_some()) {
+                let is_removed = self.tables.use_of(*digest)?.is_some_and(|row| row.removed.is_some());
+                if is_removed && self.tables.catalogue.table(*digest)?.is_none() {
                     self.tables.store.blobs.drop_copy(*digest);
                     self.exports.forget(*digest);
                     continue;
@@ -232,9 +233,9 @@ impl ServiceState {
 
     /// Completes removals that were interrupted, and removes what is too much.
     pub(super) fn look(&self) -> Result<(), StoreError> {
-        self.tables.forget_removed()?;
-        let now = self.queue.now();
-        for (digest, mut row) in self.tables.all_uses()? {
+        let (now, uses) = (self.queue.now(), self.tables.all_uses()?);
+        self.tables.forget_removed(&uses)?;
+        for (digest, mut row) in uses {
             if row.removed.as_ref().is_some_and(|removed| removed.has_file) {
                 let _alone = self.naming.write().unwrap_or_else(PoisonError::into_inner);
                 self.tables.remove_file(digest, &mut row)?;
