@@ -183,21 +183,21 @@ impl ServiceState {
     pub(super) fn retain(&self) {
         let mut next = Instant::now();
         loop {
-            let is_due = next <= Instant::now();
-            let written = self.write_uses();
-            match written.and_then(|()| if is_due { self.look() } else { Ok(()) }) {
-                Ok(()) if is_due => next = Instant::now() + LOOK,
-                Ok(()) => {}
-                Err(error) => {
-                    tracing::warn!(%error, "the store was not kept within its size; it is tried again in a minute");
+            if next <= Instant::now() {
+                match self.look() {
+                    Ok(()) => next = Instant::now() + LOOK,
+                    Err(error) => {
+                        tracing::warn!(%error, "the store was not kept within its size; it is tried again in a minute");
+                    }
                 }
             }
-            if !self.wait_until(Instant::now() + FLUSH) {
+            let goes_on = self.wait_until(Instant::now() + FLUSH);
+            if let Err(error) = self.write_uses() {
+                tracing::warn!(%error, "uses of files were not written");
+            }
+            if !goes_on {
                 break;
             }
-        }
-        if let Err(error) = self.write_uses() {
-            tracing::warn!(%error, "the last uses of files were not written");
         }
     }
 

@@ -41,7 +41,7 @@ pub(super) struct ServiceState {
     pub(super) exports: Exports,
     /// Held while a file that was sent is counted and stored.
     pub(super) storing: Mutex<()>,
-    /// Read while a recipe becomes a job, or a table is stored or pinned; written while a table or a tabulated BRDF is removed.
+    /// Read while a recipe becomes a job, a file is stored or a table pinned; written while a file is removed.
     pub(super) naming: RwLock<()>,
     pub(super) stopping: AtomicBool,
     pub(super) entries_fitted: AtomicU64,

@@ -23,7 +23,8 @@ use crate::{
     service::{Config, DeleteTableError, PinError, PinName, Service},
     store::{Access, Database, ObjectBlobs, PostgresRows, Store, StoreOpenError, Tree, throwaway},
 };
-use ltcforge_files::digest::Digest;
+use ltcforge_files::{digest::Digest, tabulated::encode};
+use ltcforge_fit::{BrdfKind, TabulatedAxes, TabulatedBrdf};
 
 /// Where a service keeps its data.
 enum Place {
@@ -241,6 +242,22 @@ fn a_pinned_table_is_not_deleted_and_its_pins_are_told() {
         assert_eq!(service.pins(table).unwrap(), None);
         service.stop();
     }
+}
+
+#[test]
+fn a_file_that_is_sent_again_counts_as_used() {
+    let dir = tempfile::tempdir().unwrap();
+    let service = Place::Folder.start(config(dir.path()));
+    let axes = TabulatedAxes::spread(vec![0.2, 1.0], 48, 32);
+    let bytes = encode(&TabulatedBrdf::tabulate(BrdfKind::OrenNayar, axes).unwrap()).unwrap();
+    for was_there in [false, true] {
+        let (stored, was) = service.store_brdf(&bytes).unwrap();
+        assert_eq!(was, was_there);
+        assert!(service.state.tables.uses.has(stored.digest));
+        service.state.write_uses().unwrap();
+        assert!(!service.state.tables.uses.has(stored.digest));
+    }
+    service.stop();
 }
 
 /// A BRDF stays as long as the recipe of a table names it, though it was used before the table, and then goes.
