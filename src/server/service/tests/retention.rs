@@ -244,6 +244,29 @@ fn a_pinned_table_is_not_deleted_and_its_pins_are_told() {
     }
 }
 
+/// Two processes on one store, each with a cache of its own.
+#[test]
+fn a_table_that_another_process_removed_leaves_the_cache_once_it_was_asked_for() {
+    let Some(url) = throwaway::empty_database() else { return };
+    let (place, dir) = (Place::Cluster(url), tempfile::tempdir().unwrap());
+    let folders = ["a", "b"].map(|name| dir.path().join(name));
+    folders.iter().for_each(|folder| std::fs::create_dir(folder).unwrap());
+    std::fs::create_dir(folders[0].join("store")).unwrap();
+    std::os::unix::fs::symlink(folders[0].join("store"), folders[1].join("store")).unwrap();
+    let a = place.start(config(&folders[0]));
+    let table = fitted(&a, "gold 1");
+    let b = place.start(config(&folders[1]));
+    b.pin(table, &name("film"), None).unwrap();
+    assert!(matches!(a.delete_table(table, None), Err(DeleteTableError::Pinned { .. })));
+    assert!(b.table(table).unwrap().is_some() && b.unpin(table, &name("film")).unwrap());
+    a.delete_table(table, None).unwrap();
+    assert!(b.table(table).unwrap().is_some(), "it is in its cache");
+    b.state.write_uses().unwrap();
+    assert!(b.table(table).unwrap().is_none());
+    assert_eq!(why(&b, table), Some(RemovalReason::Deleted(None)));
+    [a, b].iter().for_each(|service| service.stop());
+}
+
 #[test]
 fn a_file_that_is_sent_again_counts_as_used() {
     let dir = tempfile::tempdir().unwrap();
