@@ -250,7 +250,9 @@ fn a_table_that_another_process_removed_leaves_the_cache_once_it_was_asked_for()
     let Some(url) = throwaway::empty_database() else { return };
     let (place, dir) = (Place::Cluster(url), tempfile::tempdir().unwrap());
     let folders = ["a", "b"].map(|name| dir.path().join(name));
-    folders.iter().for_each(|folder| std::fs::create_dir(folder).unwrap());
+    for folder in &folders {
+        std::fs::create_dir(folder).unwrap();
+    }
     std::fs::create_dir(folders[0].join("store")).unwrap();
     std::os::unix::fs::symlink(folders[0].join("store"), folders[1].join("store")).unwrap();
     let a = place.start(config(&folders[0]));
@@ -264,7 +266,8 @@ fn a_table_that_another_process_removed_leaves_the_cache_once_it_was_asked_for()
     b.state.write_uses().unwrap();
     assert!(b.table(table).unwrap().is_none());
     assert_eq!(why(&b, table), Some(RemovalReason::Deleted(None)));
-    [a, b].iter().for_each(|service| service.stop());
+    a.stop();
+    b.stop();
 }
 
 #[test]
