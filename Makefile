@@ -8,8 +8,8 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 PACKAGES := gcc libc6-dev make curl jq ca-certificates mesa-vulkan-drivers
 # What checks translated shaders, runs the lines for CMake in docs/ci.md, and records what a service writes.
 TEST_PACKAGES := spirv-tools glslang-tools cmake strace
-# The database of a service in several processes, a link between them that loses packets, and a clock that is wrong.
-CLUSTER_PACKAGES := postgresql util-linux iproute2 nftables faketime
+# The database of a service in several processes, a pooler of its connections, a link between them that loses packets, and a clock that is wrong.
+CLUSTER_PACKAGES := postgresql pgbouncer util-linux iproute2 nftables faketime
 # Debian has the modules that make a virtual environment apart from Python.
 PYTHON_PACKAGES = $(shell python3 -c 'import ensurepip, venv' 2>/dev/null || echo python3-venv)
 # What runs engines and the page in a browser: WebGL by Mesa, and Node.js from wherever it came.
@@ -92,7 +92,7 @@ browser:
 PYTHON_TARGET := $(or $(CARGO_TARGET_DIR),target)
 cluster:
 	@$(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(CLUSTER_PACKAGES)' \
-		|| echo '*** no PostgreSQL, iproute2, nftables or faketime: the tests that need them will be skipped' >&2
+		|| echo '*** no PostgreSQL, pgbouncer, iproute2, nftables or faketime: the tests that need them will be skipped' >&2
 	@python3 -c 'import moto.server, moto.s3' 2>/dev/null || [ -x $(PYTHON_TARGET)/s3/bin/moto_server ] \
 		|| { $(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(PYTHON_PACKAGES)' \
 			&& python3 -m venv $(PYTHON_TARGET)/s3 && $(PYTHON_TARGET)/s3/bin/pip install -q --retries 1 'moto[server]==5.2.1'; } \

@@ -48,8 +48,13 @@ const TIME: Duration = Duration::from_secs(10);
 const RESULT: usize = 64 * 12 * 8;
 
 fn open(url: &str, name: &str) -> PostgresQueue {
-    let limits =
-        Limits { jobs: 10_000, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };
+    let limits = Limits {
+        jobs: 10_000,
+        lease_ttl: Duration::from_secs(60),
+        max_attempts: NonZeroU32::MIN,
+        keep_ended: None,
+        most_ended: None,
+    };
     let process = Process { name: name.to_owned(), fitter: 1 };
     PostgresQueue::open(Database::open(url).expect("a database"), limits, process).expect("a queue")
 }

@@ -11,6 +11,7 @@ mod kills;
 mod links;
 mod migration;
 mod objects;
+mod pgbouncer;
 mod proxy;
 mod s3;
 mod sweep;

@@ -22,6 +22,9 @@ fn tables_and_jobs_are_taken_along_once() {
     let data = folder.path().join("data");
     let server = Server::start(&data, &["--workers", "1"]);
     let table = server.fit(SMALL);
+    let pins = format!("/v1/tables/{table}/pins");
+    server.request("PUT", &format!("{pins}/film"), &[], None).with_status(201);
+    let pinned = server.get(&pins).with_status(200).json();
     let endless = text(&server.submit(ENDLESS).with_status(202).json()["id"]).to_owned();
     let running = server.job_when(&endless, |job| job["state"] == "running");
     assert_eq!(server.stop("TERM").code, Some(0));
@@ -39,6 +42,7 @@ fn tables_and_jobs_are_taken_along_once() {
     let replica = Server::start(&folder.path().join("replica"), &args);
     assert_eq!(replica.submit(SMALL).with_status(200).json()["table"], table);
     replica.get(&format!("/v1/tables/{table}")).with_status(200);
+    assert_eq!(replica.get(&pins).with_status(200).json(), pinned);
     let job = replica.get(&format!("/v1/jobs/{endless}")).with_status(200).json();
     assert_eq!(job["state"], "running");
     // The database has microseconds; zeros at the end are not written.

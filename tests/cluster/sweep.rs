@@ -40,14 +40,16 @@ fn gc_tells_and_deletes_only_when_it_is_told_to() {
     }
 
     let told = gc(&[]).exited(0).stdout;
-    assert!(told.contains(&orphan) && told.contains("1 of 2 blobs are orphans; `--delete` removes them"), "{told}");
+    assert!(told.contains(&orphan) && told.contains("1 of 2 files, 9 of "), "{told}");
     assert!(file.exists());
     let empty = crate::throwaway::empty_database().expect("a database");
     for more in [&["--delete"][..], &["--delete", "--even-most"]] {
         assert!(of(&empty, more).exited(1).stderr.contains("do not belong together"));
     }
     let done: Value = serde_json::from_str(gc(&["--delete", "--json"]).exited(0).last_line()).expect("JSON");
-    assert_eq!(done, serde_json::json!({ "blobs": 2, "orphans": [format!("sha256:{orphan}")], "removed": 1 }));
+    let going = &done["going"][0];
+    assert_eq!((&done["files"], &done["removed"]), (&2.into(), &1.into()), "{done}");
+    assert_eq!((&going["digest"], &going["reason"]), (&format!("sha256:{orphan}").into(), &"orphan".into()), "{done}");
     assert!(!file.exists());
     shared.replica(&folder.path().join("other")).get(&format!("/v1/tables/{table}")).with_status(200);
 }

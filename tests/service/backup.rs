@@ -32,6 +32,9 @@ fn a_copy_of_a_running_service_is_restored_whole() {
     let server = Server::start(&data, &["--workers", "1"]);
     server.request("POST", "/v1/brdfs", &[OCTETS], Some(&brdf)).with_status(201);
     let first = server.fit(&seeded(0));
+    let pins = format!("/v1/tables/{first}/pins");
+    server.request("PUT", &format!("{pins}/film"), &[], None).with_status(201);
+    let pinned = server.get(&pins).with_status(200).json();
     assert_eq!(backup(here).exited(0).last_line(), "2 files were copied, 0 were there");
 
     // While a job runs and others end; each copy has what was acknowledged before it.
@@ -57,6 +60,7 @@ fn a_copy_of_a_running_service_is_restored_whole() {
         server.get(&format!("/v1/tables/{digest}/manifest")).with_status(200);
     }
     assert_eq!(server.get(&format!("/v1/brdfs/{}", made.last_line())).with_status(200).body, brdf);
+    assert_eq!(server.get(&pins).with_status(200).json(), pinned);
     for id in &ids {
         assert_eq!(server.finished(id)["state"], "done", "{id}");
     }

@@ -135,6 +135,13 @@ fn met(name: &str, server: &Server) -> Value {
             server.request("POST", "/v1/brdfs", &[OCTETS], Some(&first)).with_status(201);
             server.request("POST", "/v1/brdfs", &[OCTETS], Some(&second)).json()
         }
+        "pins of a table" => {
+            let table = server.fit(SMALL);
+            let put = |n: usize| server.request("PUT", &format!("/v1/tables/{table}/pins/p{n}"), &[], None);
+            (0..256).for_each(|n| drop(put(n).with_status(201)));
+            put(0).with_status(200);
+            put(256).json()
+        }
         name if name.starts_with("requests a second") => eventually("a refusal", || {
             Some(server.get("/v1/jobs")).filter(|answer| answer.status != 200).map(|answer| answer.json())
         }),

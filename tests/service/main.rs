@@ -23,6 +23,7 @@ mod materials;
 mod memory;
 mod openapi;
 mod page;
+mod pins;
 mod plans;
 mod power_cut;
 mod recipes;

@@ -33,7 +33,7 @@ fn every_documented_call_is_answered_by_its_own_handler() {
         // Well-formed, and of nothing that exists.
         let path = path.replace("{id}", &"0".repeat(32)).replace("{digest}", &"0".repeat(64));
         let path = path.replace("/page/{folder}/{file}", "/page/pages/new.js").replace("{export}", "wgpu");
-        let path = path.replace("{folder}", "a").replace("{file}", "icon.svg");
+        let path = path.replace("{folder}", "a").replace("{file}", "icon.svg").replace("{name}", "film");
         let answer = server.request(method, &path, &[], (method == "POST").then_some(b"[]"));
         assert_ne!(answer.status, 405, "{call}");
         let problem: Value = serde_json::from_slice(&answer.body).unwrap_or_default();

@@ -7,7 +7,18 @@ use clap::Args;
 use crate::args::threads::ThreadCount;
 use ltcforge_server::service::DatabaseUrl;
 
-/// What `gc` and `work` have in common: the database, the store of tables and the folder of its cache.
+/// How long the database lets this process's statements and transactions take.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Args)]
+pub struct TimeoutArgs {
+    /// Seconds that a statement may take in the database; 0 for any time [default: 30]
+    #[arg(long, env = "LTCFORGE_STATEMENT_SECONDS", value_name = "N", requires = "database")]
+    pub statement_seconds: Option<u32>,
+    /// Seconds that a transaction may wait for this process; 0 for any time [default: 60]
+    #[arg(long, env = "LTCFORGE_IDLE_TRANSACTION_SECONDS", value_name = "N", requires = "database")]
+    pub idle_transaction_seconds: Option<u32>,
+}
+
+/// What `work` shares: the database, the store of tables and the folder of its cache.
 #[derive(Debug, Args)]
 pub struct SharedArgs {
     /// PostgreSQL database of the queue and the catalogue
@@ -22,6 +33,9 @@ pub struct SharedArgs {
     /// Folder of the cache [default: ltcforge-data]
     #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
     pub data: Option<PathBuf>,
+    /// How long the database waits
+    #[command(flatten)]
+    pub timeouts: TimeoutArgs,
 }
 
 /// Flags that make `serve` one of several processes.
@@ -45,18 +59,33 @@ pub(crate) struct ReplicaArgs {
     /// Seconds after which another worker does what one has not reported on, with --database [default: 60]
     #[arg(long, env = "LTCFORGE_LEASE_SECONDS", value_name = "N", requires = "database")]
     pub lease_seconds: Option<NonZeroU64>,
+    /// How long the database waits
+    #[command(flatten)]
+    pub timeouts: TimeoutArgs,
 }
 
 /// `gc`.
 #[derive(Debug, Args)]
 pub struct GcArgs {
-    /// The database, the store and the folder
-    #[command(flatten)]
-    pub shared: SharedArgs,
-    /// Delete the files that are told; without it, nothing is deleted
+    /// PostgreSQL database of the queue and the catalogue; without it, the store is that of the data folder
+    #[arg(long, env = "LTCFORGE_DATABASE", hide_env_values = true, value_name = "URL", requires = "blobs")]
+    pub database: Option<DatabaseUrl>,
+    /// Store of the tables: `s3://BUCKET/PREFIX`, `gs://`, `az://` or `file:///FOLDER`
+    #[arg(long, env = "LTCFORGE_BLOBS", value_name = "URL", requires = "database")]
+    pub blobs: Option<String>,
+    /// Folder of jobs and tables of a service that is not running, or with --database of the cache [default: ltcforge-data]
+    #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// Bytes that the store may have; files used longest ago are beyond them [default: any number]
+    #[arg(long, env = "LTCFORGE_STORE_BYTES", value_name = "N")]
+    pub store_bytes: Option<NonZeroU64>,
+    /// Delete the files that are told
     #[arg(long)]
     pub delete: bool,
-    /// Delete them even if they are more than half of the store
+    /// Only tell them, as without any flag
+    #[arg(long, conflicts_with = "delete")]
+    pub dry_run: bool,
+    /// Delete them even if nothing refers to more than half of the store
     #[arg(long, requires = "delete")]
     pub even_most: bool,
 }

@@ -6,28 +6,45 @@ use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit,
-    args::{GcArgs, MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs},
+    args::{GcArgs, MigrateArgs, ReplicaArgs, SharedArgs, TimeoutArgs, WorkArgs},
+    descriptors::raise_descriptor_limit,
     print,
     serve::failed,
-    settings::{ServeSettings, raise_descriptor_limit},
+    settings::ServeSettings,
 };
 use crate::args::threads::ThreadCount;
 use ltcforge_server::{
     http,
-    service::{self, Config, DatabaseUrl, Removal, Service, Shared, Swept},
+    service::{self, Config, DatabaseTimeouts, DatabaseUrl, Going, Removal, Service, Shared, Swept},
 };
 use ltcforge_view::preview::Adapter;
 
 /// Megabytes of tables that are kept on disk by default.
 const DEFAULT_CACHE_MB: u64 = 4096;
 
-fn shared(database: DatabaseUrl, blobs: String, cache_mb: Option<NonZeroU64>) -> Shared {
-    Shared { database, blobs, cache_bytes: cache_mb.map_or(DEFAULT_CACHE_MB, NonZeroU64::get).saturating_mul(1 << 20) }
+fn shared(database: DatabaseUrl, blobs: String, cache_mb: Option<NonZeroU64>, timeouts: DatabaseTimeouts) -> Shared {
+    let cache_bytes = cache_mb.map_or(DEFAULT_CACHE_MB, NonZeroU64::get).saturating_mul(1 << 20);
+    Shared { database, blobs, cache_bytes, timeouts }
+}
+
+impl TimeoutArgs {
+    fn timeouts(&self) -> DatabaseTimeouts {
+        let default = DatabaseTimeouts::default();
+        let of = |seconds: Option<u32>, default| match seconds {
+            Some(0) => None,
+            Some(seconds) => Some(Duration::from_secs(seconds.into())),
+            None => default,
+        };
+        DatabaseTimeouts {
+            statement: of(self.statement_seconds, default.statement),
+            idle_in_transaction: of(self.idle_transaction_seconds, default.idle_in_transaction),
+        }
+    }
 }
 
 /// The database and store that a replica shares; `None` for a service on a folder of its own.
 pub(super) fn replica(args: &ReplicaArgs) -> Option<Shared> {
-    Some(shared(args.database.clone()?, args.blobs.clone()?, args.cache_mb))
+    Some(shared(args.database.clone()?, args.blobs.clone()?, args.cache_mb, args.timeouts.timeouts()))
 }
 
 /// The configuration of a process that shares.
@@ -39,7 +56,14 @@ pub(super) fn shared_config(config: Config, lease_seconds: Option<NonZeroU64>) -
 /// The configuration of a process without HTTP, which neither renders nor forgets jobs.
 fn without_http(data: Option<PathBuf>, file: &ServeSettings) -> Config {
     let config = file.config();
-    Config { data_dir: data.unwrap_or(config.data_dir), keep_ended: None, adapter: Adapter::Cpu, ..config }
+    Config {
+        data_dir: data.unwrap_or(config.data_dir),
+        keep_ended: None,
+        most_ended: None,
+        store_bytes: None,
+        adapter: Adapter::Cpu,
+        ..config
+    }
 }
 
 /// What a worker answers at `listen`.
@@ -65,10 +89,11 @@ pub(super) fn work(
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
     let options = args.listen.map(|listen| worker_http(listen, &args, file)).transpose()?;
-    let SharedArgs { database, blobs, cache_mb, data } = args.shared;
+    let SharedArgs { database, blobs, cache_mb, data, timeouts } = args.shared;
     let mut config = shared_config(without_http(data, file), args.lease_seconds);
     config.workers = args.workers.map_or(config.workers, ThreadCount::count);
-    let (workers, runtime, shared) = (config.workers, context.runtime.clone(), shared(database, blobs, cache_mb));
+    let (workers, runtime, shared) =
+        (config.workers, context.runtime.clone(), shared(database, blobs, cache_mb, timeouts.timeouts()));
     runtime.block_on(async {
         let listening = match options {
             Some((listen, options)) => Some((super::serve::listen(listen).await?, options)),
@@ -95,27 +120,40 @@ pub(super) fn work(
     })
 }
 
-/// Tells the blobs that nothing refers to, and removes them if it is told to.
+/// Tells the files that go from a store, and removes them if it is told to.
 pub(super) fn gc(
     args: GcArgs,
     file: &ServeSettings,
     json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    let SharedArgs { database, blobs, cache_mb, data } = args.shared;
-    let removal = match (args.delete, args.even_most) {
+    let GcArgs { database, blobs, data, store_bytes, delete, even_most, dry_run: _ } = args;
+    let removal = match (delete, even_most) {
         (false, _) => Removal::Nothing,
-        (true, false) => Removal::Orphans,
+        (true, false) => Removal::Going,
         (true, true) => Removal::EvenMost,
     };
-    let (config, shared) = (without_http(data, file), shared(database, blobs, cache_mb));
-    let swept = service::sweep(&config, &shared, removal).map_err(failed)?;
-    let Swept { blobs, orphans, removed } = &swept;
-    let mut lines: Vec<String> = orphans.iter().map(ToString::to_string).collect();
-    let count = orphans.len();
+    let store_bytes = store_bytes.or(file.store_bytes).map(NonZeroU64::get);
+    let config = Config { store_bytes, ..without_http(data, file) };
+    let swept = match database.zip(blobs) {
+        Some((database, blobs)) => {
+            service::sweep(&config, &shared(database, blobs, None, DatabaseTimeouts::NONE), removal)
+        }
+        None => service::sweep_folder(&config, removal),
+    };
+    let swept = swept.map_err(failed)?;
+    let Swept { files, bytes, going, removed } = &swept;
+    let line = |going: &Going| {
+        format!("{} {} bytes, last used {}: {}", going.digest, going.bytes, going.used_at, going.reason.text())
+    };
+    let mut lines: Vec<String> = going.iter().map(line).collect();
+    let (count, gone) = (going.len(), going.iter().map(|going| going.bytes).sum::<u64>());
     lines.push(match removal {
-        Removal::Nothing => format!("{count} of {blobs} blobs are orphans; `--delete` removes them"),
-        _ => format!("{removed} of {count} orphans were removed"),
+        Removal::Nothing if count == 0 => format!("none of {files} files, {bytes} bytes, would go"),
+        Removal::Nothing => {
+            format!("{count} of {files} files, {gone} of {bytes} bytes, would go; `--delete` removes them")
+        }
+        Removal::Going | Removal::EvenMost => format!("{removed} of {count} files that were to go were removed"),
     });
     print(context.stdout, json, &json!(swept), &lines.join("\n"))?;
     Ok(Exit::Ok)
@@ -128,7 +166,9 @@ pub(super) fn migrate(
     json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    let done = service::migrate(&without_http(args.data, file), &shared(args.to, args.blobs, None)).map_err(failed)?;
+    let done =
+        service::migrate(&without_http(args.data, file), &shared(args.to, args.blobs, None, DatabaseTimeouts::NONE))
+            .map_err(failed)?;
     let service::Migrated { tables, missing, jobs, shards } = done;
     let text = format!(
         "{tables} tables and {jobs} jobs with {shards} finished shards were taken along; \

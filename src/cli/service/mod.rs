@@ -3,6 +3,7 @@
 mod args;
 mod backup;
 mod cluster;
+mod descriptors;
 mod doors;
 mod fsck;
 mod serve;
@@ -24,7 +25,7 @@ pub enum ServiceCommand {
     Serve(ServeArgs),
     /// Fit what the queue of a shared database has
     Work(WorkArgs),
-    /// Tell the files of a shared store that nothing has referred to for a day, and delete them with --delete
+    /// Tell the files of a store that go: beyond its size, used longest ago; of a shared one also what nothing refers to
     Gc(GcArgs),
     /// Take the tables and jobs of a data folder along into a shared database and store
     Migrate(MigrateArgs),

@@ -5,10 +5,7 @@ use std::{io, net::SocketAddr, sync::Arc};
 use serde_json::json;
 use tokio::net::TcpListener;
 
-use super::{
-    CommandFailure, Context, Exit, print,
-    settings::{ServeSettings, raise_descriptor_limit},
-};
+use super::{CommandFailure, Context, Exit, descriptors::raise_descriptor_limit, print, settings::ServeSettings};
 use ltcforge_server::{http, service::Service};
 
 /// Runs the service until it is interrupted.

@@ -13,7 +13,6 @@ use std::{
 };
 
 use clap::{ArgMatches, Args, Command, FromArgMatches};
-use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use serde::{Deserialize, Deserializer, de::Error as _};
 
 use super::{CommandFailure, Exit, args::ReplicaArgs};
@@ -30,6 +29,10 @@ use ltcforge_view::preview::Adapter;
 
 /// How long a lease lasts. A worker renews it several times a second.
 const LEASE_TTL: Duration = Duration::from_secs(60);
+
+/// How long a file stays after its last use, whatever `--store-bytes` says: clients fetch what a job has just made, and processes
+/// that share a store tell of uses once a minute.
+const UNUSED_FOR: Duration = Duration::from_secs(600);
 
 /// How often a task may fail before its job does.
 const MAX_ATTEMPTS: u32 = 3;
@@ -74,6 +77,13 @@ pub(crate) struct ServeSettings {
     /// Days after which a job that has ended is forgotten; 0 keeps it for good. Tables stay [default: 90]
     #[arg(long, env = "LTCFORGE_JOB_DAYS", value_name = "N")]
     pub job_days: u32,
+    /// Jobs that have ended and are remembered; 0 for any number. Tables stay [default: 100000]
+    #[arg(long, env = "LTCFORGE_JOB_COUNT", value_name = "N")]
+    pub job_count: usize,
+    /// Bytes of tables and files that were sent; beyond it, those used longest ago are removed, but for what is pinned or needed
+    /// [default: any number]
+    #[arg(long, env = "LTCFORGE_STORE_BYTES", value_name = "N")]
+    pub store_bytes: Option<NonZeroU64>,
     /// Tabulated BRDFs that may be stored, of up to 64 MiB each [default: 256]
     #[arg(long, env = "LTCFORGE_BRDF_LIMIT", value_name = "N")]
     pub brdf_limit: NonZeroUsize,
@@ -149,6 +159,8 @@ impl Default for ServeSettings {
             entry_limit: const { NonZeroU64::new(DEFAULT_ENTRY_LIMIT).unwrap() },
             job_seconds: const { NonZeroU64::new(86_400).unwrap() },
             job_days: 90,
+            job_count: 100_000,
+            store_bytes: None,
             brdf_limit: const { NonZeroUsize::new(256).unwrap() },
             light_texture_limit: const { NonZeroUsize::new(256).unwrap() },
             export_bytes: 256 << 20,
@@ -232,6 +244,9 @@ impl ServeSettings {
             entry_limit: self.entry_limit.get(),
             job_seconds: self.job_seconds.get(),
             keep_ended: (self.job_days > 0).then(|| Duration::from_secs(u64::from(self.job_days) * 86_400)),
+            most_ended: Some(self.job_count).filter(|count| *count > 0),
+            store_bytes: self.store_bytes.map(NonZeroU64::get),
+            unused_for: UNUSED_FOR,
             lease_ttl: LEASE_TTL,
             max_attempts: MAX_ATTEMPTS,
             adapter: self.adapter,
@@ -271,20 +286,6 @@ impl ServeSettings {
     }
 }
 
-/// Lets the process open as many files as the system permits it, and returns how many that are; `None` if there is no
-/// limit. Many systems begin with 1024, for the sake of programs that cannot handle more.
-pub(super) fn raise_descriptor_limit() -> Option<u64> {
-    let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
-    if current == maximum {
-        return current;
-    }
-    match setrlimit(Resource::Nofile, Rlimit { current: maximum, maximum }) {
-        Ok(()) => maximum,
-        // Then there are as many as before.
-        Err(_) => current,
-    }
-}
-
 #[cfg(test)]
 pub(super) mod tests {
     use clap::Parser as _;
@@ -320,7 +321,8 @@ pub(super) mod tests {
                     job_days = 7\nexport_bytes = 8\nadapter = 'gpu'\npicture_seconds = 9\npicture_queue = 10\n\
                     picture_memory = 11\nallow_host = ['h']\nallow_origin = ['https://o']\nconnections = 12\n\
                     connections_per_address = 13\nclient_seconds = 14\nbrdf_limit = 15\nlight_texture_limit = 16\n\
-                    tokens = 't'\ntoken_list = 'l'\nallow_anyone = true\nrequests_per_second = 17\ntls_certificate = 'c'\ntls_key = 'k'";
+                    tokens = 't'\ntoken_list = 'l'\nallow_anyone = true\nrequests_per_second = 17\ntls_certificate = 'c'\ntls_key = 'k'\n\
+                    job_count = 18\nstore_bytes = 19";
         let flags: Vec<String> = file
             .lines()
             .map(|line| {
@@ -345,9 +347,9 @@ pub(super) mod tests {
             Some(format!("--{}={}", argument.get_long()?, default.strip_suffix(']')?))
         });
         // Those in words follow from the machine and from other flags; those of a replica need its database.
-        let stated: Vec<String> = stated
-            .filter(|flag| !flag.contains(' ') && !flag.contains("--cache-mb") && !flag.contains("--lease-"))
-            .collect();
+        let of_replicas = ["--cache-mb", "--lease-", "--statement-", "--idle-"];
+        let stated: Vec<String> =
+            stated.filter(|flag| !flag.contains(' ') && !of_replicas.iter().any(|name| flag.contains(name))).collect();
         assert!(stated.len() > 10, "{stated:?}");
         let flags: Vec<&str> = stated.iter().map(String::as_str).collect();
         let shown =
@@ -360,6 +362,9 @@ pub(super) mod tests {
         let config = settings("", &[]).config();
         assert_eq!(config.pictures, PictureLimits::default());
         assert_eq!(config.keep_ended, Some(Duration::from_secs(90 * 86_400)));
+        assert_eq!((config.most_ended, config.store_bytes), (Some(100_000), None));
+        let bounded = settings("job_count = 0", &["--store-bytes", "1000"]).config();
+        assert_eq!((bounded.most_ended, bounded.store_bytes), (None, Some(1000)));
         let file = "picture_seconds = 60\npicture_queue = 3\npicture_memory = 0\njob_days = 7";
         let config = settings(file, &["--picture-seconds", "5"]).config();
         let PictureLimits { time, queue, memory_bytes } = config.pictures;
@@ -387,12 +392,5 @@ pub(super) mod tests {
         let names = |names: &[&str]| names.iter().map(|name| name.parse().expect("a host")).collect::<Vec<_>>();
         assert_eq!(hosts(&[]), names(&["farm"]));
         assert_eq!(hosts(&["--allow-host", "a", "--allow-host", "b,c"]), names(&["a", "b", "c"]));
-    }
-
-    #[test]
-    fn the_process_gets_as_many_descriptors_as_it_may_have() {
-        let raised = raise_descriptor_limit();
-        assert_eq!(getrlimit(Resource::Nofile).current, raised);
-        assert!(raised.is_none_or(|raised| raised > 64), "{raised:?}");
     }
 }

@@ -8,6 +8,7 @@ use axum::{
 };
 
 use super::{
+    absent::absent,
     api::Api,
     coding::{Coding, wants_zstd},
     file::{Contents, FOREVER, File},
@@ -35,13 +36,16 @@ pub(super) async fn stored_file(
             (ProblemKind::UnknownLightTexture, "light texture", format!("{hex}.ktx2"), "image/ktx2")
         }
     };
-    let unknown = || Problem::new(problem, format!("no {noun} with the digest {digest} is stored"));
     let is_plain = [header::IF_NONE_MATCH, header::IF_MATCH, header::RANGE].iter().all(|f| !headers.contains_key(f));
     let asks_for_all = method == Method::GET && is_plain;
     let read = async |all: bool| {
         let read =
             move |service: &Service| if all { service.checked(kind, digest) } else { service.glance(kind, digest) };
-        api.read(read).await?.ok_or_else(unknown)
+        match api.read(read).await? {
+            Some(read) => Ok(read),
+            None if kind == FileKind::Table => Err(absent(&api, digest).await),
+            None => Err(Problem::new(problem, format!("no {noun} with the digest {digest} is stored"))),
+        }
     };
     // Most requests are for a file that was checked before, and need no other thread.
     let checked = match api.service.known(kind, digest) {

@@ -6,8 +6,8 @@ use super::{kind::ProblemKind, problem::Problem};
 use crate::{
     queue::{Failure, FailureKind},
     service::{
-        DeleteBrdfError, DeleteLightTextureError, ExportFailure, PictureError, PlanError, ServiceError, StoreBrdfError,
-        StoreLightTextureError, SubmitError,
+        DeleteBrdfError, DeleteLightTextureError, DeleteTableError, ExportFailure, PictureError, PinError, PlanError,
+        ServiceError, StoreBrdfError, StoreLightTextureError, SubmitError,
     },
 };
 use ltcforge_files::{
@@ -124,6 +124,29 @@ impl From<DeleteBrdfError> for Problem {
     }
 }
 
+impl From<DeleteTableError> for Problem {
+    fn from(error: DeleteTableError) -> Self {
+        let detail = error.to_string();
+        match error {
+            DeleteTableError::Unknown(_) => Self::new(ProblemKind::UnknownTable, detail),
+            DeleteTableError::Pinned { .. } => Self::new(ProblemKind::TablePinned, detail),
+            DeleteTableError::Store(error) => error.into(),
+        }
+    }
+}
+
+impl From<PinError> for Problem {
+    fn from(error: PinError) -> Self {
+        let detail = error.to_string();
+        match error {
+            PinError::Unknown(_) => Self::new(ProblemKind::UnknownTable, detail),
+            PinError::TooMany(_) => Self::new(ProblemKind::PinLimit, detail),
+            PinError::Lock(_) => Self::new(ProblemKind::BadLock, detail),
+            PinError::Store(error) => error.into(),
+        }
+    }
+}
+
 impl From<SubmitError> for Problem {
     fn from(error: SubmitError) -> Self {
         let detail = error.to_string();
@@ -214,11 +237,12 @@ mod tests {
     use axum::response::IntoResponse as _;
 
     use super::*;
+    use ltcforge_files::digest::Digest;
 
     #[test]
     fn every_error_of_the_layers_below_has_its_status() {
         let fault = Fault { pointer: String::new(), detail: String::new() };
-        let cases: [(Problem, u16); 26] = [
+        let cases: [(Problem, u16); 28] = [
             (SubmitError::Recipe(RecipeError::Json("x".into())).into(), 400),
             (SubmitError::Recipe(RecipeError::Faults(vec![fault])).into(), 422),
             (StoreBrdfError::Faults(TabulatedError(vec!["x".into()])).into(), 422),
@@ -228,6 +252,8 @@ mod tests {
             (PlanError::Scene(Vec::new()).into(), 422),
             (PlanError::Unmet { nearest: serde_json::json!({}), summary: "x".into() }.into(), 422),
             (PlanError::Service(ServiceError::Stopping).into(), 503),
+            (DeleteTableError::Pinned { table: Digest::of(b"x"), pins: vec![] }.into(), 409),
+            (PinError::TooMany(Digest::of(b"x")).into(), 507),
             (SubmitError::QueueFull { limit: 1, team: None, retry_after: RESTART }.into(), 429),
             (SubmitError::Stopping.into(), 503),
             (PictureError::NoTable.into(), 404),

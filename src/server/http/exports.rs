@@ -10,6 +10,7 @@ use axum::{
 use serde::{Deserialize, Serialize};
 
 use super::{
+    absent::absent,
     api::Api,
     coding::Coding,
     download::negotiate,
@@ -18,7 +19,6 @@ use super::{
     file::{Contents, FOREVER, File},
     kind::ProblemKind,
     problem::Problem,
-    tables::unknown,
 };
 use crate::service::{ExportedFile, MadeExport};
 use ltcforge_files::digest::Digest;
@@ -97,7 +97,9 @@ pub(super) async fn list(
     method: Method,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let exports = api.read(move |service| service.exports(table)).await?.ok_or_else(|| unknown(table))?;
+    let Some(exports) = api.read(move |service| service.exports(table)).await? else {
+        return Err(absent(&api, table).await);
+    };
     let item = |export: Export| ItemView { name: export.to_string(), url: url(table, export) };
     document(&ExportsView { table, items: exports.into_iter().map(item).collect() })?.respond(&method, &headers)
 }
@@ -156,8 +158,10 @@ pub(super) async fn file(
 async fn made(api: &Api, address: &Address) -> Result<(Digest, Export, Arc<MadeExport>), Problem> {
     let table = address.table;
     let export = address.export.ok_or_else(|| error::internal(&"a route of exports without one"))?;
-    let made = api.call(move |service| service.export(table, export)).await?.ok_or_else(|| unknown(table))?;
-    Ok((table, export, made))
+    match api.call(move |service| service.export(table, export)).await? {
+        Some(made) => Ok((table, export, made)),
+        None => Err(absent(api, table).await),
+    }
 }
 
 fn url(table: Digest, export: Export) -> String {

@@ -190,7 +190,7 @@ impl FromRequest<Api> for SceneBody {
 
 /// Reads the body of a request that sends `what`. A body that is announced as too large is refused before any of it is
 /// read: a client that waits for `100 Continue` then sends none of it.
-async fn read_body(request: Request, api: &Api, what: &str, limit_bytes: u64) -> Result<Bytes, Problem> {
+pub(super) async fn read_body(request: Request, api: &Api, what: &str, limit_bytes: u64) -> Result<Bytes, Problem> {
     let too_large = || Problem::new(ProblemKind::BodyTooLarge, format!("{what} takes at most {limit_bytes} bytes"));
     if request.headers().typed_get::<ContentLength>().is_some_and(|length| length.0 > limit_bytes) {
         return Err(too_large());

@@ -62,6 +62,11 @@ problem_kinds! {
     NoSuchPath: NOT_FOUND, "no-such-path", "There is no such path";
     UnknownJob: NOT_FOUND, "unknown-job", "There is no such job";
     UnknownTable: NOT_FOUND, "unknown-table", "There is no such table";
+    RemovedTable: NOT_FOUND, "removed-table", "The table was removed";
+    TablePinned: CONFLICT, "table-pinned", "The table is pinned";
+    UnknownPin: NOT_FOUND, "unknown-pin", "The table has no such pin";
+    PinLimit: INSUFFICIENT_STORAGE, "pin-limit", "The table has as many pins as may be";
+    BadLock: UNPROCESSABLE_ENTITY, "bad-lock", "The lock file has faults";
     UnknownRecipe: NOT_FOUND, "unknown-recipe", "There is no such recipe";
     UnknownBrdf: NOT_FOUND, "unknown-brdf", "There is no such BRDF";
     BrdfInUse: CONFLICT, "brdf-in-use", "The BRDF is named by a recipe";

@@ -4,6 +4,7 @@
 //! service runs on a blocking thread, so that a slow disk does not delay other connections; but for one that looks at the
 //! metadata of a file, [`crate::service::Service::known`].
 
+mod absent;
 mod access;
 mod api;
 mod brdfs;
@@ -25,6 +26,7 @@ mod operations;
 mod origin_policy;
 mod page;
 mod pictures;
+mod pins;
 mod plans;
 mod problem;
 mod recipes;

@@ -106,6 +106,12 @@ fn exposition(metrics: &Metrics) -> String {
             "Exports made since the start, except those served from memory.",
             metrics.exports_made,
         ),
+        (
+            "files_removed_total",
+            "counter",
+            "Files removed since the start because the store was larger than it may be.",
+            metrics.files_removed,
+        ),
         ("blobs_corrupt_total", "counter", "Blobs found damaged or missing since the start.", metrics.blobs_corrupt),
         ("tables", "gauge", "Tables in the catalogue.", metrics.tables),
         ("table_bytes", "gauge", "Bytes of all tables.", metrics.table_bytes),

@@ -10,6 +10,7 @@ use axum::{
 };
 
 use super::{
+    absent::absent,
     api::Api,
     conditional::EntityTag,
     error::{self, bad_parameters},
@@ -17,7 +18,7 @@ use super::{
     kind::ProblemKind,
     problem::Problem,
 };
-use crate::service::{PictureReply, Subject};
+use crate::service::{PictureError, PictureReply, Subject};
 use ltcforge_files::digest::Digest;
 use ltcforge_view::{
     parameters::{ParameterFault, read_pairs},
@@ -87,7 +88,15 @@ async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: Hea
     let media_type = subject.media_type();
     let conditions = headers.clone();
     let is_known = move |tag: Digest| EntityTag::strong(tag).is_known_to(&conditions);
-    let file = match api.call(move |service| service.picture(table, subject, is_known)).await? {
+    let asked = api.call(move |service| match service.picture(table, subject, is_known) {
+        Err(PictureError::UnknownTable(table)) => Ok(Err(table)),
+        asked => asked.map(Ok),
+    });
+    let asked = match asked.await? {
+        Ok(asked) => asked,
+        Err(table) => return Err(absent(api, table).await),
+    };
+    let file = match asked {
         PictureReply::Known { tag, adapter } => {
             EntityTag::strong(tag).check_if_match(&headers)?;
             return unchanged(tag, &adapter, caching);

@@ -11,7 +11,7 @@ use axum::{
 
 use super::{
     api::Api, brdfs, events, exports, extract::PICTURE_LIMIT_BYTES, jobs, kind::ProblemKind, light_textures,
-    operations, page, pictures, plans, problem::Problem, recipes, tables,
+    operations, page, pictures, pins, plans, problem::Problem, recipes, tables,
 };
 use crate::service::SCENE_LIMIT_BYTES;
 use ltcforge_files::tabulated::TABULATED_LIMIT_BYTES;
@@ -40,6 +40,13 @@ pub static ROUTES: &[Route] = &[
     route(Method::GET, "/v1/tables", |on| on.get(tables::list)),
     route(Method::GET, "/v1/tables/{digest}", |on| on.get(tables::download)),
     route(Method::HEAD, "/v1/tables/{digest}", |on| on.head(tables::download)),
+    route(Method::DELETE, "/v1/tables/{digest}", |on| on.delete(tables::delete)),
+    route(Method::GET, "/v1/tables/{digest}/pins", |on| on.get(pins::list)),
+    route(Method::PUT, "/v1/tables/{digest}/pins/{name}", |on| on.put(pins::put)),
+    route(Method::DELETE, "/v1/tables/{digest}/pins/{name}", |on| on.delete(pins::delete)),
+    route(Method::PUT, "/v1/pins/{name}", |on| {
+        on.put(pins::put_lock.layer(DefaultBodyLimit::max(pins::LOCK_LIMIT_BYTES as usize)))
+    }),
     route(Method::GET, "/v1/tables/{digest}/manifest", |on| on.get(tables::manifest)),
     route(Method::GET, "/v1/tables/{digest}/exports", |on| on.get(exports::list)),
     route(Method::GET, "/v1/tables/{digest}/exports/{export}", |on| on.get(exports::show)),

@@ -21,7 +21,7 @@ const FIELDS: [(HeaderName, &str); 4] = [
 ];
 
 /// Methods and fields that pages of allowed origins may send, and the fields of answers that they may read.
-const METHODS: &str = "GET, HEAD, POST, DELETE";
+const METHODS: &str = "GET, HEAD, POST, PUT, DELETE";
 const SENT: &str = "Authorization, Content-Type, If-Match, If-None-Match, If-Range, Last-Event-ID, Range, X-Request-Id";
 const READ: &str =
     "Accept-Ranges, Content-Digest, Content-Range, ETag, Location, Repr-Digest, Retry-After, X-Request-Id";

@@ -1,7 +1,7 @@
 //! Tables: list, download by hash, manifest.
 
 use axum::{
-    Json,
+    Extension, Json,
     extract::State,
     http::{HeaderMap, Method, StatusCode, header},
     response::{IntoResponse, Response},
@@ -9,14 +9,16 @@ use axum::{
 use serde::Deserialize;
 
 use super::{
+    absent::absent,
+    access::Caller,
     api::Api,
+    conditional::EntityTag,
     download::stored_file,
     extract::{NoParameters, PageLimit, PathOf, QueryOf},
-    kind::ProblemKind,
     problem::Problem,
     views::PageView,
 };
-use crate::service::{FileKind, TableCursor, TableRow};
+use crate::service::{DeleteTableError, FileKind, TableCursor, TableRow};
 use ltcforge_files::digest::Digest;
 
 #[derive(Debug, Deserialize)]
@@ -63,11 +65,31 @@ pub(super) async fn manifest(
     _: QueryOf<NoParameters>,
     PathOf(digest): PathOf<Digest>,
 ) -> Result<Response, Problem> {
-    let manifest = api.read(move |service| service.manifest(digest)).await?.ok_or_else(|| unknown(digest))?;
-    Ok(([(header::CONTENT_TYPE, "application/json")], manifest).into_response())
+    match api.read(move |service| service.manifest(digest)).await? {
+        Some(manifest) => Ok(([(header::CONTENT_TYPE, "application/json")], manifest).into_response()),
+        None => Err(absent(&api, digest).await),
+    }
 }
 
-/// The problem of a table that is not there.
-pub(super) fn unknown(digest: Digest) -> Problem {
-    Problem::new(ProblemKind::UnknownTable, format!("no table with the digest {digest} is stored"))
+/// `DELETE /v1/tables/{digest}`.
+pub(super) async fn delete(
+    State(api): State<Api>,
+    _: QueryOf<NoParameters>,
+    PathOf(digest): PathOf<Digest>,
+    caller: Option<Extension<Caller>>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let tag = EntityTag::strong(digest);
+    tag.check_if_match(&headers)?;
+    let deleted = api.read(move |service| {
+        let by = caller.as_ref().map(|Extension(Caller(by))| by.name.as_str());
+        match service.delete_table(digest, by) {
+            Err(DeleteTableError::Unknown(_)) => Ok(false),
+            deleted => deleted.map(|()| true),
+        }
+    });
+    if deleted.await? {
+        return Ok((StatusCode::NO_CONTENT, [(header::ETAG, tag.as_str())]).into_response());
+    }
+    Err(absent(&api, digest).await)
 }

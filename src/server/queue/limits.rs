@@ -13,6 +13,8 @@ pub struct Limits {
     pub max_attempts: NonZeroU32,
     /// How long a job that has ended is remembered; `None` for ever.
     pub keep_ended: Option<Duration>,
+    /// Jobs that have ended and are remembered; `None` for any number.
+    pub most_ended: Option<usize>,
 }
 
 impl Limits {

@@ -29,8 +29,14 @@ pub struct Config {
     pub entry_limit: u64,
     /// Seconds that a job's fit may take, as predicted when it is submitted.
     pub job_seconds: u64,
-    /// How long a job that has ended is remembered; `None` for ever. Tables are never deleted.
+    /// How long a job that has ended is remembered; `None` for ever.
     pub keep_ended: Option<Duration>,
+    /// Jobs that have ended and are remembered; `None` for any number.
+    pub most_ended: Option<usize>,
+    /// Bytes of tables and of files that users sent; `None` for any number.
+    pub store_bytes: Option<u64>,
+    /// How long a file is not removed after it was used, whatever the size of the store.
+    pub unused_for: Duration,
     /// How long a lease lasts unless it is renewed.
     pub lease_ttl: Duration,
     /// How often a task may fail before its job does.
@@ -306,6 +312,8 @@ pub struct Metrics {
     pub pictures: PictureCounts,
     /// Exports made since the start; those served from memory are not counted.
     pub exports_made: u64,
+    /// Files removed since the start because the store was larger than it may be.
+    pub files_removed: u64,
 }
 
 /// How many pictures ended in which way since the start.

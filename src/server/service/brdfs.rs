@@ -90,12 +90,14 @@ impl Service {
         let blobs = &self.state.tables.store.blobs;
         let digest = Digest::from_bytes(*file.digest());
         let _storing = self.state.storing.lock().unwrap_or_else(PoisonError::into_inner);
+        let _naming = self.state.naming.read().unwrap_or_else(PoisonError::into_inner);
         let was_there = blobs.contains(digest).map_err(ServiceError::from)?;
         let limit = self.state.config.brdf_limit;
         if !was_there && self.stored_files(FileKind::Brdf).map_err(ServiceError::from)?.len() >= limit {
             return Err(StoreBrdfError::TooMany(limit));
         }
         blobs.put(bytes).map_err(ServiceError::from)?;
+        self.state.tables.uses.note(digest);
         Ok((stored(bytes, &file), was_there))
     }
 

@@ -1,45 +1,21 @@
 //! The service on a database and a blob store that any number of processes share.
 
-use std::{
-    collections::{BTreeSet, HashMap},
-    fmt,
-    str::FromStr,
-    sync::Arc,
-};
-
-use jiff::{SignedDuration, Timestamp};
-use serde::Serialize;
+use std::{collections::HashMap, fmt, str::FromStr, sync::Arc};
 
 use super::{
     Config, OpenError, Service,
     backend::FitBackend,
-    find_brdf::{named_in, used_brdfs},
-    light_textures::LIGHT_TEXTURE_START,
     open::{ServiceParts, limits},
     state::ServiceState,
 };
 use crate::{
-    queue::{
-        Queue,
-        postgres::{PostgresQueue, Process},
-    },
-    store::{
-        Access, BlobInfo, Blobs as _, Catalogue, Database, ObjectBlobs, PairError, PostgresRows, Store, StoreError,
-        pair,
-    },
+    queue::postgres::{PostgresQueue, Process},
+    store::{Access, Database, DatabaseTimeouts, ObjectBlobs, PairError, PostgresRows, Store, pair},
 };
-use ltcforge_files::digest::Digest;
 use ltcforge_fit::FITTER_VERSION;
-use ltcforge_textures::is_light_texture;
 
 /// How often the jobs that clients follow are looked at.
 const FOLLOW: std::time::Duration = std::time::Duration::from_millis(250);
-
-/// How long a blob without a row is kept: its row may be about to be written.
-const ORPHAN_AGE: SignedDuration = SignedDuration::from_hours(24);
-
-/// Jobs of a page.
-const JOBS_AT_ONCE: usize = 256;
 
 /// The URL of a database, which may have a password and is never printed.
 #[derive(Clone, PartialEq, Eq, serde::Deserialize)]
@@ -69,6 +45,8 @@ pub struct Shared {
     pub blobs: String,
     /// Bytes of blobs that this process keeps in its data folder.
     pub cache_bytes: u64,
+    /// How long the database lets statements and transactions take.
+    pub timeouts: DatabaseTimeouts,
 }
 
 impl Shared {
@@ -83,11 +61,15 @@ impl Shared {
         }
     }
 
-    fn connect(&self, config: &Config, access: Access) -> Result<(Arc<Database>, Arc<ObjectBlobs>), OpenError> {
+    pub(super) fn connect(
+        &self,
+        config: &Config,
+        access: Access,
+    ) -> Result<(Arc<Database>, Arc<ObjectBlobs>), OpenError> {
         let cache = config.data_dir.join("cache");
         // First, so that the schema is not made if this URL is wrong.
         let blobs = Arc::new(ObjectBlobs::open(&self.blobs, access, &cache, self.cache_bytes)?);
-        Ok((Database::open(&self.database.0)?, blobs))
+        Ok((Database::open_with(&self.database.0, self.timeouts)?, blobs))
     }
 }
 
@@ -137,81 +119,6 @@ impl ServiceState {
     }
 }
 
-/// The tabulated BRDFs that are named by recipes of jobs submitted `since`, whatever their state is now.
-fn brdfs_named_since(queue: &dyn Queue, since: Timestamp) -> Result<BTreeSet<Digest>, StoreError> {
-    let (mut named, mut before) = (BTreeSet::new(), None);
-    loop {
-        let (jobs, next) = queue.list(None, before, JOBS_AT_ONCE)?;
-        let is_earlier = jobs.iter().any(|job| job.created_at < since);
-        named.extend(jobs.iter().filter_map(|job| named_in(&job.recipe)));
-        match next {
-            Some(next) if !is_earlier => before = Some(next),
-            _ => return Ok(named),
-        }
-    }
-}
-
-/// What [`sweep`] may remove.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Removal {
-    /// Nothing: it only tells.
-    Nothing,
-    /// All orphans, unless they are most of the blobs.
-    Orphans,
-    /// All orphans, even if they are most of the blobs.
-    EvenMost,
-}
-
-/// What [`sweep`] found and did.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Swept {
-    /// Number of all blobs.
-    pub blobs: usize,
-    /// The orphans among them.
-    pub orphans: Vec<Digest>,
-    /// Number of orphans that were removed.
-    pub removed: usize,
-}
-
-/// Finds orphans: blobs older than a day that are not tables of the catalogue, not named by a recipe in use and no light textures. Removes
-/// them as `removal` says.
-///
-/// # Errors
-/// When the database or the blob store cannot be used, or do not know each other, or most of the blobs are orphans.
-pub fn sweep(config: &Config, shared: &Shared, removal: Removal) -> Result<Swept, OpenError> {
-    let access = if removal == Removal::Nothing { Access::Read } else { Access::Write };
-    let (database, blobs) = shared.connect(config, access)?;
-    database.without_limit();
-    pair(&database, &blobs, None)?;
-    let process = Process { name: "gc".to_owned(), fitter: FITTER_VERSION };
-    let queue = PostgresQueue::open(Arc::clone(&database), limits(config), process).map_err(OpenError::Shared)?;
-    let catalogue = Catalogue::new(Arc::new(PostgresRows::new(database)));
-    let began = queue.now();
-    let brdfs = used_brdfs(&catalogue, &queue).map_err(OpenError::Shared)?;
-    let is_known = |digest: Digest| -> Result<bool, StoreError> {
-        Ok(brdfs.contains(&digest)
-            || blobs.part(digest, 0, LIGHT_TEXTURE_START)?.is_some_and(|start| is_light_texture(&start))
-            || catalogue.table(digest)?.is_some()
-            || brdfs_named_since(&queue, began)?.contains(&digest))
-    };
-    let before = Timestamp::now().checked_sub(ORPHAN_AGE).unwrap_or(Timestamp::UNIX_EPOCH);
-    let is_orphan = |blob: &BlobInfo| Ok(blob.stored_at < before && !is_known(blob.digest)?);
-    let (all, mut orphans) = (blobs.list().map_err(OpenError::Shared)?, Vec::new());
-    for blob in &all {
-        if is_orphan(blob).map_err(OpenError::Shared)? {
-            orphans.push(blob);
-        }
-    }
-    if removal == Removal::Orphans && orphans.len() > all.len() / 2 {
-        return Err(OpenError::MostAreOrphans { orphans: orphans.len(), blobs: all.len() });
-    }
-    let mut removed = 0;
-    for orphan in orphans.iter().filter(|_| removal != Removal::Nothing) {
-        removed += usize::from(blobs.remove(orphan, &is_known).map_err(OpenError::Shared)?);
-    }
-    Ok(Swept { blobs: all.len(), orphans: orphans.iter().map(|blob| blob.digest).collect(), removed })
-}
-
 #[cfg(test)]
 mod tests {
     use std::{
@@ -221,8 +128,11 @@ mod tests {
     };
 
     use super::*;
-    use crate::{service::tests::config, store::throwaway};
-    use ltcforge_files::tabulated::encode;
+    use crate::{
+        service::{Removal, Swept, sweep, tests::config},
+        store::{Blobs as _, throwaway},
+    };
+    use ltcforge_files::{digest::Digest, tabulated::encode};
     use ltcforge_fit::{BrdfKind, TabulatedAxes, TabulatedBrdf};
 
     #[test]
@@ -235,6 +145,7 @@ mod tests {
             database: url.parse().unwrap(),
             blobs: format!("file://{}", store.display()),
             cache_bytes: 1 << 20,
+            timeouts: DatabaseTimeouts::default(),
         };
         let unpaired = sweep(&config, &shared, Removal::Nothing).unwrap_err().to_string();
         assert!(unpaired.contains("start `ltcforge serve`"), "{unpaired}");
@@ -258,10 +169,11 @@ mod tests {
         assert!(stored_at(&named.1) > stored_at(&other.1), "it is put again once the job is known");
         age(&named.1);
         let swept = |removal| sweep(&config, &shared, removal);
-        let told = Swept { blobs: 2, orphans: vec![other.0], removed: 0 };
-        assert_eq!(swept(Removal::Nothing).unwrap(), told);
+        let told = swept(Removal::Nothing).unwrap();
+        assert_eq!((told.files, told.removed), (2, 0));
+        assert_eq!(told.going.iter().map(|going| going.digest).collect::<Vec<_>>(), [other.0]);
         assert!(named.1.exists() && other.1.exists());
-        assert_eq!(swept(Removal::Orphans).unwrap(), Swept { removed: 1, ..told });
+        assert_eq!(swept(Removal::Going).unwrap(), Swept { removed: 1, ..told });
         assert!(named.1.exists() && !other.1.exists());
         service.stop();
     }
@@ -272,7 +184,12 @@ mod tests {
             let store = dir.join(name);
             fs::create_dir_all(&store).unwrap();
             let database = throwaway::empty_database()?.parse().unwrap();
-            Some(Shared { database, blobs: format!("file://{}", store.display()), cache_bytes: 1 << 20 })
+            Some(Shared {
+                database,
+                blobs: format!("file://{}", store.display()),
+                cache_bytes: 1 << 20,
+                timeouts: DatabaseTimeouts::default(),
+            })
         };
         Some([shared("a")?, shared("b")?])
     }
@@ -343,18 +260,24 @@ mod tests {
         for young in [b"1", b"2"] {
             blobs.put(young).unwrap();
         }
-        let refused = sweep(&config, &a, Removal::Orphans).unwrap_err().to_string();
+        let refused = sweep(&config, &a, Removal::Going).unwrap_err().to_string();
         assert!(refused.contains("3 of the store's 5 blobs"), "{refused}");
         assert!(old.iter().all(|file| file.exists()));
         assert_eq!(sweep(&config, &a, Removal::EvenMost).unwrap().removed, 3);
         assert!(!old.iter().any(|file| file.exists()));
-        assert_eq!(sweep(&config, &a, Removal::Orphans).unwrap(), Swept { blobs: 2, orphans: vec![], removed: 0 });
+        let left = Swept { files: 2, bytes: 2, going: vec![], removed: 0 };
+        assert_eq!(sweep(&config, &a, Removal::Going).unwrap(), left);
     }
 
     #[test]
     fn the_url_of_a_database_is_not_printed() {
         let url: DatabaseUrl = "postgres://user:hunter2@host/name".parse().unwrap();
-        let shared = Shared { database: url, blobs: "s3://bucket/x".to_owned(), cache_bytes: 1 };
+        let shared = Shared {
+            database: url,
+            blobs: "s3://bucket/x".to_owned(),
+            cache_bytes: 1,
+            timeouts: DatabaseTimeouts::default(),
+        };
         assert!(!format!("{shared:?}").contains("hunter2"));
     }
 }

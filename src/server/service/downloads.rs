@@ -4,7 +4,7 @@ use std::{sync::Arc, time::Duration};
 
 use super::{
     Checked, ExportFailure, FileKind, MadeExport, Page, PictureError, PictureReply, Service, ServiceError, Subject,
-    TableCursor, TableRow, reconcile::unless_full, state::ServiceState,
+    TableCursor, TableRow, exports::key, reconcile::unless_full, state::ServiceState,
 };
 use crate::{
     queue::JobId,
@@ -87,6 +87,7 @@ impl Service {
         if self.state.tables.catalogue.table(digest)?.is_none() || !self.state.tables.contains(digest)? {
             return Ok(None);
         }
+        self.state.tables.uses.note(digest);
         Ok(self.state.tables.store.blobs.link(digest, LINK)?)
     }
 
@@ -127,8 +128,7 @@ impl Service {
     /// # Errors
     /// See [`ExportFailure`].
     pub fn export(&self, table: Digest, export: Export) -> Result<Option<Arc<MadeExport>>, ExportFailure> {
-        let key = Digest::of(format!("{export} of {table}").as_bytes());
-        self.state.exports.get(key, || {
+        let made = self.state.exports.get(key(table, export), || {
             if self.state.is_stopping() {
                 return Err(ServiceError::Stopping.into());
             }
@@ -136,7 +136,11 @@ impl Service {
             let Some(manifest) = self.manifest(table)? else { return Ok(None) };
             let made = self.state.measuring_pool.install(|| self.state.backend.export(&file, &manifest, export));
             Ok(Some(made?.into()))
-        })
+        })?;
+        if made.is_some() {
+            self.state.tables.uses.note(table);
+        }
+        Ok(made)
     }
 
     /// The picture of `subject` with a table; where it needs one and none is named, with the best stored one.

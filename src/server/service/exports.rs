@@ -12,7 +12,7 @@ use quick_cache::{Weighter, sync::Cache};
 
 use super::ServiceError;
 use ltcforge_files::digest::Digest;
-use ltcforge_textures::{Bundle, ExportError, RoundingError, TextureFile};
+use ltcforge_textures::{Bundle, Export, ExportError, RoundingError, TextureFile};
 
 /// Requests for exports that may wait at the same time. One export is made at a time, so that memory holds the numbers
 /// of one table.
@@ -95,6 +95,11 @@ pub(super) struct Exports {
 /// export would fit into none.
 const EXPECTED: usize = 32;
 
+/// The name of an export of a table among those that are kept.
+pub(super) fn key(table: Digest, export: Export) -> Digest {
+    Digest::of(format!("{export} of {table}").as_bytes())
+}
+
 /// Counts the bytes of an export's files.
 #[derive(Debug, Clone)]
 struct FileBytes;
@@ -119,6 +124,13 @@ impl Exports {
     pub(super) fn new(limit_bytes: usize) -> Self {
         let kept = Cache::with_weighter(EXPECTED, limit_bytes as u64, FileBytes);
         Self { kept, making: Mutex::new(()), waiting: AtomicUsize::new(0), made: AtomicU64::new(0) }
+    }
+
+    /// Forgets those of a table that was removed.
+    pub(super) fn forget(&self, table: Digest) {
+        for export in Export::all() {
+            self.kept.remove(&key(table, export));
+        }
     }
 
     /// How many were made.

@@ -53,9 +53,16 @@ pub(super) fn named_in(recipe: &str) -> Option<Digest> {
 /// The tabulated BRDFs that are named by recipes of tables and of queued or running jobs.
 pub(super) fn used_brdfs(catalogue: &Catalogue, queue: &dyn Queue) -> Result<BTreeSet<Digest>, StoreError> {
     let mut used: BTreeSet<Digest> = catalogue.recipes()?.iter().filter_map(|recipe| named_in(recipe)).collect();
+    used.extend(named_in_unfinished(queue)?);
+    Ok(used)
+}
+
+/// Those that are named by recipes of queued or running jobs, as often as they are.
+pub(super) fn named_in_unfinished(queue: &dyn Queue) -> Result<Vec<Digest>, StoreError> {
+    let mut named = Vec::new();
     for state in [StateName::Queued, StateName::Running] {
         let (jobs, _) = queue.list(Some(state), None, usize::MAX >> 1)?;
-        used.extend(jobs.iter().filter_map(|job| named_in(&job.recipe)));
+        named.extend(jobs.iter().filter_map(|job| named_in(&job.recipe)));
     }
-    Ok(used)
+    Ok(named)
 }

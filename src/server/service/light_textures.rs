@@ -100,12 +100,14 @@ impl Service {
         let blobs = &self.state.tables.store.blobs;
         let digest = Digest::of(&bytes);
         let _storing = self.state.storing.lock().unwrap_or_else(PoisonError::into_inner);
+        let _naming = self.state.naming.read().unwrap_or_else(PoisonError::into_inner);
         let was_there = blobs.contains(digest).map_err(ServiceError::from)?;
         let limit = self.state.config.light_texture_limit;
         if !was_there && self.stored_files(FileKind::LightTexture).map_err(ServiceError::from)?.len() >= limit {
             return Err(StoreLightTextureError::TooMany(limit));
         }
         blobs.put(&bytes).map_err(ServiceError::from)?;
+        self.state.tables.uses.note(digest);
         Ok((StoredLightTexture { digest, bytes: bytes.len(), texture }, was_there))
     }
 

@@ -11,7 +11,10 @@ use crate::{
         embedded::{stored_jobs, stored_results},
         postgres::{PostgresQueue, Process},
     },
-    store::{Access, Batch, BlobInfo, Blobs as _, Catalogue, ObjectBlobs, PostgresRows, Rows as _, Store, StoreError},
+    store::{
+        Access, Batch, BlobInfo, Blobs as _, Catalogue, ObjectBlobs, PostgresRows, Row, Rows as _, Store, StoreError,
+        Tree,
+    },
 };
 use ltcforge_fit::FITTER_VERSION;
 use ltcforge_textures::is_light_texture;
@@ -35,7 +38,7 @@ fn fitter_of(recipe: &str) -> u32 {
     fitter.and_then(|fitter| fitter.try_into().ok()).unwrap_or(FITTER_VERSION)
 }
 
-/// Copies the tables and jobs of a data folder. The folder is locked meanwhile and does not change. What was copied
+/// Copies the tables, their pins, and the jobs of a data folder. The folder is locked meanwhile and does not change. What was copied
 /// before is skipped, so that an interrupted migration can be run again.
 ///
 /// # Errors
@@ -83,6 +86,13 @@ pub fn migrate(config: &Config, shared: &Shared) -> Result<Migrated, OpenError> 
                 break;
             }
         }
+        let mut pins = Batch::default();
+        for Row { key, value } in store.rows.scan(Tree::Pins, &[])? {
+            if let Some(value) = value {
+                pins.put(Tree::Pins, key, value);
+            }
+        }
+        to.commit(&pins)?;
         for stored in stored_jobs(store.rows.as_ref())? {
             copy_brdf(&store, &blobs, &stored.job.recipe)?;
             let results = stored_results(store.rows.as_ref(), stored.job.id)?;

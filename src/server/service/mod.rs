@@ -20,22 +20,27 @@ mod light_textures;
 mod migrate;
 mod open;
 mod pictures;
+mod pins;
 mod plans;
 mod published;
 mod reconcile;
+mod removal;
+mod retention;
 mod scheduler;
 mod scrub;
 mod speed;
 mod state;
 mod stored_files;
 mod submit;
+mod sweep;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod uses;
 mod watch;
 mod work;
 
-pub use crate::store::{Checked, Copied, SHORT_BYTES, TableRow};
+pub use crate::store::{Checked, Copied, DatabaseTimeouts, SHORT_BYTES, TableRow};
 pub use api::{
     Backlog, Config, Expected, Foreseen, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits,
     ServiceError, SubmitError, SubmitReply,
@@ -43,7 +48,7 @@ pub use api::{
 pub use backup::{back_up, restore};
 pub use brdfs::{DeleteBrdfError, StoreBrdfError, StoredBrdf};
 pub use check::{CheckReport, check};
-pub use cluster::{DatabaseUrl, Removal, Shared, Swept, sweep};
+pub use cluster::{DatabaseUrl, Shared};
 pub use compressed::Zstd;
 pub use cursor::{CursorError, JobCursor, TableCursor};
 pub use exports::{ExportFailure, ExportedFile, MadeExport};
@@ -52,9 +57,14 @@ pub use light_textures::{
 };
 pub use migrate::{Migrated, migrate};
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
+pub use pins::{LockedTable, ParsePinNameError, PinError, PinName, PinnedLock, TablePin};
 pub use plans::{PlanError, Planned, SCENE_LIMIT_BYTES, SceneForm};
 pub use published::published_table;
 pub use reconcile::Reconciled;
+pub use removal::DeleteTableError;
+pub use retention::{Going, GoingReason};
 pub use state::Service;
 pub use stored_files::FileRow;
+pub use sweep::{Removal, Swept, sweep, sweep_folder};
 pub use tables::FileKind;
+pub use uses::{RemovalReason, RemovedTable};

@@ -84,6 +84,7 @@ impl Service {
             naming: RwLock::default(),
             stopping: AtomicBool::new(false),
             entries_fitted: AtomicU64::new(0),
+            files_removed: AtomicU64::new(0),
             config,
         });
         let service = Self { state, threads: Mutex::default() };
@@ -91,6 +92,8 @@ impl Service {
             let scrub = service.spawn("scrub".to_owned(), ServiceState::scrub);
             scrub.map_err(|error| refusal(&service.state.config, StoreOpenError::Unusable(error)))?;
         }
+        let retain = service.spawn("retain".to_owned(), ServiceState::retain);
+        retain.map_err(|error| refusal(&service.state.config, StoreOpenError::Unusable(error)))?;
         if works {
             service.start_workers().map_err(|error| refusal(&service.state.config, StoreOpenError::Unusable(error)))?;
         }
@@ -127,6 +130,7 @@ pub(super) fn limits(config: &Config) -> Limits {
         jobs: config.queue_limit,
         lease_ttl: config.lease_ttl,
         keep_ended: config.keep_ended,
+        most_ended: config.most_ended,
         max_attempts: NonZeroU32::new(config.max_attempts).unwrap_or(NonZeroU32::MIN),
     }
 }

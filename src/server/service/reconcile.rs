@@ -8,10 +8,10 @@ use std::{
 use jiff::Timestamp;
 use serde::Serialize;
 
-use super::{TableRow, backend::Backend, find_brdf::named_in};
+use super::{TableRow, backend::Backend, find_brdf::named_in, uses::use_of};
 use crate::{
     queue::embedded::stored_jobs,
-    store::{Blobs, Catalogue, Rows, StoreError},
+    store::{Blobs, Catalogue, Rows, StoreError, Tree},
 };
 use ltcforge_files::digest::Digest;
 
@@ -22,7 +22,7 @@ pub struct Reconciled {
     pub added: Vec<Digest>,
     /// Tables of the catalogue whose blob is missing. They are taken out, so that their recipes are fitted again.
     pub lost: Vec<Digest>,
-    /// Tabulated BRDFs that recipes of tables and jobs name, and whose file is missing. Only their users have them.
+    /// Tabulated BRDFs that recipes of tables and unfinished jobs name, and whose file is missing. Only their users have them.
     pub missing_brdfs: Vec<Digest>,
 }
 
@@ -42,7 +42,8 @@ pub(super) fn reconcile(
         blobs.list()?.into_iter().map(|blob| (blob.digest, blob.stored_at)).collect();
     let complete: BTreeSet<Digest> = catalogue.complete()?;
     let (recipes, jobs) = (catalogue.recipes()?, stored_jobs(rows.as_ref())?);
-    let recipes = recipes.iter().chain(jobs.iter().map(|stored| &stored.job.recipe));
+    let unfinished = jobs.iter().map(|stored| &stored.job).filter(|job| !job.state.name().is_final());
+    let recipes = recipes.iter().chain(unfinished.map(|job| &job.recipe));
     let named: BTreeSet<Digest> = recipes.filter_map(|recipe| named_in(recipe)).collect();
     let mut done = Reconciled::default();
     for (digest, stored_at) in stored.iter().filter(|(digest, _)| !complete.contains(*digest)) {
@@ -53,9 +54,15 @@ pub(super) fn reconcile(
             Err(error) => return Err(error),
         };
         let Some((recipe, recipe_digest)) = backend.recognise(&bytes) else { continue };
+        // Of a table that was removed the last step is still to be done.
+        if use_of(rows.as_ref(), *digest)?.and_then(|row| row.removed).is_some_and(|removed| removed.has_file) {
+            continue;
+        }
         let created_at = catalogue.table(*digest)?.map_or(*stored_at, |row| row.created_at);
         let row = TableRow { digest: *digest, recipe_digest, bytes: bytes.len() as u64, created_at };
-        unless_full(rows.commit(&Catalogue::entry(&row, &recipe)?))?;
+        let mut batch = Catalogue::entry(&row, &recipe)?;
+        batch.remove(Tree::Uses, *digest.as_bytes());
+        unless_full(rows.commit(&batch))?;
         done.added.push(*digest);
     }
     for digest in complete.iter().filter(|digest| !stored.contains_key(*digest)) {

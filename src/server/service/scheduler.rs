@@ -188,6 +188,7 @@ mod tests {
             lease_ttl: Duration::from_secs(60),
             max_attempts: NonZeroU32::new(3).unwrap(),
             keep_ended: None,
+            most_ended: None,
         };
         let queue = EmbeddedQueue::open(Arc::new(MemoryRows::default()), limits, Clock::system()).unwrap();
         for (name, shards) in jobs {

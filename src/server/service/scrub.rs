@@ -41,7 +41,7 @@ impl ServiceState {
     }
 
     /// Waits; false as soon as the service is stopping.
-    fn wait_until(&self, then: Instant) -> bool {
+    pub(super) fn wait_until(&self, then: Instant) -> bool {
         while !self.is_stopping() {
             let left = then.saturating_duration_since(Instant::now());
             if left.is_zero() {

@@ -42,10 +42,11 @@ pub(super) struct ServiceState {
     pub(super) compressed: Compressed,
     /// Held while a file that was sent is counted and stored.
     pub(super) storing: Mutex<()>,
-    /// Read while a recipe that may name a tabulated BRDF becomes a job, written while one is deleted.
+    /// Read while a recipe becomes a job, a file is stored or a table pinned; written while a file is removed.
     pub(super) naming: RwLock<()>,
     pub(super) stopping: AtomicBool,
     pub(super) entries_fitted: AtomicU64,
+    pub(super) files_removed: AtomicU64,
 }
 
 impl std::fmt::Debug for ServiceState {
@@ -126,6 +127,7 @@ impl Service {
             blobs_corrupt: state.tables.damaged(),
             pictures: state.pictures.counts(),
             exports_made: state.exports.made(),
+            files_removed: state.files_removed.load(Ordering::Relaxed),
         })
     }
 }

@@ -42,7 +42,7 @@ impl Service {
         let tables = &self.state.tables;
         let known = tables.catalogue.keys()?;
         let mut rows = Vec::new();
-        for BlobInfo { digest, stored_at } in tables.store.blobs.list()? {
+        for BlobInfo { digest, stored_at, .. } in tables.store.blobs.list()? {
             if known.contains(digest.as_bytes().as_slice()) {
                 continue;
             }

@@ -1,7 +1,7 @@
 //! The stored tables: their files, which are hashed when they are first read and once they changed, and the catalogue.
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeSet, HashMap},
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
         atomic::{AtomicU64, Ordering},
@@ -10,8 +10,12 @@ use std::{
 
 use quick_cache::sync::Cache;
 
-use super::{ServiceError, reconcile::unless_full};
-use crate::store::{Catalogue, Checked, Store, StoreError};
+use super::{
+    ServiceError,
+    reconcile::unless_full,
+    uses::{UseRow, Uses, use_of},
+};
+use crate::store::{Catalogue, Checked, Row, Store, StoreError, Tree};
 use ltcforge_files::{
     digest::Digest,
     manifest::MANIFEST_VERSION,
@@ -65,12 +69,36 @@ pub(super) struct Tables {
     damaged: AtomicU64,
     /// Tables whose file was missing when it was last asked for.
     missing: Mutex<BTreeSet<Digest>>,
+    /// Which files were used since that was last written.
+    pub(super) uses: Uses,
 }
 
 impl Tables {
     pub(super) fn new(store: Store) -> Self {
         let catalogue = Catalogue::new(Arc::clone(&store.rows));
-        Self { store, catalogue, kinds: Cache::new(KINDS), damaged: AtomicU64::new(0), missing: Mutex::default() }
+        Self {
+            store,
+            catalogue,
+            kinds: Cache::new(KINDS),
+            damaged: AtomicU64::new(0),
+            missing: Mutex::default(),
+            uses: Uses::default(),
+        }
+    }
+
+    /// As [`use_of`].
+    pub(super) fn use_of(&self, digest: Digest) -> Result<Option<UseRow>, StoreError> {
+        use_of(self.store.rows.as_ref(), digest)
+    }
+
+    /// All that is stored about uses.
+    pub(super) fn all_uses(&self) -> Result<HashMap<Digest, UseRow>, StoreError> {
+        let rows = self.store.rows.scan(Tree::Uses, &[])?.into_iter();
+        let read = |row: Row| {
+            let digest = Digest::from_bytes(row.key.try_into().ok()?);
+            Some((digest, serde_json::from_slice(&row.value?).ok()?))
+        };
+        Ok(rows.filter_map(read).collect())
     }
 
     /// Whether there is a file with this digest. Its bytes are not read.
@@ -84,8 +112,11 @@ impl Tables {
     /// When the blob is damaged or unreadable. A damaged one is moved to quarantine and removed from the catalogue, so
     /// that the next equal job fits the table again.
     pub(super) fn read(&self, digest: Digest) -> Result<Option<Arc<Vec<u8>>>, ServiceError> {
-        let bytes = self.told(digest, self.store.blobs.get(digest))?;
-        Ok(bytes.filter(|bytes| FileKind::Table.begins(bytes)).map(Arc::new))
+        let bytes = self.told(digest, self.store.blobs.get(digest))?.filter(|bytes| FileKind::Table.begins(bytes));
+        if bytes.is_some() {
+            self.uses.note(digest);
+        }
+        Ok(bytes.map(Arc::new))
     }
 
     /// As [`Self::read`], of any kind of file, but a long one is not kept in memory, and one that was checked before and has
@@ -102,6 +133,7 @@ impl Tables {
         };
         if let Some(actual) = actual {
             self.kinds.insert(digest, actual);
+            self.uses.note(digest);
         }
         Ok(checked.filter(|_| actual == Some(kind)))
     }
@@ -109,7 +141,9 @@ impl Tables {
     /// As [`Self::checked`], but only what is known without reading a byte of the file; `None` otherwise.
     pub(super) fn known(&self, kind: FileKind, digest: Digest) -> Option<Checked> {
         self.kinds.get(&digest).filter(|known| *known == kind)?;
-        self.store.blobs.known(digest)
+        let known = self.store.blobs.known(digest)?;
+        self.uses.note(digest);
+        Some(known)
     }
 
     /// What a request for less than the whole file needs of it. A storage that hashes a file once does so now; of another
@@ -118,7 +152,11 @@ impl Tables {
         if self.store.blobs.remembers() {
             return self.checked(kind, digest);
         }
-        Ok(self.length(kind, digest)?.map(Checked::Long))
+        let length = self.length(kind, digest)?;
+        if length.is_some() {
+            self.uses.note(digest);
+        }
+        Ok(length.map(Checked::Long))
     }
 
     /// What was read of a blob; notes that it is there, missing or damaged.
@@ -167,7 +205,10 @@ impl Tables {
     /// The table of a recipe, if it is in the catalogue and its file is there.
     pub(super) fn of_recipe(&self, recipe_digest: Digest) -> Result<Option<Digest>, StoreError> {
         match self.catalogue.recipe(recipe_digest)? {
-            Some((_, table)) if self.contains(table)? => Ok(Some(table)),
+            Some((_, table)) if self.contains(table)? => {
+                self.uses.note(table);
+                Ok(Some(table))
+            }
             Some((_, table)) => self.tell_missing(table).map(|()| None),
             None => Ok(None),
         }

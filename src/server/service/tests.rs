@@ -3,6 +3,7 @@
 mod exports;
 mod fake_backend;
 mod reconciled;
+mod retention;
 mod scrub;
 mod storage;
 
@@ -25,6 +26,9 @@ pub(super) fn config(dir: &Path) -> Config {
         entry_limit: 100,
         job_seconds: 86_400,
         keep_ended: None,
+        most_ended: None,
+        store_bytes: None,
+        unused_for: Duration::ZERO,
         lease_ttl: Duration::from_secs(60),
         adapter: ltcforge_view::preview::Adapter::Cpu,
         max_attempts: 3,

@@ -7,7 +7,7 @@ use std::{
     panic::{AssertUnwindSafe, catch_unwind},
     slice,
     sync::{
-        Arc,
+        Arc, PoisonError,
         atomic::Ordering,
         mpsc::{Receiver, SyncSender},
     },
@@ -18,6 +18,7 @@ use super::{
     TableRow,
     backend::{PlanError, PlannedFit},
     state::ServiceState,
+    uses::UseRow,
 };
 use crate::{
     queue::{Failure, FailureKind, Lease, LeaseError, LeasedTask, StaleLease, TaskKind},
@@ -262,7 +263,13 @@ impl ServiceState {
         };
         let mut batch = Catalogue::entry(&row, &task.recipe)?;
         batch.extend(Catalogue::manifest_entry(digest, &manifest)?);
-        self.retried(task, || self.queue.finish(&task.lease, digest, batch.clone()))?;
+        UseRow { used_at: row.created_at, removed: None }.put(&mut batch, digest)?;
+        self.retried(task, || {
+            // The same table may be on its way out: an earlier one of this recipe.
+            let _naming = self.naming.read().unwrap_or_else(PoisonError::into_inner);
+            self.tables.store.blobs.keep(digest, &file)?;
+            self.queue.finish(&task.lease, digest, batch.clone())
+        })?;
         if let Err(error) = self.tables.store.blobs.keep(digest, &file) {
             tracing::warn!(job = %task.job, table = %digest, %error, "whether the table is still stored is not known");
         }

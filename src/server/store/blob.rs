@@ -14,6 +14,8 @@ pub struct BlobInfo {
     pub digest: Digest,
     /// When it was stored.
     pub stored_at: Timestamp,
+    /// Its size.
+    pub bytes: u64,
 }
 
 /// A blob whose bytes have its digest.
@@ -96,13 +98,15 @@ pub trait Blobs: Send + Sync + std::fmt::Debug {
     /// When the storage does not tell.
     fn contains(&self, digest: Digest) -> Result<bool, StoreError>;
 
-    /// Stores a blob that has become known again if it was removed meanwhile: another process may have taken it for an
-    /// orphan.
+    /// Stores a blob that is about to become known, or has, if it was removed meanwhile: another process may have taken it for
+    /// an orphan.
     ///
     /// # Errors
     /// As [`Self::put`].
     fn keep(&self, digest: Digest, bytes: &[u8]) -> Result<(), StoreError> {
-        let _ = (digest, bytes);
+        if !self.contains(digest)? {
+            self.put(bytes)?;
+        }
         Ok(())
     }
 
@@ -111,6 +115,24 @@ pub trait Blobs: Send + Sync + std::fmt::Debug {
     /// # Errors
     /// When the storage fails.
     fn delete(&self, digest: Digest) -> Result<(), StoreError>;
+
+    /// As [`Self::delete`], unless the blob is known. Where processes share the storage, one that becomes known meanwhile is put
+    /// back: who makes a blob known calls [`Self::keep`] afterwards, so that it stays whichever comes first.
+    ///
+    /// # Errors
+    /// When the storage, or `is_known`, fails.
+    fn delete_unless(
+        &self,
+        digest: Digest,
+        is_known: &dyn Fn(Digest) -> Result<bool, StoreError>,
+    ) -> Result<(), StoreError> {
+        if is_known(digest)? { Ok(()) } else { self.delete(digest) }
+    }
+
+    /// Drops this process's own copy of a blob that another process has removed.
+    fn drop_copy(&self, digest: Digest) {
+        let _ = digest;
+    }
 
     /// All blobs that are regular files, by digest.
     ///

@@ -173,15 +173,23 @@ impl Catalogue {
     /// When the database fails.
     pub fn forget(&self, digest: Digest) -> Result<bool, StoreError> {
         let Some(row) = self.table(digest)? else { return Ok(false) };
+        self.rows.commit(&self.removal(&row)?)?;
+        Ok(true)
+    }
+
+    /// The changes that remove a table, for the caller to commit.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn removal(&self, row: &TableRow) -> Result<Batch, StoreError> {
         let mut batch = Batch::default();
-        batch.remove(Tree::Tables, *digest.as_bytes());
+        batch.remove(Tree::Tables, *row.digest.as_bytes());
         batch.remove(Tree::TablesByAge, age_key(row.created_at, row.digest));
-        if self.recipe(row.recipe_digest)?.is_none_or(|(_, table)| table == digest) {
+        if self.recipe(row.recipe_digest)?.is_none_or(|(_, table)| table == row.digest) {
             batch.remove(Tree::Recipes, *row.recipe_digest.as_bytes());
         }
-        batch.remove(Tree::Manifests, *digest.as_bytes());
-        self.rows.commit(&batch)?;
-        Ok(true)
+        batch.remove(Tree::Manifests, *row.digest.as_bytes());
+        Ok(batch)
     }
 
     fn read<T: serde::de::DeserializeOwned>(&self, tree: Tree, key: &[u8]) -> Result<Option<T>, StoreError> {

@@ -17,6 +17,8 @@ pub struct Damage {
     pub journal_is_incomplete: bool,
     /// Ids of jobs that damaged lines name and that no later line has.
     pub lost_jobs: Vec<String>,
+    /// Tables and names of such pins.
+    pub lost_pins: Vec<String>,
 }
 
 impl Damage {
@@ -47,6 +49,9 @@ impl Damage {
         }
         if !self.lost_jobs.is_empty() {
             messages.push(format!("jobs whose last change is lost: {}", listed(&self.lost_jobs)));
+        }
+        if !self.lost_pins.is_empty() {
+            messages.push(format!("pins whose last change is lost: {}", listed(&self.lost_pins)));
         }
         messages
     }

@@ -183,7 +183,7 @@ impl Blobs for FileBlobs {
             }
             let stored_at = metadata.modified().map_err(|source| StoreError::of_io(&file, source))?;
             let stored_at = Timestamp::try_from(stored_at).unwrap_or(Timestamp::UNIX_EPOCH);
-            blobs.push(BlobInfo { digest, stored_at });
+            blobs.push(BlobInfo { digest, stored_at, bytes: metadata.len() });
         }
         Ok(blobs)
     }

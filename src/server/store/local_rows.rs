@@ -1,4 +1,4 @@
-//! [`Rows`] of a data folder: jobs in the journal, everything else in sled.
+//! [`Rows`] of a data folder: jobs and pins in the journal, everything else in sled.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -28,46 +28,46 @@ impl LocalRows {
 
 impl Rows for LocalRows {
     fn get(&self, tree: Tree, key: &[u8]) -> Result<Option<Vec<u8>>, StoreError> {
-        if tree != Tree::Jobs {
+        if !tree.is_journalled() {
             return self.sled.get(tree, key);
         }
-        Ok(self.journal().jobs()?.into_iter().find(|row| row.key == key).and_then(|row| row.value))
+        Ok(self.journal().rows(tree)?.into_iter().find(|row| row.key == key).and_then(|row| row.value))
     }
 
     fn scan(&self, tree: Tree, prefix: &[u8]) -> Result<Vec<Row>, StoreError> {
-        if tree != Tree::Jobs {
+        if !tree.is_journalled() {
             return self.sled.scan(tree, prefix);
         }
-        let mut jobs = self.journal().jobs()?;
-        jobs.retain(|row| row.key.starts_with(prefix));
-        Ok(jobs)
+        let mut rows = self.journal().rows(tree)?;
+        rows.retain(|row| row.key.starts_with(prefix));
+        Ok(rows)
     }
 
     fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError> {
-        if tree != Tree::Jobs {
+        if !tree.is_journalled() {
             return self.sled.page(tree, before, limit);
         }
-        let jobs = self.journal().jobs()?.into_iter().rev();
-        Ok(jobs.filter(|row| before.is_none_or(|before| row.key.as_slice() < before)).take(limit).collect())
+        let rows = self.journal().rows(tree)?.into_iter().rev();
+        Ok(rows.filter(|row| before.is_none_or(|before| row.key.as_slice() < before)).take(limit).collect())
     }
 
     fn commit(&self, batch: &Batch) -> Result<(), StoreError> {
-        let (jobs, others) = batch.split_jobs();
-        if jobs.is_empty() {
+        let (journalled, others) = batch.split_journalled();
+        if journalled.is_empty() {
             return self.sled.commit(&others);
         }
         self.sled.ensure_room(batch)?;
         if !others.is_empty() {
             self.sled.commit(&others)?;
         }
-        self.journal().append(&jobs, true)
+        self.journal().append(&journalled, true)
     }
 
     fn stage(&self, batch: &Batch) -> Result<Staged, StoreError> {
-        let (jobs, others) = batch.split_jobs();
+        let (journalled, others) = batch.split_journalled();
         let staged = self.sled.stage(&others)?;
-        if !jobs.is_empty() {
-            self.journal().append(&jobs, false)?;
+        if !journalled.is_empty() {
+            self.journal().append(&journalled, false)?;
         }
         Ok(staged)
     }

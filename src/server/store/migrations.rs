@@ -15,6 +15,7 @@ pub(super) const ALL: &[&str] = &[
     include_str!("../migrations/0003_journal.json"),
     include_str!("../migrations/0004_revisions.json"),
     include_str!("../migrations/0005_journal_alone.json"),
+    include_str!("../migrations/0006_uses.json"),
 ];
 
 /// The migration from which on jobs have a journal.
@@ -207,6 +208,7 @@ mod tests {
             "dbc16aa4beab189c92db9c04b2c5c3b160f0806d3bdb5bf23a62c7b6c63d4d5a",
             "8930f66c14094e34d5e00865f1d3e734d9e5456dce0b9c992caa8dfec3c420e6",
             "ceddb31a710d744eec72fe9348157ecf5d2ad0d351eeff5d7016be379200c79a",
+            "7fffc9ecc3a5a6069fae6cf2cc6998e842610afa6c5fb5fe9c68dd784edfb489",
         ];
         assert_eq!(digests, released);
     }

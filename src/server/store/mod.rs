@@ -5,7 +5,7 @@
 //! ```text
 //! DIR/lock                  locked by the process that has opened the folder
 //! DIR/blobs/ab/ab12...      tables, named by their digest
-//! DIR/jobs.log              the journal of jobs
+//! DIR/jobs.log              the journal of jobs and pins
 //! DIR/db/                   sled: shards and their results until the table is stored, the catalogue of the tables
 //! DIR/quarantine/           damaged files
 //! ```
@@ -52,8 +52,8 @@ pub use pair::{PairError, pair};
 pub(crate) use postgres::apply;
 #[cfg(test)]
 pub(crate) use postgres::tests::{self as test_database, throwaway};
-pub use postgres::{Database, DatabaseOpenError, PostgresRows};
-pub use rows::{Batch, Row, Rows, Staged};
+pub use postgres::{Database, DatabaseOpenError, DatabaseTimeouts, PostgresRows};
+pub use rows::{Batch, Condition, Row, Rows, Staged};
 pub use sled_rows::SledRows;
 #[cfg(test)]
 pub(crate) use tests::memory;

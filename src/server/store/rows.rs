@@ -32,10 +32,10 @@ impl Batch {
         self.changes.is_empty()
     }
 
-    /// The changes of jobs, and all others.
-    pub(super) fn split_jobs(&self) -> (Self, Self) {
-        let (jobs, others) = self.changes.iter().cloned().partition(|(tree, ..)| *tree == Tree::Jobs);
-        (Self { changes: jobs }, Self { changes: others })
+    /// The changes of rows that the journal has, and all others.
+    pub(super) fn split_journalled(&self) -> (Self, Self) {
+        let (journalled, others) = self.changes.iter().cloned().partition(|(tree, ..)| tree.is_journalled());
+        (Self { changes: journalled }, Self { changes: others })
     }
 
     /// Bytes of all keys and values.
@@ -51,6 +51,15 @@ pub struct Row {
     pub key: Vec<u8>,
     /// Its value; `None` if it does not match the hash stored with it.
     pub value: Option<Vec<u8>>,
+}
+
+/// What has to be so for a batch to be applied.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Condition {
+    /// There is a row with this key.
+    There(Tree, Vec<u8>),
+    /// No key begins so.
+    NoneBelow(Tree, Vec<u8>),
 }
 
 /// Changes that were staged: which opening of the database has them.
@@ -85,12 +94,30 @@ pub trait Rows: Send + Sync + std::fmt::Debug {
         Ok(None)
     }
 
-    /// Applies `batch`; it is durable when this returns. Where jobs have a journal, their changes come last.
+    /// Applies `batch`; it is durable when this returns. Where jobs and pins have a journal, their changes come last.
     ///
     /// # Errors
     /// [`StoreError::DiskFull`], or the database's error. The batch is then not acknowledged: after the next start it
-    /// may be stored or not, or without its changes of jobs.
+    /// may be stored or not, or without its changes of jobs and pins.
     fn commit(&self, batch: &Batch) -> Result<(), StoreError>;
+
+    /// Applies `batch` as [`Self::commit`] does, if all `conditions` hold, and tells whether they did. Of the processes that
+    /// share a database, one at a time does so; the callers in one process see to it themselves.
+    ///
+    /// # Errors
+    /// As [`Self::commit`].
+    fn commit_if(&self, conditions: &[Condition], batch: &Batch) -> Result<bool, StoreError> {
+        for condition in conditions {
+            let holds = match condition {
+                Condition::There(tree, key) => self.get(*tree, key)?.is_some(),
+                Condition::NoneBelow(tree, prefix) => self.scan(*tree, prefix)?.is_empty(),
+            };
+            if !holds {
+                return Ok(false);
+            }
+        }
+        self.commit(batch).map(|()| true)
+    }
 
     /// Whether the disk has room for what a submission commits.
     fn is_writable(&self) -> bool {

@@ -17,12 +17,30 @@ pub enum Tree {
     Recipes,
     /// Table digest: the version of its manifest, and the manifest.
     Manifests,
+    /// Table digest and a pin's name: who pinned the table, and when. Its rows are in the journal: nothing else has them.
+    Pins,
+    /// File digest: when it was last used; of a table that was removed, when, why and of which recipe.
+    Uses,
 }
 
 impl Tree {
     /// Every tree.
-    pub const ALL: [Self; 7] =
-        [Self::Jobs, Self::Shards, Self::Results, Self::Tables, Self::TablesByAge, Self::Recipes, Self::Manifests];
+    pub const ALL: [Self; 9] = [
+        Self::Jobs,
+        Self::Shards,
+        Self::Results,
+        Self::Tables,
+        Self::TablesByAge,
+        Self::Recipes,
+        Self::Manifests,
+        Self::Pins,
+        Self::Uses,
+    ];
+
+    /// Whether the journal of a data folder has its rows, and not the database, which can be lost.
+    pub(super) fn is_journalled(self) -> bool {
+        matches!(self, Self::Jobs | Self::Pins)
+    }
 
     /// The tree's name in the database.
     #[must_use]
@@ -35,6 +53,8 @@ impl Tree {
             Self::TablesByAge => "tables_by_age",
             Self::Recipes => "recipes",
             Self::Manifests => "manifests",
+            Self::Pins => "pins",
+            Self::Uses => "uses",
         }
     }
 }

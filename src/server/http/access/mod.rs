@@ -37,6 +37,11 @@ fn is_open(path: &str) -> bool {
 #[derive(Debug, Clone)]
 pub(super) struct Caller(pub(super) Arc<Submitter>);
 
+/// Whether a path is that of pins: of one of a table, or of those of a lock file.
+fn is_of_pins(path: &str) -> bool {
+    path.starts_with("/v1/pins/") || path.strip_prefix("/v1/tables/").is_some_and(|rest| rest.contains("/pins/"))
+}
+
 /// What a call needs. A method that is in neither list changes what others may use.
 fn needed(method: &Method, path: &str) -> Scope {
     match *method {
@@ -45,6 +50,7 @@ fn needed(method: &Method, path: &str) -> Scope {
         Method::POST if ["/v1/recipes", "/v1/plans"].contains(&path) => Scope::Read,
         Method::POST => Scope::Submit,
         Method::DELETE if path.starts_with("/v1/jobs/") => Scope::Submit,
+        Method::PUT | Method::DELETE if is_of_pins(path) => Scope::Submit,
         _ => Scope::Admin,
     }
 }
@@ -170,6 +176,11 @@ mod tests {
             ((&Method::DELETE, id), [Some(401), Some(403), None, None]),
             ((&Method::DELETE, "/v1/brdfs/x"), [Some(401), Some(403), Some(403), None]),
             ((&Method::PUT, "/v1/jobs"), [Some(401), Some(403), Some(403), None]),
+            ((&Method::DELETE, "/v1/tables/x"), [Some(401), Some(403), Some(403), None]),
+            ((&Method::PUT, "/v1/tables/x/pins/y"), [Some(401), Some(403), None, None]),
+            ((&Method::DELETE, "/v1/tables/x/pins/y"), [Some(401), Some(403), None, None]),
+            ((&Method::GET, "/v1/tables/x/pins"), [Some(401), None, None, None]),
+            ((&Method::PUT, "/v1/pins/y"), [Some(401), Some(403), None, None]),
             ((&Method::GET, "/healthz"), [None; 4]),
             ((&Method::GET, "/readyz"), [None; 4]),
             ((&Method::GET, "/healthz/x"), [Some(401), None, None, None]),

@@ -120,6 +120,7 @@ mod tests {
             lease_ttl: Duration::from_secs(LEASE_SECONDS.cast_unsigned()),
             max_attempts: NonZeroU32::new(3).unwrap(),
             keep_ended: None,
+            most_ended: None,
         };
         Arc::new(EmbeddedQueue::open(Arc::clone(rows) as Arc<dyn Rows>, limits, Clock::at(seconds)).unwrap())
     }

@@ -116,8 +116,13 @@ mod tests {
     fn a_wall_clock_that_is_set_ends_no_lease_and_keeps_none() {
         let (wall, steady) = (Arc::new(AtomicI64::new(1_700_000_000)), Arc::new(AtomicI64::new(0)));
         let clock = Clock { steady: Clock::at(&steady).steady, ..Clock::at(&wall) };
-        let limits =
-            Limits { jobs: 1, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };
+        let limits = Limits {
+            jobs: 1,
+            lease_ttl: Duration::from_secs(60),
+            max_attempts: NonZeroU32::MIN,
+            keep_ended: None,
+            most_ended: None,
+        };
         let queue = EmbeddedQueue::open(Arc::new(MemoryRows::default()), limits, clock).unwrap();
         let recipe_digest = Digest::of(b"recipe");
         let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1, 1], by: None };
@@ -136,7 +141,8 @@ mod tests {
     #[test]
     fn only_the_current_lease_changes_a_task_and_giving_back_is_no_failure() {
         let max_attempts = NonZeroU32::new(2).unwrap();
-        let limits = Limits { jobs: 1, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None };
+        let limits =
+            Limits { jobs: 1, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None, most_ended: None };
         let queue = EmbeddedQueue::open(Arc::new(MemoryRows::default()), limits, Clock::system()).unwrap();
         let recipe_digest = Digest::of(b"recipe");
         let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1], by: None };

@@ -29,9 +29,10 @@ const JOBS_AT_ONCE: usize = 256;
 const TASKS_AT_ONCE: usize = 64;
 
 impl EmbeddedQueue {
-    /// Forgets jobs that ended longer ago than the limit, once an hour at most. A failure is logged: the caller does
-    /// not depend on it.
+    /// Forgets jobs that ended longer ago than the limit, once an hour at most, and the oldest of too many. A failure is logged:
+    /// the caller does not depend on it.
     pub(super) fn forget_old(&self, state: &mut QueueState) {
+        self.forget_surplus(state);
         let now = (self.clock.steady)();
         let Some(keep) = self.limits.keep_ended.and_then(|keep| SignedDuration::try_from(keep).ok()) else { return };
         if state.next_forgetting.is_some_and(|next| now < next) {
@@ -49,11 +50,34 @@ impl EmbeddedQueue {
         self.remove_leftovers(state);
     }
 
+    /// Forgets the jobs that ended first where there are more than the limit, and a sixteenth: then as many go at once.
+    fn forget_surplus(&self, state: &mut QueueState) {
+        let Some(most) = self.limits.most_ended.filter(|most| state.ended.len() > most + most / 16) else { return };
+        let mut ended: Vec<_> = state
+            .ended
+            .iter()
+            .map(|(submission, record)| (record.job.finished_at, *submission, record.job.id))
+            .collect();
+        ended.sort_unstable();
+        let surplus: Vec<JobId> = ended[..ended.len() - most].iter().map(|(.., id)| *id).collect();
+        match self.forget(state, &surplus) {
+            Ok(()) => {
+                tracing::info!(jobs = surplus.len(), "jobs that ended first were forgotten: their number has a limit");
+            }
+            Err(error) => tracing::warn!(%error, "jobs beyond their limit could not be forgotten"),
+        }
+    }
+
     /// Forgets every job that ended by `before`. Returns how many there were.
     fn forget_ended(&self, state: &mut QueueState, before: Timestamp) -> Result<usize, StoreError> {
         let is_old = |ended: Option<Timestamp>| ended.is_some_and(|ended| ended <= before);
         let old = state.ended.values().filter(|record| is_old(record.job.finished_at));
         let old: Vec<JobId> = old.map(|record| record.job.id).collect();
+        self.forget(state, &old).map(|()| old.len())
+    }
+
+    /// Forgets ended jobs.
+    fn forget(&self, state: &mut QueueState, old: &[JobId]) -> Result<(), StoreError> {
         for ids in old.chunks(JOBS_AT_ONCE) {
             let mut batch = Batch::default();
             for id in ids {
@@ -69,7 +93,7 @@ impl EmbeddedQueue {
                 state.forget(*id);
             }
         }
-        Ok(old.len())
+        Ok(())
     }
 
     /// Removes some of the rows that ended jobs left; returns whether there are more. A failure is logged, and the
@@ -134,8 +158,13 @@ mod tests {
     const SHARDS: usize = 4 * TASKS_AT_ONCE;
 
     fn open(rows: &Arc<MemoryRows>) -> EmbeddedQueue {
-        let limits =
-            Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };
+        let limits = Limits {
+            jobs: 9,
+            lease_ttl: Duration::from_secs(60),
+            max_attempts: NonZeroU32::MIN,
+            keep_ended: None,
+            most_ended: None,
+        };
         EmbeddedQueue::open(Arc::clone(rows) as Arc<dyn Rows>, limits, Clock::system()).unwrap()
     }
 
@@ -226,6 +255,7 @@ mod tests {
             lease_ttl: Duration::from_secs(60),
             max_attempts: NonZeroU32::MIN,
             keep_ended: Some(Duration::from_secs(30 * DAY.cast_unsigned())),
+            most_ended: None,
         };
         let rows = Arc::new(MemoryRows::default());
         let open = || EmbeddedQueue::open(Arc::clone(&rows) as Arc<dyn Rows>, limits, clock.clone()).unwrap();

@@ -25,7 +25,7 @@ impl EmbeddedQueue {
 
     fn lease_next(&self, state: &mut QueueState, demand: Demand) -> Option<LeasedTask> {
         let until = self.expiry();
-        let (submission, number) = state.next_task(demand)?;
+        let (submission, number) = state.teams.next_task(&state.active, demand)?;
         let active = state.active.get_mut(&submission)?;
         let task = *active.tasks.get(number as usize)?;
         state.leases += 1;
@@ -62,7 +62,7 @@ impl EmbeddedQueue {
             entries_total: active.record.job.entries_total,
         };
         let team = active.claim().team.clone();
-        state.pass_turn(&team);
+        state.teams.pass_turn(&team);
         state.next_expiry = Some(state.next_expiry.map_or(until, |expiry| expiry.min(until)));
         state.changed_jobs.insert(id);
         Some(leased)

@@ -92,7 +92,8 @@ mod tests {
     fn open(dir: &Path, max_attempts: u32) -> (EmbeddedQueue, Store) {
         let store = Store::open(dir).unwrap();
         let max_attempts = NonZeroU32::new(max_attempts).unwrap();
-        let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None };
+        let limits =
+            Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None, most_ended: None };
         (EmbeddedQueue::open(Arc::clone(&store.rows), limits, Clock::system()).unwrap(), store)
     }
 
@@ -176,7 +177,8 @@ mod tests {
     /// Writes that reached the database survive kill -9.
     fn after_kill(rows: &Arc<MemoryRows>) -> EmbeddedQueue {
         let max_attempts = NonZeroU32::new(3).unwrap();
-        let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None };
+        let limits =
+            Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None, most_ended: None };
         EmbeddedQueue::open(Arc::clone(rows) as Arc<dyn Rows>, limits, Clock::system()).unwrap()
     }
 

@@ -14,7 +14,7 @@ use super::{
     active::ActiveJob,
     record::{self, JobRecord},
     task::{Task, TaskState},
-    teams::Team,
+    teams::{ActiveJobs, Teams},
 };
 use crate::{
     queue::{Job, JobId, JobState, Lease, Limits, StaleLease},
@@ -56,9 +56,9 @@ pub struct EmbeddedQueue {
 #[derive(Debug, Default)]
 pub(super) struct QueueState {
     /// Unfinished jobs by submission.
-    pub(super) active: BTreeMap<u64, ActiveJob>,
+    pub(super) active: ActiveJobs,
     /// Teams that had jobs since the queue was opened.
-    pub(super) teams: BTreeMap<String, Team>,
+    pub(super) teams: Teams,
     /// Jobs in final states by submission.
     pub(super) ended: BTreeMap<u64, JobRecord>,
     /// The submission of each job.
@@ -166,6 +166,12 @@ impl EmbeddedQueue {
 }
 
 impl QueueState {
+    /// Adds an unfinished job.
+    pub(super) fn activate(&mut self, submission: u64, active: ActiveJob) {
+        self.teams.join(active.claim(), &self.active);
+        self.active.insert(submission, active);
+    }
+
     /// A queued or running job.
     pub(super) fn active_job(&self, id: JobId) -> Option<&ActiveJob> {
         self.active.get(self.by_id.get(&id)?)

@@ -129,15 +129,22 @@ impl PostgresQueue {
         self.leases_expired.fetch_add(expired, Ordering::Relaxed);
     }
 
-    /// Removes jobs that ended longer ago than the limit, now and then. A failure is logged: callers do not depend on
-    /// it.
+    /// Removes jobs that ended longer ago than the limit, and the oldest of too many, now and then. A failure is logged: callers do
+    /// not depend on it.
     pub(super) fn forget_old_jobs(&self) {
-        let Some(keep) = self.limits.keep_ended.filter(|_| self.housekeeping.is_due()) else { return };
+        let Limits { keep_ended, most_ended, .. } = self.limits;
+        if keep_ended.is_none() && most_ended.is_none() || !self.housekeeping.is_due() {
+            return;
+        }
         let forget = "
             WITH old AS (
                 DELETE FROM ltcforge.jobs WHERE submission IN (
                     SELECT submission FROM ltcforge.jobs
-                    WHERE finished_at < (SELECT ltcforge.clock()) - make_interval(secs => $1) FOR UPDATE SKIP LOCKED
+                    WHERE finished_at < (SELECT ltcforge.clock()) - make_interval(secs => $1)
+                        OR (finished_at, submission) <= (
+                            SELECT finished_at, submission FROM ltcforge.jobs WHERE finished_at IS NOT NULL
+                            ORDER BY finished_at DESC, submission DESC OFFSET $2 LIMIT 1)
+                    FOR UPDATE SKIP LOCKED
                 ) RETURNING submission
             ), tasks AS (
                 DELETE FROM ltcforge.tasks WHERE submission IN (SELECT submission FROM old)
@@ -145,11 +152,13 @@ impl PostgresQueue {
             SELECT count(*) FROM old";
         let forgotten = self.database.run(async |client| {
             let statement = client.prepare_cached(forget).await?;
-            Ok(client.query_one(&statement, &[&keep.as_secs_f64()]).await?.get::<_, i64>(0))
+            let seconds = keep_ended.map(|keep| keep.as_secs_f64());
+            let most = most_ended.and_then(|most| i64::try_from(most).ok()).unwrap_or(i64::MAX);
+            Ok(client.query_one(&statement, &[&seconds, &most]).await?.get::<_, i64>(0))
         });
         match forgotten {
             Ok(0) => {}
-            Ok(jobs) => tracing::info!(jobs, "jobs that ended long ago were forgotten"),
+            Ok(jobs) => tracing::info!(jobs, "jobs that ended long ago, or first of too many, were forgotten"),
             Err(error) => tracing::warn!(%error, "old jobs could not be forgotten"),
         }
     }

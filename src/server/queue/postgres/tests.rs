@@ -39,7 +39,8 @@ fn eventually<T>(mut look: impl FnMut() -> Option<T>) -> T {
 /// Queues as `processes` have them, on one database.
 fn queues(processes: usize, lease_ttl: Duration) -> Option<Vec<PostgresQueue>> {
     let url = throwaway::empty_database()?;
-    let limits = Limits { jobs: 999, lease_ttl, max_attempts: NonZeroU32::new(9).unwrap(), keep_ended: None };
+    let limits =
+        Limits { jobs: 999, lease_ttl, max_attempts: NonZeroU32::new(9).unwrap(), keep_ended: None, most_ended: None };
     let open = |n: usize| {
         let process = Process { name: n.to_string(), fitter: 1 };
         PostgresQueue::open(Database::open(&url).unwrap(), limits, process).unwrap()
@@ -126,8 +127,13 @@ fn a_worker_that_reports_keeps_its_lease_and_hears_of_a_cancel_elsewhere() {
 #[test]
 fn another_fitter_leaves_the_job_alone() {
     let Some(url) = throwaway::empty_database() else { return };
-    let limits =
-        Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };
+    let limits = Limits {
+        jobs: 9,
+        lease_ttl: Duration::from_secs(60),
+        max_attempts: NonZeroU32::MIN,
+        keep_ended: None,
+        most_ended: None,
+    };
     let of = |fitter| {
         let process = Process { name: "test".to_owned(), fitter };
         PostgresQueue::open(Database::open(&url).unwrap(), limits, process).unwrap()
@@ -184,7 +190,7 @@ fn a_worker_without_rights_waits_longer_each_time_and_goes_on_once_it_has_them()
     let Some(url) = throwaway::empty_database() else { return };
     let open = |url: &str| {
         let (lease_ttl, max_attempts) = (Duration::from_secs(600), NonZeroU32::MIN);
-        let limits = Limits { jobs: 9, lease_ttl, max_attempts, keep_ended: None };
+        let limits = Limits { jobs: 9, lease_ttl, max_attempts, keep_ended: None, most_ended: None };
         PostgresQueue::open_eager(Database::open(url).unwrap(), limits)
     };
     let (owner, role) = (open(&url), format!("worker{}", std::process::id()));
@@ -261,8 +267,13 @@ fn lease_all(queue: &PostgresQueue) -> Vec<LeasedTask> {
 }
 
 fn eager_queue() -> Option<PostgresQueue> {
-    let limits =
-        Limits { jobs: 9, lease_ttl: Duration::from_secs(600), max_attempts: NonZeroU32::MIN, keep_ended: None };
+    let limits = Limits {
+        jobs: 9,
+        lease_ttl: Duration::from_secs(600),
+        max_attempts: NonZeroU32::MIN,
+        keep_ended: None,
+        most_ended: None,
+    };
     Some(PostgresQueue::open_eager(Database::open(&throwaway::empty_database()?).unwrap(), limits))
 }
 

@@ -6,8 +6,13 @@ use super::{actions::recipe, world::World};
 use crate::queue::{Claim, JobId, Limits, NewJob, Submitter};
 
 pub(super) fn a_job_tells_who_submitted_and_who_cancelled_it<W: World>() {
-    let limits =
-        Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };
+    let limits = Limits {
+        jobs: 9,
+        lease_ttl: Duration::from_secs(60),
+        max_attempts: NonZeroU32::MIN,
+        keep_ended: None,
+        most_ended: None,
+    };
     let Some(mut world) = W::new(limits) else { return };
     let by =
         |name: &str| NewJob { by: Some(Submitter { name: name.to_owned(), claim: Claim::default() }), ..recipe(1) };

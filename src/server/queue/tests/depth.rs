@@ -8,8 +8,13 @@ use std::{
 use super::world::{World, complete, submit, task};
 use crate::queue::{Demand, Depth, Limits, Offer, TaskKind};
 
-const LIMITS: Limits =
-    Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MAX, keep_ended: None };
+const LIMITS: Limits = Limits {
+    jobs: 9,
+    lease_ttl: Duration::from_secs(60),
+    max_attempts: NonZeroU32::MAX,
+    keep_ended: None,
+    most_ended: None,
+};
 
 pub(super) fn shards_that_wait_and_that_are_leased_are_counted<W: World>() {
     let Some(mut world) = W::new(LIMITS) else { return };

@@ -8,7 +8,7 @@ use crate::queue::{Failure, FailureKind, JobId, JobState, Limits, Queue, StateNa
 const DAY: Duration = Duration::from_secs(86_400);
 
 fn keeping(keep_ended: Option<Duration>) -> Limits {
-    Limits { jobs: 9, lease_ttl: 2000 * DAY, max_attempts: NonZeroU32::MIN, keep_ended }
+    Limits { jobs: 9, lease_ttl: 2000 * DAY, max_attempts: NonZeroU32::MIN, keep_ended, most_ended: None }
 }
 
 /// Jobs that were cancelled, failed with one finished shard, and are running.
@@ -49,6 +49,22 @@ pub(super) fn jobs_that_ended_long_ago_are_forgotten_with_all_their_rows<W: Worl
     // It is simply a new job.
     submit(queue, "cancelled", 2);
     assert_eq!(queue.job(cancelled).unwrap().unwrap().state, JobState::Queued);
+}
+
+pub(super) fn of_too_many_jobs_those_that_ended_first_are_forgotten<W: World>() {
+    let limits = Limits { most_ended: Some(2), ..keeping(None) };
+    let Some(mut world) = W::new(limits) else { return };
+    let first = submit(world.queue(), "first", 2);
+    let ended = ["a", "b", "c"].map(|name| submit(world.queue(), name, 2));
+    // The one that was submitted first ends last.
+    for id in ended.into_iter().chain([first]) {
+        world.queue().cancel(id, None).unwrap();
+        world.pass(Duration::from_secs(1));
+    }
+    let running = submit(world.queue(), "running", 2);
+    let is_there = |id: &JobId| world.queue().job(*id).unwrap().is_some();
+    assert_eq!(ended.map(|id| is_there(&id)), [false, false, true]);
+    assert!(is_there(&first) && is_there(&running), "those that have not ended do not count");
 }
 
 pub(super) fn a_start_forgets_too_and_without_a_limit_nothing_is_forgotten<W: World>() {

@@ -35,6 +35,7 @@ every_queue!(
     depth::shards_that_wait_and_that_are_leased_are_counted,
     forgetting::a_start_forgets_too_and_without_a_limit_nothing_is_forgotten,
     forgetting::jobs_that_ended_long_ago_are_forgotten_with_all_their_rows,
+    forgetting::of_too_many_jobs_those_that_ended_first_are_forgotten,
     histories::every_history_agrees_with_the_model,
     sharing::a_higher_priority_goes_first_and_a_job_takes_the_highest_it_is_submitted_with,
     sharing::a_new_job_gets_all_until_it_has_as_many,

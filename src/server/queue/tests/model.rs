@@ -73,6 +73,7 @@ pub(super) const LIMITS: Limits = Limits {
     lease_ttl: Duration::from_secs(LEASE_SECONDS.cast_unsigned()),
     max_attempts: NonZeroU32::new(MAX_ATTEMPTS).unwrap(),
     keep_ended: None,
+    most_ended: None,
 };
 
 impl<W: World> Run<W> {

@@ -12,8 +12,13 @@ use crate::queue::{
 };
 use ltcforge_files::digest::Digest;
 
-const LIMITS: Limits =
-    Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };
+const LIMITS: Limits = Limits {
+    jobs: 9,
+    lease_ttl: Duration::from_secs(60),
+    max_attempts: NonZeroU32::MIN,
+    keep_ended: None,
+    most_ended: None,
+};
 
 fn recipes(tasks: &[LeasedTask]) -> Vec<&str> {
     tasks.iter().map(|task| task.recipe.as_str()).collect()

@@ -64,6 +64,9 @@ impl Pictures {
             None if subject.needs_table() => Some(self.ranking.best(&self.tables)?.ok_or(PictureError::NoTable)?),
             named_or_none => named_or_none,
         };
+        if let Some(table) = table {
+            self.tables.uses.note(table);
+        }
         let key = tag(&subject, table, None)?;
         if let Some(file) = self.queue.cache.get(&key) {
             return Ok(PictureReply::Ready(file));

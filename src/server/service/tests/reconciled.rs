@@ -87,8 +87,13 @@ fn a_tabulated_brdf_that_recipes_name_and_that_is_missing_is_told() {
     let brdfs = [b"of a table".as_slice(), b"of a job"].map(|brdf| store.blobs.put(brdf).unwrap());
     let recipes = brdfs.map(|brdf| format!(r#"{{"tabulated":"{brdf}"}}"#));
     store.rows.commit(&Catalogue::entry(&row, &recipes[0]).unwrap()).unwrap();
-    let limits =
-        Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };
+    let limits = Limits {
+        jobs: 9,
+        lease_ttl: Duration::from_secs(60),
+        max_attempts: NonZeroU32::MIN,
+        keep_ended: None,
+        most_ended: None,
+    };
     let queue = EmbeddedQueue::open(Arc::clone(&store.rows), limits, Clock::system()).unwrap();
     let recipe_digest = Digest::of(recipes[1].as_bytes());
     let new = NewJob { recipe: recipes[1].clone(), recipe_digest, shard_entries: vec![1], by: None };

@@ -1,5 +1,6 @@
 use super::*;
 use crate::store::Tree;
+use ltcforge_files::digest::Digest;
 
 fn open(dir: &Path) -> (Journal, Damage) {
     open_with(dir, vec![])
@@ -29,7 +30,7 @@ fn row(key: &str, value: Option<&str>) -> Row {
 }
 
 fn jobs(journal: &Journal) -> Vec<String> {
-    let rows = journal.jobs().unwrap();
+    let rows = journal.rows(Tree::Jobs).unwrap();
     rows.into_iter().map(|row| String::from_utf8(row.value.unwrap()).unwrap()).collect()
 }
 
@@ -70,7 +71,10 @@ fn a_journal_that_has_grown_too_long_is_written_anew() {
     let text = fs::read_to_string(dir.path().join("jobs.log")).unwrap();
     assert!(!text.contains(&to_hex(b"b running")), "{text}");
     assert_eq!(jobs(&journal)[..3], AT_LAST);
-    assert_eq!(journal.most, MOST_APPENDED + journal.length - words(b"e", Some(b"e queued")).len() as u64 - 18);
+    assert_eq!(
+        journal.most,
+        MOST_APPENDED + journal.length - words(Tree::Jobs, b"e", Some(b"e queued")).len() as u64 - 18
+    );
     drop(journal);
     assert_eq!(jobs(&open(dir.path()).0).len(), 4);
 }
@@ -238,7 +242,7 @@ fn journals_of_earlier_versions_are_read() {
     let with_revisions = of(&[" head 7 2", " 4 jobs 61 00", " 4 job_order 31 61", " 8 job_order 31 - jobs 61 02"]);
     for journal in [without_revisions, with_revisions] {
         let (journal, damage) = with_bytes(dir.path(), journal.as_bytes());
-        assert_eq!((journal.jobs().unwrap(), damage), (vec![row("a", Some("\u{2}"))], Damage::default()));
+        assert_eq!((journal.rows(Tree::Jobs).unwrap(), damage), (vec![row("a", Some("\u{2}"))], Damage::default()));
     }
 }
 
@@ -251,4 +255,34 @@ fn jobs_of_earlier_versions_are_added_unless_the_journal_mentions_them() {
     let (journal, damage) = open_with(dir.path(), earlier);
     assert_eq!(jobs(&journal), ["a queued", "b done", "d queued", "x old"]);
     assert_eq!(damage, Damage { lost_jobs: vec![to_hex(b"y")], ..Damage::default() });
+}
+
+#[test]
+fn pins_are_beside_the_jobs_and_a_damaged_line_names_its_pin() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut journal = four(dir.path());
+    let table = Digest::of(b"table");
+    let key = |name: &[u8]| [table.as_bytes().as_slice(), name].concat();
+    for name in [b"film".as_slice(), b"game", b"gone"] {
+        let mut batch = Batch::default();
+        batch.put(Tree::Pins, key(name), "pin");
+        journal.append(&batch, true).unwrap();
+    }
+    let mut removal = Batch::default();
+    removal.remove(Tree::Pins, key(b"gone"));
+    journal.append(&removal, true).unwrap();
+    let names =
+        |journal: &Journal| journal.rows(Tree::Pins).unwrap().into_iter().map(|row| row.key).collect::<Vec<_>>();
+    assert_eq!(names(&journal), [key(b"film"), key(b"game")]);
+    let (journal, damage) = open(dir.path());
+    assert_eq!(
+        (names(&journal), jobs(&journal), damage),
+        (vec![key(b"film"), key(b"game")], AT_LAST.map(str::to_owned).to_vec(), Damage::default(),)
+    );
+    let path = dir.path().join("jobs.log");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, text.replacen(&to_hex(b"pin"), &to_hex(b"pan"), 1)).unwrap();
+    let (journal, damage) = open(dir.path());
+    assert_eq!(damage.lost_pins, [format!("{table} film")]);
+    assert_eq!((names(&journal), damage.lost_jobs.len()), (vec![key(b"game")], 0));
 }

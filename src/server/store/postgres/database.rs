@@ -11,7 +11,8 @@ use std::{
 };
 
 use deadpool_postgres::{
-    Manager, ManagerConfig, Pool, PoolError, QueueMode, RecyclingMethod, Runtime as PoolRuntime, Timeouts,
+    ClientWrapper, Hook, HookError, Manager, ManagerConfig, Pool, PoolError, QueueMode, RecyclingMethod,
+    Runtime as PoolRuntime, Timeouts,
 };
 use tokio::{
     io::{AsyncRead, AsyncWrite},
@@ -28,6 +29,7 @@ use tokio_postgres_rustls::MakeRustlsConnect;
 use super::{
     failure::{self, DatabaseOpenError},
     migrations,
+    settings::DatabaseTimeouts,
 };
 use crate::store::{StoreError, certificates};
 
@@ -36,10 +38,6 @@ pub(crate) type Client = deadpool_postgres::Client;
 
 /// Connections of one process, at most. Callers of the service share them; workers need two or three.
 const CONNECTIONS: usize = 16;
-
-/// Settings of every connection. The last ends a statement whose connection was given up.
-const PLANS: &str = "-c jit=off -c enable_seqscan=off -c enable_bitmapscan=off -c enable_hashjoin=off \
-    -c enable_mergejoin=off -c plan_cache_mode=force_generic_plan -c client_connection_check_interval=5s";
 
 /// How long connecting may take, and how long the server may not respond.
 const TIMEOUT: Duration = Duration::from_secs(5);
@@ -111,6 +109,14 @@ impl Database {
     /// # Errors
     /// See [`DatabaseOpenError`].
     pub fn open(url: &str) -> Result<Arc<Self>, DatabaseOpenError> {
+        Self::open_with(url, DatabaseTimeouts::default())
+    }
+
+    /// As [`Self::open`], with time limits of one's own.
+    ///
+    /// # Errors
+    /// See [`DatabaseOpenError`].
+    pub fn open_with(url: &str, limits: DatabaseTimeouts) -> Result<Arc<Self>, DatabaseOpenError> {
         if has_stray_at(url) {
             return Err(DatabaseOpenError::BadUrl(STRAY_AT.to_owned()));
         }
@@ -122,10 +128,6 @@ impl Database {
             return Err(DatabaseOpenError::BadUrl("it has no host".to_owned()));
         }
         config.connect_timeout(TIMEOUT).keepalives_idle(TIMEOUT).tcp_user_timeout(2 * TIMEOUT);
-        // Each statement is to use indexes, whatever the statistics and the arguments. It is planned once for a
-        // connection, and compiling it is not worth while.
-        let options = config.get_options().unwrap_or_default();
-        config.options(format!("{options} {PLANS}"));
         if config.get_application_name().is_none() {
             config.application_name("ltcforge");
         }
@@ -141,6 +143,12 @@ impl Database {
         };
         let timeouts = Timeouts { wait: Some(6 * TIMEOUT), create: Some(2 * TIMEOUT), recycle: Some(TIMEOUT) };
         let pool = Pool::builder(manager).max_size(CONNECTIONS).timeouts(timeouts).runtime(PoolRuntime::Tokio1);
+        // Not among the startup parameters, of which a pooler in between knows only some.
+        let settings: Arc<str> = limits.statements().into();
+        let pool = pool.post_create(Hook::async_fn(move |client: &mut ClientWrapper, _| {
+            let settings = Arc::clone(&settings);
+            Box::pin(async move { client.batch_execute(&settings).await.map_err(HookError::Backend) })
+        }));
         // The last one used is used next, so that the others are idle.
         let pool = pool.queue_mode(QueueMode::Lifo).build().map_err(|error| failed(&error))?;
         let idle = pool.clone();
@@ -160,7 +168,7 @@ impl Database {
 
     fn refusal(&self, error: &PoolError) -> DatabaseOpenError {
         let database = self.name.clone();
-        let PoolError::Backend(error) = error else {
+        let (PoolError::Backend(error) | PoolError::PostCreateHook(HookError::Backend(error))) = error else {
             return DatabaseOpenError::Unreachable { database, reason: error.to_string() };
         };
         let reason = failure::text(error);
@@ -198,7 +206,7 @@ impl Database {
     /// A connection.
     pub(crate) async fn client(&self) -> Result<Client, StoreError> {
         self.pool.get().await.map_err(|error| match error {
-            PoolError::Backend(error) => error.into(),
+            PoolError::Backend(error) | PoolError::PostCreateHook(HookError::Backend(error)) => error.into(),
             other => StoreError::Unavailable(other.to_string()),
         })
     }

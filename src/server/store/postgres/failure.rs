@@ -77,6 +77,7 @@ pub(super) fn is_temporary(error: &Error) -> bool {
         SqlState::READ_ONLY_SQL_TRANSACTION,
         SqlState::QUERY_CANCELED,
         SqlState::LOCK_NOT_AVAILABLE,
+        SqlState::IDLE_IN_TRANSACTION_SESSION_TIMEOUT,
     ];
     temporary.contains(code) || code.code().starts_with("08")
 }

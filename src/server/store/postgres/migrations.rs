@@ -53,6 +53,8 @@ pub(super) async fn apply(client: &mut Client, migrations: &[&str]) -> Result<()
         return Ok(());
     }
     let transaction = client.transaction().await?;
+    // A migration takes as long as it takes, and so does waiting for another process's.
+    transaction.batch_execute("SET LOCAL statement_timeout = 0").await?;
     transaction.execute("SELECT pg_advisory_xact_lock($1)", &[&LOCK]).await?;
     transaction.batch_execute(PREPARE).await?;
     // Another process may have applied some while this one waited.

@@ -6,11 +6,13 @@ mod database;
 mod failure;
 mod migrations;
 mod rows;
+mod settings;
 #[cfg(test)]
 pub(crate) mod tests;
 
 pub use database::Database;
 pub use failure::DatabaseOpenError;
 pub use rows::PostgresRows;
+pub use settings::DatabaseTimeouts;
 
 pub(crate) use rows::apply;

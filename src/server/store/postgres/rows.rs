@@ -5,7 +5,10 @@ use std::sync::Arc;
 use deadpool_postgres::GenericClient;
 
 use super::Database;
-use crate::store::{Batch, Row, Rows, Staged, StoreError, Tree};
+use crate::store::{Batch, Condition, Row, Rows, Staged, StoreError, Tree};
+
+/// Number of the advisory lock under which conditions hold: «retain» in ASCII.
+const LOCK: i64 = 0x7265_7461_696e;
 
 /// Rows in a table of PostgreSQL.
 #[derive(Debug)]
@@ -82,6 +85,30 @@ impl Rows for PostgresRows {
             let transaction = client.transaction().await?;
             apply(&transaction, batch).await?;
             Ok(transaction.commit().await?)
+        })
+    }
+
+    fn commit_if(&self, conditions: &[Condition], batch: &Batch) -> Result<bool, StoreError> {
+        self.database.run(async |client| {
+            let transaction = client.transaction().await?;
+            transaction.execute("SELECT pg_advisory_xact_lock($1)", &[&LOCK]).await?;
+            for condition in conditions {
+                let (Condition::There(tree, key) | Condition::NoneBelow(tree, key)) = condition;
+                let next = "SELECT key FROM ltcforge.rows WHERE tree = $1 AND key >= $2 ORDER BY key LIMIT 1";
+                let next =
+                    transaction.query_opt(&transaction.prepare_cached(next).await?, &[&tree.name(), key]).await?;
+                let next: Option<&[u8]> = next.as_ref().map(|row| row.get(0));
+                let holds = match condition {
+                    Condition::There(..) => next == Some(key),
+                    Condition::NoneBelow(..) => !next.is_some_and(|next| next.starts_with(key)),
+                };
+                if !holds {
+                    return Ok(false);
+                }
+            }
+            apply(&transaction, batch).await?;
+            transaction.commit().await?;
+            Ok(true)
         })
     }
 
