@@ -147,7 +147,7 @@ fn fitted(plan: &mut TablePlan<'_>, draws_progress: bool, interrupt: &Interrupt)
     plan.time_whole(seconds);
     let (mut table, mut seconds) = timed(&plan.chosen.recipe)?;
     plan.measure(&table, Some(&whole), Some(seconds));
-    if !plan.is_measured() {
+    while !plan.is_measured() {
         (table, seconds) = timed(&plan.chosen.recipe)?;
         plan.measure(&table, None, Some(seconds));
     }

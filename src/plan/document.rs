@@ -280,10 +280,12 @@ fn unmet(plan: &TablePlan<'_>) -> String {
             Some(measured) => format!("an error of {most} is not reached: the nearest table has {:.4}", measured.error),
             None => format!("an error of {most} cannot be had: the least that is expected is {:.4}", chosen.error),
         },
-        Budget::Bytes(most) => {
-            let encoded = plan.fitted.last().and_then(|fitted| fitted.shipped);
-            format!("{most} bytes are too few: the smallest table has {}", encoded.unwrap_or(chosen.spent()))
-        }
+        Budget::Bytes(most) => match plan.fitted.iter().filter_map(|fitted| fitted.shipped).min() {
+            Some(least) => {
+                format!("{most} bytes are not reached: of the tables that were fitted the smallest has {least}")
+            }
+            None => format!("{most} bytes are too few: the smallest table has {}", chosen.spent()),
+        },
         Budget::Seconds(most) => format!("{most} s are too few: the fastest fit takes {:.3} s", chosen.seconds),
         Budget::Knee => "no table serves it".to_owned(),
     }

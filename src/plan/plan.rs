@@ -23,6 +23,12 @@ pub(crate) const WHOLE: &[u8] = include_bytes!("whole.compact");
 /// A prediction that is off by more is corrected, and the choice made again.
 const MOST_OFF: f64 = 0.2;
 
+/// Tables that are fitted for one plan, at most; more than two where a compact form is still too long.
+const MOST_FITTED: usize = 5;
+
+/// By how much more than measured a compact form is taken to be too long after the first correction.
+const MARGIN: f64 = 1.02;
+
 /// A plan for one table.
 #[derive(Debug, Clone)]
 pub struct TablePlan<'a> {
@@ -229,11 +235,16 @@ impl<'a> TablePlan<'a> {
         };
         let misses = self.is_met && !is_met;
         self.is_met = is_met && self.beside.is_table_readable;
-        if !std::mem::replace(&mut self.is_corrected, true) {
+        let is_first = !std::mem::replace(&mut self.is_corrected, true);
+        // How long a compact form gets is known to a few percent, which may be all that there is too much.
+        let is_too_long = matches!(self.budget, Budget::Bytes(most) if self.chosen.shipped.is_some() && spent > most)
+            && self.fitted.len() < MOST_FITTED;
+        if is_first || is_too_long {
             let before = self.chosen.recipe.clone();
-            if (factor - 1.0).abs() > MOST_OFF || misses {
+            if is_too_long || (factor - 1.0).abs() > MOST_OFF || misses {
                 let of_bytes = shipped.zip(self.chosen.shipped).map_or(1.0, |(is, was)| is as f64 / was as f64);
-                let corrected = self.prediction.corrected(factor, of_bytes);
+                let of_bytes = if is_first { of_bytes } else { of_bytes * MARGIN };
+                let corrected = self.prediction.corrected(if is_first { factor } else { 1.0 }, of_bytes);
                 let again = Self::chosen_by(self.needs.clone(), self.budget, self.form, corrected, self.whole.clone());
                 let is_met = if again.chosen.recipe == before { self.is_met } else { again.is_met };
                 let (measured, fitted) = (self.measured, std::mem::take(&mut self.fitted));

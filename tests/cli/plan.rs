@@ -192,4 +192,11 @@ fn a_table_to_ship_is_written_in_its_compact_form() {
     assert_eq!(fs::metadata(here.join("ltc/ltc.compact")).expect("a file").len(), shipped);
     assert!(shipped <= 400 && chosen["bytes"].as_u64().is_some_and(|bytes| bytes > shipped), "{chosen}");
     run(here, ["report", "ltc/ltc.compact"]).exited(0);
+    // Where the first correction is not enough, there are more.
+    let list = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/plan/brushed.json");
+    for bytes in ["2000", "2050"] {
+        run(here, ["plan", list, "--ship", "--bytes", bytes, "--fit", "-o", "two"]).exited(0);
+        let shipped = fs::metadata(here.join("two/ltc.compact")).expect("a file").len();
+        assert!(shipped <= bytes.parse().expect("a number"), "{shipped} of {bytes}");
+    }
 }

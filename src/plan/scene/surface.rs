@@ -152,8 +152,9 @@ impl<'a> Surface<'a> {
         }
         let name = self.document.meshes[mesh].name.as_deref().unwrap_or("");
         let name: String = name.chars().filter(|c| !c.is_control()).take(80).collect();
+        let name = if name.is_empty() { name } else { format!(" {name}") };
         self.notes.push(format!(
-            "mesh {mesh} {name}: {why}; its materials weigh as the surface of its box, all of their textures alike, seen from \
+            "mesh {mesh}{name}: {why}; its materials weigh as the surface of its box, all of their textures alike, seen from \
              everywhere"
         ));
     }

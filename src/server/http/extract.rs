@@ -117,7 +117,7 @@ impl FromRequest<Api> for RecipeBody {
     type Rejection = Problem;
 
     async fn from_request(request: Request, api: &Api) -> Result<Self, Problem> {
-        check_recipe_type(request.headers())?;
+        check_json_type(request.headers(), "")?;
         read_body(request, api, "a recipe", BODY_LIMIT_BYTES as u64).await.map(Self)
     }
 }
@@ -215,7 +215,7 @@ fn scene_form(headers: &HeaderMap) -> Result<SceneForm, Problem> {
     if headers.get(header::CONTENT_TYPE).is_some_and(glb) {
         return Ok(SceneForm::Glb);
     }
-    check_recipe_type(headers).map(|()| SceneForm::List)
+    check_json_type(headers, "model/gltf-binary, ").map(|()| SceneForm::List)
 }
 
 /// Accepts `application/octet-stream` alone: a page of another site can send forms without a preflight request.
@@ -245,8 +245,8 @@ fn check_picture_type(headers: &HeaderMap) -> Result<(), Problem> {
 
 /// Accepts `application/json`, `application/*+json`, no content type, and the default of `curl -d`,
 /// `application/x-www-form-urlencoded`. A page of another site can send that default without a preflight request, so a
-/// request with an `Origin` must say JSON.
-fn check_recipe_type(headers: &HeaderMap) -> Result<(), Problem> {
+/// request with an `Origin` must say JSON. `or` are types that the call takes beside it.
+fn check_json_type(headers: &HeaderMap, or: &str) -> Result<(), Problem> {
     let Some(value) = headers.get(header::CONTENT_TYPE) else {
         return Ok(());
     };
@@ -256,7 +256,8 @@ fn check_recipe_type(headers: &HeaderMap) -> Result<(), Problem> {
         Some(subtype) if subtype == "json" || subtype.ends_with("+json") => Ok(()),
         Some("x-www-form-urlencoded") if !headers.contains_key(header::ORIGIN) => Ok(()),
         _ => {
-            let detail = format!("{value:?} is not JSON; send application/json, application/*+json or no content type");
+            let detail =
+                format!("{value:?} is not JSON; send {or}application/json, application/*+json or no content type");
             Err(Problem::new(ProblemKind::NotJsonType, detail))
         }
     }
@@ -308,9 +309,9 @@ mod tests {
     #[test]
     fn recipes_are_sent_as_json_or_without_a_type() {
         let check = |value: &'static str| {
-            check_recipe_type(&HeaderMap::from_iter([(header::CONTENT_TYPE, HeaderValue::from_static(value))]))
+            check_json_type(&HeaderMap::from_iter([(header::CONTENT_TYPE, HeaderValue::from_static(value))]), "")
         };
-        assert!(check_recipe_type(&HeaderMap::new()).is_ok());
+        assert!(check_json_type(&HeaderMap::new(), "").is_ok());
         for good in ["application/json", "Application/JSON; charset=utf-8", "application/vnd.ltc+json"] {
             assert!(check(good).is_ok(), "{good}");
         }
@@ -318,7 +319,7 @@ mod tests {
         let from_page =
             [(header::CONTENT_TYPE, "application/x-www-form-urlencoded"), (header::ORIGIN, "http://a.example")];
         let from_page = from_page.map(|(name, value)| (name, HeaderValue::from_static(value)));
-        assert!(check_recipe_type(&HeaderMap::from_iter(from_page)).is_err(), "a form of another site's page");
+        assert!(check_json_type(&HeaderMap::from_iter(from_page), "").is_err(), "a form of another site's page");
         for bad in ["text/plain", "application/jsonl", "json", ""] {
             let status = check(bad).expect_err(bad).into_response().status();
             assert_eq!(status, 415, "{bad}");
