@@ -1,19 +1,23 @@
 //! `verify`: checks that files are tables and have the right digests, and that they are what their recipes give.
 
-use std::path::{Path, PathBuf};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit, Interrupt,
     args::VerifyArgs,
+    file_failure,
     pins::Fitting,
     print, shown,
     table_file::{self, check, table_path},
     verify_export::{self, manifest_of},
 };
-use ltcforge_client::{Client, DownloadError, Limits, ServerTokens};
-use ltcforge_files::{container::TableFile, digest::Digest, recipe_document};
+use ltcforge_client::{Client, Download, DownloadError, Limits, ServerTokens};
+use ltcforge_files::{container::TableFile, digest::Digest, recipe_document, tabulated::kept_name};
 
 /// Checks every file. The first that fails decides the exit code.
 pub(super) fn run(
@@ -69,12 +73,11 @@ fn check_one(
     let fitting = args.refit.then_some(fitting);
     let checked = |path: &Path, digest| Checked { path: path.to_owned(), digest };
     let refitted = |path: &Path, (digest, file): (Digest, TableFile)| {
-        fitting.map_or(Ok(()), |fitting| refit(path, digest, &file, fitting)).map(|()| digest)
+        fitting.map_or(Ok(()), |fitting| refit(path, path, (digest, &file), fitting)).map(|()| digest)
     };
     if let Some(url) = name.to_str().filter(|name| name.contains("://")) {
         let limits = Limits { table_bytes: limit, ..Limits::USUAL };
-        let table = download(url, args.digest, limits, tokens, interrupt);
-        return checked(name, table.and_then(|table| refitted(name, table)));
+        return checked(name, served(url, args.digest, (limits, tokens, interrupt), fitting));
     }
     if let Some(manifest) = manifest_of(name) {
         let table = verify_export::check(&manifest, limit, fitting);
@@ -89,14 +92,14 @@ fn check_one(
     }
 }
 
-/// The table at a URL of a service, `http://HOST/v1/tables/sha256:DIGEST`: the bytes must be those of the digest.
-fn download(
+/// Checks the table at a URL of a service, `http://HOST/v1/tables/sha256:DIGEST`: the bytes must be those of the digest. A
+/// tabulated BRDF that a refit needs comes from there too.
+fn served(
     url: &str,
     expected: Option<Digest>,
-    limits: Limits,
-    tokens: &ServerTokens,
-    interrupt: &Interrupt,
-) -> Result<(Digest, TableFile), CommandFailure> {
+    (limits, tokens, interrupt): (Limits, &ServerTokens, &Interrupt),
+    fitting: Option<&Fitting<'_>>,
+) -> Result<Digest, CommandFailure> {
     let parts = url.split_once("/v1/tables/").and_then(|(base, digest)| Some((base, digest.parse::<Digest>().ok()?)));
     let Some((base, digest)) = parts else {
         let what = "the address of a table is http://HOST/v1/tables/sha256:DIGEST";
@@ -104,14 +107,27 @@ fn download(
     };
     expect(Path::new(url), digest, expected)?;
     let client = Client::with_limits(base, limits)?.with_tokens(tokens);
-    let mut bytes = Vec::new();
-    match client.table(digest)?.write_to(None, &|| interrupt.is_set(), &mut bytes) {
-        Ok(()) => {}
-        Err(DownloadError::Client(error)) => return Err(error.into()),
-        Err(DownloadError::Stopped) => return Err(CommandFailure::interrupted()),
-        Err(error @ DownloadError::Write(_)) => return Err(CommandFailure::new(Exit::Failed, error.to_string())),
+    let name = Path::new(url);
+    let (digest, file) = check(name, &received(client.table(digest)?, interrupt)?, Some(digest))?;
+    let Some(fitting) = fitting else { return Ok(digest) };
+    let folder = tempfile::tempdir().map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
+    if let Some(brdf) = file.table.model().file() {
+        let bytes = received(client.brdf(Digest::from_bytes(*brdf.digest()))?, interrupt)?;
+        let path = folder.path().join(kept_name(brdf.digest()));
+        fs::write(&path, bytes).map_err(|error| file_failure(&path, &error))?;
     }
-    check(Path::new(url), &bytes, Some(digest))
+    refit(name, &folder.path().join("table"), (digest, &file), fitting).map(|()| digest)
+}
+
+/// The bytes of a download.
+fn received(download: Download, interrupt: &Interrupt) -> Result<Vec<u8>, CommandFailure> {
+    let mut bytes = Vec::new();
+    match download.write_to(None, &|| interrupt.is_set(), &mut bytes) {
+        Ok(()) => Ok(bytes),
+        Err(DownloadError::Client(error)) => Err(error.into()),
+        Err(DownloadError::Stopped) => Err(CommandFailure::interrupted()),
+        Err(error @ DownloadError::Write(_)) => Err(CommandFailure::new(Exit::Failed, error.to_string())),
+    }
 }
 
 /// The digest `actual`, which must be the expected one if there is one.
@@ -125,9 +141,14 @@ fn expect(name: &Path, actual: Digest, expected: Option<Digest>) -> Result<Diges
     }
 }
 
-/// Fits the recipe of a table again. The result must have the table's bytes.
-fn refit(path: &Path, digest: Digest, file: &TableFile, fitting: &Fitting<'_>) -> Result<(), CommandFailure> {
-    let recipe = fitting.recipe(path, recipe_document::canonical_json(&file.recipe).as_bytes())?;
+/// Fits the recipe of a table again; what it needs lies in the folder of `beside`. The result must have the table's bytes.
+fn refit(
+    path: &Path,
+    beside: &Path,
+    (digest, file): (Digest, &TableFile),
+    fitting: &Fitting<'_>,
+) -> Result<(), CommandFailure> {
+    let recipe = fitting.recipe(beside, recipe_document::canonical_json(&file.recipe).as_bytes())?;
     let actual = Digest::of(&fitting.fit(&recipe)?);
     if actual == digest {
         return Ok(());

@@ -196,6 +196,14 @@ impl Client {
         self.download(&format!("/v1/tables/{digest}"), digest)
     }
 
+    /// Requests the file of a tabulated BRDF.
+    ///
+    /// # Errors
+    /// See [`ClientError`].
+    pub fn brdf(&self, digest: Digest) -> Result<Download, ClientError> {
+        self.download(&format!("/v1/brdfs/{digest}"), digest)
+    }
+
     /// Requests the file `path` of an export of a table. The file must have this digest.
     ///
     /// # Errors

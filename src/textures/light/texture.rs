@@ -28,7 +28,7 @@ pub struct LightTextureOptions {
 /// A prefiltered picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LightTexture {
-    /// The format of the picture, [`PictureFormat`](super::PictureFormat), or «IES LM-63».
+    /// The format of the picture, [`PictureFormat`], or «IES LM-63».
     pub format: &'static str,
     /// How its numbers were read.
     pub transfer: String,

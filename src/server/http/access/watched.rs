@@ -63,7 +63,10 @@ impl WatchedTokens {
                 let unreadable = |source| TokenFileError::Unreadable { path: path.clone(), source };
                 let file = fs::File::open(path).map_err(unreadable)?;
                 let mut text = String::new();
-                io::Read::read_to_string(&mut io::Read::take(file, LONGEST_FILE), &mut text).map_err(unreadable)?;
+                io::Read::read_to_string(&mut io::Read::take(file, LONGEST_FILE + 1), &mut text).map_err(unreadable)?;
+                if text.len() as u64 > LONGEST_FILE {
+                    return Err(TokenFileError::Faults(format!("it is longer than {LONGEST_FILE} bytes")));
+                }
                 text
             }
         };
@@ -71,7 +74,9 @@ impl WatchedTokens {
         let texts = [("the list of tokens", self.listed.as_deref().unwrap_or_default()), (&name, &text)];
         let tokens = Tokens::of(&texts).map_err(TokenFileError::Faults)?;
         if tokens.is_empty() && (self.file.is_some() || self.listed.is_some()) {
-            return Err(TokenFileError::Faults("there is no token".to_owned()));
+            return Err(TokenFileError::Faults(
+                "there is no token; to revoke the last one, put another into its place".to_owned(),
+            ));
         }
         *self.current.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(tokens);
         Ok(())
@@ -119,6 +124,9 @@ mod tests {
         assert_eq!(found(), [false, true, true], "the first token is revoked");
         fs::write(&path, "nonsense").unwrap();
         look();
+        fs::write(&path, format!("# {}\n{}", "-".repeat(LONGEST_FILE as usize), a.1)).unwrap();
+        look();
+        assert_eq!(found(), [false, true, true], "a file that is too long is not cut");
         fs::remove_file(&path).unwrap();
         look();
         assert_eq!(found(), [false, true, true], "those from before stay");
