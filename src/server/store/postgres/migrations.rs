@@ -122,6 +122,7 @@ mod tests {
         let released = [
             "92dbb1eea85c1e9dfc071072d229acd134281f56690f58f52d36d165efca78e8",
             "ef89a0c0b09c94d0d0bd292df7c39bb472c7868a88b0f0af40874612f8c7c78b",
+            "5321877e9dda5f571eeea98dd3719d2b130aafb3f61e40e1018afdc4ed717ca6",
         ];
         assert_eq!(digests, released);
     }
