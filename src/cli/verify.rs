@@ -55,7 +55,7 @@ pub(super) fn run(
     }
 }
 
-/// What was checked, and the digest of its table.
+/// The name under which something was checked, and the digest of its table.
 struct Checked {
     path: PathBuf,
     digest: Result<Digest, CommandFailure>,

@@ -12,7 +12,7 @@ use ltcforge_textures::{Export, MANIFEST};
 /// The longest manifest that is read.
 const MANIFEST_LIMIT: u64 = 4 << 20;
 
-/// What `ltcforge.json` says that is checked here.
+/// The part of `ltcforge.json` that is checked here.
 #[derive(Debug, Deserialize)]
 struct Manifest {
     #[serde(rename = "for")]
@@ -42,7 +42,7 @@ pub(super) fn manifest_of(name: &Path) -> Option<PathBuf> {
 /// gives a table of which these files are made, the manifest too. Returns the table's digest.
 ///
 /// # Errors
-/// When a file cannot be read or has other bytes, or the manifest is none or has no recipe.
+/// When a file cannot be read or has other bytes, when the manifest cannot be read as one, and when it lacks a recipe to fit.
 pub(super) fn check(
     manifest: &Path,
     limit_bytes: u64,

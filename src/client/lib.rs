@@ -4,6 +4,7 @@
 //! answer beyond a limit of bytes and time, and writes nothing outside the lock file's folder.
 
 mod answer;
+mod base;
 mod download;
 mod error;
 mod events;

@@ -3,7 +3,6 @@
 use std::{
     fmt,
     io::{self, BufReader},
-    net::IpAddr,
     time::{Duration, Instant},
 };
 
@@ -12,15 +11,16 @@ use serde_json::Value;
 use ureq::{
     Agent, Body, Proxy, RequestBuilder,
     config::RedirectAuthHeaders,
-    http::{Response, Uri},
+    http::Response,
     tls::{RootCerts, TlsConfig},
     typestate::{WithBody, WithoutBody},
 };
 
 use super::{
     ClientError, JobDocument, Limits, ServerTokens, answer,
+    base::{is_this_machine, parse_base},
     download::Download,
-    error::{printable, shown},
+    error::printable,
     events::events,
 };
 use ltcforge_files::{
@@ -302,26 +302,6 @@ impl Client {
     }
 }
 
-/// The URL of a server.
-pub(super) fn parse_base(base: &str) -> Result<Uri, ClientError> {
-    // A password may have a slash that should be encoded, so an @ in what looks like the path counts too.
-    if base.contains("://") && base.contains('@') {
-        return Err(ClientError::Credentials { url: shown(base) });
-    }
-    let is_server = |uri: &Uri| matches!(uri.scheme_str(), Some("http" | "https")) && uri.query().is_none();
-    let uri: Option<Uri> = base.parse().ok().filter(is_server);
-    let Some((authority, uri)) = uri.and_then(|uri| Some((uri.authority()?.as_str().to_owned(), uri))) else {
-        return Err(ClientError::BadUrl { url: shown(base) });
-    };
-    // A port that is no number of 16 bits would be read as none.
-    match authority.strip_prefix(uri.host().unwrap_or_default()).and_then(|rest| rest.strip_prefix(':')) {
-        Some(port) if !port.is_empty() && !port.parse::<u16>().is_ok_and(|port| port > 0) => {
-            Err(ClientError::BadPort { url: shown(base), port: port.to_owned() })
-        }
-        _ => Ok(uri),
-    }
-}
-
 /// Whether another attempt may succeed.
 fn is_temporary(error: &ClientError) -> bool {
     matches!(error, ClientError::Unavailable { .. })
@@ -334,71 +314,4 @@ fn parse_job(url: &str, body: &[u8]) -> Result<JobDocument, ClientError> {
 fn unexpected(url: &str, error: &serde_json::Error) -> ClientError {
     // The error may quote the server's answer.
     ClientError::Unexpected { url: url.to_owned(), reason: printable(&error.to_string()) }
-}
-
-/// Whether a server is on this machine. A proxy cannot reach it then.
-fn is_this_machine(uri: &Uri) -> bool {
-    let host = uri.host().unwrap_or_default();
-    let address = host.trim_start_matches('[').trim_end_matches(']').parse();
-    host.eq_ignore_ascii_case("localhost") || address.is_ok_and(|address: IpAddr| address.is_loopback())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn servers_on_this_machine_are_recognised() {
-        for (base, expected) in [
-            ("http://127.0.0.1:8317", true),
-            ("http://127.9.0.1", true),
-            ("http://[::1]:80", true),
-            ("http://LocalHost:8317/ltc", true),
-            ("http://10.0.0.1:8317", false),
-            ("https://tables.example", false),
-            ("http://127.0.0.1.example", false),
-        ] {
-            assert_eq!(is_this_machine(&base.parse().expect("a URL")), expected, "{base}");
-        }
-    }
-
-    #[test]
-    fn a_port_is_a_number_of_16_bits_and_never_another() {
-        for host in ["127.0.0.1", "[::1]", "h"] {
-            for port in ["0", "65536", "99999", "4294967376", "18446744073709551696"] {
-                let refused = Client::new(&format!("http://{host}:{port}/ltc")).expect_err(port);
-                assert!(matches!(&refused, ClientError::BadPort { port: named, .. } if named == port), "{refused}");
-            }
-            for port in ["", ":1", ":80", ":65535"] {
-                Client::new(&format!("http://{host}{port}/ltc")).unwrap_or_else(|error| panic!("{error}"));
-            }
-        }
-    }
-
-    #[test]
-    fn a_user_is_refused_and_no_error_shows_the_password() {
-        for url in [
-            "http://user:secret@h",
-            "https://secret@h/ltc",
-            "http://user:secret@h:99999",
-            "http://user:secret@",
-            "http://user:secret/@h",
-            "http://user:secret @h",
-            "http://user:secret\n@h",
-            "http://user:secret@h/?a=b",
-            "ftp://user:secret@h",
-        ] {
-            let refused = Client::new(url).expect_err(url);
-            assert!(!format!("{refused} {refused:?}").contains("secret"), "{refused:?}");
-            let refused = url.parse::<crate::Source>().expect_err(url);
-            assert!(!format!("{refused} {refused:?}").contains("secret"), "{refused:?}");
-        }
-    }
-
-    #[test]
-    fn anything_but_a_url_is_refused() {
-        for base in ["", "localhost:8317", "ftp://host", "http://", "http://host/?a=b"] {
-            assert!(matches!(Client::new(base), Err(ClientError::BadUrl { .. })), "{base}");
-        }
-    }
 }

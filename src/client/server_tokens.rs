@@ -7,7 +7,7 @@ use std::{fmt, str::FromStr};
 
 use ureq::http::Uri;
 
-use super::{ClientError, rest::parse_base};
+use super::{ClientError, base::parse_base};
 
 /// The tokens that a user has.
 #[derive(Clone, Default, PartialEq, Eq)]

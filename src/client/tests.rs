@@ -129,7 +129,7 @@ fn zstd_server(packed: &[u8]) -> (Client, thread::JoinHandle<Vec<String>>) {
 
 #[test]
 fn zstd_is_asked_for_and_undone_within_the_limit_of_what_comes_out() {
-    // Of three bytes zstd makes more than three, so the length of the answer is not held to the limit.
+    // The compressed answer is longer than the three bytes that come out of it, and only those are held to the limit.
     let (client, requests) = zstd_server(&zstd::bulk::compress(b"abc", 3).expect("memory"));
     assert_eq!(table(&client, b"abc", Some(3)).expect("the very bytes"), b"abc");
     let requests = requests.join().expect("a request");

@@ -64,7 +64,7 @@ impl Held {
     }
 }
 
-/// What a table has at some places, as one of some lobes.
+/// A table's matrices and terms at `places`. The table is read as one that was fitted to `lobes`.
 fn looked_up(table: &Table, lobes: &LobeFresnel, places: &[Place]) -> Vec<LookedUp> {
     let at = |place: &Place| {
         let found = table.lookup(&place.at);

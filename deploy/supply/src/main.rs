@@ -1,4 +1,4 @@
-//! What the program is made of.
+//! The crates that the program is made of: whether they may be shipped, and their list.
 //!
 //! ```sh
 //! cargo run -p ltcforge-supply -- check
@@ -63,7 +63,7 @@ fn lockfile() -> Result<Lockfile, Box<dyn Error>> {
     Ok(Lockfile::load(root().join("Cargo.lock"))?)
 }
 
-/// What stands against the crates of this project, a sentence each.
+/// The faults of this project's crates, a sentence each.
 fn faults() -> Result<Vec<String>, Box<dyn Error>> {
     let policy: Policy = fs::read_to_string(root().join("deny.toml"))?.parse()?;
     let mut faults = check::licences_and_sources(&metadata(None)?, &policy);

@@ -1,4 +1,4 @@
-//! What `deny.toml` says.
+//! The policy for crates, as `deny.toml` has it.
 
 use std::str::FromStr;
 

@@ -18,7 +18,7 @@ pub struct TimeoutArgs {
     pub idle_transaction_seconds: Option<u32>,
 }
 
-/// What `work` shares: the database, the store of tables and the folder of its cache.
+/// The places that `work` shares with other processes: the database and the store of tables; and the folder of its cache.
 #[derive(Debug, Args)]
 pub struct SharedArgs {
     /// PostgreSQL database of the queue and the catalogue

@@ -55,7 +55,7 @@ impl Probe {
         Self::of_directions(LOG2_DIRECTIONS)
     }
 
-    /// Of `2^log2_directions` directions.
+    /// A probe of `2^log2_directions` directions.
     pub(super) fn of_directions(log2_directions: u32) -> Self {
         Self {
             points: net(LOG2_SAMPLES, SCRAMBLE).collect(),

@@ -79,7 +79,7 @@ impl<'a, T: Scalar> GgxLobe<'a, T> {
         Bump::of_derivatives(p, gradient, second, T::of(LEAST_SECOND) / self.rectangle.area())
     }
 
-    /// What a point's surroundings count, up to a factor.
+    /// The weight of a point's surroundings, up to a factor.
     pub(super) fn density(&self, p: [T; 2]) -> T {
         let p = self.rectangle.at(p);
         let (r, _, n, e) = self.parts(p);

@@ -48,7 +48,7 @@ impl Readings {
 
 /// The light of a lobe on the plane of a rectangle.
 pub(super) trait Lobe<T> {
-    /// What a point's surroundings count over the lobe's bump, up to a factor.
+    /// The weight of a point's surroundings, divided by that of the lobe's bump there, up to a factor.
     fn weight(&self, bump: &Bump<T>, p: [T; 2]) -> T;
     /// How far a point is above where the lobe ends, up to a factor; linear.
     fn height(&self, p: [T; 2]) -> T;
