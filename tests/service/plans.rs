@@ -48,10 +48,13 @@ fn scenes_with_faults_are_told_all_of_them() {
     assert_eq!(text(&told["type"]), "/problems/bad-plan");
     let pointers: Vec<&str> = told["errors"].as_array().expect("a list").iter().map(|e| text(&e["pointer"])).collect();
     assert_eq!(pointers, ["/materials/0/alpha_x", "/materials/0/alpha_y", "/materials/1"]);
+    let bare = send("application/json", br#" [{"alpha_x": 0.3, "alpha_y": 0.2}]"#).with_status(422).json();
+    assert!(text(&bare["errors"][0]["detail"]).starts_with("a bare list; the document is {"), "{bare:#}");
     let outside = br#"{"buffers": [{"byteLength": 1, "uri": "../../etc/passwd"}], "nodes": [{}]}"#;
     let told = send("model/gltf-binary", outside).with_status(422).json();
     assert_eq!(text(&told["errors"][0]["pointer"]), "/buffers/0/uri", "{told:#}");
-    send("image/png", LIST.as_bytes()).with_status(415);
+    let other = send("image/png", LIST.as_bytes()).with_status(415).json();
+    assert!(text(&other["detail"]).contains("send model/gltf-binary, application/json"), "{other:#}");
 }
 
 /// A triangle of rough plastic, in one file.

@@ -43,9 +43,12 @@ fn one() -> f64 {
 
 /// The scene of a list. Every view of it counts.
 pub(super) fn read(json: &[u8]) -> Result<Scene, SceneError> {
-    let List { materials } = serde_json::from_slice(json).map_err(|error| {
-        SceneError::fault("", format!("no list of materials, which is {{\"materials\": [...]}}: {error}"))
-    })?;
+    if json.trim_ascii_start().starts_with(b"[") {
+        // Otherwise it would be read as a list of the document's fields.
+        return Err(SceneError::fault("", "a bare list; the document is {\"materials\": [...]}"));
+    }
+    let List { materials } = serde_json::from_slice(json)
+        .map_err(|error| SceneError::fault("", format!("no list of materials: {error}")))?;
     SceneError::above("/materials", materials.len() as u64, MOST_MATERIALS)?;
     let mut faults = Faults::default();
     let mut scene = Scene::default();

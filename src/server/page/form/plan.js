@@ -61,7 +61,7 @@ export function planner( signal, take ) {
 		event.preventDefault();
 		plan( event.dataTransfer.files[ 0 ] );
 
-	} }, el( 'div', { class: 'bar file' }, file, el( 'label', { for: 'scene', class: 'button' }, 'Open or drop a scene' ), el( 'span', { class: 'muted' }, '.glb, or a list of materials' ), el( 'span', { class: 'grow' } ), budget, most ), answer );
+	} }, el( 'div', { class: 'bar file' }, file, el( 'label', { for: 'scene', class: 'button' }, 'Open or drop a scene' ), el( 'span', { class: 'muted' }, 'glTF, or a list of materials' ), el( 'span', { class: 'grow' } ), budget, most ), answer );
 	return area;
 
 }

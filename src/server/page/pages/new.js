@@ -51,7 +51,7 @@ export async function show( root, rest, parameters, signal ) {
 				answer, el( 'p', { class: 'actions' }, submit, reset ) ),
 			el( 'aside', { 'aria-label': 'What it would take' },
 				el( 'h2', {}, 'Forecast' ), expected, others, el( 'div', { class: 'charts' }, chart.charts ),
-				el( 'div', { class: 'bar' }, el( 'h2', {}, 'Recipe' ), copyButton( 'Copy', entered.text ) ), el( 'p', { class: 'muted' }, 'Edit it, or paste another: all that a recipe can say is taken here, also what has no field.' ), entered.root,
+				el( 'div', { class: 'bar' }, el( 'h2', {}, 'Recipe' ), copyButton( 'Copy', entered.text ) ), el( 'p', { class: 'muted' }, 'Edit it, or paste another. It may say more than the form has fields for.' ), entered.root,
 				el( 'div', { class: 'bar' }, el( 'h2', {}, 'The same by curl' ), copyButton( 'Copy', () => curl.textContent ) ), curl ) ) );
 
 	function change( { pointer, decides = [] }, value ) {
