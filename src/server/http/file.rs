@@ -15,7 +15,9 @@ use base64::{Engine as _, engine::general_purpose::STANDARD};
 use futures_util::stream;
 use http_range_header::{RangeUnsatisfiableError, parse_range_header};
 
-use super::{api::Api, coding::Coding, conditional::EntityTag, kind::ProblemKind, problem::Problem};
+use super::{
+    api::Api, coding::Coding, conditional::EntityTag, connection::LEAST_BYTES, kind::ProblemKind, problem::Problem,
+};
 use crate::service::SHORT_BYTES;
 use ltcforge_files::digest::Digest;
 
@@ -51,6 +53,14 @@ impl Contents {
             })),
         }
     }
+}
+
+/// In the extensions of an answer, the file in memory of which its body is all or a part: the connection may then send it
+/// without copying it.
+#[derive(Debug, Clone)]
+pub(super) struct InMemory {
+    pub(super) digest: Digest,
+    pub(super) bytes: Arc<Vec<u8>>,
 }
 
 /// The next bytes of `left`, and what is left then.
@@ -146,10 +156,25 @@ impl File {
         let content_digest = self.content_digest(method, &part);
         let content_digest =
             content_digest.map(|digest| [(HeaderName::from_static("content-digest"), sha_256(digest))]);
+        let in_memory = self.in_memory(method, &part);
         let body = self.contents.body(self.digest, part);
         let response =
             (status, validators, representation, disposition, content_range, content_digest, content_length, body);
-        Ok(response.into_response())
+        let mut response = response.into_response();
+        if let Some(in_memory) = in_memory {
+            response.extensions_mut().insert(in_memory);
+        }
+        Ok(response)
+    }
+
+    /// The file, if an answer has enough of its bytes from memory.
+    fn in_memory(&self, method: &Method, part: &Range<u64>) -> Option<InMemory> {
+        match &self.contents {
+            Contents::Memory(bytes) if method != Method::HEAD && part.end - part.start >= LEAST_BYTES => {
+                Some(InMemory { digest: self.digest, bytes: Arc::clone(bytes) })
+            }
+            _ => None,
+        }
     }
 
     /// The digest of the bytes that an answer carries [RFC 9530, section 2]. An answer to `HEAD` carries none, and a part of

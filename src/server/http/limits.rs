@@ -6,8 +6,8 @@ use std::time::Duration;
 pub(super) const HEAD_LIMIT_BYTES: usize = 128 * 1024;
 
 /// File descriptors that connections leave to the rest of the process. A service without clients has 15 open, more with
-/// a GPU; 16 are for connections that are being refused, the others for the store.
-const RESERVED_DESCRIPTORS: u64 = 80;
+/// a GPU; 16 are for connections that are being refused, 32 for what the kernel has of files, the others for the store.
+const RESERVED_DESCRIPTORS: u64 = 112;
 
 /// Fewest connections, however few descriptors there are.
 const FEWEST_CONNECTIONS: usize = 4;
@@ -52,7 +52,7 @@ mod tests {
     fn connections_leave_descriptors_to_the_store() {
         let within = |descriptors| ConnectionLimits::default().within(descriptors);
         assert_eq!(within(1 << 20), ConnectionLimits::default());
-        assert_eq!((within(128).connections, within(128).per_address), (48, 48));
+        assert_eq!((within(160).connections, within(160).per_address), (48, 48));
         assert_eq!(within(0).connections, FEWEST_CONNECTIONS);
     }
 }

@@ -3,6 +3,7 @@
 //! Invariant: no client keeps a connection by doing nothing. Each wait for a client has a time limit, but for the next
 //! event of a stream, which does not depend on the client.
 
+mod kernel_copy;
 mod open;
 mod raw;
 mod stream;
@@ -10,6 +11,7 @@ mod stream;
 mod tests;
 
 use std::{
+    convert::Infallible,
     io,
     net::{IpAddr, SocketAddr},
     sync::Arc,
@@ -36,7 +38,9 @@ use tokio::{
 use tokio_rustls::{TlsAcceptor, server::TlsStream};
 use tokio_util::either::Either;
 
+pub(super) use self::kernel_copy::LEAST_BYTES;
 use self::{
+    kernel_copy::{KernelCopies, Sending},
     open::{OpenConnections, Token, network},
     stream::ClientStream,
 };
@@ -87,6 +91,7 @@ pub(super) async fn serve(
     stopping: watch::Receiver<bool>,
 ) {
     let mut open = OpenConnections::new(&limits);
+    let copies = Arc::new(KernelCopies::default());
     let mut warnings = Warnings::default();
     let (mut tasks, mut refusals) = (JoinSet::new(), JoinSet::new());
     loop {
@@ -105,7 +110,8 @@ pub(super) async fn serve(
         };
         match open.admit(remote.ip()) {
             Ok(token) => {
-                let served = connection(tcp, app.clone(), tls.clone(), Arc::clone(&limits), stopping.clone(), token);
+                let app = (app.clone(), Arc::clone(&copies));
+                let served = connection(tcp, app, tls.clone(), Arc::clone(&limits), stopping.clone(), token);
                 tasks.spawn(served);
             }
             Err(too_many) => {
@@ -160,7 +166,7 @@ impl Warnings {
 /// Serves the requests of a connection until the client or the service ends it. It counts as open until then.
 async fn connection(
     tcp: TcpStream,
-    app: Router,
+    (app, copies): (Router, Arc<KernelCopies>),
     tls: Option<TlsAcceptor>,
     limits: Arc<ConnectionLimits>,
     stopping: watch::Receiver<bool>,
@@ -180,12 +186,19 @@ async fn connection(
     // The buffer may grow a little beyond its limit; the head may not.
     builder.max_buf_size(HEAD_LIMIT_BYTES).max_header_size(HEAD_LIMIT_BYTES);
     let app = TowerToHyperService::new(app);
+    let sending = Sending::default();
+    let begins = sending.clone();
     let service = service_fn(move |mut request: Request<Incoming>| {
         request.extensions_mut().insert(local);
         request.extensions_mut().insert(remote);
-        app.call(request)
+        let (answer, begins, copies) = (app.call(request), begins.clone(), Arc::clone(&copies));
+        async move {
+            let answer = answer.await?;
+            begins.begin(&copies, answer.extensions());
+            Ok::<_, Infallible>(answer)
+        }
     });
-    let stream = TokioIo::new(ClientStream::new(stream, limits.client));
+    let stream = TokioIo::new(ClientStream::new(stream, limits.client, sending));
     let mut connection = builder.serve_connection(stream, service);
     let ended = tokio::select! {
         ended = &mut connection => ended,

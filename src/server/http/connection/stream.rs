@@ -9,11 +9,11 @@ use std::{
 };
 
 use tokio::{
-    io::{AsyncRead, AsyncWrite, ReadBuf},
+    io::{AsyncRead, AsyncWrite, Interest, ReadBuf},
     time::{Sleep, sleep},
 };
 
-use super::{super::limits::HEAD_LIMIT_BYTES, Stream, raw};
+use super::{super::limits::HEAD_LIMIT_BYTES, Stream, kernel_copy::Sending, raw};
 
 /// A client's stream under a time limit for writing.
 #[derive(Debug)]
@@ -27,12 +27,14 @@ pub(super) struct ClientStream {
     head: Vec<u8>,
     /// The unwritten rest of an answer that replaces one of hyper's own.
     replacement: Option<Vec<u8>>,
+    /// What the kernel has of the answer that is written.
+    sending: Sending,
 }
 
 impl ClientStream {
     /// A stream that fails once the client has read nothing for as long as `limit`.
-    pub(super) fn new(bare: Stream, limit: Duration) -> Self {
-        Self { bare, limit, stalled: None, head: Vec::new(), replacement: None }
+    pub(super) fn new(bare: Stream, limit: Duration, sending: Sending) -> Self {
+        Self { bare, limit, stalled: None, head: Vec::new(), replacement: None, sending }
     }
 
     /// The bare stream.
@@ -50,6 +52,27 @@ impl ClientStream {
         ready!(self.stalled.get_or_insert_with(|| Box::pin(sleep(limit))).as_mut().poll(cx));
         tracing::debug!("a client did not read its answer within {limit:?}");
         Poll::Ready(Err(io::Error::new(io::ErrorKind::TimedOut, "the client does not read")))
+    }
+
+    /// Writes, from the kernel's copy where it has one.
+    fn poll_write_bare(&mut self, cx: &mut Context<'_>, bufs: &[IoSlice<'_>]) -> Poll<io::Result<usize>> {
+        // TLS encrypts the bytes before they are sent.
+        if let Stream::Left(tcp) = &self.bare
+            && let Some(plan) = self.sending.plan(bufs)
+        {
+            loop {
+                ready!(tcp.poll_write_ready(cx))?;
+                let wrote = tcp.try_io(Interest::WRITABLE, || plan.write(tcp));
+                match wrote {
+                    // The next look waits until the system takes more.
+                    Err(error) if error.kind() == io::ErrorKind::WouldBlock => continue,
+                    Ok(written) if plan.is_done_after(written) => self.sending.end(),
+                    _ => {}
+                }
+                return Poll::Ready(wrote);
+            }
+        }
+        Pin::new(&mut self.bare).poll_write_vectored(cx, bufs)
     }
 
     /// Writes the replacement of an answer of `length` bytes; these then count as written.
@@ -96,7 +119,7 @@ impl AsyncWrite for ClientStream {
         if this.replacement.is_some() {
             return this.poll_replacement(cx, bufs.iter().map(|buf| buf.len()).sum());
         }
-        let wrote = Pin::new(&mut this.bare).poll_write_vectored(cx, bufs);
+        let wrote = this.poll_write_bare(cx, bufs);
         this.watch(cx, wrote)
     }
 
