@@ -22,7 +22,12 @@ use ltcforge_view::preview::Adapter;
 /// Megabytes of tables that are kept on disk by default.
 const DEFAULT_CACHE_MB: u64 = 4096;
 
-fn shared(database: DatabaseUrl, blobs: String, cache_mb: Option<NonZeroU64>, timeouts: DatabaseTimeouts) -> Shared {
+pub(super) fn shared(
+    database: DatabaseUrl,
+    blobs: String,
+    cache_mb: Option<NonZeroU64>,
+    timeouts: DatabaseTimeouts,
+) -> Shared {
     let cache_bytes = cache_mb.map_or(DEFAULT_CACHE_MB, NonZeroU64::get).saturating_mul(1 << 20);
     Shared { database, blobs, cache_bytes, timeouts }
 }
@@ -54,7 +59,7 @@ pub(super) fn shared_config(config: Config, lease_seconds: Option<NonZeroU64>) -
 }
 
 /// The configuration of a process without HTTP, which neither renders nor forgets jobs.
-fn without_http(data: Option<PathBuf>, file: &ServeSettings) -> Config {
+pub(super) fn without_http(data: Option<PathBuf>, file: &ServeSettings) -> Config {
     let config = file.config();
     Config {
         data_dir: data.unwrap_or(config.data_dir),

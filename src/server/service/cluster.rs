@@ -43,7 +43,7 @@ pub struct Shared {
     pub database: DatabaseUrl,
     /// The URL of the blob store.
     pub blobs: String,
-    /// Bytes of blobs that this process keeps in its data folder.
+    /// Bytes of blobs that this process keeps in its data folder; with 0 it has no such folder.
     pub cache_bytes: u64,
     /// How long the database lets statements and transactions take.
     pub timeouts: DatabaseTimeouts,
@@ -66,10 +66,20 @@ impl Shared {
         config: &Config,
         access: Access,
     ) -> Result<(Arc<Database>, Arc<ObjectBlobs>), OpenError> {
-        let cache = config.data_dir.join("cache");
         // First, so that the schema is not made if this URL is wrong.
-        let blobs = Arc::new(ObjectBlobs::open(&self.blobs, access, &cache, self.cache_bytes)?);
+        let blobs = self.connect_blobs(config, access)?;
         Ok((Database::open_with(&self.database.0, self.timeouts)?, blobs))
+    }
+
+    /// As [`Self::connect`], for what only reads; a schema that is not up to date is an error.
+    pub(super) fn connect_unchanged(&self, config: &Config) -> Result<(Arc<Database>, Arc<ObjectBlobs>), OpenError> {
+        let blobs = self.connect_blobs(config, Access::Read)?;
+        Ok((Database::open_unchanged(&self.database.0, self.timeouts)?, blobs))
+    }
+
+    fn connect_blobs(&self, config: &Config, access: Access) -> Result<Arc<ObjectBlobs>, OpenError> {
+        let cache = config.data_dir.join("cache");
+        Ok(Arc::new(ObjectBlobs::open(&self.blobs, access, &cache, self.cache_bytes)?))
     }
 }
 

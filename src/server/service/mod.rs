@@ -9,6 +9,7 @@ mod backlog;
 mod backup;
 mod brdfs;
 mod check;
+mod check_shared;
 mod cluster;
 mod compressed;
 mod cursor;
@@ -48,6 +49,7 @@ pub use api::{
 pub use backup::{back_up, restore};
 pub use brdfs::{DeleteBrdfError, StoreBrdfError, StoredBrdf};
 pub use check::{CheckReport, check};
+pub use check_shared::{Disagreements, SharedReport, check_shared};
 pub use cluster::{DatabaseUrl, Shared};
 pub use compressed::Zstd;
 pub use cursor::{CursorError, JobCursor, TableCursor};

@@ -30,7 +30,7 @@ use ltcforge_textures::is_light_texture;
 const ORPHAN_AGE: SignedDuration = SignedDuration::from_hours(24);
 
 /// Jobs of a page.
-const JOBS_AT_ONCE: usize = 256;
+pub(super) const JOBS_AT_ONCE: usize = 256;
 
 /// What [`sweep`] and [`sweep_folder`] may remove.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
