@@ -147,7 +147,7 @@ pub(super) fn gc(
         None => service::sweep_folder(&config, removal),
     };
     let swept = swept.map_err(failed)?;
-    let Swept { files, bytes, going, removed } = &swept;
+    let Swept { files, bytes, going, kept, removed } = &swept;
     let line = |going: &Going| {
         format!("{} {} bytes, last used {}: {}", going.digest, going.bytes, going.used_at, going.reason.text())
     };
@@ -160,6 +160,13 @@ pub(super) fn gc(
         }
         Removal::Going | Removal::EvenMost => format!("{removed} of {count} files that were to go were removed"),
     });
+    if let (Some(limit), false) = (store_bytes, kept.is_empty()) {
+        lines.push(format!(
+            "the store stays larger than --store-bytes, by {} bytes",
+            (bytes - gone).saturating_sub(limit)
+        ));
+        lines.extend(kept.iter().map(ToString::to_string));
+    }
     print(context.stdout, json, &json!(swept), &lines.join("\n"))?;
     Ok(Exit::Ok)
 }

@@ -139,7 +139,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        service::{Removal, Swept, sweep, tests::config},
+        service::{Kept, KeptReason, Removal, Swept, sweep, tests::config},
         store::{Blobs as _, throwaway},
     };
     use ltcforge_files::{digest::Digest, tabulated::encode};
@@ -182,6 +182,9 @@ mod tests {
         let told = swept(Removal::Nothing).unwrap();
         assert_eq!((told.files, told.removed), (2, 0));
         assert_eq!(told.going.iter().map(|going| going.digest).collect::<Vec<_>>(), [other.0]);
+        let small = sweep(&Config { store_bytes: Some(1), ..config.clone() }, &shared, Removal::Nothing).unwrap();
+        let bytes = fs::metadata(&named.1).unwrap().len();
+        assert_eq!(small.kept, [Kept { reason: KeptReason::Job, files: 1, bytes }]);
         assert!(named.1.exists() && other.1.exists());
         assert_eq!(swept(Removal::Going).unwrap(), Swept { removed: 1, ..told });
         assert!(named.1.exists() && !other.1.exists());
@@ -275,7 +278,7 @@ mod tests {
         assert!(old.iter().all(|file| file.exists()));
         assert_eq!(sweep(&config, &a, Removal::EvenMost).unwrap().removed, 3);
         assert!(!old.iter().any(|file| file.exists()));
-        let left = Swept { files: 2, bytes: 2, going: vec![], removed: 0 };
+        let left = Swept { files: 2, bytes: 2, going: vec![], kept: vec![], removed: 0 };
         assert_eq!(sweep(&config, &a, Removal::Going).unwrap(), left);
     }
 

@@ -64,7 +64,7 @@ pub use plans::{PlanError, Planned, SCENE_LIMIT_BYTES, SceneForm};
 pub use published::published_table;
 pub use reconcile::Reconciled;
 pub use removal::DeleteTableError;
-pub use retention::{Going, GoingReason};
+pub use retention::{Going, GoingReason, Kept, KeptReason};
 pub use state::Service;
 pub use stored_files::FileRow;
 pub use sweep::{Removal, Swept, sweep, sweep_folder};
