@@ -200,13 +200,27 @@ mod tests {
         digits.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
     }
 
+    /// A file of `deploy/`.
+    fn read(name: &str) -> String {
+        let path = format!("{}/../../deploy/{name}", env!("CARGO_MANIFEST_DIR"));
+        std::fs::read_to_string(path).expect("a file of the project")
+    }
+
+    /// Neither a copy that is made at the start, nor a variable, nor a mount of the file alone.
+    #[test]
+    fn deploy_hands_tokens_over_as_a_file_that_follows_changes() {
+        let unit = read("systemd/ltcforge.service");
+        assert!(unit.contains("\nEnvironment=LTCFORGE_TOKENS=/etc/ltcforge/tokens\n"));
+        assert!(unit.contains("\nSupplementaryGroups=") && !unit.contains("\nLoadCredential"));
+        let pods = read("kubernetes/ltcforge.yaml");
+        assert!(pods.contains("LTCFORGE_TOKENS: /etc/ltcforge/tokens"));
+        let mounted = pods.matches("{ name: tokens, mountPath: /etc/ltcforge, readOnly: true }").count();
+        assert_eq!((mounted, pods.matches("subPath:").count(), pods.matches("LTCFORGE_TOKEN_LIST").count()), (2, 0, 0));
+    }
+
     /// An eighth stays free for files that are being written.
     #[test]
     fn the_caches_of_deploy_fit_their_disks() {
-        let read = |name: &str| {
-            let path = format!("{}/../../deploy/{name}", env!("CARGO_MANIFEST_DIR"));
-            std::fs::read_to_string(path).expect("a file of the project")
-        };
         for (file, size) in [("compose.yaml", "/data:uid=10001,size="), ("kubernetes/ltcforge.yaml", "sizeLimit:")] {
             let text = read(file);
             let gib = number(&text, size).expect("the size of the folder in GiB");
