@@ -7,12 +7,14 @@ mod throwaway;
 
 mod errors;
 mod faults;
+mod fsck;
 mod kills;
 mod links;
 mod migration;
 mod objects;
 mod pgbouncer;
 mod proxy;
+mod runbook;
 mod s3;
 mod sweep;
 mod watch;
@@ -20,7 +22,7 @@ mod watch;
 use std::{
     io::{BufRead as _, BufReader},
     net::SocketAddr,
-    path::Path,
+    path::{Path, PathBuf},
     process::{Child, Command, Stdio},
 };
 
@@ -46,10 +48,19 @@ impl Shared {
 
     /// The same, with the database at another address.
     pub(crate) fn by(&self, address: SocketAddr) -> Self {
-        let (_, name) = self.database.split_once("@/").expect("a URL of a throw-away server");
-        let name = name.split('?').next().unwrap_or(name);
-        let database = format!("postgres://postgres@{address}/{name}?sslmode=disable");
+        let database = format!("postgres://postgres@{address}/{}?sslmode=disable", self.name());
         Self { database, blobs: self.blobs.clone(), environment: self.environment.clone() }
+    }
+
+    /// The name of the database.
+    pub(crate) fn name(&self) -> &str {
+        let (_, name) = self.database.split_once("@/").expect("a URL of a throw-away server");
+        name.split('?').next().unwrap_or(name)
+    }
+
+    /// The folder of the blob store.
+    pub(crate) fn store(&self) -> PathBuf {
+        self.blobs.strip_prefix("file://").expect("a folder").into()
     }
 
     /// A replica with its cache in `folder` that only serves.

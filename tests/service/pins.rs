@@ -2,7 +2,7 @@
 
 use std::{
     fs::{self, File},
-    path::Path,
+    path::{Path, PathBuf},
     thread,
     time::{Duration, SystemTime},
 };
@@ -142,6 +142,12 @@ fn age(data: &Path, seconds: u64) {
     }
 }
 
+/// The file of a table in a data folder.
+fn blob(data: &Path, table: &str) -> PathBuf {
+    let hex = table.trim_start_matches("sha256:");
+    data.join("blobs").join(&hex[..2]).join(hex)
+}
+
 #[test]
 fn gc_tells_what_goes_from_a_data_folder_and_why_and_removes_it_when_it_is_told_to() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -152,13 +158,22 @@ fn gc_tells_what_goes_from_a_data_folder_and_why_and_removes_it_when_it_is_told_
     let gc = |more: &[&str]| run(&data, ["gc", "--data", ".", "--store-bytes", "1"].iter().chain(more));
     assert!(gc(&[]).exited(1).stderr.contains("in use by another process"));
     server.stop("TERM").exited(0);
-    assert!(gc(&["--dry-run"]).exited(0).stdout.starts_with("none of 2 files"), "they were used just now");
+    let told = gc(&["--dry-run"]).exited(0).stdout;
+    let all: u64 = contents(&data.join("blobs")).values().map(|bytes| bytes.len() as u64).sum();
+    let of_kept = fs::metadata(blob(&data, &kept)).expect("a file").len();
+    let expected = [
+        format!("none of 2 files, {all} bytes, would go"),
+        format!("the store stays larger than --store-bytes, by {} bytes", all - 1),
+        format!("{of_kept} bytes in 1 files stay: pinned"),
+        format!("{} bytes in 1 files stay: used or stored lately", all - of_kept),
+    ];
+    assert_eq!(told.lines().collect::<Vec<_>>(), expected);
     age(&data, 9000);
     let before = contents(&data);
     let told = gc(&["--dry-run"]).exited(0);
     assert!(contents(&data) == before, "nothing is changed");
     let lines: Vec<&str> = told.stdout.lines().collect();
-    assert_eq!(lines.len(), 2, "{told:?}");
+    assert_eq!(lines.len(), 4, "{told:?}");
     assert!(
         lines[0].starts_with(&gone)
             && lines[0].ends_with("used longest ago, and the store is larger than --store-bytes")
@@ -170,6 +185,7 @@ fn gc_tells_what_goes_from_a_data_folder_and_why_and_removes_it_when_it_is_told_
     gc(&["--dry-run", "--delete"]).exited(2);
     let done: Value = serde_json::from_str(gc(&["--delete", "--json"]).exited(0).last_line()).expect("JSON");
     assert_eq!((&done["files"], &done["removed"]), (&json!(2), &json!(1)));
+    assert_eq!(done["kept"], json!([{ "reason": "pin", "files": 1, "bytes": of_kept }]));
     assert_eq!((&done["going"][0]["digest"], &done["going"][0]["reason"]), (&json!(gone), &json!("store_bytes")));
     assert_eq!(contents(&data.join("blobs")).len(), 1);
 

@@ -4,6 +4,7 @@ use std::{net::SocketAddr, num::NonZeroU64, path::PathBuf};
 
 use clap::Args;
 
+use super::place::Place;
 use crate::args::threads::ThreadCount;
 use ltcforge_server::service::DatabaseUrl;
 
@@ -133,7 +134,7 @@ pub struct MigrateArgs {
 /// `fsck`.
 #[derive(Debug, Args)]
 pub struct FsckArgs {
-    /// Folder of jobs and tables of a service that is not running [default: ltcforge-data]
-    #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
-    pub data: Option<PathBuf>,
+    /// The store
+    #[command(flatten)]
+    pub place: Place,
 }

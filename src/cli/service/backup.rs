@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::{CommandFailure, Context, Exit, print, serve::failed, settings::ServeSettings};
+use super::{CommandFailure, Context, Exit, place::Place, print, serve::failed, settings::ServeSettings};
 use ltcforge_server::service::{Copied, OpenError, back_up, restore};
 
 /// `backup`.
@@ -14,9 +14,9 @@ pub struct BackupArgs {
     /// Folder of the copy; one that is there is brought up to date
     #[arg(value_name = "TO")]
     pub to: PathBuf,
-    /// Folder of jobs and tables of a service, which may be running [default: ltcforge-data]
-    #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
-    pub data: Option<PathBuf>,
+    /// The data folder of a service, which may be running
+    #[command(flatten)]
+    pub place: Place,
 }
 
 /// `restore`.
@@ -25,9 +25,26 @@ pub struct RestoreArgs {
     /// Folder of the copy
     #[arg(value_name = "FROM")]
     pub from: PathBuf,
-    /// Folder of jobs and tables to make, which has none yet [default: ltcforge-data]
-    #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
-    pub data: Option<PathBuf>,
+    /// The data folder to make, where there is none yet
+    #[command(flatten)]
+    pub place: Place,
+}
+
+/// The data folder of these commands.
+///
+/// # Errors
+/// When they are to work on a database: `instead` is what to do then.
+fn folder(place: Place, file: ServeSettings, instead: &str) -> Result<PathBuf, CommandFailure> {
+    match place {
+        Place::Folder(data) => Ok(data.unwrap_or(file.data)),
+        Place::Shared { .. } => {
+            let refused = format!(
+                "this is for a data folder, and a database or a store of tables is set: {instead}, as docs/scale.md says under \
+                 «Backing up and restoring», or name a data folder with --data DIR"
+            );
+            Err(CommandFailure::new(Exit::Usage, refused))
+        }
+    }
 }
 
 /// Copies the data folder.
@@ -37,7 +54,8 @@ pub(super) fn back_up_to(
     json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    tell(back_up(&args.data.unwrap_or(file.data), &args.to), json, context)
+    let data = folder(args.place, file, "save it by `pg_dump -Fc`, and copy the store of tables after that")?;
+    tell(back_up(&data, &args.to), json, context)
 }
 
 /// Makes a data folder of a copy.
@@ -47,7 +65,8 @@ pub(super) fn restore_from(
     json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    tell(restore(&args.from, &args.data.unwrap_or(file.data)), json, context)
+    let data = folder(args.place, file, "restore it by `pg_restore`, and the store of tables if it is lost too")?;
+    tell(restore(&args.from, &data), json, context)
 }
 
 fn tell(copied: Result<Copied, OpenError>, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {

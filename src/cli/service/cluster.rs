@@ -22,7 +22,12 @@ use ltcforge_view::preview::Adapter;
 /// Megabytes of tables that are kept on disk by default.
 const DEFAULT_CACHE_MB: u64 = 4096;
 
-fn shared(database: DatabaseUrl, blobs: String, cache_mb: Option<NonZeroU64>, timeouts: DatabaseTimeouts) -> Shared {
+pub(super) fn shared(
+    database: DatabaseUrl,
+    blobs: String,
+    cache_mb: Option<NonZeroU64>,
+    timeouts: DatabaseTimeouts,
+) -> Shared {
     let cache_bytes = cache_mb.map_or(DEFAULT_CACHE_MB, NonZeroU64::get).saturating_mul(1 << 20);
     Shared { database, blobs, cache_bytes, timeouts }
 }
@@ -54,7 +59,7 @@ pub(super) fn shared_config(config: Config, lease_seconds: Option<NonZeroU64>) -
 }
 
 /// The configuration of a process without HTTP, which neither renders nor forgets jobs.
-fn without_http(data: Option<PathBuf>, file: &ServeSettings) -> Config {
+pub(super) fn without_http(data: Option<PathBuf>, file: &ServeSettings) -> Config {
     let config = file.config();
     Config {
         data_dir: data.unwrap_or(config.data_dir),
@@ -142,7 +147,7 @@ pub(super) fn gc(
         None => service::sweep_folder(&config, removal),
     };
     let swept = swept.map_err(failed)?;
-    let Swept { files, bytes, going, removed } = &swept;
+    let Swept { files, bytes, going, kept, removed } = &swept;
     let line = |going: &Going| {
         format!("{} {} bytes, last used {}: {}", going.digest, going.bytes, going.used_at, going.reason.text())
     };
@@ -155,6 +160,13 @@ pub(super) fn gc(
         }
         Removal::Going | Removal::EvenMost => format!("{removed} of {count} files that were to go were removed"),
     });
+    if let (Some(limit), false) = (store_bytes, kept.is_empty()) {
+        lines.push(format!(
+            "the store stays larger than --store-bytes, by {} bytes",
+            (bytes - gone).saturating_sub(limit)
+        ));
+        lines.extend(kept.iter().map(ToString::to_string));
+    }
     print(context.stdout, json, &json!(swept), &lines.join("\n"))?;
     Ok(Exit::Ok)
 }
@@ -188,13 +200,27 @@ mod tests {
         digits.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
     }
 
+    /// A file of `deploy/`.
+    fn read(name: &str) -> String {
+        let path = format!("{}/../../deploy/{name}", env!("CARGO_MANIFEST_DIR"));
+        std::fs::read_to_string(path).expect("a file of the project")
+    }
+
+    /// Neither a copy that is made at the start, nor a variable, nor a mount of the file alone.
+    #[test]
+    fn deploy_hands_tokens_over_as_a_file_that_follows_changes() {
+        let unit = read("systemd/ltcforge.service");
+        assert!(unit.contains("\nEnvironment=LTCFORGE_TOKENS=/etc/ltcforge/tokens\n"));
+        assert!(unit.contains("\nSupplementaryGroups=") && !unit.contains("\nLoadCredential"));
+        let pods = read("kubernetes/ltcforge.yaml");
+        assert!(pods.contains("LTCFORGE_TOKENS: /etc/ltcforge/tokens"));
+        let mounted = pods.matches("{ name: tokens, mountPath: /etc/ltcforge, readOnly: true }").count();
+        assert_eq!((mounted, pods.matches("subPath:").count(), pods.matches("LTCFORGE_TOKEN_LIST").count()), (2, 0, 0));
+    }
+
     /// An eighth stays free for files that are being written.
     #[test]
     fn the_caches_of_deploy_fit_their_disks() {
-        let read = |name: &str| {
-            let path = format!("{}/../../deploy/{name}", env!("CARGO_MANIFEST_DIR"));
-            std::fs::read_to_string(path).expect("a file of the project")
-        };
         for (file, size) in [("compose.yaml", "/data:uid=10001,size="), ("kubernetes/ltcforge.yaml", "sizeLimit:")] {
             let text = read(file);
             let gib = number(&text, size).expect("the size of the folder in GiB");

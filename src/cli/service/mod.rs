@@ -6,6 +6,7 @@ mod cluster;
 mod descriptors;
 mod doors;
 mod fsck;
+mod place;
 mod serve;
 mod settings;
 mod token;
@@ -32,12 +33,19 @@ pub enum ServiceCommand {
     /// Make a token for a service, which keeps only its hash
     #[command(subcommand)]
     Token(TokenCommand),
-    /// Check the data folder of a service that is not running, and tell what its next start would mend
+    /// Check a whole store and change nothing: the data folder of a service that is not running, or what processes share while they run
     Fsck(FsckArgs),
     /// Copy the data folder of a service, which may be running
+    #[command(mut_arg("database", hidden), mut_arg("blobs", hidden))]
     Backup(BackupArgs),
     /// Make a data folder of a copy by `backup`
+    #[command(mut_arg("database", hidden), mut_arg("blobs", hidden))]
     Restore(RestoreArgs),
+}
+
+/// An option of [`place::Place`] whose store a command refuses.
+fn hidden(option: clap::Arg) -> clap::Arg {
+    option.hide(true)
 }
 
 /// Runs a command with the section `[serve]` of the configuration file.
@@ -53,7 +61,7 @@ pub(super) fn run(
         ServiceCommand::Gc(args) => cluster::gc(args, &file, json, context),
         ServiceCommand::Migrate(args) => cluster::migrate(args, &file, json, context),
         ServiceCommand::Token(command) => token::run(&command, json, context),
-        ServiceCommand::Fsck(args) => fsck::run(args, file, json, context),
+        ServiceCommand::Fsck(args) => fsck::run(args, &file, json, context),
         ServiceCommand::Backup(args) => backup::back_up_to(args, file, json, context),
         ServiceCommand::Restore(args) => backup::restore_from(args, file, json, context),
     }

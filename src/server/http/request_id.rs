@@ -18,6 +18,8 @@ use axum::{
 use tower_http::trace::MakeSpan;
 use tracing::Span;
 
+use super::access::without_tokens;
+
 /// The field of requests and answers.
 pub(super) const FIELD: HeaderName = HeaderName::from_static("x-request-id");
 
@@ -61,7 +63,8 @@ pub(super) struct NamedSpan;
 impl<B> MakeSpan<B> for NamedSpan {
     fn make_span(&mut self, request: &axum::http::Request<B>) -> Span {
         let name = request.headers().get(FIELD).and_then(|name| name.to_str().ok()).unwrap_or_default();
-        tracing::info_span!("request", id = name, method = %request.method(), uri = %request.uri())
+        let uri = without_tokens(&request.uri().to_string());
+        tracing::info_span!("request", id = name, method = %request.method(), %uri)
     }
 }
 

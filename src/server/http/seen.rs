@@ -71,3 +71,27 @@ pub(super) async fn watch(renewed: Arc<dyn Renewed>, mut stopping: watch::Receiv
         let _ = tokio::task::spawn_blocking(look).await;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As Kubernetes renews a secret that is mounted as a folder: another folder of equally long files, and a link that is replaced.
+    #[test]
+    fn a_file_behind_a_link_that_is_replaced_has_changed() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        for (folder, text) in [("1", "old"), ("2", "new")] {
+            fs::create_dir(at(folder)).unwrap();
+            fs::write(at(folder).join("tokens"), text).unwrap();
+        }
+        std::os::unix::fs::symlink("1", at("..data")).unwrap();
+        std::os::unix::fs::symlink("..data/tokens", at("tokens")).unwrap();
+        let seen = Seen::new(vec![at("tokens")]);
+        assert!(seen.have_changed() && !seen.have_changed());
+        std::os::unix::fs::symlink("2", at("..next")).unwrap();
+        fs::rename(at("..next"), at("..data")).unwrap();
+        assert!(seen.have_changed());
+        assert_eq!(fs::read_to_string(at("tokens")).unwrap(), "new");
+    }
+}

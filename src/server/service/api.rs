@@ -335,7 +335,7 @@ impl From<StoreError> for ServiceError {
             StoreError::DiskFull => Self::DiskFull,
             StoreError::Corrupt { expected, actual, moved_to } => Self::Corrupt { expected, actual, moved_to },
             StoreError::Unavailable(reason) => Self::Unavailable(reason),
-            refused @ StoreError::Refused(_) => Self::Unavailable(refused.to_string()),
+            other @ (StoreError::Refused(_) | StoreError::OtherBytes(_)) => Self::Unavailable(other.to_string()),
             other if other.is_passing() => Self::Lacking(other.to_string()),
             other => Self::Storage(other.to_string()),
         }

@@ -43,7 +43,7 @@ pub struct Shared {
     pub database: DatabaseUrl,
     /// The URL of the blob store.
     pub blobs: String,
-    /// Bytes of blobs that this process keeps in its data folder.
+    /// Bytes of blobs that this process keeps in its data folder; with 0 it has no such folder.
     pub cache_bytes: u64,
     /// How long the database lets statements and transactions take.
     pub timeouts: DatabaseTimeouts,
@@ -66,10 +66,20 @@ impl Shared {
         config: &Config,
         access: Access,
     ) -> Result<(Arc<Database>, Arc<ObjectBlobs>), OpenError> {
-        let cache = config.data_dir.join("cache");
         // First, so that the schema is not made if this URL is wrong.
-        let blobs = Arc::new(ObjectBlobs::open(&self.blobs, access, &cache, self.cache_bytes)?);
+        let blobs = self.connect_blobs(config, access)?;
         Ok((Database::open_with(&self.database.0, self.timeouts)?, blobs))
+    }
+
+    /// As [`Self::connect`], for what only reads; a schema that is not up to date is an error.
+    pub(super) fn connect_unchanged(&self, config: &Config) -> Result<(Arc<Database>, Arc<ObjectBlobs>), OpenError> {
+        let blobs = self.connect_blobs(config, Access::Read)?;
+        Ok((Database::open_unchanged(&self.database.0, self.timeouts)?, blobs))
+    }
+
+    fn connect_blobs(&self, config: &Config, access: Access) -> Result<Arc<ObjectBlobs>, OpenError> {
+        let cache = config.data_dir.join("cache");
+        Ok(Arc::new(ObjectBlobs::open(&self.blobs, access, &cache, self.cache_bytes)?))
     }
 }
 
@@ -129,7 +139,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        service::{Removal, Swept, sweep, tests::config},
+        service::{Kept, KeptReason, Removal, Swept, sweep, tests::config},
         store::{Blobs as _, throwaway},
     };
     use ltcforge_files::{digest::Digest, tabulated::encode};
@@ -172,6 +182,9 @@ mod tests {
         let told = swept(Removal::Nothing).unwrap();
         assert_eq!((told.files, told.removed), (2, 0));
         assert_eq!(told.going.iter().map(|going| going.digest).collect::<Vec<_>>(), [other.0]);
+        let small = sweep(&Config { store_bytes: Some(1), ..config.clone() }, &shared, Removal::Nothing).unwrap();
+        let bytes = fs::metadata(&named.1).unwrap().len();
+        assert_eq!(small.kept, [Kept { reason: KeptReason::Job, files: 1, bytes }]);
         assert!(named.1.exists() && other.1.exists());
         assert_eq!(swept(Removal::Going).unwrap(), Swept { removed: 1, ..told });
         assert!(named.1.exists() && !other.1.exists());
@@ -265,7 +278,7 @@ mod tests {
         assert!(old.iter().all(|file| file.exists()));
         assert_eq!(sweep(&config, &a, Removal::EvenMost).unwrap().removed, 3);
         assert!(!old.iter().any(|file| file.exists()));
-        let left = Swept { files: 2, bytes: 2, going: vec![], removed: 0 };
+        let left = Swept { files: 2, bytes: 2, going: vec![], kept: vec![], removed: 0 };
         assert_eq!(sweep(&config, &a, Removal::Going).unwrap(), left);
     }
 

@@ -7,6 +7,7 @@
 use std::{
     cmp::Reverse,
     collections::{BTreeMap, HashMap},
+    fmt,
     sync::{PoisonError, atomic::Ordering},
     time::{Duration, Instant},
 };
@@ -71,6 +72,50 @@ impl GoingReason {
     }
 }
 
+/// Why files stay although the store is larger than it may be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum KeptReason {
+    /// They are tables with a pin.
+    Pin,
+    /// They are tabulated BRDFs that the recipes of jobs name that wait or run.
+    Job,
+    /// They are tabulated BRDFs that the recipes of tables name.
+    Table,
+    /// They were used or stored lately.
+    Recent,
+}
+
+impl KeptReason {
+    /// In words.
+    #[must_use]
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Pin => "pinned",
+            Self::Job => "tabulated BRDFs that recipes of unfinished jobs name",
+            Self::Table => "tabulated BRDFs that recipes of tables name",
+            Self::Recent => "used or stored lately",
+        }
+    }
+}
+
+/// Files that stay for one reason.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Kept {
+    /// The reason; of several, the one that is listed first.
+    pub reason: KeptReason,
+    /// How many files.
+    pub files: usize,
+    /// Their bytes.
+    pub bytes: u64,
+}
+
+impl fmt::Display for Kept {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} bytes in {} files stay: {}", self.bytes, self.files, self.reason.text())
+    }
+}
+
 /// What goes, and what the store has then.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Plan {
@@ -80,6 +125,8 @@ pub(super) struct Plan {
     pub(super) bytes: u64,
     /// Those that go, first the one that goes first.
     pub(super) going: Vec<Going>,
+    /// What keeps the others, where they are more than the store may have.
+    pub(super) kept: Vec<Kept>,
 }
 
 impl Plan {
@@ -100,7 +147,8 @@ impl Tables {
         orphans: Vec<Going>,
     ) -> Result<Plan, StoreError> {
         let (uses, mut blobs) = (self.all_uses()?, self.store.blobs.list()?);
-        let mut plan = Plan { files: blobs.len(), bytes: blobs.iter().map(|blob| blob.bytes).sum(), going: orphans };
+        let bytes = blobs.iter().map(|blob| blob.bytes).sum();
+        let mut plan = Plan { files: blobs.len(), bytes, going: orphans, kept: Vec::new() };
         let mut stays = Vec::new();
         blobs.retain(|blob| plan.going.iter().all(|orphan| orphan.digest != blob.digest));
         for blob in blobs {
@@ -116,12 +164,13 @@ impl Tables {
         }
         let Some(limit) = store_bytes.filter(|limit| plan.bytes_left() > *limit) else { return Ok(plan) };
         let pinned = pinned(self.store.rows.as_ref())?;
-        stays.retain(|file| file.used_at < recently && !pinned.contains(&file.digest));
+        let may_go = |file: &Going| file.used_at < recently && !pinned.contains(&file.digest);
+        let (mut stays, kept): (Vec<_>, Vec<_>) = stays.into_iter().partition(may_go);
         stays.sort_by_key(|file| (file.used_at, file.digest));
         // How many recipes name each BRDF.
         let mut named: BTreeMap<Digest, usize> = BTreeMap::new();
-        let of_tables = self.catalogue.recipes()?;
-        for brdf in of_tables.iter().filter_map(|recipe| named_in(recipe)).chain(named_in_unfinished(queue)?) {
+        let (of_tables, of_jobs) = (self.catalogue.recipes()?, named_in_unfinished(queue)?);
+        for brdf in of_tables.iter().filter_map(|recipe| named_in(recipe)).chain(of_jobs.iter().copied()) {
             *named.entry(brdf).or_default() += 1;
         }
         // A BRDF may go once the last table that names it goes, and was perhaps used before it.
@@ -136,6 +185,20 @@ impl Tables {
                 *count = count.saturating_sub(1);
             }
             plan.going.push(file);
+        }
+        if plan.bytes_left() > limit {
+            let mut sums: BTreeMap<KeptReason, (usize, u64)> = BTreeMap::new();
+            for file in stays.iter().chain(&kept) {
+                let reason = match file.digest {
+                    digest if pinned.contains(&digest) => KeptReason::Pin,
+                    digest if of_jobs.contains(&digest) => KeptReason::Job,
+                    digest if named.get(&digest).is_some_and(|count| *count > 0) => KeptReason::Table,
+                    _ => KeptReason::Recent,
+                };
+                let (files, bytes) = sums.entry(reason).or_default();
+                (*files, *bytes) = (*files + 1, *bytes + file.bytes);
+            }
+            plan.kept = sums.into_iter().map(|(reason, (files, bytes))| Kept { reason, files, bytes }).collect();
         }
         Ok(plan)
     }
@@ -261,11 +324,9 @@ impl ServiceState {
             tracing::info!(files, bytes, "files that were used longest ago were removed: the store has a limit");
         }
         if plan.bytes_left() > limit {
-            tracing::warn!(
-                bytes = plan.bytes_left(),
-                limit,
-                "the store is larger than --store-bytes: what is left is pinned, named by recipes, or was used lately"
-            );
+            let kept: Vec<String> = plan.kept.iter().map(Kept::to_string).collect();
+            let bytes = plan.bytes_left();
+            tracing::warn!(bytes, limit, "the store is larger than --store-bytes: {}", kept.join("; "));
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use jiff::{SignedDuration, Timestamp};
 use serde::Serialize;
 
 use super::{
-    Config, Going, GoingReason, OpenError, Shared,
+    Config, Going, GoingReason, Kept, OpenError, Shared,
     backend::FitBackend,
     find_brdf::{named_in, used_brdfs},
     light_textures::LIGHT_TEXTURE_START,
@@ -30,7 +30,7 @@ use ltcforge_textures::is_light_texture;
 const ORPHAN_AGE: SignedDuration = SignedDuration::from_hours(24);
 
 /// Jobs of a page.
-const JOBS_AT_ONCE: usize = 256;
+pub(super) const JOBS_AT_ONCE: usize = 256;
 
 /// What [`sweep`] and [`sweep_folder`] may remove.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,6 +52,8 @@ pub struct Swept {
     pub bytes: u64,
     /// Those that go.
     pub going: Vec<Going>,
+    /// What keeps the others, where they are more than the store may have.
+    pub kept: Vec<Kept>,
     /// Number of files that were removed.
     pub removed: usize,
 }
@@ -126,7 +128,7 @@ pub fn sweep(config: &Config, shared: &Shared, removal: Removal) -> Result<Swept
         };
         removed += usize::from(is_removed.map_err(OpenError::Shared)?);
     }
-    Ok(Swept { files: plan.files, bytes: plan.bytes, going: plan.going, removed })
+    Ok(Swept { files: plan.files, bytes: plan.bytes, going: plan.going, kept: plan.kept, removed })
 }
 
 /// Finds what goes from the data folder of a service that is not running: what is beyond `config.store_bytes`, and files of tables
@@ -157,5 +159,5 @@ pub fn sweep_folder(config: &Config, removal: Removal) -> Result<Swept, OpenErro
     }
     // What was staged is written.
     tables.store.rows.commit(&crate::store::Batch::default()).map_err(of)?;
-    Ok(Swept { files: plan.files, bytes: plan.bytes, going: plan.going, removed })
+    Ok(Swept { files: plan.files, bytes: plan.bytes, going: plan.going, kept: plan.kept, removed })
 }

@@ -21,6 +21,9 @@ pub enum StoreError {
         /// Where the damaged file is now.
         moved_to: PathBuf,
     },
+    /// A store elsewhere has other bytes under the name of a blob, or gave other ones.
+    #[error("the object store gives other bytes for {0} than were stored")]
+    OtherBytes(Digest),
     /// A row's value does not match the hash stored with it.
     #[error("a row of {} is damaged (key {key:02x?})", .tree.name())]
     DamagedRow {
@@ -74,7 +77,7 @@ impl StoreError {
     pub fn is_passing(&self) -> bool {
         match self {
             Self::Io { source, .. } => is_passing(source),
-            Self::Unavailable(_) | Self::DiskFull => true,
+            Self::Unavailable(_) | Self::OtherBytes(_) | Self::DiskFull => true,
             _ => false,
         }
     }

@@ -18,7 +18,7 @@ use axum::{
 };
 
 use self::rates::Asking;
-pub(super) use self::rates::Rates;
+pub(super) use self::{rates::Rates, tokens::without_tokens};
 pub use self::{
     standing::Standing,
     tokens::{KeptToken, Scope, TOKEN_BYTES, Tokens},

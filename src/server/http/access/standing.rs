@@ -22,36 +22,44 @@ pub struct Standing {
 }
 
 impl Standing {
-    /// The standing that words say.
-    pub(super) fn of(words: &[&str]) -> Result<Self, String> {
-        let mut standing = Self::default();
+    /// The standing that words say, and the faults of those that say none.
+    pub(super) fn of(words: &[&str]) -> (Self, Vec<String>) {
+        let (mut standing, mut faults) = (Self::default(), Vec::new());
         for word in words {
-            let unknown =
-                || format!("«{}» is none of team=NAME, share=NUMBER and priority=NAME, each once", word.escape_debug());
-            let (key, value) = word.split_once('=').ok_or_else(unknown)?;
-            match key {
-                "team" if standing.team.is_none() => standing.team = Some(value.to_owned()),
-                "share" if standing.share.is_none() => {
-                    standing.share = Some(value.parse().map_err(|_| wrong_share(value))?);
+            match word.split_once('=') {
+                Some(("team", value)) if standing.team.is_none() => standing.team = Some(value.to_owned()),
+                Some(("share", value)) if standing.share.is_none() => match value.parse() {
+                    Ok(share) => standing.share = Some(share),
+                    Err(_) => faults.push(wrong_share(value)),
+                },
+                Some(("priority", value)) if standing.priority.is_none() => {
+                    standing.priority = Priority::ALL.into_iter().find(|priority| priority.name() == value);
+                    if standing.priority.is_none() {
+                        faults.push(format!("priority «{}» is none of low, normal, high", value.escape_debug()));
+                    }
                 }
-                "priority" if standing.priority.is_none() => {
-                    let known = Priority::ALL.into_iter().find(|priority| priority.name() == value);
-                    let fault = format!("priority «{}» is none of low, normal, high", value.escape_debug());
-                    standing.priority = Some(known.ok_or(fault)?);
-                }
-                _ => return Err(unknown()),
+                _ => faults.push(format!(
+                    "«{}» is none of team=NAME, share=NUMBER and priority=NAME, each once",
+                    word.escape_debug()
+                )),
             }
         }
-        Ok(standing)
+        (standing, faults)
     }
 
     /// Of a token of this name.
-    pub(super) fn claim(self, name: &str) -> Result<Claim, String> {
-        let team = self.team.map_or_else(|| Ok(name.to_owned()), checked_name)?;
+    ///
+    /// # Errors
+    /// All faults.
+    pub(super) fn claim(self, name: &str) -> Result<Claim, Vec<String>> {
+        let team = self.team.map_or_else(|| Ok(name.to_owned()), checked_name);
         let share = self.share.unwrap_or(1);
         let share =
-            NonZeroU32::new(share).filter(|share| share.get() <= GREATEST_SHARE).ok_or_else(|| wrong_share(share))?;
-        Ok(Claim { team, share, priority: self.priority.unwrap_or(Priority::Normal) })
+            NonZeroU32::new(share).filter(|share| share.get() <= GREATEST_SHARE).ok_or_else(|| wrong_share(share));
+        match (team, share) {
+            (Ok(team), Ok(share)) => Ok(Claim { team, share, priority: self.priority.unwrap_or(Priority::Normal) }),
+            (team, share) => Err(team.err().into_iter().chain(share.err()).collect()),
+        }
     }
 }
 
@@ -76,7 +84,11 @@ mod tests {
 
     #[test]
     fn words_say_team_share_and_priority() {
-        let claim = |words: &str| Standing::of(&words.split_whitespace().collect::<Vec<_>>())?.claim("farm");
+        let claim = |words: &str| {
+            let (standing, mut faults) = Standing::of(&words.split_whitespace().collect::<Vec<_>>());
+            let claim = standing.claim("farm").map_err(|more| faults.extend(more));
+            if faults.is_empty() { Ok(claim.unwrap()) } else { Err(faults) }
+        };
         assert_eq!(claim(""), Ok(Claim { team: "farm".to_owned(), ..Claim::default() }));
         let all = Claim { team: "art".to_owned(), share: NonZeroU32::new(100).unwrap(), priority: Priority::Low };
         assert_eq!(claim("priority=low team=art share=100"), Ok(all));
@@ -92,8 +104,9 @@ mod tests {
             ("turn=3", "«turn=3»"),
             ("art", "«art»"),
         ] {
-            let fault = claim(words).unwrap_err();
-            assert!(fault.starts_with(told), "{words}: {fault}");
+            let faults = claim(words).unwrap_err();
+            assert!(faults.len() == 1 && faults[0].starts_with(told), "{words}: {faults:?}");
         }
+        assert_eq!(claim("share=0 art priority=urgent team=a/b").unwrap_err().len(), 4);
     }
 }

@@ -20,6 +20,9 @@ pub const TOKEN_BYTES: usize = 32;
 /// Begins each token, so that a program that looks for leaked secrets recognises one.
 const PREFIX: &str = "ltcforge_";
 
+/// The fewest hex digits behind [`PREFIX`] that are taken for those of a token, which has 64: a part of them tells too much too.
+const FEWEST_DIGITS: usize = 16;
+
 /// What a token allows. Each allows what those before it do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Scope {
@@ -89,40 +92,71 @@ impl fmt::Display for KeptToken {
 }
 
 impl FromStr for KeptToken {
-    type Err = String;
+    type Err = Vec<String>;
 
-    /// No error shows a hash, or what was taken for one: it may be a token.
-    fn from_str(text: &str) -> Result<Self, String> {
+    /// All faults, of which none shows a hash, or what was taken for one: it may be a token.
+    fn from_str(text: &str) -> Result<Self, Vec<String>> {
         let words: Vec<&str> = text.split_whitespace().collect();
         let [name, scope, hash, standing @ ..] = words.as_slice() else {
-            return Err(format!("a token is NAME SCOPE sha256:HASH, at least three words, and not {}", words.len()));
+            return Err(vec![format!(
+                "a token is NAME SCOPE sha256:HASH, at least three words, and not {}",
+                words.len()
+            )]);
         };
         let hash = hash.strip_prefix("sha256:").and_then(|hash| hash.parse().ok());
-        let hash =
+        let hash: Result<Digest, String> =
             hash.ok_or_else(|| format!("the hash of «{}» is not sha256: and 64 hex digits", name.escape_debug()));
-        let name = checked_name((*name).to_owned())?;
-        let claim = Standing::of(standing)?.claim(&name)?;
-        Ok(Self { by: Arc::new(Submitter { name, claim }), scope: scope.parse()?, hash: hash? })
+        let (standing, mut faults) = Standing::of(standing);
+        match (Self::of(name, standing), scope.parse(), hash) {
+            (Ok(by), Ok(scope), Ok(hash)) if faults.is_empty() => Ok(Self { by, scope, hash }),
+            (by, scope, hash) => {
+                faults.splice(0..0, by.err().into_iter().flatten().chain(scope.err()).chain(hash.err()));
+                Err(faults)
+            }
+        }
     }
 }
 
 impl KeptToken {
+    /// Whom a token names.
+    fn of(name: &str, standing: Standing) -> Result<Arc<Submitter>, Vec<String>> {
+        match (checked_name(name.to_owned()), standing.claim(name)) {
+            (Ok(name), Ok(claim)) => Ok(Arc::new(Submitter { name, claim })),
+            (name, claim) => Err(name.err().into_iter().chain(claim.err().into_iter().flatten()).collect()),
+        }
+    }
+
     /// A new token of these random bytes: its secret, and the token as it is kept.
     ///
     /// # Errors
-    /// When a name is not one, or the share.
+    /// All faults, a line each, when a name is not one, or the share.
     pub fn new(
         name: &str,
         scope: Scope,
         standing: Standing,
         random: &[u8; TOKEN_BYTES],
     ) -> Result<(String, Self), String> {
+        let by = Self::of(name, standing).map_err(|faults| faults.join("\n"))?;
         let secret = format!("{PREFIX}{}", to_hex(random));
         let hash = Digest::of(secret.as_bytes());
-        let name = checked_name(name.to_owned())?;
-        let claim = standing.claim(&name)?;
-        Ok((secret, Self { by: Arc::new(Submitter { name, claim }), scope, hash }))
+        Ok((secret, Self { by, scope, hash }))
     }
+}
+
+/// A text with `[...]` in place of the digits of tokens, whole or cut short: what goes into a log may have one by a slip.
+pub(in crate::http) fn without_tokens(text: &str) -> String {
+    let (mut shown, mut rest) = (String::with_capacity(text.len()), text);
+    while let Some(at) = rest.find(PREFIX) {
+        let (before, after) = rest.split_at(at + PREFIX.len());
+        shown.push_str(before);
+        rest = after.trim_start_matches(|c: char| c.is_ascii_hexdigit());
+        match &after[..after.len() - rest.len()] {
+            // Names of metrics begin so too.
+            few if few.len() < FEWEST_DIGITS => shown.push_str(few),
+            _ => shown.push_str("[...]"),
+        }
+    }
+    shown + rest
 }
 
 /// The tokens of a service.
@@ -143,24 +177,21 @@ impl Tokens {
                 if line.is_empty() || line.starts_with('#') {
                     continue;
                 }
-                let read = line.parse::<KeptToken>().and_then(|token| {
-                    let Submitter { name, claim } = &*token.by;
-                    if names.contains(name) {
-                        return Err(format!("a second token «{name}»"));
+                let mut faulty = |fault: &str| faults.push(without_tokens(&format!("{text_name}, line {at}: {fault}")));
+                match line.parse::<KeptToken>() {
+                    Ok(token) => {
+                        let Submitter { name, claim } = &*token.by;
+                        let share = *shares.entry(claim.team.clone()).or_insert(claim.share);
+                        if share != claim.share {
+                            let (team, other) = (&claim.team, claim.share);
+                            faulty(&format!("the team «{team}» has a share of {share} above, and not of {other}"));
+                        }
+                        if !names.insert(name.clone()) {
+                            faulty(&format!("a second token «{name}»"));
+                        }
+                        tokens.push(token);
                     }
-                    let share = *shares.entry(claim.team.clone()).or_insert(claim.share);
-                    if share != claim.share {
-                        return Err(format!(
-                            "the team «{}» has a share of {share} above, and not of {}",
-                            claim.team, claim.share
-                        ));
-                    }
-                    names.insert(name.clone());
-                    Ok(token)
-                });
-                match read {
-                    Ok(token) => tokens.push(token),
-                    Err(fault) => faults.push(format!("{text_name}, line {at}: {fault}")),
+                    Err(found) => found.iter().for_each(|fault| faulty(fault)),
                 }
             }
         }
@@ -225,6 +256,36 @@ mod tests {
         }
         assert_eq!(faults.lines().count(), 5, "{faults}");
         assert!(!faults.contains(&secret) && !faults.contains(&kept.hash.hex()), "{faults}");
+        // Several of one line, in which the secret is the name.
+        let line = format!(
+            "{secret} root {secret} share=0 team=x/y colour=red priority=urgent\n{kept} team=farm share=2\n{kept}"
+        );
+        let faults = Tokens::of(&[("F", &line)]).expect_err("nine faults");
+        for told in [
+            "line 1: «ltcforge_[...]» is not the name",
+            "line 1: scope «root»",
+            "line 1: the hash of «ltcforge_[...]»",
+            "line 1: share «0»",
+            "line 1: «x/y» is not the name",
+            "line 1: «colour=red»",
+            "line 1: priority «urgent»",
+            "line 3: the team «farm» has a share of 2 above, and not of 1",
+            "line 3: a second token «farm»",
+        ] {
+            assert!(faults.contains(told), "{told}: {faults}");
+        }
+        assert_eq!(faults.lines().count(), 9, "{faults}");
+    }
+
+    #[test]
+    fn a_token_is_shown_nowhere_and_names_stay() {
+        let (secret, _) = new("farm", Scope::Read, 1);
+        let text =
+            format!("/v1/jobs?token={secret}&again={secret}x&m=ltcforge_entries&cut={}&ltcforge_", &secret[..25]);
+        let shown =
+            "/v1/jobs?token=ltcforge_[...]&again=ltcforge_[...]x&m=ltcforge_entries&cut=ltcforge_[...]&ltcforge_";
+        assert_eq!(without_tokens(&text), shown);
+        assert_eq!(without_tokens("/v1/tables"), "/v1/tables");
     }
 
     #[test]

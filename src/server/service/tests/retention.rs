@@ -20,7 +20,7 @@ use super::{
 };
 use crate::{
     queue::postgres::{PostgresQueue, Process},
-    service::{Config, DeleteTableError, PinError, PinName, Service},
+    service::{Config, DeleteTableError, Kept, KeptReason, PinError, PinName, Service},
     store::{Access, Database, ObjectBlobs, PostgresRows, Store, StoreOpenError, Tree, throwaway},
 };
 use ltcforge_files::{digest::Digest, tabulated::encode};
@@ -126,6 +126,11 @@ fn what_was_used_longest_ago_goes_first_and_what_is_pinned_stays() {
         let later = service.state.queue.now().checked_add(jiff::SignedDuration::from_hours(1)).unwrap();
         let plan = service.state.tables.plan(service.state.queue.as_ref(), Some(1), later, vec![]).unwrap();
         assert_eq!(plan.going.iter().map(|going| going.digest).collect::<Vec<_>>(), [oldest, new, asked]);
+        let of_pinned = file(&blobs, pinned).metadata().unwrap().len();
+        assert_eq!(plan.kept, [Kept { reason: KeptReason::Pin, files: 1, bytes: of_pinned }]);
+        // A byte more than all is no reason to tell why anything stays.
+        let plan = |most| service.state.tables.plan(service.state.queue.as_ref(), Some(most), later, vec![]).unwrap();
+        assert_eq!((plan(bytes).kept, plan(bytes - 1).kept, plan(of_pinned).kept), (vec![], vec![], vec![]));
 
         // One byte less than all: one table is enough.
         let bounded = |store_bytes| Config { store_bytes: Some(store_bytes), ..config.clone() };
@@ -306,12 +311,14 @@ fn a_brdf_stays_while_the_recipe_of_a_table_names_it() {
         let plan = |most| {
             let state = &service.state;
             let plan = state.tables.plan(state.queue.as_ref(), Some(most), state.queue.now(), vec![]).unwrap();
-            plan.going.iter().map(|going| going.digest).collect::<Vec<_>>()
+            (plan.going.iter().map(|going| going.digest).collect::<Vec<_>>(), plan.kept)
         };
-        assert_eq!(plan(20), [table], "the BRDF is older, and needed");
-        assert_eq!(plan(1), [table, brdf]);
+        assert_eq!(plan(20), (vec![table], vec![]), "the BRDF is older, and needed");
+        assert_eq!(plan(1), (vec![table, brdf], vec![]));
         service.pin(table, &name("film"), None).unwrap();
-        assert!(plan(1).is_empty());
+        let kept =
+            [(KeptReason::Pin, 15), (KeptReason::Table, 6)].map(|(reason, bytes)| Kept { reason, files: 1, bytes });
+        assert_eq!(plan(1), (vec![], kept.to_vec()));
         service.stop();
     }
 }

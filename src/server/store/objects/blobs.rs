@@ -59,7 +59,7 @@ impl Drop for ObjectBlobs {
 }
 
 impl ObjectBlobs {
-    /// The blobs at `url`, which must exist, with a cache of at most `cache_bytes` in the folder `cache`.
+    /// The blobs at `url`, which must exist, with a cache of at most `cache_bytes` in the folder `cache`; of none if it is 0.
     ///
     /// # Errors
     /// See [`ObjectsOpenError`].
@@ -211,7 +211,7 @@ impl Blobs for ObjectBlobs {
             }
         }
         tracing::error!(%digest, "the object store gave other bytes than were stored, twice");
-        Err(StoreError::Unavailable(format!("the object store gives other bytes for {digest} than were stored")))
+        Err(StoreError::OtherBytes(digest))
     }
 
     /// One that is not in the cache is fetched whole, and sent from the cache if there is room for it.

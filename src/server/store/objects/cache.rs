@@ -18,7 +18,8 @@ use ltcforge_files::{digest::Digest, replace::replace_cached_file};
 /// folder.
 #[derive(Debug)]
 pub(super) struct BlobCache {
-    folder: PathBuf,
+    /// `None` where nothing is kept.
+    folder: Option<PathBuf>,
     limit_bytes: u64,
     /// Bytes that this process has written since it last listed the folder. It does so after a sixteenth of the limit and
     /// leaves an eighth free, for what two processes write meanwhile.
@@ -26,8 +27,12 @@ pub(super) struct BlobCache {
 }
 
 impl BlobCache {
-    /// The cache in `folder`, with the files that an earlier process left there.
+    /// The cache in `folder`, with the files that an earlier process left there. With a limit of 0 nothing is kept, and the folder is
+    /// left alone.
     pub(super) fn open(folder: &Path, limit_bytes: u64) -> io::Result<Self> {
+        if limit_bytes == 0 {
+            return Ok(Self { folder: None, limit_bytes, written: Mutex::default() });
+        }
         fs::create_dir_all(folder)?;
         for entry in fs::read_dir(folder)? {
             let entry = entry?;
@@ -37,16 +42,16 @@ impl BlobCache {
             }
         }
         shrink(folder, |_| limit_bytes - limit_bytes / 8)?;
-        Ok(Self { folder: folder.to_owned(), limit_bytes, written: Mutex::default() })
+        Ok(Self { folder: Some(folder.to_owned()), limit_bytes, written: Mutex::default() })
     }
 
-    fn path(&self, digest: Digest) -> PathBuf {
-        self.folder.join(digest.hex())
+    fn path(&self, digest: Digest) -> Option<PathBuf> {
+        Some(self.folder.as_ref()?.join(digest.hex()))
     }
 
     /// The bytes of a blob, if they are here and have its digest.
     pub(super) fn get(&self, digest: Digest) -> Option<Vec<u8>> {
-        let path = self.path(digest);
+        let path = self.path(digest)?;
         let bytes = read_regular(&path).ok()?;
         if Digest::of(&bytes) == digest {
             touch(&path);
@@ -59,26 +64,24 @@ impl BlobCache {
 
     /// The file of a blob, if there is one. Its bytes are not checked.
     pub(super) fn file(&self, digest: Digest) -> Option<PathBuf> {
-        Some(self.path(digest)).filter(|path| path.is_file())
+        self.path(digest).filter(|path| path.is_file())
     }
 
     /// Removes a blob. If that fails, it is removed as the others are.
     pub(super) fn remove(&self, digest: Digest) {
-        let _ = fs::remove_file(self.path(digest));
+        let _ = self.path(digest).map(fs::remove_file);
     }
 
     /// Keeps a blob. A failure is logged: this is only a cache.
     pub(super) fn put(&self, digest: Digest, bytes: &[u8]) {
         let length = bytes.len() as u64;
-        if length > self.limit_bytes {
-            return;
-        }
-        let path = self.path(digest);
+        let Some(folder) = self.folder.as_ref().filter(|_| length <= self.limit_bytes) else { return };
+        let path = folder.join(digest.hex());
         let kept = replace_cached_file(&path, bytes).or_else(|error| {
             if !is_full(error.kind()) {
                 return Err(error);
             }
-            shrink(&self.folder, |total| total - length.max(total / 8).min(total))?;
+            shrink(folder, |total| total - length.max(total / 8).min(total))?;
             replace_cached_file(&path, bytes)
         });
         if let Err(error) = kept {
@@ -90,7 +93,7 @@ impl BlobCache {
         *written += length;
         if *written > self.limit_bytes / 16 {
             *written = 0;
-            if let Err(error) = shrink(&self.folder, |_| self.limit_bytes - self.limit_bytes / 8) {
+            if let Err(error) = shrink(folder, |_| self.limit_bytes - self.limit_bytes / 8) {
                 tracing::warn!(%error, "the cache of blobs could not be listed");
             }
         }
@@ -184,8 +187,23 @@ mod tests {
         let cache = BlobCache::open(dir.path(), 100).unwrap();
         let digest = Digest::of(b"table");
         cache.put(digest, b"table");
-        fs::write(cache.path(digest), "tabel").unwrap();
+        let file = cache.path(digest).unwrap();
+        fs::write(&file, "tabel").unwrap();
         assert_eq!(cache.get(digest), None);
-        assert!(!cache.path(digest).exists());
+        assert!(!file.exists());
+    }
+
+    #[test]
+    fn a_cache_of_nothing_leaves_the_folder_alone() {
+        let dir = tempfile::tempdir().unwrap();
+        let digest = Digest::of(b"table");
+        let kept = BlobCache::open(dir.path(), 100).unwrap();
+        kept.put(digest, b"table");
+        let none = BlobCache::open(dir.path(), 0).unwrap();
+        none.put(Digest::of(b""), b"");
+        none.remove(digest);
+        assert_eq!((none.get(digest), none.file(digest)), (None, None));
+        assert_eq!(kept.get(digest).unwrap(), b"table");
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
     }
 }

@@ -117,6 +117,22 @@ impl Database {
     /// # Errors
     /// See [`DatabaseOpenError`].
     pub fn open_with(url: &str, limits: DatabaseTimeouts) -> Result<Arc<Self>, DatabaseOpenError> {
+        let database = Self::connect(url, limits)?;
+        database.block_on(async { migrations::apply(&mut database.first_client().await?, migrations::ALL).await })?;
+        Ok(Arc::new(database))
+    }
+
+    /// As [`Self::open_with`], but a schema that is not up to date is an error.
+    ///
+    /// # Errors
+    /// See [`DatabaseOpenError`].
+    pub fn open_unchanged(url: &str, limits: DatabaseTimeouts) -> Result<Arc<Self>, DatabaseOpenError> {
+        let database = Self::connect(url, limits)?;
+        database.block_on(async { migrations::require(&database.first_client().await?, migrations::ALL).await })?;
+        Ok(Arc::new(database))
+    }
+
+    fn connect(url: &str, limits: DatabaseTimeouts) -> Result<Self, DatabaseOpenError> {
         if has_stray_at(url) {
             return Err(DatabaseOpenError::BadUrl(STRAY_AT.to_owned()));
         }
@@ -158,12 +174,12 @@ impl Database {
                 end_idle(&idle, IDLE);
             }
         });
-        let database = Self { runtime: Some(runtime), pool, config, tls, name, is_limited: AtomicBool::new(true) };
-        database.block_on(async {
-            let mut client = database.pool.get().await.map_err(|error| database.refusal(&error))?;
-            migrations::apply(&mut client, migrations::ALL).await
-        })?;
-        Ok(Arc::new(database))
+        Ok(Self { runtime: Some(runtime), pool, config, tls, name, is_limited: AtomicBool::new(true) })
+    }
+
+    /// The first connection, which tells whether there can be any.
+    async fn first_client(&self) -> Result<Client, DatabaseOpenError> {
+        self.pool.get().await.map_err(|error| self.refusal(&error))
     }
 
     fn refusal(&self, error: &PoolError) -> DatabaseOpenError {

@@ -44,6 +44,17 @@ pub enum DatabaseOpenError {
         /// The newest schema this program knows.
         known: usize,
     },
+    /// It has not the schema of this program, and this operation changes nothing.
+    #[error(
+        "the database has schema {found}, and nothing is changed here to make it {needed}: start `ltcforge serve` or \
+         `ltcforge work` of this version on it once"
+    )]
+    Older {
+        /// Its schema; 0 without one.
+        found: usize,
+        /// That of this program.
+        needed: usize,
+    },
     /// Another program made its schema.
     #[error("migration {0} differs from the one that was applied to the database")]
     Changed(usize),

@@ -46,6 +46,14 @@ fn compare(applied: &[Vec<u8>], migrations: &[&str]) -> Result<usize, DatabaseOp
     changed.map_or(Ok(applied.len()), |at| Err(DatabaseOpenError::Changed(at + 1)))
 }
 
+/// Checks that all `migrations` were applied, and applies none.
+pub(super) async fn require(client: &Client, migrations: &[&str]) -> Result<(), DatabaseOpenError> {
+    match compare(&applied(client).await?, migrations)? {
+        found if found < migrations.len() => Err(DatabaseOpenError::Older { found, needed: migrations.len() }),
+        _ => Ok(()),
+    }
+}
+
 /// Applies those of `migrations` that were not applied yet. If there are none, the role needs no right to change the
 /// schema.
 pub(super) async fn apply(client: &mut Client, migrations: &[&str]) -> Result<(), DatabaseOpenError> {

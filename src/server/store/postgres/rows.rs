@@ -23,6 +23,18 @@ impl PostgresRows {
         Self { database }
     }
 
+    /// Whether the totals, which a trigger keeps, count the tables that there are.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn totals_agree(&self) -> Result<bool, StoreError> {
+        self.database.run(async |client| {
+            let agree = "SELECT (SELECT coalesce(sum(tables), 0) FROM ltcforge.totals)
+                = (SELECT count(*) FROM ltcforge.rows WHERE tree = $1)";
+            Ok(client.query_one(&client.prepare_cached(agree).await?, &[&Tree::Tables.name()]).await?.get(0))
+        })
+    }
+
     fn rows(&self, statement: &str, tree: Tree, key: &[u8], limit: i64) -> Result<Vec<Row>, StoreError> {
         self.database.run(async |client| {
             let statement = client.prepare_cached(statement).await?;

@@ -57,6 +57,11 @@ pub fn empty_database() -> Option<String> {
     SHARED.as_ref().map(Server::empty_database)
 }
 
+/// The server of [`empty_database`]; `None`, with a message, where PostgreSQL is not installed.
+pub fn shared() -> Option<&'static Server> {
+    SHARED.as_ref()
+}
+
 impl Server {
     /// Starts a server with further arguments; `None`, with a message, where PostgreSQL is not installed.
     pub fn start(arguments: &str) -> Option<Self> {
