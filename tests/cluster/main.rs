@@ -7,12 +7,14 @@ mod throwaway;
 
 mod errors;
 mod faults;
+mod fleet;
 mod kills;
 mod links;
 mod migration;
 mod objects;
 mod pgbouncer;
 mod proxy;
+mod room;
 mod s3;
 mod sweep;
 mod watch;
@@ -93,6 +95,11 @@ impl Worker {
         BufReader::new(stdout).read_line(&mut line).expect("a line on stdout or its end");
         assert!(line.is_empty() || line.starts_with("working"), "{line}");
         (!line.is_empty()).then_some(worker)
+    }
+
+    /// Its process.
+    pub(crate) fn process(&self) -> u32 {
+        self.0.id()
     }
 }
 

@@ -1,6 +1,6 @@
 //! The service on a database and a blob store that any number of processes share.
 
-use std::{collections::HashMap, fmt, str::FromStr, sync::Arc};
+use std::{collections::HashMap, fmt, num::NonZeroUsize, str::FromStr, sync::Arc};
 
 use super::{
     Config, OpenError, Service,
@@ -45,6 +45,8 @@ pub struct Shared {
     pub blobs: String,
     /// Bytes of blobs that this process keeps in its data folder.
     pub cache_bytes: u64,
+    /// Connections to the database, at most, beside one that listens.
+    pub connections: NonZeroUsize,
     /// How long the database lets statements and transactions take.
     pub timeouts: DatabaseTimeouts,
 }
@@ -69,7 +71,7 @@ impl Shared {
         let cache = config.data_dir.join("cache");
         // First, so that the schema is not made if this URL is wrong.
         let blobs = Arc::new(ObjectBlobs::open(&self.blobs, access, &cache, self.cache_bytes)?);
-        Ok((Database::open_with(&self.database.0, self.timeouts)?, blobs))
+        Ok((Database::open_with(&self.database.0, self.connections, self.timeouts)?, blobs))
     }
 }
 
@@ -129,7 +131,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        service::{Removal, Swept, sweep, tests::config},
+        service::{Removal, Swept, WORKER_CONNECTIONS, sweep, tests::config},
         store::{Blobs as _, throwaway},
     };
     use ltcforge_files::{digest::Digest, tabulated::encode};
@@ -145,6 +147,7 @@ mod tests {
             database: url.parse().unwrap(),
             blobs: format!("file://{}", store.display()),
             cache_bytes: 1 << 20,
+            connections: WORKER_CONNECTIONS,
             timeouts: DatabaseTimeouts::default(),
         };
         let unpaired = sweep(&config, &shared, Removal::Nothing).unwrap_err().to_string();
@@ -188,6 +191,7 @@ mod tests {
                 database,
                 blobs: format!("file://{}", store.display()),
                 cache_bytes: 1 << 20,
+                connections: WORKER_CONNECTIONS,
                 timeouts: DatabaseTimeouts::default(),
             })
         };
@@ -276,6 +280,7 @@ mod tests {
             database: url,
             blobs: "s3://bucket/x".to_owned(),
             cache_bytes: 1,
+            connections: WORKER_CONNECTIONS,
             timeouts: DatabaseTimeouts::default(),
         };
         assert!(!format!("{shared:?}").contains("hunter2"));
