@@ -13,7 +13,7 @@ use std::{
 
 use ltcforge::server::{
     queue::{Job, JobId, StateName},
-    service::{DatabaseTimeouts, Service, Shared, SubmitReply},
+    service::{DatabaseTimeouts, REPLICA_CONNECTIONS, Service, Shared, SubmitReply},
 };
 
 mod default_config;
@@ -109,7 +109,13 @@ impl Bench {
         std::fs::create_dir_all(&tables).expect("a folder");
         let blobs = format!("file://{}", tables.display());
         let database = self.server.empty_database().parse().expect("any text");
-        Shared { database, blobs, cache_bytes: CACHE_BYTES, timeouts: DatabaseTimeouts::default() }
+        Shared {
+            database,
+            blobs,
+            cache_bytes: CACHE_BYTES,
+            connections: REPLICA_CONNECTIONS,
+            timeouts: DatabaseTimeouts::default(),
+        }
     }
 
     fn embedded(&self, name: &str, threads: usize) -> Arc<Service> {

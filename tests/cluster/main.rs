@@ -7,6 +7,7 @@ mod throwaway;
 
 mod errors;
 mod faults;
+mod fleet;
 mod fsck;
 mod kills;
 mod links;
@@ -14,6 +15,7 @@ mod migration;
 mod objects;
 mod pgbouncer;
 mod proxy;
+mod room;
 mod runbook;
 mod s3;
 mod sweep;
@@ -104,6 +106,11 @@ impl Worker {
         BufReader::new(stdout).read_line(&mut line).expect("a line on stdout or its end");
         assert!(line.is_empty() || line.starts_with("working"), "{line}");
         (!line.is_empty()).then_some(worker)
+    }
+
+    /// Its process.
+    pub(crate) fn process(&self) -> u32 {
+        self.0.id()
     }
 }
 

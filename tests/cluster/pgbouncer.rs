@@ -27,9 +27,9 @@ exec $as "$@"
 "#;
 
 /// A running pgbouncer. Killed when dropped.
-struct Pooler {
+pub(crate) struct Pooler {
     child: Child,
-    address: SocketAddr,
+    pub(crate) address: SocketAddr,
 }
 
 impl Drop for Pooler {
@@ -42,7 +42,13 @@ impl Drop for Pooler {
 
 impl Pooler {
     /// Starts `program` before a database called `name`, with lines of its sections `[databases]` and `[pgbouncer]`.
-    fn start(program: &PathBuf, database: &throwaway::Server, name: &str, of_database: &str, of_all: &str) -> Self {
+    pub(crate) fn start(
+        program: &PathBuf,
+        database: &throwaway::Server,
+        name: &str,
+        of_database: &str,
+        of_all: &str,
+    ) -> Self {
         let free = TcpListener::bind("127.0.0.1:0").and_then(|listener| listener.local_addr()).expect("a free port");
         let folder = database.folder();
         let settings = format!(
@@ -63,7 +69,7 @@ impl Pooler {
 }
 
 /// The program and its version; `None`, with a message, where it is not installed.
-fn pgbouncer() -> Option<(PathBuf, (u32, u32))> {
+pub(crate) fn pgbouncer() -> Option<(PathBuf, (u32, u32))> {
     let named = env::var_os("LTCFORGE_TEST_PGBOUNCER").map(PathBuf::from);
     for program in named.map_or_else(|| vec!["pgbouncer".into(), "/usr/sbin/pgbouncer".into()], |named| vec![named]) {
         let Ok(told) = Command::new(&program).arg("--version").output() else { continue };

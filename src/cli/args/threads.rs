@@ -56,7 +56,7 @@ impl<const MOST: u64> FromStr for UpTo<MOST> {
     }
 }
 
-impl ThreadCount {
+impl<const MOST: u64> UpTo<MOST> {
     /// As a count.
     pub(crate) fn count(self) -> NonZeroUsize {
         NonZeroUsize::new(self.0 as usize).unwrap_or(NonZeroUsize::MIN)

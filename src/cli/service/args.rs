@@ -5,8 +5,11 @@ use std::{net::SocketAddr, num::NonZeroU64, path::PathBuf};
 use clap::Args;
 
 use super::place::Place;
-use crate::args::threads::ThreadCount;
+use crate::args::threads::{ThreadCount, UpTo};
 use ltcforge_server::service::DatabaseUrl;
+
+/// Connections to a database, beside one that listens.
+pub(super) type ConnectionCount = UpTo<256>;
 
 /// How long the database lets this process's statements and transactions take.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Args)]
@@ -34,6 +37,9 @@ pub struct SharedArgs {
     /// Folder of the cache [default: ltcforge-data]
     #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
     pub data: Option<PathBuf>,
+    /// Connections to the database, 1 to 256, beside one that listens [default: 3]
+    #[arg(long, env = "LTCFORGE_DATABASE_CONNECTIONS", value_name = "N")]
+    pub database_connections: Option<ConnectionCount>,
     /// How long the database waits
     #[command(flatten)]
     pub timeouts: TimeoutArgs,
@@ -60,6 +66,9 @@ pub(crate) struct ReplicaArgs {
     /// Seconds after which another worker does what one has not reported on, with --database [default: 60]
     #[arg(long, env = "LTCFORGE_LEASE_SECONDS", value_name = "N", requires = "database")]
     pub lease_seconds: Option<NonZeroU64>,
+    /// Connections to the database, 1 to 256, beside one that listens [default: 16]
+    #[arg(long, env = "LTCFORGE_DATABASE_CONNECTIONS", value_name = "N", requires = "database")]
+    pub database_connections: Option<ConnectionCount>,
     /// How long the database waits
     #[command(flatten)]
     pub timeouts: TimeoutArgs,

@@ -1,6 +1,12 @@
 //! `work`, `gc` and `migrate`: commands on a database and a store of tables that several processes share.
 
-use std::{net::SocketAddr, num::NonZeroU64, path::PathBuf, sync::Arc, time::Duration};
+use std::{
+    net::SocketAddr,
+    num::{NonZeroU64, NonZeroUsize},
+    path::PathBuf,
+    sync::Arc,
+    time::Duration,
+};
 
 use serde_json::json;
 
@@ -12,24 +18,33 @@ use super::{
     serve::failed,
     settings::ServeSettings,
 };
-use crate::args::threads::ThreadCount;
+use crate::args::threads::{ThreadCount, UpTo};
 use ltcforge_server::{
     http,
-    service::{self, Config, DatabaseTimeouts, DatabaseUrl, Going, Removal, Service, Shared, Swept},
+    service::{
+        self, Config, DatabaseTimeouts, DatabaseUrl, Going, REPLICA_CONNECTIONS, Removal, Service, Shared, Swept,
+        WORKER_CONNECTIONS,
+    },
 };
 use ltcforge_view::preview::Adapter;
 
 /// Megabytes of tables that are kept on disk by default.
 const DEFAULT_CACHE_MB: u64 = 4096;
 
-pub(super) fn shared(
+fn shared(
     database: DatabaseUrl,
     blobs: String,
     cache_mb: Option<NonZeroU64>,
+    connections: NonZeroUsize,
     timeouts: DatabaseTimeouts,
 ) -> Shared {
     let cache_bytes = cache_mb.map_or(DEFAULT_CACHE_MB, NonZeroU64::get).saturating_mul(1 << 20);
-    Shared { database, blobs, cache_bytes, timeouts }
+    Shared { database, blobs, cache_bytes, connections, timeouts }
+}
+
+/// What a command that looks at all there is shares, without time limits.
+pub(super) fn shared_for_all(database: DatabaseUrl, blobs: String) -> Shared {
+    shared(database, blobs, None, WORKER_CONNECTIONS, DatabaseTimeouts::NONE)
 }
 
 impl TimeoutArgs {
@@ -49,7 +64,16 @@ impl TimeoutArgs {
 
 /// The database and store that a replica shares; `None` for a service on a folder of its own.
 pub(super) fn replica(args: &ReplicaArgs) -> Option<Shared> {
-    Some(shared(args.database.clone()?, args.blobs.clone()?, args.cache_mb, args.timeouts.timeouts()))
+    let connections = args.database_connections.map_or(REPLICA_CONNECTIONS, UpTo::count);
+    Some(shared(args.database.clone()?, args.blobs.clone()?, args.cache_mb, connections, args.timeouts.timeouts()))
+}
+
+/// What `opening` gives, which waits where the database has no room; `None` if the process is interrupted meanwhile.
+pub(super) async fn unless_interrupted<T>(opening: impl Future<Output = T>, context: &Context<'_>) -> Option<T> {
+    tokio::select! {
+        opened = opening => Some(opened),
+        () = context.interrupt.clone().wait() => None,
+    }
 }
 
 /// The configuration of a process that shares.
@@ -94,17 +118,19 @@ pub(super) fn work(
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
     let options = args.listen.map(|listen| worker_http(listen, &args, file)).transpose()?;
-    let SharedArgs { database, blobs, cache_mb, data, timeouts } = args.shared;
+    let SharedArgs { database, blobs, cache_mb, data, database_connections, timeouts } = args.shared;
+    let connections = database_connections.map_or(WORKER_CONNECTIONS, UpTo::count);
     let mut config = shared_config(without_http(data, file), args.lease_seconds);
     config.workers = args.workers.map_or(config.workers, ThreadCount::count);
     let (workers, runtime, shared) =
-        (config.workers, context.runtime.clone(), shared(database, blobs, cache_mb, timeouts.timeouts()));
+        (config.workers, context.runtime.clone(), shared(database, blobs, cache_mb, connections, timeouts.timeouts()));
     runtime.block_on(async {
         let listening = match options {
             Some((listen, options)) => Some((super::serve::listen(listen).await?, options)),
             None => None,
         };
-        let opened = tokio::task::spawn_blocking(move || Service::open_shared(config, &shared, true)).await;
+        let opening = tokio::task::spawn_blocking(move || Service::open_shared(config, &shared, true));
+        let Some(opened) = unless_interrupted(opening, context).await else { return Ok(Exit::Ok) };
         let service = opened.map_err(failed)?.map_err(failed)?;
         let text = format!("working with {workers} threads");
         let interrupt = context.interrupt.clone().wait();
@@ -141,9 +167,7 @@ pub(super) fn gc(
     let store_bytes = store_bytes.or(file.store_bytes).map(NonZeroU64::get);
     let config = Config { store_bytes, ..without_http(data, file) };
     let swept = match database.zip(blobs) {
-        Some((database, blobs)) => {
-            service::sweep(&config, &shared(database, blobs, None, DatabaseTimeouts::NONE), removal)
-        }
+        Some((database, blobs)) => service::sweep(&config, &shared_for_all(database, blobs), removal),
         None => service::sweep_folder(&config, removal),
     };
     let swept = swept.map_err(failed)?;
@@ -179,8 +203,7 @@ pub(super) fn migrate(
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
     let done =
-        service::migrate(&without_http(args.data, file), &shared(args.to, args.blobs, None, DatabaseTimeouts::NONE))
-            .map_err(failed)?;
+        service::migrate(&without_http(args.data, file), &shared_for_all(args.to, args.blobs)).map_err(failed)?;
     let service::Migrated { tables, missing, jobs, shards } = done;
     let text = format!(
         "{tables} tables and {jobs} jobs with {shards} finished shards were taken along; \

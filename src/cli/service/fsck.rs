@@ -7,9 +7,7 @@ use serde_json::json;
 use super::{
     CommandFailure, Context, Exit, args::FsckArgs, cluster, place::Place, print, serve::failed, settings::ServeSettings,
 };
-use ltcforge_server::service::{
-    CheckReport, DatabaseTimeouts, DatabaseUrl, Disagreements, SharedReport, check, check_shared,
-};
+use ltcforge_server::service::{CheckReport, DatabaseUrl, Disagreements, SharedReport, check, check_shared};
 
 /// Checks a store, changes nothing in it, and tells the faults and what mends them.
 pub(super) fn run(
@@ -46,7 +44,7 @@ fn of_folder(folder: &Path) -> Result<Told, CommandFailure> {
 }
 
 fn of_shared(database: DatabaseUrl, blobs: String, file: &ServeSettings) -> Result<Told, CommandFailure> {
-    let shared = cluster::shared(database, blobs, None, DatabaseTimeouts::NONE);
+    let shared = cluster::shared_for_all(database, blobs);
     let report = check_shared(&cluster::without_http(None, file), &shared).map_err(failed)?;
     let mut value = json!(report);
     value["blobs"] = json!(shared.blobs);

@@ -26,7 +26,14 @@ pub(super) fn run(settings: &ServeSettings, json: bool, context: &mut Context<'_
     let runtime = context.runtime.clone();
     runtime.block_on(async {
         let (listener, address) = self::listen(listen).await?;
-        let opened = tokio::task::spawn_blocking(move || open(config)).await;
+        let opening = tokio::task::spawn_blocking(move || open(config));
+        // A folder of its own is not left in the middle of being opened.
+        let opened = if settings.replica.database.is_none() {
+            Some(opening.await)
+        } else {
+            super::cluster::unless_interrupted(opening, context).await
+        };
+        let Some(opened) = opened else { return Ok(Exit::Ok) };
         let service = opened.map_err(failed)?.map_err(failed)?;
         let url = format!("{scheme}://{address}");
         print(context.stdout, json, &json!({ "listening": url }), &format!("listening on {url}"))?;

@@ -1,6 +1,6 @@
 //! The service on a database and a blob store that any number of processes share.
 
-use std::{collections::HashMap, fmt, str::FromStr, sync::Arc};
+use std::{collections::HashMap, fmt, num::NonZeroUsize, str::FromStr, sync::Arc};
 
 use super::{
     Config, OpenError, Service,
@@ -45,6 +45,8 @@ pub struct Shared {
     pub blobs: String,
     /// Bytes of blobs that this process keeps in its data folder; with 0 it has no such folder.
     pub cache_bytes: u64,
+    /// Connections to the database, at most, beside one that listens.
+    pub connections: NonZeroUsize,
     /// How long the database lets statements and transactions take.
     pub timeouts: DatabaseTimeouts,
 }
@@ -68,13 +70,13 @@ impl Shared {
     ) -> Result<(Arc<Database>, Arc<ObjectBlobs>), OpenError> {
         // First, so that the schema is not made if this URL is wrong.
         let blobs = self.connect_blobs(config, access)?;
-        Ok((Database::open_with(&self.database.0, self.timeouts)?, blobs))
+        Ok((Database::open_with(&self.database.0, self.connections, self.timeouts)?, blobs))
     }
 
     /// As [`Self::connect`], for what only reads; a schema that is not up to date is an error.
     pub(super) fn connect_unchanged(&self, config: &Config) -> Result<(Arc<Database>, Arc<ObjectBlobs>), OpenError> {
         let blobs = self.connect_blobs(config, Access::Read)?;
-        Ok((Database::open_unchanged(&self.database.0, self.timeouts)?, blobs))
+        Ok((Database::open_unchanged(&self.database.0, self.connections, self.timeouts)?, blobs))
     }
 
     fn connect_blobs(&self, config: &Config, access: Access) -> Result<Arc<ObjectBlobs>, OpenError> {
@@ -139,7 +141,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        service::{Kept, KeptReason, Removal, Swept, sweep, tests::config},
+        service::{Kept, KeptReason, Removal, Swept, WORKER_CONNECTIONS, sweep, tests::config},
         store::{Blobs as _, throwaway},
     };
     use ltcforge_files::{digest::Digest, tabulated::encode};
@@ -155,6 +157,7 @@ mod tests {
             database: url.parse().unwrap(),
             blobs: format!("file://{}", store.display()),
             cache_bytes: 1 << 20,
+            connections: WORKER_CONNECTIONS,
             timeouts: DatabaseTimeouts::default(),
         };
         let unpaired = sweep(&config, &shared, Removal::Nothing).unwrap_err().to_string();
@@ -201,6 +204,7 @@ mod tests {
                 database,
                 blobs: format!("file://{}", store.display()),
                 cache_bytes: 1 << 20,
+                connections: WORKER_CONNECTIONS,
                 timeouts: DatabaseTimeouts::default(),
             })
         };
@@ -289,6 +293,7 @@ mod tests {
             database: url,
             blobs: "s3://bucket/x".to_owned(),
             cache_bytes: 1,
+            connections: WORKER_CONNECTIONS,
             timeouts: DatabaseTimeouts::default(),
         };
         assert!(!format!("{shared:?}").contains("hunter2"));

@@ -41,7 +41,9 @@ mod uses;
 mod watch;
 mod work;
 
-pub use crate::store::{Checked, Copied, DatabaseTimeouts, SHORT_BYTES, TableRow};
+pub use crate::store::{
+    Checked, Copied, DatabaseTimeouts, REPLICA_CONNECTIONS, SHORT_BYTES, TableRow, WORKER_CONNECTIONS,
+};
 pub use api::{
     Backlog, Config, Expected, Foreseen, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits,
     ServiceError, SubmitError, SubmitReply,

@@ -52,7 +52,9 @@ pub use pair::{PairError, pair};
 pub(crate) use postgres::apply;
 #[cfg(test)]
 pub(crate) use postgres::tests::{self as test_database, throwaway};
-pub use postgres::{Database, DatabaseOpenError, DatabaseTimeouts, PostgresRows};
+pub use postgres::{
+    Database, DatabaseOpenError, DatabaseTimeouts, PostgresRows, REPLICA_CONNECTIONS, WORKER_CONNECTIONS,
+};
 pub use rows::{Batch, Condition, Row, Rows, Staged};
 pub use sled_rows::SledRows;
 #[cfg(test)]

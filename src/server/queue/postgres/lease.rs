@@ -136,6 +136,9 @@ const LEASED_BEFORE: &str = "
     WHERE t.state = 'leased' AND t.worker = $1 AND t.lease_until > (SELECT ltcforge.clock())
     ORDER BY t.submission, t.task";
 
+/// A row if there is an unfinished job.
+pub(super) const OPEN: &str = "SELECT FROM ltcforge.serving ORDER BY submission LIMIT 1";
+
 const START: &str = "
     UPDATE ltcforge.jobs SET state = 'running', started_at = (SELECT ltcforge.clock())
     WHERE submission = ANY ($1) AND state = 'queued'";
@@ -143,6 +146,13 @@ const START: &str = "
 impl PostgresQueue {
     pub(super) fn lease_tasks(&self, demand: Demand, most: NonZeroUsize) -> Result<Vec<LeasedTask>, StoreError> {
         if self.sweep.is_due() {
+            let open = self
+                .database
+                .run(async |client| Ok(client.query_opt(&client.prepare_cached(OPEN).await?, &[]).await?))?;
+            // At rest a worker asks this alone.
+            if open.is_none() {
+                return Ok(vec![]);
+            }
             self.take_back_expired()?;
             self.database.run(async |client| Ok(make_rows(client).await?))?;
         }

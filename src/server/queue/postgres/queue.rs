@@ -62,7 +62,7 @@ pub struct PostgresQueue {
     housekeeping: Periodic,
     /// The name of the next lease.
     pub(super) lease_names: AtomicU64,
-    /// How often in a row the database refused a lease.
+    /// How often in a row no lease was to be had of the database.
     pub(super) refusals: AtomicU32,
     leases_expired: AtomicU64,
     failures: AtomicU64,
@@ -197,10 +197,15 @@ impl Queue for PostgresQueue {
                 if tasks.is_empty() { Offer::Nothing { seen } } else { Offer::Tasks(tasks) }
             }
             Err(error) => {
-                tracing::warn!(%error, "no task could be leased");
-                // A database that does not answer was waited for; one that refuses needs somebody.
+                let before = self.refusals.fetch_add(1, Ordering::Relaxed);
+                // A database that does not answer was waited for, and is told once; one that refuses needs somebody.
+                if error.is_passing() && before > 0 {
+                    tracing::debug!(%error, "no task could be leased");
+                } else {
+                    tracing::warn!(%error, "no task could be leased");
+                }
                 if !error.is_passing() {
-                    self.changes.pause(back_off(self.refusals.fetch_add(1, Ordering::Relaxed)));
+                    self.changes.pause(back_off(before));
                 }
                 Offer::Nothing { seen }
             }

@@ -422,12 +422,11 @@ fn statements_go_by_indexes_however_long_the_queue_is() {
         queues[0].submit(new(&n.to_string(), 25_000), &|_| false).unwrap();
     }
     let explain = |statement: &str, arguments: &str| {
-        let types = arguments.matches(',').count() + 1;
-        let placeholders: Vec<&str> = vec!["unknown"; types];
-        let statements = format!(
-            "PREPARE s ({}) AS {statement}; EXPLAIN (COSTS OFF) EXECUTE s ({arguments}); DEALLOCATE s",
-            placeholders.join(", ")
-        );
+        let types = vec!["unknown"; arguments.matches(',').count() + 1].join(", ");
+        let [types, arguments] = [types.as_str(), arguments]
+            .map(|list| if arguments.is_empty() { String::new() } else { format!("({list})") });
+        let statements =
+            format!("PREPARE s {types} AS {statement}; EXPLAIN (COSTS OFF) EXECUTE s {arguments}; DEALLOCATE s");
         let messages = queues[0].database.run(async |client| Ok(client.simple_query(&statements).await?)).unwrap();
         let lines = messages.iter().filter_map(|message| match message {
             tokio_postgres::SimpleQueryMessage::Row(row) => row.get(0).map(str::to_owned),
@@ -438,6 +437,7 @@ fn statements_go_by_indexes_however_long_the_queue_is() {
     let of_submission = format!("{} WHERE submission < $1 ORDER BY submission DESC LIMIT $2", super::jobs::COLUMNS);
     for (statement, arguments) in [
         (super::lease::LEASE.as_str(), "1, 16, 60, 'me', false, 3"),
+        (super::lease::OPEN, ""),
         (super::blocks::MAKE_ROWS, "NULL, 2048, 64, 1"),
         (super::deliver::COMPLETE, "'{1}', '{0}', '{a}', '{abc}', 8"),
         (super::fence::IS_CURRENT, "1, 0, 'a'"),

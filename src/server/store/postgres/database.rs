@@ -3,6 +3,7 @@
 use std::{
     fmt,
     future::poll_fn,
+    num::NonZeroUsize,
     sync::{
         Arc,
         atomic::{AtomicBool, Ordering},
@@ -29,15 +30,13 @@ use tokio_postgres_rustls::MakeRustlsConnect;
 use super::{
     failure::{self, DatabaseOpenError},
     migrations,
-    settings::DatabaseTimeouts,
+    room::Room,
+    settings::{DatabaseTimeouts, REPLICA_CONNECTIONS},
 };
 use crate::store::{StoreError, certificates};
 
 /// A connection of the pool.
 pub(crate) type Client = deadpool_postgres::Client;
-
-/// Connections of one process, at most. Callers of the service share them; workers need two or three.
-const CONNECTIONS: usize = 16;
 
 /// How long connecting may take, and how long the server may not respond.
 const TIMEOUT: Duration = Duration::from_secs(5);
@@ -76,6 +75,7 @@ pub struct Database {
     name: String,
     /// Whether an operation may take no longer than [`LIMIT`].
     is_limited: AtomicBool,
+    room: Room,
 }
 
 /// Why a process cannot write, in words; NULL if it can.
@@ -104,20 +104,25 @@ impl Drop for Database {
 }
 
 impl Database {
-    /// Connects to the database of `url` and brings its schema up to date.
+    /// Connects to the database of `url` and brings its schema up to date. A server without room for a connection is waited for.
     ///
     /// # Errors
     /// See [`DatabaseOpenError`].
     pub fn open(url: &str) -> Result<Arc<Self>, DatabaseOpenError> {
-        Self::open_with(url, DatabaseTimeouts::default())
+        Self::open_with(url, REPLICA_CONNECTIONS, DatabaseTimeouts::default())
     }
 
-    /// As [`Self::open`], with time limits of one's own.
+    /// As [`Self::open`], with at most `connections` beside one that [listens](Self::listen), and time limits of one's own. One
+    /// is enough: no operation needs another while it has one.
     ///
     /// # Errors
     /// See [`DatabaseOpenError`].
-    pub fn open_with(url: &str, limits: DatabaseTimeouts) -> Result<Arc<Self>, DatabaseOpenError> {
-        let database = Self::connect(url, limits)?;
+    pub fn open_with(
+        url: &str,
+        connections: NonZeroUsize,
+        limits: DatabaseTimeouts,
+    ) -> Result<Arc<Self>, DatabaseOpenError> {
+        let database = Self::connect(url, connections, limits)?;
         database.block_on(async { migrations::apply(&mut database.first_client().await?, migrations::ALL).await })?;
         Ok(Arc::new(database))
     }
@@ -126,13 +131,17 @@ impl Database {
     ///
     /// # Errors
     /// See [`DatabaseOpenError`].
-    pub fn open_unchanged(url: &str, limits: DatabaseTimeouts) -> Result<Arc<Self>, DatabaseOpenError> {
-        let database = Self::connect(url, limits)?;
+    pub fn open_unchanged(
+        url: &str,
+        connections: NonZeroUsize,
+        limits: DatabaseTimeouts,
+    ) -> Result<Arc<Self>, DatabaseOpenError> {
+        let database = Self::connect(url, connections, limits)?;
         database.block_on(async { migrations::require(&database.first_client().await?, migrations::ALL).await })?;
         Ok(Arc::new(database))
     }
 
-    fn connect(url: &str, limits: DatabaseTimeouts) -> Result<Self, DatabaseOpenError> {
+    fn connect(url: &str, connections: NonZeroUsize, limits: DatabaseTimeouts) -> Result<Self, DatabaseOpenError> {
         if has_stray_at(url) {
             return Err(DatabaseOpenError::BadUrl(STRAY_AT.to_owned()));
         }
@@ -158,7 +167,7 @@ impl Database {
             Some(tls) => Manager::from_config(config.clone(), tls.clone(), manager_config),
         };
         let timeouts = Timeouts { wait: Some(6 * TIMEOUT), create: Some(2 * TIMEOUT), recycle: Some(TIMEOUT) };
-        let pool = Pool::builder(manager).max_size(CONNECTIONS).timeouts(timeouts).runtime(PoolRuntime::Tokio1);
+        let pool = Pool::builder(manager).max_size(connections.get()).timeouts(timeouts).runtime(PoolRuntime::Tokio1);
         // Not among the startup parameters, of which a pooler in between knows only some.
         let settings: Arc<str> = limits.statements().into();
         let pool = pool.post_create(Hook::async_fn(move |client: &mut ClientWrapper, _| {
@@ -174,17 +183,23 @@ impl Database {
                 end_idle(&idle, IDLE);
             }
         });
-        Ok(Self { runtime: Some(runtime), pool, config, tls, name, is_limited: AtomicBool::new(true) })
+        let (is_limited, room) = (AtomicBool::new(true), Room::default());
+        Ok(Self { runtime: Some(runtime), pool, config, tls, name, is_limited, room })
     }
 
-    /// The first connection, which tells whether there can be any.
+    /// The first connection, which tells whether there can be any; it waits for room.
     async fn first_client(&self) -> Result<Client, DatabaseOpenError> {
-        self.pool.get().await.map_err(|error| self.refusal(&error))
+        loop {
+            match self.connected().await {
+                Err(error) if backend(&error).is_some_and(failure::is_without_room) => {}
+                done => return done.map_err(|error| self.refusal(&error)),
+            }
+        }
     }
 
     fn refusal(&self, error: &PoolError) -> DatabaseOpenError {
         let database = self.name.clone();
-        let (PoolError::Backend(error) | PoolError::PostCreateHook(HookError::Backend(error))) = error else {
+        let Some(error) = backend(error) else {
             return DatabaseOpenError::Unreachable { database, reason: error.to_string() };
         };
         let reason = failure::text(error);
@@ -219,9 +234,23 @@ impl Database {
         self.runtime.as_ref().unwrap_or_else(|| unreachable!("a database that is being dropped was used"))
     }
 
+    /// A connection of the pool. Where the server had no room a moment ago, one that comes back is waited for before it is asked
+    /// again.
+    async fn connected(&self) -> Result<Client, PoolError> {
+        self.room.wait(|| self.pool.status().available > 0).await;
+        self.pool.get().await.inspect_err(|error| backend(error).into_iter().for_each(|error| self.note(error)))
+    }
+
+    /// Tells of a server without room.
+    fn note(&self, error: &tokio_postgres::Error) {
+        if failure::is_without_room(error) {
+            self.room.refused(&self.name, self.pool.status().max_size, &failure::text(error));
+        }
+    }
+
     /// A connection.
     pub(crate) async fn client(&self) -> Result<Client, StoreError> {
-        self.pool.get().await.map_err(|error| match error {
+        self.connected().await.map_err(|error| match error {
             PoolError::Backend(error) | PoolError::PostCreateHook(HookError::Backend(error)) => error.into(),
             other => StoreError::Unavailable(other.to_string()),
         })
@@ -286,11 +315,22 @@ impl Database {
     /// Opens another connection, runs `statement`, and passes all messages to `on_message`. Returns when the connection
     /// ends.
     pub(crate) async fn listen(&self, statement: &str, on_message: impl FnMut(AsyncMessage)) -> Result<(), StoreError> {
-        match &self.tls {
-            None => listen(self.config.connect(NoTls).await?, statement, on_message).await?,
-            Some(tls) => listen(self.config.connect(tls.clone()).await?, statement, on_message).await?,
-        }
-        Ok(())
+        self.room.wait(|| false).await;
+        let listened = async {
+            match &self.tls {
+                None => listen(self.config.connect(NoTls).await?, statement, on_message).await,
+                Some(tls) => listen(self.config.connect(tls.clone()).await?, statement, on_message).await,
+            }
+        };
+        Ok(listened.await.inspect_err(|error| self.note(error))?)
+    }
+}
+
+/// The error of the server or its connection.
+fn backend(error: &PoolError) -> Option<&tokio_postgres::Error> {
+    match error {
+        PoolError::Backend(error) | PoolError::PostCreateHook(HookError::Backend(error)) => Some(error),
+        _ => None,
     }
 }
 

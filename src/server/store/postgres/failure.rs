@@ -69,6 +69,11 @@ impl From<tokio_postgres::Error> for DatabaseOpenError {
     }
 }
 
+/// Whether the server has as many connections as it may have, as a whole, of the role or to the database.
+pub(super) fn is_without_room(error: &Error) -> bool {
+    error.code() == Some(&SqlState::TOO_MANY_CONNECTIONS)
+}
+
 /// Whether the same transaction may succeed if it is retried soon: the connection was lost, the server is starting or
 /// stopping, or two transactions conflicted.
 pub(super) fn is_temporary(error: &Error) -> bool {

@@ -5,6 +5,7 @@
 mod database;
 mod failure;
 mod migrations;
+mod room;
 mod rows;
 mod settings;
 #[cfg(test)]
@@ -13,6 +14,6 @@ pub(crate) mod tests;
 pub use database::Database;
 pub use failure::DatabaseOpenError;
 pub use rows::PostgresRows;
-pub use settings::DatabaseTimeouts;
+pub use settings::{DatabaseTimeouts, REPLICA_CONNECTIONS, WORKER_CONNECTIONS};
 
 pub(crate) use rows::apply;

@@ -1,11 +1,18 @@
-//! What each connection sets for itself.
+//! How many connections a process has, and what each sets for itself.
 
-use std::time::Duration;
+use std::{num::NonZeroUsize, time::Duration};
 
 /// Settings of every connection: each statement is to use indexes, whatever the statistics and the arguments; it is planned once
 /// for a connection, and compiling it is not worth while. The last ends a statement whose connection was given up.
 const SETTINGS: &str = "SET jit = off; SET enable_seqscan = off; SET enable_bitmapscan = off; SET enable_hashjoin = off; \
     SET enable_mergejoin = off; SET plan_cache_mode = force_generic_plan; SET client_connection_check_interval = 5000";
+
+/// Connections of a replica, at most, unless it is told otherwise: its callers share them.
+pub const REPLICA_CONNECTIONS: NonZeroUsize = NonZeroUsize::new(16).unwrap();
+
+/// Connections of a worker, at most, unless it is told otherwise. Whatever its threads, one of them leases and one stores
+/// results; the third is for what comes between, such as the renewal of leases.
+pub const WORKER_CONNECTIONS: NonZeroUsize = NonZeroUsize::new(3).unwrap();
 
 /// How long the server lets this process's statements and transactions take; `None` for any time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,7 +66,12 @@ mod tests {
     fn the_server_ends_statements_and_transactions_that_take_too_long() {
         let Some(url) = throwaway::empty_database() else { return };
         let short = Some(Duration::from_millis(50));
-        let slow = Database::open_with(&url, DatabaseTimeouts { statement: short, ..DatabaseTimeouts::NONE }).unwrap();
+        let slow = Database::open_with(
+            &url,
+            WORKER_CONNECTIONS,
+            DatabaseTimeouts { statement: short, ..DatabaseTimeouts::NONE },
+        )
+        .unwrap();
         let slept = slow.block_on(async {
             let client = slow.client().await?;
             client.batch_execute("SELECT pg_sleep(60)").await.map_err(StoreError::from)
@@ -67,7 +79,7 @@ mod tests {
         let Err(StoreError::Unavailable(reason)) = slept else { panic!("{slept:?}") };
         assert!(reason.contains("statement timeout"), "{reason}");
         let idle = DatabaseTimeouts { idle_in_transaction: short, ..DatabaseTimeouts::NONE };
-        let idle = Database::open_with(&url, idle).unwrap();
+        let idle = Database::open_with(&url, WORKER_CONNECTIONS, idle).unwrap();
         let waited = idle.block_on(async {
             let mut client = idle.client().await?;
             let transaction = client.transaction().await?;

@@ -20,6 +20,21 @@ fn connections_that_nobody_uses_are_ended_and_made_again() {
 }
 
 #[test]
+fn callers_share_the_connections_that_there_may_be() {
+    let Some(url) = throwaway::empty_database() else { return };
+    let [one, two] = [1, 2].map(|most| {
+        let most = NonZeroUsize::new(most).unwrap();
+        Database::open_with(&url, most, DatabaseTimeouts::default()).unwrap()
+    });
+    for (database, most) in [(one, 1), (two, 2)] {
+        let select =
+            || database.run(async |client| Ok(client.query_one("SELECT pg_sleep(.02)", &[]).await.map(drop)?));
+        std::thread::scope(|scope| (0..8).for_each(|_| drop(scope.spawn(|| select().unwrap()))));
+        assert_eq!(database.pool.status().size, most);
+    }
+}
+
+#[test]
 fn a_connection_that_does_not_answer_is_given_up_and_its_statement_is_ended() {
     let Some(database) = database() else { return };
     let sleep = async |client: &mut Client| Ok(client.batch_execute("SELECT pg_sleep(3600)").await?);
