@@ -5,8 +5,8 @@ shopt -s inherit_errexit
 
 ltcforge=$(realpath "${LTCFORGE:?the path of the ltcforge binary}")
 # Of what is measured for a time: how long, and how often.
-seconds=${SECONDS_EACH:-4}
-rounds=${ROUNDS:-3}
+seconds=${SECONDS_EACH:-2}
+rounds=${ROUNDS:-5}
 work=$(mktemp -d)
 pids=()
 trap 'kill -TERM "${pids[@]}" 2>/dev/null || true; wait || true; rm -rf "$work"' EXIT

@@ -37,7 +37,7 @@ cpu() {
 }
 # Fits one recipe anew and prints a line: the job's seconds, and the service's processor time beside the fit in that time.
 fit() {
-  local id before digest
+  local before digest
   before=$(cpu "$server")
   id=$(submit '{"preset":"paper","resolution":{"alpha":12,"ratio":10,"theta":12,"phi":10}}')
   digest=$(table_of "$id")
@@ -47,9 +47,9 @@ fit() {
   } | awk '{ print $1 - $2, $3 - $4 }'
   get -X DELETE "$service/v1/tables/$digest"
 }
-# 200 requests a second, half of them for a job and half for a table, until they are stopped.
+# 200 requests a second, half of them for the job of that recipe and half for another table, until they are stopped.
 ask() {
-  hey -z 1h -c 4 -q 25 "$service/v1/jobs/$long" >jobs.hey & askers=($!)
+  hey -z 1h -c 4 -q 25 "$service/v1/jobs/$id" >jobs.hey & askers=($!)
   hey -z 1h -c 4 -q 25 "$table" >tables.hey & askers+=($!)
   pids+=("${askers[@]}")
 }
@@ -57,6 +57,7 @@ stop_asking() {
   for asker in "${askers[@]}"; do cpu "$asker"; done | awk '{ sum += $1 } END { print sum }' >cpu.hey
   kill -INT "${askers[@]}"
   wait "${askers[@]}"
+  pids=("$server")
   ! grep -hE 'Error distribution|^ *\[[^2][0-9]+\].*responses' ./*.hey >&2 || return 1
   # Requests a second, the part of all cores that the askers took, and the ms within which 99 of 100 were answered.
   awk -v cores="$(nproc)" '

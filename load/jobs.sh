@@ -16,6 +16,7 @@ retry = 1000
 output = "answer"
 write-out = "%{response_code}\n"
 silent
+show-error
 noproxy = "*"
 CURL
 done >requests
