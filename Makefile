@@ -26,7 +26,7 @@ NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
 	@echo 'make release build, and list the crates that it is made of'
-	@echo 'make load    requests a second of the service and of nginx, side by side'
+	@echo 'make load    downloads beside nginx, requests while the service fits, 2,000 jobs: figures, and what they may be'
 	@echo 'make lighthouse  what Lighthouse says of the page'
 	@echo 'make figures draw the figures of docs/figures.md anew'
 	@echo 'make test    run all tests'
@@ -46,13 +46,14 @@ demo: packages
 	$(CARGO) build --release --locked
 	@LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" ./demo.sh
 
-# A file server to compare with, and what sends requests.
-LOAD_PACKAGES := nginx-light wrk apache2-utils
+# A file server to compare with, and what sends requests: as many as are answered, and at a constant rate.
+LOAD_PACKAGES := nginx-light wrk apache2-utils hey
 load: packages
 	@$(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(LOAD_PACKAGES)' \
-		|| echo '*** no nginx, wrk or ab' >&2
+		|| echo '*** no nginx, wrk, ab or hey' >&2
 	$(CARGO) build --release --locked
-	@LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" ./load.sh
+	@missed=0; for part in downloads fitting jobs; do \
+		LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" load/$$part.sh || missed=1; echo; done; exit $$missed
 
 # Of the page; it is no test, since it installs 185 MB and its scores depend on the machine.
 lighthouse: packages browser

@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# Two thousand small jobs, one after another: their time, what they leave in the data folder and take in memory, and how
+# long the service takes to start with them.
+. "$(dirname "$0")/common.sh"
+need curl jq
+jobs=2000
+
+start_service
+# One connection. A service whose queue is full says in its answer when to come back, and curl does.
+for seed in $(seq "$jobs"); do
+  [ "$seed" = 1 ] || echo next
+  cat <<CURL
+url = "$service/v1/jobs"
+data = "{\"preset\":\"draft\",\"resolution\":{\"alpha\":2,\"ratio\":2,\"theta\":2,\"phi\":2},\"fit\":{\"seed\":$seed}}"
+retry = 1000
+output = "answer"
+write-out = "%{response_code}\n"
+silent
+show-error
+noproxy = "*"
+CURL
+done >requests
+began=$EPOCHREALTIME
+curl -K requests >codes
+taken=$(grep -c 202 codes) || true
+[ "$taken" = "$jobs" ] || { echo "*** only $taken of $jobs jobs were taken" >&2; sort codes | uniq -c >&2; exit 1; }
+# Prints how many jobs are in the states of a pattern.
+count() { get "$service/metrics" | awk -v states="^ltcforge_jobs{state=\"($1)\"}" '$1 ~ states { sum += $2 } END { print sum }'; }
+until [ "$(count 'queued|running')" = 0 ]; do sleep 0.1; done
+ended=$EPOCHREALTIME
+[ "$(count 'done')" = "$jobs" ] || { echo '*** not every job went well' >&2; get "$service/metrics" >&2; exit 1; }
+memory=$(awk '$1 == "VmHWM:" { print $2 * 1024 / 1e6 }' "/proc/$server/status")
+
+for _ in $(seq 5); do
+  kill -TERM "$server"
+  wait "$server" || true
+  pids=()
+  start=$EPOCHREALTIME
+  start_service
+  until curl -sf -o /dev/null "$service/readyz"; do :; done
+  awk -v a="$start" -v b="$EPOCHREALTIME" 'BEGIN { print b - a }' >>starts
+done
+
+echo "$jobs jobs of 16 entries at preset draft, each with a seed of its own, by one connection and a queue of 64:"
+printf '%-60s %9s %9s\n' '' now 'at most'
+row 'from the first submission to the end of the last job' \
+  "$(awk -v a="$began" -v b="$ended" 'BEGIN { printf "%.1f", b - a }')" 50 s
+row 'the data folder' "$(du -s --block-size=1 data | awk '{ printf "%.1f", $1 / 1e6 }')" 51 MB
+row "the service's memory at its peak" "$(printf %.1f "$memory")" 83 MB
+row 'from a start until it is ready, median of 5' "$(median %.2f <starts)" 0.57 s
+exit $missed
