@@ -24,7 +24,8 @@ impl ServiceState {
         };
         Ok(Backlog {
             shards: self.queue.depth()?,
-            core_seconds: jobs.iter().map(seconds).sum(),
+            // Unlike `sum`, which is -0 of nothing.
+            core_seconds: jobs.iter().map(seconds).fold(0.0, |sum, seconds| sum + seconds),
             oldest_seconds: jobs.iter().map(age).fold(0.0, f64::max),
         })
     }
