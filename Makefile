@@ -113,7 +113,7 @@ soak: packages cluster schemathesis
 	LTCFORGE_TEST_KILLS=200 LTCFORGE_TEST_DAMAGES=200 LTCFORGE_TEST_CUTS=300 LTCFORGE_TEST_CLIENTS=64 LTCFORGE_TEST_EXAMPLES=20 \
 		$(CARGO) test --locked --test service -- kills damage:: power_cut memory:: schemathesis
 	LTCFORGE_TEST_KILLS=200 $(CARGO) test --locked --test cluster -- kills
-	LTCFORGE_TEST_FUZZ_SECONDS=90 $(CARGO) test --locked --test fuzz
+	LTCFORGE_TEST_FUZZ_SECONDS=600 $(CARGO) test --locked --test fuzz -- --test-threads 32
 
 # What checks deploy/, each in a folder of its own, since installing Prometheus would start it.
 lint-deploy: lint-manifests lint-alerts lint-dashboard
