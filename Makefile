@@ -21,7 +21,7 @@ export NODEVICE_SELECT := 1
 export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
-.PHONY: help demo release advisories load lighthouse figures soak schemathesis test test-units test-suites test-native lint lint-core lint-deploy lines fmt bench packages browser cluster clean
+.PHONY: help demo release advisories load lighthouse figures soak schemathesis test test-units test-suites test-native lint lint-core lint-deploy lint-manifests lint-alerts lint-dashboard lines fmt bench packages browser cluster clean
 
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
@@ -114,10 +114,12 @@ soak: packages cluster schemathesis
 	LTCFORGE_TEST_KILLS=200 LTCFORGE_TEST_DAMAGES=200 LTCFORGE_TEST_CUTS=300 LTCFORGE_TEST_CLIENTS=64 LTCFORGE_TEST_EXAMPLES=20 \
 		$(CARGO) test --locked --test service -- kills damage:: power_cut memory:: schemathesis
 	LTCFORGE_TEST_KILLS=200 $(CARGO) test --locked --test cluster -- kills
-	LTCFORGE_TEST_FUZZ_SECONDS=90 $(CARGO) test --locked --test fuzz
+	LTCFORGE_TEST_FUZZ_SECONDS=600 $(CARGO) test --locked --test fuzz -- --test-threads 32
 
-# What checks deploy/, in a folder of its own.
-lint-deploy:
+# What checks deploy/, each in a folder of its own, since installing Prometheus would start it.
+lint-deploy: lint-manifests lint-alerts lint-dashboard
+
+lint-manifests:
 	@[ -x $(PYTHON_TARGET)/schemas/bin/kubernetes-validate ] \
 		|| { $(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(PYTHON_PACKAGES)' \
 			&& python3 -m venv $(PYTHON_TARGET)/schemas && $(PYTHON_TARGET)/schemas/bin/pip install -q --retries 1 \
@@ -127,6 +129,34 @@ lint-deploy:
 		$(PYTHON_TARGET)/schemas/bin/kubernetes-validate --strict --quiet deploy/kubernetes/*.yaml && \
 		$(PYTHON_TARGET)/schemas/bin/check-jsonschema -q --builtin-schema vendor.compose-spec deploy/compose.yaml; \
 	else echo '*** SKIPPED: no kubernetes-validate and check-jsonschema of PyPI: deploy/ was not checked' >&2; fi
+
+# The alerts with when they fire, and the queries of the dashboard.
+PROMETHEUS = $(PYTHON_TARGET)/prometheus
+PROMTOOL = $(or $(shell command -v promtool),$(PROMETHEUS)/usr/bin/promtool)
+lint-alerts:
+	@mkdir -p $(PROMETHEUS)
+	@[ -x $(PROMTOOL) ] || ( cd $(PROMETHEUS) && get='apt-get -q -o APT::Sandbox::User=root download prometheus' && \
+		{ $$get || { $(SUDO) apt-get update -q && $$get; }; } && dpkg -x prometheus_*.deb . && rm prometheus_*.deb ) || true
+	@if [ -x $(PROMTOOL) ]; then \
+		jq -f deploy/grafana/queries.jq deploy/grafana/ltcforge.json >$(PROMETHEUS)/queries.json && \
+		$(PROMTOOL) check rules deploy/prometheus/ltcforge.rules.yaml $(PROMETHEUS)/queries.json && \
+		$(PROMTOOL) test rules deploy/prometheus/ltcforge.test.yaml; \
+	else echo "*** SKIPPED: no promtool, of Debian's prometheus: alerts and queries were not checked" >&2; fi
+
+# The dashboard by Grafana's own types.
+GRAFANA = $(PYTHON_TARGET)/grafana
+GRAFANA_PACKAGES := @grafana/schema@13.2.3 typescript@5.9.3
+lint-dashboard:
+	@mkdir -p $(GRAFANA)
+	@[ "$$(cat $(GRAFANA)/installed 2>/dev/null)" = '$(GRAFANA_PACKAGES)' ] \
+		|| { rm -f $(GRAFANA)/installed; npm install --prefix $(GRAFANA) --no-save --ignore-scripts --no-audit --no-fund --fetch-retries=1 \
+			$(GRAFANA_PACKAGES) && echo '$(GRAFANA_PACKAGES)' >$(GRAFANA)/installed; } || true
+	@if [ -e $(GRAFANA)/installed ]; then \
+		cp deploy/grafana/check.ts $(GRAFANA) && \
+		{ echo "import type { Checked } from './check'; export const dashboard: Checked ="; cat deploy/grafana/ltcforge.json; } \
+			>$(GRAFANA)/dashboard.ts && \
+		$(GRAFANA)/node_modules/.bin/tsc --noEmit --strict --skipLibCheck --target es2022 --module nodenext $(GRAFANA)/dashboard.ts; \
+	else echo '*** SKIPPED: no @grafana/schema and typescript of npm: the dashboard was not checked' >&2; fi
 
 # The suites that mostly wait, for processes, leases and browsers, run beside those that compute.
 test: EXTRA_PACKAGES := $(TEST_PACKAGES)

@@ -154,12 +154,12 @@ fn plans(criterion: &mut Criterion) {
         let now = || [wall.elapsed().as_secs_f64(), processor_seconds() - processor];
         let [read, end] = pool.install(|| planned(&glb, now));
         println!(
-            "{name}: read in {:.2} s and planned after {:.2} s, of two threads' processor time {:.2} and {:.2} s; at most {:?} MB until here",
+            "{name}: read in {:.2} s and planned after {:.2} s, of two threads' processor time {:.2} and {:.2} s; at most {} MB until here",
             read[0],
             end[0],
             read[1],
             end[1],
-            most_memory()
+            most_memory().map_or("an unknown number of".to_owned(), |megabytes| megabytes.to_string())
         );
         criterion.bench_function(&format!("a plan on two threads, {name}"), |bench| {
             bench.iter(|| pool.install(|| planned(&glb, || ())));

@@ -8,7 +8,7 @@ use ltcforge::{
     files::{
         compact,
         container::{NPY_MAGIC, decode, decode_npy, encode},
-        recipe_document::{DEFAULT_ENTRY_LIMIT, canonical_json, digest, parse},
+        recipe_document::{DEFAULT_ENTRY_LIMIT, RecipeError, canonical_json, digest, parse},
         tabulated,
     },
     fit::{BrdfKind, TabulatedAxes, TabulatedBrdf},
@@ -61,9 +61,13 @@ fn recipes() {
             Ok(recipe) => {
                 let again = parse(canonical_json(&recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).expect("its canonical form");
                 assert_eq!(digest(&again), digest(&recipe));
-                "a recipe".to_owned()
+                let form = (recipe.brdf(), recipe.layout(), recipe.lobe());
+                format!("a recipe of {form:?}")
             }
-            Err(error) => format!("{error:?}"),
+            Err(RecipeError::Json(error)) => error,
+            Err(RecipeError::Faults(faults)) => {
+                faults.iter().map(|fault| format!("{}: {}", fault.pointer, fault.detail)).collect::<Vec<_>>().join("\n")
+            }
         }
     });
 }
@@ -160,26 +164,18 @@ fn lock_files() {
                 }
                 "a lock file".to_owned()
             }
-            Err(error) => error.to_string(),
+            // Without the lines of the file.
+            Err(error) => error.to_string().lines().filter(|line| !line.contains('|')).collect::<Vec<_>>().join("\n"),
         }
     });
 }
 
-/// A square in one file: JSON, and the numbers behind it.
-fn square() -> Vec<u8> {
-    let positions: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
-    let mut binary: Vec<u8> = positions.iter().flat_map(|number| number.to_le_bytes()).collect();
-    binary.extend([0_u16, 1, 2, 0, 2, 3].iter().flat_map(|index| index.to_le_bytes()));
-    let mut json =
-        br#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"scale":[1,2,1]}],
-        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],
-        "materials":[{"name":"m","pbrMetallicRoughness":{"metallicFactor":1,"roughnessFactor":0.4}}],
-        "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
-        {"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],
-        "bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}],
-        "buffers":[{"byteLength":60}]}"#
-            .to_vec();
+/// A scene in one file: JSON, and the numbers behind it.
+fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
+    let mut json = json.as_bytes().to_vec();
     json.resize(json.len().next_multiple_of(4), b' ');
+    let mut binary = binary.to_vec();
+    binary.resize(binary.len().next_multiple_of(4), 0);
     let chunk = |kind: &[u8; 4], data: &[u8]| {
         let length = u32::try_from(data.len()).expect("short").to_le_bytes();
         [&length[..], kind, data].concat()
@@ -189,26 +185,77 @@ fn square() -> Vec<u8> {
     [&b"glTF"[..], &2_u32.to_le_bytes(), &length, &chunks].concat()
 }
 
+/// The corners of a square, 48 bytes, and its two triangles, 12.
+fn corners() -> Vec<u8> {
+    let positions: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
+    let mut binary: Vec<u8> = positions.iter().flat_map(|number| number.to_le_bytes()).collect();
+    binary.extend([0_u16, 1, 2, 0, 2, 3].iter().flat_map(|index| index.to_le_bytes()));
+    binary
+}
+
+fn square() -> Vec<u8> {
+    let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"scale":[1,2,1]}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],
+        "materials":[{"name":"m","pbrMetallicRoughness":{"metallicFactor":1,"roughnessFactor":0.4}}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+        {"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],
+        "bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}],
+        "buffers":[{"byteLength":60}]}"#;
+    glb(json, &corners())
+}
+
+/// The square with a texture, the places of its pixels, two extensions and a camera.
+fn textured_square() -> Vec<u8> {
+    let mut png = Vec::new();
+    let mut encoder = png::Encoder::new(&mut png, 2, 1);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header().expect("a header").write_image_data(&[0, 90, 255, 0, 200, 10]).expect("pixels");
+    let places: Vec<u8> =
+        [0_f32, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0].iter().flat_map(|number| number.to_le_bytes()).collect();
+    let binary = [corners(), places, png.clone()].concat();
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"extensionsUsed":["KHR_materials_anisotropy","KHR_materials_clearcoat"],
+        "scenes":[{{"nodes":[0,1]}}],"nodes":[{{"mesh":0}},{{"camera":0,"translation":[0,0,2]}}],
+        "cameras":[{{"type":"perspective","perspective":{{"yfov":1,"znear":0.1}}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":2}},"indices":1,"material":0}}]}}],
+        "materials":[{{"pbrMetallicRoughness":{{"metallicRoughnessTexture":{{"index":0}}}},
+        "extensions":{{"KHR_materials_anisotropy":{{"anisotropyStrength":0.5}},"KHR_materials_clearcoat":{{"clearcoatFactor":1}}}}}}],
+        "textures":[{{"source":0}}],"images":[{{"bufferView":3,"mimeType":"image/png"}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}},
+        {{"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}},{{"bufferView":2,"componentType":5126,"count":4,"type":"VEC2"}}],
+        "bufferViews":[{{"buffer":0,"byteOffset":0,"byteLength":48}},{{"buffer":0,"byteOffset":48,"byteLength":12}},
+        {{"buffer":0,"byteOffset":60,"byteLength":32}},{{"buffer":0,"byteOffset":92,"byteLength":{}}}],
+        "buffers":[{{"byteLength":{}}}]}}"#,
+        png.len(),
+        binary.len()
+    );
+    glb(&json, &binary)
+}
+
 #[test]
 fn scenes() {
-    Scene::from_bytes(square(), &|| true).expect("a seed in order");
+    let seeds = vec![square(), textured_square()];
+    for seed in &seeds {
+        Scene::from_bytes(seed.clone(), &|| true).expect("a seed in order");
+    }
     let words = [
         "\"children\":[0]",
         "\"extensions\":{",
         "\"KHR_materials_anisotropy\":",
         "\"images\":[",
         "\"uri\":",
+        "\"data:image/png;base64,",
         "[",
         "{",
         "}",
         ",",
     ];
-    Target { name: "gltf", seeds: vec![square()], words: &words, inputs: 3000 }.survive(
-        |bytes| match Scene::from_bytes(bytes.to_vec(), &|| true) {
-            Ok(_) => "a scene".to_owned(),
+    Target { name: "gltf", seeds, words: &words, inputs: 3000 }.survive(|bytes| {
+        match Scene::from_bytes(bytes.to_vec(), &|| true) {
+            Ok(scene) => scene.notes.iter().fold("a scene".to_owned(), |told, note| told + "\n" + note),
             Err(error) => error.to_string(),
-        },
-    );
+        }
+    });
 }
 
 #[test]
@@ -217,7 +264,7 @@ fn lists_of_materials() {
     let words = ["\"openpbr\":", "\"gltf\":", "\"weight\":", "\"f0\":", "[", "{", "}", ","];
     Target { name: "materials", seeds: vec![list.to_vec()], words: &words, inputs: 3000 }.survive(|bytes| {
         match Scene::from_list(bytes) {
-            Ok(_) => "a scene".to_owned(),
+            Ok(scene) => scene.notes.iter().fold("a scene".to_owned(), |told, note| told + "\n" + note),
             Err(error) => error.to_string(),
         }
     });

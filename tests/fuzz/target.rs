@@ -1,19 +1,22 @@
 //! Inputs for whatever reads bytes from elsewhere: seeds, what once failed, and mutations of both.
 //!
-//! There is no instrumentation, which the stable compiler lacks: what a reader answers takes its place. An input with an answer that
-//! none had before is mutated further.
+//! There is no instrumentation, which the stable compiler lacks: what a reader answers takes its place. An input that is told a fault
+//! which none was told before is mutated further.
 
 use std::{
     collections::BTreeSet,
     env, fs,
+    io::Write as _,
     panic::{AssertUnwindSafe, catch_unwind, resume_unwind},
-    path::{Path, PathBuf},
     time::{Duration, Instant},
 };
 
-use ltcforge::Digest;
+use rustix::time::{ClockId, clock_gettime};
 
-/// Time for one input.
+use crate::{answer::Format, corpus, watch::Watch};
+
+/// Processor time for one input, of the thread that reads it: all targets may share two cores. How long an input may be waited for,
+/// for other threads or processes, the watch knows.
 const MOST_TIME: Duration = Duration::from_secs(20);
 
 /// The longest input.
@@ -41,7 +44,7 @@ const NUMBERS: [&str; 12] = [
 /// A reader of bytes, and what it is asked with.
 #[derive(Debug)]
 pub(crate) struct Target<'a> {
-    /// Its name, and that of its folder in `tests/fuzz/corpus`, where inputs are that once failed or are hard.
+    /// Its name, and that of its folder in `tests/fuzz/corpus`.
     pub(crate) name: &'a str,
     /// Inputs that are in order.
     pub(crate) seeds: Vec<Vec<u8>>,
@@ -72,53 +75,67 @@ impl Random {
     }
 }
 
-fn corpus(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/corpus").join(name)
+/// The processor time that this thread has had.
+fn processor_time() -> Duration {
+    Duration::try_from(clock_gettime(ClockId::ThreadCPUTime)).expect("a time since the thread began")
+}
+
+/// A number in the environment.
+fn number_of(name: &str) -> Option<u64> {
+    env::var(name).ok().map(|text| text.parse().unwrap_or_else(|_| panic!("{name} is a number, and not «{text}»")))
 }
 
 impl Target<'_> {
-    /// Calls `read` with the inputs of the corpus, the seeds, and mutations of both. It returns what a user would be told, in
-    /// which digits do not count.
+    /// Calls `read` with the inputs of the corpus, the seeds, and mutations of both. It returns what a user would be told.
     ///
     /// # Panics
-    /// When `read` panics or takes too long; the input is then in the corpus, and the next run begins with it.
+    /// When `read` panics or takes too long; the input is then in the corpus, and the next run begins with it. When there is no corpus.
     pub(crate) fn survive(&self, read: impl Fn(&[u8]) -> String) {
         assert!(!self.seeds.is_empty(), "{}: no seeds", self.name);
+        let seconds = number_of("LTCFORGE_TEST_FUZZ_SECONDS");
+        let keeps = number_of("LTCFORGE_TEST_FUZZ_KEEP").is_some_and(|number| number > 0);
+        let files = corpus::files(self.name);
+        assert!(keeps || !files.is_empty(), "{}: no corpus; main.rs says how to make one", self.name);
+        let texts = self.seeds.iter().map(Vec::as_slice).chain(self.words.iter().map(|word| word.as_bytes()));
+        let (watch, format) = (Watch::new(self.name), Format::of(texts));
+        let faults = |input: &[u8]| format.faults(&self.answer(&read, input, &watch), input);
         let mut kept = self.seeds.clone();
-        let mut files: Vec<PathBuf> =
-            fs::read_dir(corpus(self.name)).into_iter().flatten().flatten().map(|file| file.path()).collect();
-        files.sort();
         kept.extend(files.iter().map(|file| fs::read(file).expect("a file of the corpus")));
-        let mut answers = BTreeSet::new();
-        for input in &kept {
-            answers.insert(self.answer(&read, input));
-        }
-        let seconds = env::var("LTCFORGE_TEST_FUZZ_SECONDS").ok();
-        let seconds = seconds.map(|text| text.parse().expect("LTCFORGE_TEST_FUZZ_SECONDS is a number"));
+        let mut known: BTreeSet<String> = kept.iter().flat_map(|input| faults(input)).collect();
         let (start, time) = (Instant::now(), seconds.map(Duration::from_secs));
-        for number in 0.. {
-            if time.map_or(number >= self.inputs, |time| start.elapsed() >= time) {
-                break;
+        let mut inputs = 0;
+        while time.map_or(inputs < self.inputs, |time| start.elapsed() < time) {
+            let input = self.mutated(&kept, &mut Random(inputs));
+            inputs += 1;
+            let new: BTreeSet<String> = faults(&input).difference(&known).cloned().collect();
+            if !new.is_empty() {
+                if keeps {
+                    corpus::keep(self.name, &input, &new, faults);
+                }
+                known.extend(new);
+                if kept.len() < MOST_KEPT {
+                    kept.push(input);
+                }
             }
-            let input = self.mutated(&kept, &mut Random(number));
-            if answers.insert(self.answer(&read, &input)) && kept.len() < MOST_KEPT {
-                kept.push(input);
-            }
+        }
+        if seconds.is_some() {
+            // Not by a macro, which tests that pass print nothing by.
+            let told = format!("{}: {inputs} inputs, {} faults and results\n", self.name, known.len());
+            std::io::stderr().write_all(told.as_bytes()).expect("stderr");
         }
     }
 
-    fn answer(&self, read: &impl Fn(&[u8]) -> String, input: &[u8]) -> String {
-        let start = Instant::now();
-        let answer = catch_unwind(AssertUnwindSafe(|| read(input)));
-        let took = start.elapsed();
+    fn answer(&self, read: &impl Fn(&[u8]) -> String, input: &[u8], watch: &Watch) -> String {
+        let start = processor_time();
+        let answer = watch.over(input, || catch_unwind(AssertUnwindSafe(|| read(input))));
+        let took = processor_time().saturating_sub(start);
         if answer.is_err() || took > MOST_TIME {
-            let file = corpus(self.name).join(&Digest::of(input).hex()[..16]);
-            fs::create_dir_all(corpus(self.name)).and_then(|()| fs::write(&file, input)).expect("a file of the corpus");
+            let file = corpus::write(self.name, input);
             eprintln!("{}: after {took:?}; the input is now {}", self.name, file.display());
         }
         let answer = answer.unwrap_or_else(|panic| resume_unwind(panic));
         assert!(took <= MOST_TIME, "{}: an input took {took:?}", self.name);
-        answer.chars().filter(|c| !c.is_ascii_digit()).collect()
+        answer
     }
 
     fn mutated(&self, kept: &[Vec<u8>], random: &mut Random) -> Vec<u8> {

@@ -1,0 +1,96 @@
+//! What of an answer is the reader's own: its words, without those that it repeats from the input.
+
+use std::collections::BTreeSet;
+
+/// Shorter words are parts of escapes, units or numbers.
+const FEWEST_LETTERS: usize = 3;
+
+/// Words of the format that count where an answer repeats them: a long name of the input may be any number of them in any order.
+const MOST_REPEATED: usize = 2;
+
+/// Words of a format. An answer that repeats one of them, such as a field's name, says something by it.
+pub(crate) struct Format(BTreeSet<String>);
+
+impl Format {
+    /// The words of these texts.
+    pub(crate) fn of<'a>(texts: impl IntoIterator<Item = &'a [u8]>) -> Self {
+        let texts = texts.into_iter().map(String::from_utf8_lossy);
+        Self(texts.flat_map(|text| words(&text).map(str::to_owned).collect::<Vec<_>>()).collect())
+    }
+
+    /// The faults that an answer tells, a line each or with a semicolon between, as their words, each once, without what is quoted.
+    pub(crate) fn faults(&self, answer: &str, input: &[u8]) -> BTreeSet<String> {
+        let (answer, input) = (unquoted(answer), String::from_utf8_lossy(input));
+        let fault = |line: &str| {
+            let (mut own, mut repeated) = (Vec::new(), 0);
+            for word in words(line) {
+                let counts = !input.contains(word) || self.0.contains(word) && repeated < MOST_REPEATED;
+                if counts && !own.contains(&word) {
+                    repeated += usize::from(input.contains(word));
+                    own.push(word);
+                }
+            }
+            own.join(" ")
+        };
+        answer.lines().flat_map(|line| line.split("; ")).map(fault).collect()
+    }
+}
+
+/// A text without what is in «» or, with escapes, in "".
+fn unquoted(text: &str) -> String {
+    let (mut left, mut depth) = (String::new(), 0_usize);
+    let mut characters = text.chars();
+    while let Some(c) = characters.next() {
+        match c {
+            '«' => depth += 1,
+            '»' => depth = depth.saturating_sub(1),
+            '"' if depth == 0 => {
+                while let Some(quoted) = characters.next() {
+                    match quoted {
+                        '"' => break,
+                        '\\' => drop(characters.next()),
+                        _ => {}
+                    }
+                }
+                left.push(' ');
+            }
+            _ if depth == 0 => left.push(c),
+            _ => {}
+        }
+    }
+    left
+}
+
+/// The words of a text: letters and digits, a letter first; what follows a backslash is an escape.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    let is_of_word = |c: char| c.is_alphanumeric() || c == '_' || c == '\\';
+    text.split(move |c| !is_of_word(c))
+        .flat_map(|run| {
+            // Behind the first backslash, one letter belongs to it.
+            run.split('\\').enumerate().map(|(at, part)| {
+                let mut rest = part.chars();
+                if at > 0 {
+                    rest.next();
+                }
+                rest.as_str()
+            })
+        })
+        .filter(|word| word.starts_with(char::is_alphabetic) && word.chars().count() >= FEWEST_LETTERS)
+}
+
+#[test]
+fn what_an_answer_repeats_is_no_fault_of_its_own() {
+    let format = Format::of([b"{\"alpha\": 1}".as_slice()]);
+    let of = |answer, input: &[u8]| format.faults(answer, input).into_iter().collect::<Vec<_>>();
+    assert_eq!(
+        of("alpha: `gaga\\ngogo` is 0x1ffe, not a number; alpha: twice alpha", b"alpha gaga\ngogo"),
+        ["alpha not number", "alpha twice"]
+    );
+    assert_eq!(of("«alpha«beta\n»» none of \"alpha\\\" x\", twice", b"alpha"), ["none twice"]);
+    let long = b"unknown field: one two three four";
+    assert_eq!(
+        Format::of([long.as_slice()]).faults("four and three and two", long),
+        ["four and three".to_owned()].into()
+    );
+    assert_eq!(of("", b""), [""; 0]);
+}
