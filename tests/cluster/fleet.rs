@@ -39,7 +39,7 @@ const TICKS: f64 = 100.0;
 
 /// A job of two shards or more for each of `workers`, long enough that none does them all.
 fn recipe(workers: usize) -> String {
-    let phi = workers.div_ceil(4).max(2);
+    let phi = workers.div_ceil(2).max(2);
     format!(
         r#"{{"preset":"draft","resolution":{{"alpha":8,"ratio":8,"theta":8,"phi":{phi}}},
         "fit":{{"samples":128,"directions":8,"steps":5}}}}"#

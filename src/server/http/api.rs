@@ -1,6 +1,7 @@
 //! The state that the handlers share.
 
 use std::{
+    ops::Deref,
     panic::{AssertUnwindSafe, catch_unwind},
     sync::Arc,
 };
@@ -10,9 +11,13 @@ use tokio::sync::{Semaphore, watch};
 use super::{error, limits::ConnectionLimits, problem::Problem};
 use crate::service::Service;
 
-/// The state of the router.
+/// The state of the router. Each request clones it several times.
 #[derive(Debug, Clone)]
-pub(super) struct Api {
+pub(super) struct Api(Arc<ApiState>);
+
+/// What handlers have in common.
+#[derive(Debug)]
+pub(super) struct ApiState {
     pub(super) service: Arc<Service>,
     pub(super) limits: Arc<ConnectionLimits>,
     /// Becomes true when the server stops; open event streams then end.
@@ -27,6 +32,20 @@ pub(super) struct Api {
 
 /// Files that are read whole at once. A table takes up to some 100 MB where it comes from a store elsewhere or is decoded.
 pub(super) const READS: usize = 4;
+
+impl Deref for Api {
+    type Target = ApiState;
+
+    fn deref(&self) -> &ApiState {
+        &self.0
+    }
+}
+
+impl From<ApiState> for Api {
+    fn from(state: ApiState) -> Self {
+        Self(Arc::new(state))
+    }
+}
 
 impl Api {
     /// As [`Self::call`], for a call that reads a file whole: a few do at once, and a client that leaves ends its wait.

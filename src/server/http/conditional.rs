@@ -3,7 +3,6 @@
 use axum::{
     extract::Request,
     http::{HeaderMap, header},
-    middleware::Next,
     response::{IntoResponse as _, Response},
 };
 use headers::{ETag, HeaderMapExt as _, IfMatch, IfNoneMatch, IfRange};
@@ -81,11 +80,14 @@ pub(super) fn check_untagged(headers: &HeaderMap) -> Result<(), Problem> {
     }
 }
 
-/// The layer that answers 412 in place of a success without an entity tag, by [`check_untagged`]. Only success counts:
+/// Answers 412 in place of a success without an entity tag, by [`check_untagged`]. Only success counts:
 /// preconditions of other requests are ignored [RFC 9110, section 13.2.1].
-pub(super) async fn require_if_match(request: Request, next: Next) -> Response {
+pub(super) async fn require_if_match<Answering: Future<Output = Response>>(
+    request: Request,
+    next: impl FnOnce(Request) -> Answering,
+) -> Response {
     let checked = check_untagged(request.headers());
-    let response = next.run(request).await;
+    let response = next(request).await;
     match checked {
         Err(problem) if response.status().is_success() && !response.headers().contains_key(header::ETAG) => {
             problem.into_response()

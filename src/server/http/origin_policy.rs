@@ -4,12 +4,11 @@
 //! name that the page was told to ask for: an attacker's domain may resolve to this machine, and its pages then count
 //! as the service's own (DNS rebinding). `Origin` is the site of the page that sends the request.
 
-use std::{fmt, net::IpAddr, str::FromStr, sync::Arc};
+use std::{fmt, net::IpAddr, str::FromStr};
 
 use axum::{
-    extract::{Request, State},
+    extract::Request,
     http::{HeaderMap, HeaderValue, Version, header, uri::Authority},
-    middleware::Next,
     response::{IntoResponse as _, Response},
 };
 
@@ -178,10 +177,14 @@ fn requested_host(request: &Request) -> Result<Option<AllowedHost>, Problem> {
     host(text).map_or_else(|| refuse(&format!("«{text}» is not a host with an optional port")), |host| Ok(Some(host)))
 }
 
-/// The layer that refuses requests by [`OriginPolicy::check`].
-pub(super) async fn check(State(policy): State<Arc<OriginPolicy>>, request: Request, next: Next) -> Response {
+/// Refuses requests by [`OriginPolicy::check`].
+pub(super) async fn check<Answering: Future<Output = Response>>(
+    policy: &OriginPolicy,
+    request: Request,
+    next: impl FnOnce(Request) -> Answering,
+) -> Response {
     match policy.check(&request) {
-        Ok(()) => next.run(request).await,
+        Ok(()) => next(request).await,
         Err(problem) => problem.into_response(),
     }
 }

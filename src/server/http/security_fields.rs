@@ -1,11 +1,8 @@
 //! Fields of every answer that tell browsers what it must not become, and to whose pages it may be shown.
 
-use std::sync::Arc;
-
 use axum::{
-    extract::{Request, State},
+    extract::Request,
     http::{HeaderName, HeaderValue, Method, StatusCode, header},
-    middleware::Next,
     response::{IntoResponse as _, Response},
 };
 
@@ -29,8 +26,12 @@ const READ: &str =
 /// How long a browser may remember that it may ask, in seconds.
 const REMEMBERED: &str = "600";
 
-/// The layer that adds the fields, and those of CORS for origins that the service was told to allow.
-pub(super) async fn add(State(policy): State<Arc<OriginPolicy>>, request: Request, next: Next) -> Response {
+/// Adds the fields, and those of CORS for origins that the service was told to allow.
+pub(super) async fn add<Answering: Future<Output = Response>>(
+    policy: &OriginPolicy,
+    request: Request,
+    next: impl FnOnce(Request) -> Answering,
+) -> Response {
     let origin = request.headers().get(header::ORIGIN).filter(|origin| policy.allows(origin)).cloned();
     // A browser asks before it sends what a form cannot, without the token.
     let asks = request.method() == Method::OPTIONS
@@ -44,7 +45,7 @@ pub(super) async fn add(State(policy): State<Arc<OriginPolicy>>, request: Reques
         ];
         (StatusCode::NO_CONTENT, fields).into_response()
     } else {
-        next.run(request).await
+        next(request).await
     };
     let fields = response.headers_mut();
     for (name, value) in FIELDS {
@@ -62,7 +63,7 @@ pub(super) async fn add(State(policy): State<Arc<OriginPolicy>>, request: Reques
 
 #[cfg(test)]
 mod tests {
-    use axum::{Router, body::Body, middleware::from_fn_with_state, routing::get};
+    use axum::{Router, body::Body, routing::get};
     use hyper::service::Service as _;
     use hyper_util::service::TowerToHyperService;
 
@@ -70,13 +71,13 @@ mod tests {
 
     async fn answer(method: &Method, fields: &[(HeaderName, &str)]) -> Response {
         let policy = OriginPolicy { hosts: vec![], origins: vec!["https://wiki.example".parse().expect("an origin")] };
-        let app = Router::new().route("/", get(|| async {})).layer(from_fn_with_state(Arc::new(policy), add));
-        let app = TowerToHyperService::new(app);
+        let app = TowerToHyperService::new(Router::new().route("/", get(|| async {})));
         let mut request = Request::builder().method(method).uri("/");
         for (name, value) in fields {
             request = request.header(name, *value);
         }
-        app.call(request.body(Body::empty()).expect("a request")).await.expect("an answer")
+        let request = request.body(Body::empty()).expect("a request");
+        add(&policy, request, async |request| app.call(request).await.expect("an answer")).await
     }
 
     #[tokio::test]

@@ -4,8 +4,9 @@ use std::{future::Future, io, num::NonZeroU32, sync::Arc};
 
 use axum::{
     Router,
-    extract::DefaultBodyLimit,
-    middleware::{from_fn, from_fn_with_state},
+    extract::{DefaultBodyLimit, Request, State},
+    middleware::{Next, from_fn, from_fn_with_state},
+    response::Response,
 };
 use tokio::{
     net::TcpListener,
@@ -16,7 +17,7 @@ use tracing::Level;
 
 use super::{
     access::{self, Access, Rates, WatchedTokens},
-    api::{Api, READS},
+    api::{Api, ApiState, READS},
     certificates::Certificates,
     conditional, connection,
     extract::{BODY_LIMIT_BYTES, UPLOADS},
@@ -59,7 +60,7 @@ pub async fn serve(
 ) -> io::Result<()> {
     let (stop, stopping) = watch::channel(false);
     let limits = Arc::new(options.limits);
-    let api = Api {
+    let api = ApiState {
         service,
         limits: Arc::clone(&limits),
         stopping: stopping.clone(),
@@ -77,7 +78,7 @@ pub async fn serve(
     let access = Access { tokens: options.tokens, rates: options.requests_per_second.map(Rates::new) };
     let served = connection::serve(
         listener,
-        router(api, options.only_operations, options.origins, access),
+        router(api.into(), options.only_operations, options.origins, access),
         tls,
         limits,
         stopping.clone(),
@@ -93,7 +94,6 @@ pub async fn serve(
 /// The routes with the layers that every request passes. A line for each request is logged at level `debug`: at the
 /// default level the log tells of the service, not of its clients.
 fn router(api: Api, only_operations: bool, origins: OriginPolicy, access: Access) -> Router {
-    let origins = Arc::new(origins);
     let trace = TraceLayer::new_for_http()
         .make_span_with(NamedSpan)
         .on_response(DefaultOnResponse::new().level(Level::DEBUG))
@@ -101,11 +101,25 @@ fn router(api: Api, only_operations: bool, origins: OriginPolicy, access: Access
     routes::router(only_operations)
         .fallback(routes::no_such_path)
         .layer(DefaultBodyLimit::max(BODY_LIMIT_BYTES))
-        .layer(from_fn(conditional::require_if_match))
-        .layer(from_fn_with_state(Arc::new(access), access::check))
-        .layer(from_fn_with_state(Arc::clone(&origins), origin_policy::check))
-        .layer(from_fn_with_state(origins, security_fields::add))
+        .layer(from_fn_with_state(Arc::new(Doors { origins, access }), pass))
         .layer(trace)
         .layer(from_fn(request_id::name))
         .with_state(api)
+}
+
+/// What a request passes before its route.
+#[derive(Debug)]
+struct Doors {
+    origins: OriginPolicy,
+    access: Access,
+}
+
+/// The layer of all doors, from the outermost to the innermost. For each request, a layer of axum clones whatever is within it, so
+/// that one for each door would clone the routes as often.
+async fn pass(State(doors): State<Arc<Doors>>, request: Request, next: Next) -> Response {
+    let Doors { origins, access } = &*doors;
+    let matched = |request| conditional::require_if_match(request, |request| next.run(request));
+    let admitted = |request| access::check(access, request, matched);
+    let addressed = |request| origin_policy::check(origins, request, admitted);
+    security_fields::add(origins, request, addressed).await
 }

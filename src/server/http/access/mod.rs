@@ -1,4 +1,4 @@
-//! Who may call: tokens and what they allow, and the layer that asks for one.
+//! Who may call: tokens and what they allow, and the door that asks for one.
 //!
 //! Invariant: where there are tokens, no request but those of [`is_open`] passes without one, wherever it comes from: a proxy
 //! on this machine brings the requests of others.
@@ -11,9 +11,8 @@ mod watched;
 use std::{net::IpAddr, sync::Arc};
 
 use axum::{
-    extract::{Request, State},
+    extract::Request,
     http::{HeaderMap, HeaderValue, Method, header},
-    middleware::Next,
     response::{IntoResponse as _, Response},
 };
 
@@ -116,8 +115,13 @@ fn address(request: &Request) -> IpAddr {
     remote.map_or(IpAddr::V4(std::net::Ipv4Addr::UNSPECIFIED), |RemoteAddress(address)| *address)
 }
 
-/// The layer that refuses requests by [`admit`] and those that come too often, and keeps answers for one caller out of caches for all.
-pub(super) async fn check(State(access): State<Arc<Access>>, mut request: Request, next: Next) -> Response {
+/// Refuses requests by [`admit`] and those that come too often, and keeps answers for one caller out of caches for
+/// all.
+pub(super) async fn check<Answering: Future<Output = Response>>(
+    access: &Access,
+    mut request: Request,
+    next: impl FnOnce(Request) -> Answering,
+) -> Response {
     let current = access.tokens.current();
     let admitted = admit(&current, request.method(), request.uri().path(), request.headers());
     let admitted = access.count(&admitted, &request).and(admitted);
@@ -126,7 +130,7 @@ pub(super) async fn check(State(access): State<Arc<Access>>, mut request: Reques
             if let Some(caller) = caller {
                 request.extensions_mut().insert(caller);
             }
-            next.run(request).await
+            next(request).await
         }
         Err(problem) => {
             let mut response = problem.into_response();
