@@ -59,7 +59,7 @@ fn callers_that_ask_too_often_are_told_when_to_come_back() {
     let named = server.request("GET", "/healthz", &[("x-request-id", "from-proxy.7")], None);
     assert_eq!(named.header("x-request-id"), Some("from-proxy.7"));
     // A token that is put into the address by a slip.
-    server.get(&format!("/healthz?token={farm}")).with_status(200);
+    server.get(&format!("/healthz?token={farm}")).with_status(400);
     let other = server.request("GET", "/healthz", &[("x-request-id", "no name")], None);
     assert!(other.header("x-request-id").is_some_and(|name| name != "no name"), "{other:?}");
     let log = server.kill_and_read();
