@@ -19,8 +19,8 @@ use crate::{
 
 const WORKERS: usize = 6;
 
-/// Connections of a worker, at most: those of its pool, and one that listens.
-const MOST: usize = 3;
+/// Connections of a worker, at most: three of its pool, and one that listens.
+const MOST: usize = 4;
 
 /// Workers that start at the same time.
 const STARTING: usize = 8;
@@ -37,7 +37,7 @@ const UNUSED: Duration = Duration::from_secs(95);
 /// Clock ticks of `/proc` a second: what Linux shows to every program.
 const TICKS: f64 = 100.0;
 
-/// A job of two shards or more for each of `workers`, long enough that none does them all.
+/// A job of two shards or more for each of `workers`.
 fn recipe(workers: usize) -> String {
     let phi = workers.div_ceil(2).max(2);
     format!(

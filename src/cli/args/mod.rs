@@ -37,7 +37,7 @@ pub(super) use threads::Threads;
 
 /// Fits, stores and serves Linearly Transformed Cosine tables for area lights on GGX materials.
 #[derive(Debug, Parser)]
-#[command(version, propagate_version = true, after_help = EXIT_CODES)]
+#[command(name = "ltcforge", version, propagate_version = true, after_help = EXIT_CODES)]
 pub struct Cli {
     /// Configuration file; `ltcforge.toml` in the working folder if there is one
     #[arg(long, global = true, env = "LTCFORGE_CONFIG", value_name = "FILE")]

@@ -20,7 +20,7 @@ impl ServeSettings {
         }
         let refused = format!(
             "other machines may reach {}, and there are no tokens: give --tokens FILE (`ltcforge token new` makes one), or \
-             --allow-anyone if anyone who reaches it may read, submit and cancel",
+             --allow-anyone if anyone who reaches it may read, submit, cancel and delete",
             self.listen
         );
         Err(CommandFailure::new(Exit::Usage, refused))

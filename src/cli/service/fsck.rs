@@ -89,8 +89,8 @@ fn shared_text(report: &SharedReport) -> String {
         (missing_brdfs, MISSING_BRDF),
         (
             incomplete_tables,
-            "a row of this table is missing or unreadable: its own, its recipe's or the one of its age; delete the table, and \
-             submit its recipe again",
+            "a row of this table is missing or unreadable: its own, its recipe's or the one of its age; take its pins off, \
+             delete it, submit its recipe again, and put the pins back",
         ),
         (pinned_unknown, "it has a pin and is not in the catalogue; submit its recipe again, or take the pin off"),
     ];

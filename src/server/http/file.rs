@@ -167,10 +167,15 @@ impl File {
         Ok(response)
     }
 
-    /// The file, if an answer has enough of its bytes from memory.
+    /// The file, if an answer has enough of its bytes from memory to make the kernel's copy worth it, and the file is short
+    /// enough to have one.
     fn in_memory(&self, method: &Method, part: &Range<u64>) -> Option<InMemory> {
         match &self.contents {
-            Contents::Memory(bytes) if method != Method::HEAD && part.end - part.start >= LEAST_BYTES => {
+            Contents::Memory(bytes)
+                if method != Method::HEAD
+                    && part.end - part.start >= LEAST_BYTES
+                    && bytes.len() as u64 <= SHORT_BYTES =>
+            {
                 Some(InMemory { digest: self.digest, bytes: Arc::clone(bytes) })
             }
             _ => None,
@@ -299,6 +304,23 @@ mod tests {
         let response = get(&[(header::RANGE, "bytes=10-")]);
         assert_eq!(response.status(), 416);
         assert_eq!(response.headers()[header::CONTENT_RANGE], "bytes */10");
+    }
+
+    #[test]
+    fn the_kernel_gets_a_copy_of_files_of_64_kib_to_a_mebibyte_alone() {
+        let is_copied = |length: usize, method: &Method, range: Option<&'static str>| {
+            let headers = range.map(|range| (header::RANGE, HeaderValue::from_static(range)));
+            let file = File { contents: Contents::Memory(Arc::new(vec![0; length])), ..file() };
+            let response = file.respond(method, &headers.into_iter().collect()).expect("a response");
+            response.extensions().get::<InMemory>().is_some()
+        };
+        for (length, copied) in [(65_535, false), (65_536, true), (1 << 20, true), ((1 << 20) + 1, false)] {
+            assert_eq!(is_copied(length, &Method::GET, None), copied, "{length}");
+        }
+        assert!(!is_copied(65_536, &Method::HEAD, None));
+        for (range, copied) in [("bytes=0-65535", true), ("bytes=0-65534", false)] {
+            assert_eq!(is_copied(100_000, &Method::GET, Some(range)), copied, "{range}");
+        }
     }
 
     #[test]
