@@ -1,12 +1,11 @@
 //! Jobs as rows: how they are inserted, read and ended.
 
-use std::{collections::BTreeSet, num::NonZeroU32};
+use std::num::NonZeroU32;
 
 use deadpool_postgres::{GenericClient, Transaction};
 use jiff::Timestamp;
 use tokio_postgres::{Error, Row};
 
-use super::PostgresQueue;
 use crate::{
     queue::{Claim, Failure, FailureKind, Job, JobId, JobState, Priority},
     store::StoreError,
@@ -193,25 +192,6 @@ pub(super) async fn insert(
         )
         .await?;
     Ok(row.map(|row| row.get(0)))
-}
-
-impl PostgresQueue {
-    /// Queued and running jobs that no worker would ever end: nobody serves them, or shards of theirs have no row.
-    ///
-    /// # Errors
-    /// When the database fails.
-    pub fn stuck(&self) -> Result<BTreeSet<JobId>, StoreError> {
-        // One statement, so that no other process changes anything in between.
-        let stuck = "
-            SELECT id FROM ltcforge.jobs AS j WHERE state IN ('queued', 'running') AND (
-                NOT EXISTS (SELECT FROM ltcforge.serving AS s WHERE s.submission = j.submission)
-                OR (SELECT count(*) FROM ltcforge.tasks AS t WHERE t.submission = j.submission)
-                    + (SELECT coalesce(sum(past - next), 0) FROM ltcforge.blocks AS b WHERE b.submission = j.submission)
-                    <> j.shards + 1)";
-        let rows =
-            self.database.run(async |client| Ok(client.query(&client.prepare_cached(stuck).await?, &[]).await?))?;
-        Ok(rows.iter().filter_map(|row| JobId::from_slice(row.get(0))).collect())
-    }
 }
 
 /// Locks an unfinished job; returns its id.

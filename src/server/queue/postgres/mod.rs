@@ -17,7 +17,7 @@ mod jobs;
 mod lease;
 mod listen;
 mod queue;
-
+mod stuck;
 mod submit;
 #[cfg(test)]
 mod tests;
