@@ -347,7 +347,7 @@ pub(super) mod tests {
             Some(format!("--{}={}", argument.get_long()?, default.strip_suffix(']')?))
         });
         // Those in words follow from the machine and from other flags; those of a replica need its database.
-        let of_replicas = ["--cache-mb", "--lease-", "--statement-", "--idle-"];
+        let of_replicas = ["--cache-mb", "--lease-", "--database-", "--statement-", "--idle-"];
         let stated: Vec<String> =
             stated.filter(|flag| !flag.contains(' ') && !of_replicas.iter().any(|name| flag.contains(name))).collect();
         assert!(stated.len() > 10, "{stated:?}");
@@ -380,7 +380,7 @@ pub(super) mod tests {
             (limits.connections, limits.per_address, limits.client.as_secs())
         };
         assert_eq!(limits("", &[], None), (1024, 512, 30));
-        assert_eq!(limits("", &[], Some(128)), (48, 24, 30));
+        assert_eq!(limits("", &[], Some(160)), (48, 24, 30));
         let file = "connections = 10\nconnections_per_address = 9\nclient_seconds = 5";
         assert_eq!(limits(file, &[], None), (10, 9, 5));
         assert_eq!(limits(file, &["--connections", "8"], None), (8, 8, 5));
