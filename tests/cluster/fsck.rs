@@ -1,7 +1,6 @@
 //! `fsck` says what is wrong with a database and a store that processes use, and changes nothing in them.
 
 use std::{
-    collections::BTreeMap,
     fs::{self, File},
     path::{Path, PathBuf},
     time::{Duration, SystemTime},
@@ -14,24 +13,11 @@ use crate::{
     common::{
         SMALL,
         command::{Run, ltcforge, run},
+        folder::contents,
         server::text,
     },
     throwaway,
 };
-
-/// Every file below `folder` and its bytes.
-fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for entry in fs::read_dir(folder).expect("a folder") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            found.extend(contents(&path));
-        } else {
-            found.insert(path.clone(), fs::read(path).expect("a file"));
-        }
-    }
-    found
-}
 
 /// Runs it on what is shared; it must stay as it is.
 #[track_caller]

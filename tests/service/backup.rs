@@ -5,10 +5,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{brdfs::OCTETS, fsck::contents};
+use super::brdfs::OCTETS;
 use crate::common::{
     LARGE,
     command::{Run, run, run_with_stdin},
+    folder::contents,
     seeded,
     server::{Server, text},
 };

@@ -1,9 +1,10 @@
 //! A service that is killed in the middle of a job goes on where it was.
 
-use super::fsck::{contents, write};
+use super::fsck::write;
 use crate::common::{
     LARGE,
     command::run_with_stdin,
+    folder::contents,
     seeded,
     server::{Server, text},
 };

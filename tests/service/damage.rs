@@ -11,12 +11,10 @@ use std::{
 
 use rustix::fs::{CWD, FileType, Mode, mknodat};
 
-use super::{
-    brdfs::OCTETS,
-    fsck::{contents, write},
-};
+use super::{brdfs::OCTETS, fsck::write};
 use crate::common::{
     command::run,
+    folder::contents,
     seeded,
     server::{Server, text},
     soak::{Random, rounds},

@@ -9,25 +9,12 @@ use std::{
 use crate::common::{
     SMALL,
     command::{Run, run},
+    folder::contents,
     server::{Server, text},
 };
 
 /// The damage that is done to a data folder.
 type Damage = Box<dyn Fn(&Path)>;
-
-/// Every file below `folder` and its bytes.
-pub(super) fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for entry in fs::read_dir(folder).expect("a folder") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            found.extend(contents(&path));
-        } else {
-            found.insert(path.clone(), fs::read(path).expect("a file"));
-        }
-    }
-    found
-}
 
 pub(super) fn write(files: &BTreeMap<PathBuf, Vec<u8>>) {
     for (path, bytes) in files {

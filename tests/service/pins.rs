@@ -9,13 +9,11 @@ use std::{
 
 use serde_json::{Value, json};
 
-use super::{
-    clients::{host, request, send},
-    fsck::contents,
-};
+use super::clients::{host, request, send};
 use crate::common::{
     SMALL,
     command::run,
+    folder::contents,
     seeded,
     server::{Server, text},
 };

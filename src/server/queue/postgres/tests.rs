@@ -13,14 +13,16 @@ use std::{
 use super::{PostgresQueue, Process};
 use crate::{
     queue::{
-        Demand, Failure, FailureKind, JobId, JobState, LeaseError, LeasedTask, Limits, NewJob, Offer, Queue as _,
-        StaleLease, Submitted, TaskKind, tests::world::results,
+        Demand, JobId, JobState, LeaseError, LeasedTask, Limits, NewJob, Offer, Queue as _, StaleLease, Submitted,
+        TaskKind, tests::world::results,
     },
     store::{Batch, Database, throwaway},
 };
 use ltcforge_files::digest::Digest;
 
 mod at_once;
+mod indexes;
+mod operators;
 
 /// How long a condition may take to come true. It only ends a test that hangs.
 const DEADLINE: Duration = Duration::from_secs(60);
@@ -142,83 +144,6 @@ fn another_fitter_leaves_the_job_alone() {
     old.submit(new("a", 1), &|_| false).unwrap();
     assert_eq!(lease(&new_one), None);
     assert!(lease(&old).is_some());
-}
-
-/// A restored database gives the numbers of submissions and attempts again, to other jobs.
-#[test]
-fn a_lease_from_before_the_database_was_restored_is_refused() {
-    let Some(queues) = queues(2, Duration::from_secs(600)) else { return };
-    let [late, other] = &queues[..] else { panic!("two") };
-    let leased = |queue: &PostgresQueue, name: &str, is_assembly: bool| {
-        queue.submit(new(name, 1), &|_| false).unwrap();
-        let shard = lease(queue).unwrap();
-        if !is_assembly {
-            return shard;
-        }
-        assert_eq!(queue.complete(&[(shard.lease, b"result")]).unwrap(), [Ok(())]);
-        lease(queue).unwrap()
-    };
-    for is_assembly in [false, true] {
-        let lost = leased(late, "lost", is_assembly);
-        // The backup is of the empty database.
-        let restore = "TRUNCATE ltcforge.jobs, ltcforge.tasks, ltcforge.blocks, ltcforge.serving,
-            ltcforge.finished_entries; ALTER SEQUENCE ltcforge.submissions RESTART";
-        execute(other, restore);
-        let current = leased(other, "new", is_assembly);
-        assert_eq!((lost.lease.submission, lost.lease.task), (current.lease.submission, current.lease.task));
-        let held = [(lost.lease, 1)];
-        let renewed = super::held::renew(&late.database, &late.process, &held, Duration::from_secs(1)).unwrap();
-        assert!(renewed.is_empty(), "{renewed:?}");
-        assert_eq!(late.complete(&[(lost.lease, b"late")]).unwrap(), [Err(StaleLease)]);
-        assert!(!is_assembly || matches!(results(late, &lost.lease), Err(LeaseError::Stale(_))));
-        let finished = late.finish(&lost.lease, Digest::of(b"lost"), Batch::default());
-        assert!(matches!(finished, Err(LeaseError::Stale(_))));
-        let failure = Failure { kind: FailureKind::Attempts, detail: "late".to_owned() };
-        let answers = [late.give_back(&lost.lease), late.fail(&lost.lease, "late"), late.abort(&lost.lease, failure)];
-        assert_eq!(answers, [Err(StaleLease); 3]);
-        if is_assembly {
-            other.finish(&current.lease, Digest::of(b"new"), Batch::default()).unwrap();
-        } else {
-            assert_eq!(other.complete(&[(current.lease, b"in time")]).unwrap(), [Ok(())]);
-        }
-        execute(other, restore);
-    }
-}
-
-#[test]
-fn a_worker_without_rights_waits_longer_each_time_and_goes_on_once_it_has_them() {
-    let Some(url) = throwaway::empty_database() else { return };
-    let open = |url: &str| {
-        let (lease_ttl, max_attempts) = (Duration::from_secs(600), NonZeroU32::MIN);
-        let limits = Limits { jobs: 9, lease_ttl, max_attempts, keep_ended: None, most_ended: None };
-        PostgresQueue::open_eager(Database::open(url).unwrap(), limits)
-    };
-    let (owner, role) = (open(&url), format!("worker{}", std::process::id()));
-    execute(
-        &owner,
-        &format!(
-            "CREATE ROLE {role} LOGIN; GRANT USAGE ON SCHEMA ltcforge TO {role};
-            GRANT SELECT ON ALL TABLES IN SCHEMA ltcforge TO {role}"
-        ),
-    );
-    owner.submit(new("a", 1), &|_| false).unwrap();
-    let queue = open(&url.replace("postgres@", &format!("{role}@")));
-    for refusals in 1..3 {
-        assert_eq!(lease(&queue), None);
-        assert_eq!(queue.refusals.load(Ordering::Relaxed), refusals);
-    }
-    assert!(queue.fault().unwrap().contains("may not write"));
-    execute(
-        &owner,
-        &format!(
-            "GRANT INSERT, UPDATE, DELETE ON ALL TABLES IN SCHEMA ltcforge TO {role};
-            GRANT USAGE ON ALL SEQUENCES IN SCHEMA ltcforge TO {role}"
-        ),
-    );
-    assert!(lease(&queue).is_some());
-    assert_eq!(queue.refusals.load(Ordering::Relaxed), 0);
-    let waits: Vec<u64> = (0..9).map(|refusals| super::queue::back_off(refusals).as_secs()).collect();
-    assert_eq!(waits, [1, 2, 4, 8, 16, 32, 64, 64, 64]);
 }
 
 fn execute(queue: &PostgresQueue, statement: &str) {
@@ -412,42 +337,4 @@ fn connections_that_are_cut_cost_no_job() {
     });
     assert!(cut.into_inner() > 10);
     assert_all_done(&queues[0], &jobs, completed);
-}
-
-/// The statements that a worker and a page of jobs wait for, with 100,000 shards in the queue.
-#[test]
-fn statements_go_by_indexes_however_long_the_queue_is() {
-    let Some(queues) = queues(1, Duration::from_secs(60)) else { return };
-    for n in 0..4 {
-        queues[0].submit(new(&n.to_string(), 25_000), &|_| false).unwrap();
-    }
-    let explain = |statement: &str, arguments: &str| {
-        let types = vec!["unknown"; arguments.matches(',').count() + 1].join(", ");
-        let [types, arguments] = [types.as_str(), arguments]
-            .map(|list| if arguments.is_empty() { String::new() } else { format!("({list})") });
-        let statements =
-            format!("PREPARE s {types} AS {statement}; EXPLAIN (COSTS OFF) EXECUTE s {arguments}; DEALLOCATE s");
-        let messages = queues[0].database.run(async |client| Ok(client.simple_query(&statements).await?)).unwrap();
-        let lines = messages.iter().filter_map(|message| match message {
-            tokio_postgres::SimpleQueryMessage::Row(row) => row.get(0).map(str::to_owned),
-            _ => None,
-        });
-        lines.collect::<Vec<_>>().join("\n")
-    };
-    let of_submission = format!("{} WHERE submission < $1 ORDER BY submission DESC LIMIT $2", super::jobs::COLUMNS);
-    for (statement, arguments) in [
-        (super::lease::LEASE.as_str(), "1, 16, 60, 'me', false, 3"),
-        (super::lease::OPEN, ""),
-        (super::blocks::MAKE_ROWS, "NULL, 2048, 64, 1"),
-        (super::deliver::COMPLETE, "'{1}', '{0}', '{a}', '{abc}', 8"),
-        (super::fence::IS_CURRENT, "1, 0, 'a'"),
-        (super::held::RENEW, "'{1}', '{0}', '{a}', '{1}', 60"),
-        (of_submission.as_str(), "9, 20"),
-    ] {
-        let plan = explain(statement, arguments);
-        assert!(plan.contains("Scan"), "{plan}");
-        for table in ["tasks", "blocks", "jobs", "serving"] {
-            assert!(!plan.contains(&format!("Seq Scan on {table}")), "{plan}");
-        }
-    }
 }
