@@ -25,7 +25,7 @@ pub struct RestoreArgs {
     /// Folder of the copy
     #[arg(value_name = "FROM")]
     pub from: PathBuf,
-    /// The data folder to make, where there is none yet
+    /// The data folder to make; it must not exist yet
     #[command(flatten)]
     pub place: Place,
 }

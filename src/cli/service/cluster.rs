@@ -42,7 +42,7 @@ fn shared(
     Shared { database, blobs, cache_bytes, connections, timeouts }
 }
 
-/// What a command that looks at all there is shares, without time limits.
+/// The database and store of a command that looks at all rows and blobs, without time limits.
 pub(super) fn shared_for_all(database: DatabaseUrl, blobs: String) -> Shared {
     shared(database, blobs, None, WORKER_CONNECTIONS, DatabaseTimeouts::NONE)
 }
@@ -68,7 +68,7 @@ pub(super) fn replica(args: &ReplicaArgs) -> Option<Shared> {
     Some(shared(args.database.clone()?, args.blobs.clone()?, args.cache_mb, connections, args.timeouts.timeouts()))
 }
 
-/// What `opening` gives, which waits where the database has no room; `None` if the process is interrupted meanwhile.
+/// The result of `opening`, which waits where the database has no room; `None` if the process is interrupted meanwhile.
 pub(super) async fn unless_interrupted<T>(opening: impl Future<Output = T>, context: &Context<'_>) -> Option<T> {
     tokio::select! {
         opened = opening => Some(opened),

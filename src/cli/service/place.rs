@@ -11,7 +11,7 @@ use ltcforge_server::service::DatabaseUrl;
 /// process in a cluster, with that of its cache, name what it works on.
 #[derive(Debug)]
 pub enum Place {
-    /// What processes share; one of the two may be missing.
+    /// The database and store that processes share; one of the two may be missing.
     Shared {
         /// The database.
         database: Option<DatabaseUrl>,

@@ -15,7 +15,7 @@ use crate::service::Service;
 #[derive(Debug, Clone)]
 pub(super) struct Api(Arc<ApiState>);
 
-/// What handlers have in common.
+/// The state itself, of which there is one.
 #[derive(Debug)]
 pub(super) struct ApiState {
     pub(super) service: Arc<Service>,

@@ -107,7 +107,7 @@ fn router(api: Api, only_operations: bool, origins: OriginPolicy, access: Access
         .with_state(api)
 }
 
-/// What a request passes before its route.
+/// The doors that a request passes before its route: they may refuse it.
 #[derive(Debug)]
 struct Doors {
     origins: OriginPolicy,

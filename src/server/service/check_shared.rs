@@ -1,8 +1,8 @@
 //! The check of a database and a store of blobs that processes share, while they work.
 //!
 //! Invariant: nothing is written, be it a migration or a file of a cache. A file is stored before the rows that name it, and removed
-//! after them; so rows are read before the store is listed, and what rows and store have against each other counts if a second look
-//! finds it too.
+//! after them; so rows are read before the store is listed, and a disagreement of rows and store counts if a second look finds it
+//! too.
 
 use std::{collections::BTreeSet, sync::Arc};
 
@@ -34,7 +34,7 @@ pub struct SharedReport {
     pub files: usize,
     /// Blobs that the store gives other bytes for.
     pub damaged: BTreeSet<Digest>,
-    /// What rows and blobs have against each other.
+    /// Where rows and blobs disagree.
     #[serde(flatten)]
     pub disagreements: Disagreements,
     /// Jobs that are done and whose table was removed since.
@@ -45,7 +45,7 @@ pub struct SharedReport {
     pub orphan_bytes: u64,
 }
 
-/// What the rows of the database and the blobs of the store have against each other.
+/// Where the rows of the database and the blobs of the store disagree.
 #[derive(Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Disagreements {
     /// Tables of the catalogue without a blob.

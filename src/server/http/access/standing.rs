@@ -35,11 +35,11 @@ impl Standing {
                 Some(("priority", value)) if standing.priority.is_none() => {
                     standing.priority = Priority::ALL.into_iter().find(|priority| priority.name() == value);
                     if standing.priority.is_none() {
-                        faults.push(format!("priority «{}» is none of low, normal, high", value.escape_debug()));
+                        faults.push(format!("priority «{}» is not low, normal or high", value.escape_debug()));
                     }
                 }
                 _ => faults.push(format!(
-                    "«{}» is none of team=NAME, share=NUMBER and priority=NAME, each once",
+                    "«{}» is not team=NAME, share=NUMBER or priority=NAME, each once",
                     word.escape_debug()
                 )),
             }
@@ -97,10 +97,10 @@ mod tests {
             ("share=101", "share «101»"),
             ("share=1.5", "share «1.5»"),
             ("share=-1", "share «-1»"),
-            ("priority=urgent", "priority «urgent» is none of low, normal, high"),
+            ("priority=urgent", "priority «urgent» is not low, normal or high"),
             ("team=", "«» is not the name of a token or a team"),
             ("team=a/b", "«a/b»"),
-            ("team=a team=b", "«team=b» is none of team=NAME, share=NUMBER and priority=NAME, each once"),
+            ("team=a team=b", "«team=b» is not team=NAME, share=NUMBER or priority=NAME, each once"),
             ("turn=3", "«turn=3»"),
             ("art", "«art»"),
         ] {

@@ -34,7 +34,7 @@ impl Default for KernelCopies {
 }
 
 impl KernelCopies {
-    /// The copy of the file whose bytes an answer has, if it has one's and the system has room for a copy.
+    /// The copy of the file in memory that an answer sends; `None` if it sends no such file, or the system has no room for a copy.
     fn of(&self, answer: &Extensions) -> Option<KernelCopy> {
         let InMemory { digest, bytes } = answer.get()?;
         let copy = self.0.get_or_insert_with(digest, || sealed(bytes).map(Arc::new)).ok()?;
@@ -92,10 +92,10 @@ impl Sending {
     }
 }
 
-/// What is written next.
+/// The beginning of what hyper wants written.
 #[derive(Debug)]
 pub(super) enum Plan<'a> {
-    /// What comes before the copied bytes: the head of an answer.
+    /// The parts before the copied bytes: the head of an answer.
     Before(&'a [IoSlice<'a>]),
     /// Bytes of the copy.
     Copied { copy: Arc<File>, offset: u64, length: usize },
@@ -116,7 +116,7 @@ impl Plan<'_> {
     }
 }
 
-/// What Linux has for it.
+/// The calls of Linux.
 #[cfg(target_os = "linux")]
 mod system {
     use std::io::Write as _;

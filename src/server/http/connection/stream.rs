@@ -27,7 +27,7 @@ pub(super) struct ClientStream {
     head: Vec<u8>,
     /// The unwritten rest of an answer that replaces one of hyper's own.
     replacement: Option<Vec<u8>>,
-    /// What the kernel has of the answer that is written.
+    /// The kernel's copy of the answer that is being written.
     sending: Sending,
 }
 
