@@ -42,9 +42,9 @@ fn watch(watched: &Weak<Reading>, name: &str) {
         if let Some((since, input)) = &*reading.lock().expect("no panic")
             && since.elapsed() > MOST_WAIT
         {
-            let file = corpus::write(name, input);
+            let line = corpus::write(name, input);
             // Not by a macro, whose words would be kept until the test ends.
-            let told = format!("{name}: no answer after {MOST_WAIT:?}; the input is now {}\n", file.display());
+            let told = format!("{name}: no answer after {MOST_WAIT:?}; the input is now {line}\n");
             let _ = std::io::stderr().write_all(told.as_bytes());
             process::exit(1);
         }
