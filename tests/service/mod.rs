@@ -1,12 +1,9 @@
 //! The service, over HTTP and through what happens to its process and its disk.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 mod access;
 mod backup;
 mod bad_input;
-mod brdfs;
+pub(crate) mod brdfs;
 mod clients;
 mod crash;
 mod crowds;

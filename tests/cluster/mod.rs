@@ -1,23 +1,21 @@
 //! Several processes of the binary on one PostgreSQL and one blob store, a folder.
 
-#[path = "../common/mod.rs"]
-mod common;
 #[path = "../../src/server/store/postgres/tests/throwaway.rs"]
-mod throwaway;
+pub(crate) mod throwaway;
 
 mod errors;
-mod faults;
+pub(crate) mod faults;
 mod fleet;
 mod fsck;
 mod kills;
 mod links;
 mod migration;
 mod objects;
-mod pgbouncer;
-mod proxy;
+pub(crate) mod pgbouncer;
+pub(crate) mod proxy;
 mod room;
 mod runbook;
-mod s3;
+pub(crate) mod s3;
 mod sweep;
 mod watch;
 
@@ -28,7 +26,7 @@ use std::{
     process::{Child, Command, Stdio},
 };
 
-use common::{command::ltcforge, server::Server};
+use crate::common::{command::ltcforge, server::Server};
 
 /// The database and the blob store that the processes of a test share.
 #[derive(Clone)]
