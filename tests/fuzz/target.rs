@@ -13,7 +13,7 @@ use std::{
 
 use rustix::time::{ClockId, clock_gettime};
 
-use crate::{answer::Format, corpus, watch::Watch};
+use super::{answer::Format, corpus, watch::Watch};
 
 /// Processor time for one input, of the thread that reads it: all targets may share two cores. How long an input may be waited for,
 /// for other threads or processes, the watch knows.

@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::corpus;
+use super::corpus;
 
 /// How long one input is waited for. All targets at once share the processor, and a small machine's is shared by many.
 const MOST_WAIT: Duration = Duration::from_secs(180);

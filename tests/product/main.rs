@@ -1,9 +1,14 @@
-//! The binary as its users have it: the service, and several processes on one database.
+//! The binary as its users have it: the command, the service, its page and pictures, and several processes on one database.
 
+#[path = "../cli/mod.rs"]
+mod cli;
 #[path = "../cluster/mod.rs"]
 mod cluster;
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../page/mod.rs"]
+mod page;
+mod preview;
 #[path = "../service/mod.rs"]
 mod service;
 

@@ -1,7 +1,5 @@
 //! Pictures over HTTP.
 
-mod common;
-
 use std::{
     fs,
     io::{Read as _, Write as _},
@@ -9,7 +7,7 @@ use std::{
     time::Duration,
 };
 
-use common::{
+use crate::common::{
     SMALL,
     command::{Run, ltcforge, run, run_with_stdin},
     eventually,

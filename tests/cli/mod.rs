@@ -1,8 +1,5 @@
 //! The command line, by its output and its exit codes.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 mod answers;
 mod ci;
 mod compare;
