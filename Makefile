@@ -191,17 +191,9 @@ lint-deny:
 	@if $(CARGO) deny --version >/dev/null 2>&1; then $(CARGO) deny --locked check --hide-inclusion-graph; \
 	else echo '*** SKIPPED: no cargo-deny: licences, sources and advisories were not checked' >&2; fi
 
-# Lines of code of each crate without comments, blank lines and tests, counted by awk.
+# Lines of code of each crate.
 lines:
-	@find src -name '*.rs' ! -path '*/tests/*' ! -name tests.rs ! -name planted.rs ! -name cases.rs ! -name throwaway.rs -print0 | xargs -0 awk ' \
-		FNR == 1 { tests = pending = 0; split(FILENAME, part, "/"); crate = part[3] ~ /./ ? part[2] : "ltcforge" } \
-		crate == "library" { crate = "ltcforge" } \
-		/^#\[cfg\((test|any\(test)/ { pending = 1; next } \
-		pending && /^(pub(\([a-z]+\))? )?mod [a-z_]+ \{/ { tests = 1 } \
-		{ pending = 0 } \
-		!tests && !/^[ \t]*(\/\/|$$)/ { lines[crate]++; all++ } \
-		END { for (crate in lines) printf "%6d %s\n", lines[crate], crate | "sort -rn"; close("sort -rn"); \
-			printf "%6d fit and light\n%6d all\n", lines["fit"] + lines["light"], all }'
+	@files=$$(find src -name '*.rs'); awk -f .ci/lines.awk $$files pass=2 $$files
 
 # What a Rust program takes along that only wants a table.
 CORE_CRATES := 50

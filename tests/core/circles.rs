@@ -1,8 +1,8 @@
 //! No two files of a crate use each other in a circle, and no file lies beside the tree of modules. Which crate uses
 //! which, the manifests say, and cargo refuses circles.
 //!
-//! Files are read as text: `use` declarations with `crate`, `super` or `self` outside of tests are resolved through
-//! modules and re-exports to the file that defines the item. A path in the middle of code is not looked at.
+//! Files are read as text: paths with `crate`, `super` or `self` outside of tests, in `use` declarations and in code, are
+//! resolved through modules and re-exports to the file that defines the item.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -16,7 +16,7 @@ type Modules = BTreeMap<Vec<String>, Module>;
 #[derive(Debug, Default)]
 struct Module {
     items: BTreeSet<String>,
-    /// Paths of `use` declarations, and whether they are handed on.
+    /// Paths of other items, and whether they are re-exports.
     uses: Vec<(Vec<String>, bool)>,
     text: String,
 }
@@ -25,8 +25,17 @@ impl Module {
     fn of(text: &str) -> Self {
         let (mut module, mut lines) = (Self { text: text.to_owned(), ..Self::default() }, text.lines());
         while let Some(line) = lines.next() {
-            if line.starts_with("#[cfg(test)]") {
-                break;
+            if ["#[cfg(test", "#[cfg(any(test", "#[cfg(all(test"].iter().any(|start| line.starts_with(start)) {
+                let item = lines.find(|line| !line.starts_with("#[")).unwrap_or_default();
+                if item.contains("mod ") && item.ends_with('{') {
+                    // Tests within a file are at its end.
+                    break;
+                }
+                let is_end = |line: &str| !line.starts_with([' ', '#']) && line.ends_with([';', '}']);
+                if !is_end(item) {
+                    lines.find(|line| is_end(line));
+                }
+                continue;
             }
             let code = line.strip_prefix("pub").map_or(line, |rest| match rest.strip_prefix('(') {
                 Some(rest) => rest.split_once(')').map_or(rest, |(_, rest)| rest),
@@ -41,6 +50,7 @@ impl Module {
                 let paths = spread(tree.split(';').next().unwrap_or_default(), &[]);
                 module.uses.extend(paths.into_iter().map(|path| (path, is_handed_on)));
             } else {
+                module.uses.extend(paths_of(code).map(|path| (path, false)));
                 let mut words = code.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| !word.is_empty());
                 let kinds = ["fn", "struct", "enum", "trait", "const", "static", "type"];
                 if words.find(|word| !["const", "unsafe", "async"].contains(word)).is_some_and(|w| kinds.contains(&w)) {
@@ -52,6 +62,14 @@ impl Module {
         }
         module
     }
+}
+
+/// The paths in a line of code that is no declaration.
+fn paths_of(line: &str) -> impl Iterator<Item = Vec<String>> {
+    let code = if line.trim_start().starts_with("//") { "" } else { line };
+    code.split(|c: char| !c.is_alphanumeric() && c != '_' && c != ':')
+        .filter(|path| ["crate::", "super::", "self::"].iter().any(|start| path.starts_with(start)))
+        .map(|path| path.split("::").filter(|name| !name.is_empty()).map(str::to_owned).collect())
 }
 
 /// The paths of a tree such as `a::{b, c::{self, d as e}}`.
@@ -155,23 +173,40 @@ fn read(folder: &Path, path: &[String], modules: &mut Modules) {
 #[test]
 fn files_use_each_other_in_no_circle() {
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut uses = 0;
-    for entry in fs::read_dir(&src).expect("a folder") {
-        let folder = entry.expect("an entry").path();
-        if folder.join("Cargo.toml").exists() {
+    let (mut uses, mut found, mut lost) = (0, vec![], vec![]);
+    let folders = fs::read_dir(&src).expect("a folder").map(|entry| entry.expect("an entry").path());
+    for folder in folders.chain([src.clone()]) {
+        if folder == src || folder.join("Cargo.toml").exists() {
             let mut modules = Modules::new();
             read(&folder, &[], &mut modules);
+            let name = folder.file_name().unwrap_or_default().to_string_lossy();
             uses += modules.values().map(|module| module.uses.len()).sum::<usize>();
-            assert_eq!(circles(&modules), Vec::<Vec<String>>::new(), "{}", folder.display());
+            found.extend(circles(&modules).iter().map(|circle| format!("{name}: {}", circle.join(" "))));
             for path in modules.keys() {
-                let Some((name, parent)) = path.split_last() else { continue };
-                let is_declared =
-                    modules.get(parent).is_some_and(|module| module.text.contains(&format!("mod {name};")));
-                assert!(is_declared, "{}: no `mod` reaches {}", folder.display(), path.join("::"));
+                let Some((module, parent)) = path.split_last() else { continue };
+                if !modules.get(parent).is_some_and(|parent| parent.text.contains(&format!("mod {module};"))) {
+                    lost.push(format!("{name}: no `mod` reaches {}", path.join("::")));
+                }
             }
         }
     }
+    assert_eq!((found, lost), (vec![], vec![]));
     assert!(uses > 1000, "{uses} uses were found");
+}
+
+#[test]
+fn a_path_in_code_closes_a_circle() {
+    let text = |path: &str| {
+        format!(
+            "// super::one\npub fn f() {{\n    {path}::f(1);\n}}\n#[cfg(test)]\nmod tests {{\nsuper::super::one::f();"
+        )
+    };
+    let of = |path| {
+        let module = |name: &str, text: &str| (vec![name.to_owned()], Module::of(text));
+        let root = (vec![], Module::of("mod one;\nmod two;"));
+        circles(&[root, module("one", &text("super::two")), module("two", &text(path))].into())
+    };
+    assert_eq!((of("crate::one"), of("crate::none")), (vec![vec!["one".to_owned(), "two".to_owned()]], vec![]));
 }
 
 #[test]
@@ -179,7 +214,10 @@ fn a_circle_is_found_through_re_exports_and_globs() {
     let planted = [
         ("", "mod a;\nmod b;\npub use a::{One, Other as Another};"),
         ("a", "mod one;\nmod two;\npub use one::One;\npub(crate) use self::two::*;"),
-        ("a::one", "use super::{Two};\npub struct One(Two);"),
+        (
+            "a::one",
+            "#[cfg(test)]\nmod tests;\n#[cfg(test)]\nuse super::{\n    None,\n};\nuse super::{Two};\npub struct One(Two);",
+        ),
         ("a::two", "use crate::{\n    b::{self, again},\n};\npub struct Two;"),
         ("b", "use crate::One;\npub fn again() {}\n#[cfg(test)]\nuse crate::a::Two;"),
     ];
