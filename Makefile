@@ -21,7 +21,7 @@ export NODEVICE_SELECT := 1
 export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
-.PHONY: help demo release advisories load lighthouse figures soak schemathesis test test-units test-suites test-native lint lint-core lint-deploy lint-manifests lint-alerts lint-dashboard lines fmt bench packages browser cluster clean
+.PHONY: help demo release load lighthouse figures soak schemathesis test test-units test-suites test-native lint lint-core lint-deny lint-deploy lint-manifests lint-alerts lint-dashboard lines fmt bench packages browser cluster clean
 
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
@@ -61,17 +61,13 @@ lighthouse: packages browser
 	@cd tests/page && npm install --no-save --ignore-scripts --no-audit --no-fund lighthouse@13.5.0 && \
 		node lighthouse.js --chromium "$$(command -v chromium-headless-shell)" --ltcforge "$(abspath $(or $(CARGO_TARGET_DIR),target))/release/ltcforge"
 
-# The program, and what it is made of: a CycloneDX document, the same for the same sources.
+# The program and a CycloneDX list of its crates. cargo-cyclonedx writes a list into the folder of each crate; the program's stays.
 release: packages
 	$(CARGO) build --release --locked
-	$(CARGO) run -q --locked -p ltcforge-supply -- sbom --target "$$(rustc -vV | sed -n 's/^host: //p')" \
-		-o $(or $(CARGO_TARGET_DIR),target)/release/ltcforge.cdx.json
-
-# The advisories that the tests hold the crates to.
-advisories:
-	@folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
-	git clone -q --depth 1 https://github.com/rustsec/advisory-db "$$folder" && \
-	$(CARGO) run -q --locked -p ltcforge-supply -- renew "$$folder"
+	@if $(CARGO) cyclonedx --version >/dev/null 2>&1; then \
+		$(CARGO) cyclonedx --format json --target "$$(rustc -vV | sed -n 's/^host: //p')" --override-filename ltcforge.cdx && \
+		mv ltcforge.cdx.json $(or $(CARGO_TARGET_DIR),target)/release/ && git ls-files '*Cargo.toml' | sed 's/Cargo.toml$$/ltcforge.cdx.json/' | xargs rm -f; \
+	else echo '*** SKIPPED: no cargo-cyclonedx: ltcforge.cdx.json was not written' >&2; fi
 
 figures: packages
 	$(CARGO) run --release --locked -p ltcforge-studies -- figures -o docs/figures
@@ -188,19 +184,16 @@ lint: packages
 	$(CARGO) clippy --locked --no-default-features -- -D warnings
 	RUSTDOCFLAGS='-D warnings -A rustdoc::private-intra-doc-links' $(CARGO) doc --lib --examples --locked --workspace \
 		--no-deps --document-private-items
-	@$(MAKE) --no-print-directory lint-core lint-deploy lines
+	@$(MAKE) --no-print-directory lint-core lint-deny lines
 
-# Lines of code of each crate without comments, blank lines and tests, counted by awk.
+# Licences, sources and advisories of all crates.
+lint-deny:
+	@if $(CARGO) deny --version >/dev/null 2>&1; then $(CARGO) deny --locked check --hide-inclusion-graph; \
+	else echo '*** SKIPPED: no cargo-deny: licences, sources and advisories were not checked' >&2; fi
+
+# Lines of code of each crate.
 lines:
-	@find src -name '*.rs' ! -path '*/tests/*' ! -name tests.rs ! -name planted.rs ! -name cases.rs ! -name throwaway.rs -print0 | xargs -0 awk ' \
-		FNR == 1 { tests = pending = 0; split(FILENAME, part, "/"); crate = part[3] ~ /./ ? part[2] : "ltcforge" } \
-		crate == "library" { crate = "ltcforge" } \
-		/^#\[cfg\((test|any\(test)/ { pending = 1; next } \
-		pending && /^(pub(\([a-z]+\))? )?mod [a-z_]+ \{/ { tests = 1 } \
-		{ pending = 0 } \
-		!tests && !/^[ \t]*(\/\/|$$)/ { lines[crate]++; all++ } \
-		END { for (crate in lines) printf "%6d %s\n", lines[crate], crate | "sort -rn"; close("sort -rn"); \
-			printf "%6d fit and light\n%6d all\n", lines["fit"] + lines["light"], all }'
+	@files=$$(find src -name '*.rs'); awk -f .ci/lines.awk $$files pass=2 $$files
 
 # What a Rust program takes along that only wants a table.
 CORE_CRATES := 50

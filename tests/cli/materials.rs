@@ -2,12 +2,10 @@
 
 use serde_json::Value;
 
-use crate::{
-    common::{
-        SMALL,
-        command::{run, run_with_stdin},
-    },
-    lights::{LIGHTS, rows},
+use super::lights::{LIGHTS, rows};
+use crate::common::{
+    SMALL,
+    command::{run, run_with_stdin},
 };
 
 #[test]

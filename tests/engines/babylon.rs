@@ -1,6 +1,6 @@
 //! `examples/babylon`: a plugin for materials of Babylon.js, held to the truth.
 
-use super::examples::{RULES_GLSL, hold_errors, hold_shaders, package};
+use super::examples::{hold_errors, package};
 
 /// The errors in the example lie below, under one light of radiance 2 and under four, of which one stands on the floor. They
 /// are 0.00030, 0.00028 and 0.00009 under one; 0.00056, 0.00040 and 0.00017 under four, where Babylon has 0.063 and 0.090.
@@ -47,9 +47,4 @@ fn the_package_patches_materials_of_babylon_and_takes_the_patch_off() {
     // Rounding of a mirrored scene moves an edge at most.
     assert!(report.from_ours["left-handed"].mean < 1e-5, "{:?}", report.from_ours);
     report.differ_from_ours(&[("stock", 0.01), ("elsewhere", 0.01), ("another rule", 0.0001)]);
-}
-
-#[test]
-fn the_example_of_babylon_has_the_shaders_that_the_command_prints() {
-    hold_shaders("babylon", &RULES_GLSL);
 }

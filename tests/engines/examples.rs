@@ -1,6 +1,6 @@
 //! Pages, packages and shaders of the examples, for the tests of each.
 
-use std::sync::OnceLock;
+use std::sync::{LazyLock, OnceLock};
 
 use super::*;
 
@@ -94,8 +94,7 @@ impl Package {
 /// cannot run.
 pub(crate) fn package(engine: &str, refusals: &[(&str, &str)]) -> Option<Package> {
     let folder = tempfile::tempdir().expect("a folder");
-    let files = RULES_GLSL.map(|(file, _)| file);
-    let package = packed(engine, folder.path(), &files)?;
+    let package = packed(engine, folder.path(), &RULES_GLSL)?;
     let words = ["--engine", engine, "--package", &package.to_string_lossy()];
     let report: Package = script("package.js", &words)?;
     assert_eq!(report.faults, [""; 0]);
@@ -122,7 +121,11 @@ pub(crate) fn packed(engine: &str, folder: &Path, more: &[&str]) -> Option<PathB
     }
     let pack = |more: &[&str]| {
         let mut command = Command::new("npm");
-        command.current_dir(example(engine)).args(["pack", "--offline", "--json", "--ignore-scripts"]).args(more);
+        command
+            .current_dir(example(engine))
+            .args(["pack", "--offline", "--json", "--foreground-scripts=false"])
+            .args(more);
+        command.env("LTCFORGE", env!("CARGO_BIN_EXE_ltcforge"));
         let output = command.stdin(Stdio::null()).output().expect("npm runs");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         serde_json::from_slice::<serde_json::Value>(&output.stdout).expect("JSON")
@@ -147,40 +150,24 @@ pub(crate) fn packed(engine: &str, folder: &Path, more: &[&str]) -> Option<PathB
     Some(folder.join("package"))
 }
 
+/// The rules of the closed form in GLSL ES, which every package has.
+pub(crate) const RULES_GLSL: [&str; 3] =
+    ["shaders/normals_fast.glsl.js", "shaders/normals_balanced.glsl.js", "shaders/normals_fine.glsl.js"];
+
+/// Writes the shaders of all examples by their own build step, once.
+pub(crate) fn build_shaders() {
+    static BUILT: LazyLock<()> = LazyLock::new(|| {
+        for engine in ["three", "babylon", "playcanvas"] {
+            let mut command = Command::new("node");
+            command.current_dir(example(engine)).arg("../common/shaders.js");
+            command.env("LTCFORGE", env!("CARGO_BIN_EXE_ltcforge"));
+            assert!(command.status().expect("node runs").success(), "{engine}");
+        }
+    });
+    LazyLock::force(&BUILT);
+}
+
 /// The file of a module's types.
 fn types_of(module: &str) -> String {
     format!("{}.d.ts", module.trim_end_matches(".js"))
-}
-
-/// Modules of an example that have the text of a shader, and the words after `ltcforge shader --es-module` that write them and
-/// their types.
-pub(crate) type Shader = (&'static str, &'static [&'static str]);
-
-/// The rules in GLSL ES.
-pub(crate) const RULES_GLSL: [Shader; 3] = [
-    ("shaders/normals_fast.glsl.js", &["--language", "glsl-es", "--model", "normals", "--rule", "fast"]),
-    ("shaders/normals_balanced.glsl.js", &["--language", "glsl-es", "--model", "normals", "--rule", "balanced"]),
-    ("shaders/normals_fine.glsl.js", &["--language", "glsl-es", "--model", "normals", "--rule", "fine"]),
-];
-
-/// Compares an example's shaders with those that the command prints, or writes them anew.
-pub(crate) fn hold_shaders(engine: &str, shaders: &[Shader]) {
-    let folder = tempfile::tempdir().expect("a folder");
-    fs::create_dir(folder.path().join("shaders")).expect("a folder");
-    for (file, words) in shaders {
-        run(folder.path(), ["shader", "--es-module", "-o", file].iter().chain(*words)).exited(0);
-        for file in [(*file).to_owned(), types_of(file)] {
-            let printed = fs::read_to_string(folder.path().join(&file)).expect("a module");
-            let path = example(engine).join(&file);
-            if env::var("UPDATE_GOLDEN").is_ok_and(|name| name == engine) {
-                fs::write(&path, printed).expect("the example");
-                continue;
-            }
-            let stands = fs::read_to_string(&path).expect("the example");
-            for (number, (stands, printed)) in stands.lines().zip(printed.lines()).enumerate() {
-                assert_eq!(stands, printed, "{file}: line {}; UPDATE_GOLDEN={engine} writes it anew", number + 1);
-            }
-            assert_eq!(stands.len(), printed.len(), "{file}");
-        }
-    }
 }

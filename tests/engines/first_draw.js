@@ -3,7 +3,7 @@
 //
 //   node first_draw.js [--engine three] [--chromium PROGRAM] [--runs 3] [--lights 1,2,4,8] [--ways stock,fast,balanced,fine] [--clearcoat] [--unclustered]
 //
-// three.js has --ways table and --clearcoat too, PlayCanvas --unclustered. Each run has a browser of its own, and no cache of shaders.
+// `npm run build` in the folder of the example comes first. three.js has --ways table and --clearcoat too, PlayCanvas --unclustered. Each run has a browser of its own, and no cache of shaders.
 
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';

@@ -2,8 +2,7 @@
 //!
 //! `node` runs the engines in Chromium, see `run.js` and `example.js`; here their errors are judged. `make test`
 //! installs what this needs; where it cannot, the tests say that they are skipped.
-//! `UPDATE_GOLDEN=three cargo test --test engines` writes `examples/three/shaders` and `table` anew, `babylon` and
-//! `playcanvas` the shaders of the other examples; `UPDATE_PICTURES=1 cargo test --test engines` writes the pictures in
+//! `UPDATE_GOLDEN=three cargo test --test engines` writes `examples/three/table` anew; `UPDATE_PICTURES=1 cargo test --test engines` writes the pictures in
 //! `docs/engines/`.
 
 mod babylon;
@@ -38,6 +37,9 @@ fn here() -> PathBuf {
 
 /// The JSON that a script of this folder prints, of those that need a browser; `None` where it cannot run.
 fn script<T: DeserializeOwned>(file: &str, args: &[&str]) -> Option<T> {
+    if starts("node") {
+        examples::build_shaders();
+    }
     browser::script(&here(), file, args)
 }
 

@@ -1,7 +1,7 @@
 //! `examples/three`: a package that patches materials of three.js, held to the truth.
 
 use super::{
-    examples::{Apart, RULES_GLSL, hold_errors, hold_shaders, packed},
+    examples::{Apart, RULES_GLSL, hold_errors, packed},
     *,
 };
 
@@ -55,11 +55,21 @@ const REFUSALS: [(&str, &str); 10] = [
 /// The errors of clearcoat on metal lie below: 0.0001 where three has 0.0065.
 const CLEARCOAT_ERROR: f64 = 0.0002;
 
+/// Shaders of the package other than [`RULES_GLSL`].
+const MORE_SHADERS: [&str; 6] = [
+    "shaders/normals_fast.wgsl.js",
+    "shaders/normals_balanced.wgsl.js",
+    "shaders/normals_fine.wgsl.js",
+    "shaders/table.glsl.js",
+    "shaders/normals_textured.glsl.js",
+    "shaders/prefilter.glsl.js",
+];
+
 #[test]
 fn the_package_patches_materials_and_leaves_what_is_the_user_s() {
     let folder = tempfile::tempdir().expect("a folder");
     let more = ["light_pictures.js", "webgpu.js", "webgpu.d.ts", "table/ltc.json"];
-    let files: Vec<&str> = more.into_iter().chain(EXAMPLE_SHADERS.map(|(file, _)| file)).collect();
+    let files: Vec<&str> = more.into_iter().chain(RULES_GLSL).chain(MORE_SHADERS).collect();
     let Some(package) = packed("three", folder.path(), &files) else { return };
     let Some(patch) = script::<Patch>("patch.js", &["--package", &package.to_string_lossy()]) else { return };
     tell(&format!("examples/three, clearcoat: mean errors {:.5?}", patch.errors));
@@ -169,25 +179,6 @@ fn the_example_lights_webgpu_renderer() {
         assert_eq!(errors["node"], errors["clone"], "{backend}");
         assert!(refusal.is_some_and(|text| text.contains("has no GGX lobe")), "{backend}");
     }
-}
-
-/// The modules of `examples/three/shaders`, and the words after `ltcforge shader --es-module` that write them and their types.
-/// three's area lights are rectangles.
-const EXAMPLE_SHADERS: [(&str, &[&str]); 9] = [
-    RULES_GLSL[0],
-    RULES_GLSL[1],
-    RULES_GLSL[2],
-    ("shaders/normals_fast.wgsl.js", &["--language", "wgsl", "--model", "normals", "--rule", "fast"]),
-    ("shaders/normals_balanced.wgsl.js", &["--language", "wgsl", "--model", "normals", "--rule", "balanced"]),
-    ("shaders/normals_fine.wgsl.js", &["--language", "wgsl", "--model", "normals", "--rule", "fine"]),
-    ("shaders/table.glsl.js", &["--language", "glsl-es", "--layout", "reflected", "--lights", "polygons"]),
-    ("shaders/normals_textured.glsl.js", &["--language", "glsl-es", "--model", "normals", "--textured", "4"]),
-    ("shaders/prefilter.glsl.js", &["--language", "glsl-es", "--as", "prefilter"]),
-];
-
-#[test]
-fn the_example_has_the_shaders_that_the_command_prints() {
-    hold_shaders("three", &EXAMPLE_SHADERS);
 }
 
 #[test]

@@ -5,7 +5,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::{common::command::run, target::Target};
+use super::target::Target;
+use crate::common::command::run;
 
 /// What a command answers to a file of this name: its results, or a complaint in few lines, with one of these exit codes.
 fn answer(args: &[&str], name: &str, bytes: &[u8], codes: &[i32]) -> String {

@@ -1,46 +1,83 @@
-//! The inputs of the repository: what once failed, and what was told a fault that none was told before, as short as it may be.
+//! The inputs of the repository: those that once failed, and those that trigger an error that no other input triggers.
+//!
+//! `corpus/` has a text file for each target, with an input on each line. Bytes outside of printable ASCII are escaped as
+//! `\\n` or `\\x00`, a backslash as `\\\\`.
 
 use std::{
     collections::BTreeSet,
-    fs,
+    fmt::Write as _,
+    fs::{self, OpenOptions},
+    io::Write as _,
     path::{Path, PathBuf},
     time::{Duration, Instant},
 };
-
-use ltcforge::Digest;
 
 /// The longest input that is kept for its faults.
 const MOST_BYTES: usize = 4096;
 
 /// Inputs that are kept for their faults, of one target.
-const MOST_FILES: usize = 100;
+const MOST_INPUTS: usize = 100;
 
 /// How long an input is shortened.
 const MOST_TIME: Duration = Duration::from_secs(20);
 
-/// The folder of a target's inputs.
-fn folder(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/corpus").join(name)
+/// The file of a target's inputs.
+fn file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/corpus").join(name).with_extension("txt")
 }
 
-/// The files of a target, in the order of their names.
-pub(crate) fn files(name: &str) -> Vec<PathBuf> {
-    let mut files: Vec<PathBuf> =
-        fs::read_dir(folder(name)).into_iter().flatten().flatten().map(|file| file.path()).collect();
-    files.sort();
-    files
+/// The inputs of a target, in the order of the file.
+pub(crate) fn inputs(name: &str) -> Vec<Vec<u8>> {
+    let text = fs::read_to_string(file(name)).unwrap_or_default();
+    let input = |line| unescaped(line).unwrap_or_else(|| panic!("{name}.txt: unknown escape in {line}"));
+    text.lines().map(input).collect()
 }
 
-/// Writes an input under its digest's name.
-pub(crate) fn write(name: &str, input: &[u8]) -> PathBuf {
-    let file = folder(name).join(&Digest::of(input).hex()[..16]);
-    fs::create_dir_all(folder(name)).and_then(|()| fs::write(&file, input)).expect("a file of the corpus");
-    file
+/// Appends an input, unless the file has it, and returns the file and the line.
+pub(crate) fn write(name: &str, input: &[u8]) -> String {
+    let (file, known) = (file(name), inputs(name));
+    let line = known.iter().position(|other| other == input).unwrap_or_else(|| {
+        let mut open = OpenOptions::new().create(true).append(true).open(&file).expect("a file of the corpus");
+        writeln!(open, "{}", escaped(input)).expect("a file of the corpus");
+        known.len()
+    });
+    format!("{}:{}", file.display(), line + 1)
+}
+
+/// An input as a line of text.
+fn escaped(input: &[u8]) -> String {
+    input.iter().fold(String::new(), |mut line, &byte| {
+        match byte {
+            b'\\' => line += r"\\",
+            b'\n' => line += r"\n",
+            b' '..=b'~' => line.push(byte.into()),
+            _ => write!(line, r"\x{byte:02x}").expect("a string takes all"),
+        }
+        line
+    })
+}
+
+/// The input of a line; `None` where an escape is unknown.
+fn unescaped(line: &str) -> Option<Vec<u8>> {
+    let (mut input, mut rest) = (Vec::new(), line.as_bytes());
+    while let [byte, after @ ..] = rest {
+        (rest, _) = match (byte, after) {
+            (b'\\', [b'\\', after @ ..]) => (after, input.push(b'\\')),
+            (b'\\', [b'n', after @ ..]) => (after, input.push(b'\n')),
+            (b'\\', [b'x', high, low, after @ ..]) => {
+                let digit = |digit: u8| char::from(digit).to_digit(16);
+                (after, input.push((16 * digit(*high)? + digit(*low)?) as u8))
+            }
+            (b'\\', _) => return None,
+            (byte, after) => (after, input.push(*byte)),
+        };
+    }
+    Some(input)
 }
 
 /// Writes an input with the faults `new`, shortened, if it is short then and the target has few.
 pub(crate) fn keep(name: &str, input: &[u8], new: &BTreeSet<String>, faults: impl Fn(&[u8]) -> BTreeSet<String>) {
-    if files(name).len() < MOST_FILES {
+    if inputs(name).len() < MOST_INPUTS {
         let short = shortened(input, |shorter| faults(shorter).is_superset(new));
         if short.len() <= MOST_BYTES {
             write(name, &short);
@@ -73,4 +110,15 @@ fn an_input_is_shortened_to_what_its_fault_needs() {
     let has = |text: &[u8], word: &[u8]| text.windows(word.len()).any(|part| part == word);
     assert_eq!(shortened(&long, |input| has(input, b"{") && has(input, b"size")), b"{size");
     assert_eq!(shortened(&long, |input| input == long), long);
+}
+
+#[test]
+fn every_byte_survives_a_line() {
+    let input: Vec<u8> = (0..=255).chain(*b"\\n\\x00\r\n \xc3\xa9").collect();
+    let line = escaped(&input);
+    assert!(line.is_ascii() && line.lines().count() == 1, "{line}");
+    assert_eq!(unescaped(&line), Some(input));
+    for faulty in [r"\", r"\t", r"\x0", r"\x0g"] {
+        assert_eq!(unescaped(faulty), None, "{faulty}");
+    }
 }

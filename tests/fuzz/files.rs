@@ -15,7 +15,7 @@ use ltcforge::{
 };
 use ltcforge_plan::Scene;
 
-use crate::target::Target;
+use super::target::Target;
 
 /// Documents of recipes, of every kind of field.
 const RECIPES: [&str; 6] = [

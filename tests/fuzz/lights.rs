@@ -5,7 +5,7 @@ use ltcforge::{
     textures::{About, LightPicture, LightTexels, Profile, TextureContainer, light_texture_files},
 };
 
-use crate::target::Target;
+use super::target::Target;
 
 /// The most pixels that are decoded here.
 const MOST_PIXELS: u64 = 1 << 18;

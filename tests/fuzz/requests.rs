@@ -6,10 +6,8 @@ use std::{
     time::Duration,
 };
 
-use crate::{
-    common::{SMALL, server::Server},
-    target::Target,
-};
+use super::target::Target;
+use crate::common::{SMALL, server::Server};
 
 const WORDS: [&str; 20] = [
     "\r\n",

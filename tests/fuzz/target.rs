@@ -5,7 +5,7 @@
 
 use std::{
     collections::BTreeSet,
-    env, fs,
+    env,
     io::Write as _,
     panic::{AssertUnwindSafe, catch_unwind, resume_unwind},
     time::{Duration, Instant},
@@ -13,7 +13,7 @@ use std::{
 
 use rustix::time::{ClockId, clock_gettime};
 
-use crate::{answer::Format, corpus, watch::Watch};
+use super::{answer::Format, corpus, watch::Watch};
 
 /// Processor time for one input, of the thread that reads it: all targets may share two cores. How long an input may be waited for,
 /// for other threads or processes, the watch knows.
@@ -44,7 +44,7 @@ const NUMBERS: [&str; 12] = [
 /// A reader of bytes, and what it is asked with.
 #[derive(Debug)]
 pub(crate) struct Target<'a> {
-    /// Its name, and that of its folder in `tests/fuzz/corpus`.
+    /// Its name, and that of its file in `tests/fuzz/corpus`.
     pub(crate) name: &'a str,
     /// Inputs that are in order.
     pub(crate) seeds: Vec<Vec<u8>>,
@@ -94,13 +94,13 @@ impl Target<'_> {
         assert!(!self.seeds.is_empty(), "{}: no seeds", self.name);
         let seconds = number_of("LTCFORGE_TEST_FUZZ_SECONDS");
         let keeps = number_of("LTCFORGE_TEST_FUZZ_KEEP").is_some_and(|number| number > 0);
-        let files = corpus::files(self.name);
-        assert!(keeps || !files.is_empty(), "{}: no corpus; main.rs says how to make one", self.name);
+        let corpus = corpus::inputs(self.name);
+        assert!(keeps || !corpus.is_empty(), "{}: no corpus; main.rs says how to make one", self.name);
         let texts = self.seeds.iter().map(Vec::as_slice).chain(self.words.iter().map(|word| word.as_bytes()));
         let (watch, format) = (Watch::new(self.name), Format::of(texts));
         let faults = |input: &[u8]| format.faults(&self.answer(&read, input, &watch), input);
         let mut kept = self.seeds.clone();
-        kept.extend(files.iter().map(|file| fs::read(file).expect("a file of the corpus")));
+        kept.extend(corpus);
         let mut known: BTreeSet<String> = kept.iter().flat_map(|input| faults(input)).collect();
         let (start, time) = (Instant::now(), seconds.map(Duration::from_secs));
         let mut inputs = 0;
@@ -130,8 +130,8 @@ impl Target<'_> {
         let answer = watch.over(input, || catch_unwind(AssertUnwindSafe(|| read(input))));
         let took = processor_time().saturating_sub(start);
         if answer.is_err() || took > MOST_TIME {
-            let file = corpus::write(self.name, input);
-            eprintln!("{}: after {took:?}; the input is now {}", self.name, file.display());
+            let line = corpus::write(self.name, input);
+            eprintln!("{}: after {took:?}; the input is now {line}", self.name);
         }
         let answer = answer.unwrap_or_else(|panic| resume_unwind(panic));
         assert!(took <= MOST_TIME, "{}: an input took {took:?}", self.name);

@@ -11,7 +11,7 @@ use ltcforge::{
     },
 };
 
-use crate::target::Target;
+use super::target::Target;
 
 /// A reader of texts.
 fn of_text(read: impl Fn(&str) -> String) -> impl Fn(&[u8]) -> String {

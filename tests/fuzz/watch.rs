@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::corpus;
+use super::corpus;
 
 /// How long one input is waited for. All targets at once share the processor, and a small machine's is shared by many.
 const MOST_WAIT: Duration = Duration::from_secs(180);
@@ -42,9 +42,9 @@ fn watch(watched: &Weak<Reading>, name: &str) {
         if let Some((since, input)) = &*reading.lock().expect("no panic")
             && since.elapsed() > MOST_WAIT
         {
-            let file = corpus::write(name, input);
+            let line = corpus::write(name, input);
             // Not by a macro, whose words would be kept until the test ends.
-            let told = format!("{name}: no answer after {MOST_WAIT:?}; the input is now {}\n", file.display());
+            let told = format!("{name}: no answer after {MOST_WAIT:?}; the input is now {line}\n");
             let _ = std::io::stderr().write_all(told.as_bytes());
             process::exit(1);
         }

@@ -1,0 +1,32 @@
+// Writes the shaders of an example with the program: `npm run build` in the example's folder. `npm start` and `npm pack` do it first.
+
+import { execFileSync } from 'node:child_process';
+import { mkdirSync } from 'node:fs';
+import { basename } from 'node:path';
+
+import { program } from './serve.js';
+
+/** The closed form by each of its rules. */
+const rules = ( language ) => [ 'fast', 'balanced', 'fine' ].map( ( rule ) => [ `normals_${ rule }`, language, '--model', 'normals', '--rule', rule ] );
+
+/** By example: file, language, and the other arguments of `ltcforge shader`. */
+const SHADERS = {
+	babylon: rules( 'glsl' ),
+	playcanvas: rules( 'glsl' ),
+	three: [
+		...rules( 'glsl' ),
+		...rules( 'wgsl' ),
+		[ 'table', 'glsl', '--layout', 'reflected', '--lights', 'polygons' ],
+		[ 'normals_textured', 'glsl', '--model', 'normals', '--textured', '4' ],
+		[ 'prefilter', 'glsl', '--as', 'prefilter' ],
+	],
+};
+
+mkdirSync( 'shaders', { recursive: true } );
+for ( const [ name, language, ...words ] of SHADERS[ basename( process.cwd() ) ] ) {
+
+	const languages = { glsl: 'glsl-es', wgsl: 'wgsl' };
+	const to = [ '--language', languages[ language ], '-o', `shaders/${ name }.${ language }.js` ];
+	execFileSync( program(), [ 'shader', '--es-module', ...words, ...to ], { stdio: [ 'ignore', 'ignore', 'inherit' ] } );
+
+}

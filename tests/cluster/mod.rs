@@ -1,0 +1,121 @@
+//! Several processes of the binary on one PostgreSQL and one blob store, a folder.
+
+#[path = "../../src/server/store/postgres/tests/throwaway.rs"]
+pub(crate) mod throwaway;
+
+mod errors;
+pub(crate) mod faults;
+mod fleet;
+mod fsck;
+mod kills;
+mod links;
+mod migration;
+mod objects;
+pub(crate) mod pgbouncer;
+pub(crate) mod proxy;
+mod room;
+mod runbook;
+pub(crate) mod s3;
+mod sweep;
+mod watch;
+
+use std::{
+    io::{BufRead as _, BufReader},
+    net::SocketAddr,
+    path::{Path, PathBuf},
+    process::{Child, Command, Stdio},
+};
+
+use crate::common::{command::ltcforge, server::Server};
+
+/// The database and the blob store that the processes of a test share.
+#[derive(Clone)]
+pub(crate) struct Shared {
+    pub(crate) database: String,
+    pub(crate) blobs: String,
+    /// Further environment variables of the processes.
+    pub(crate) environment: Vec<(String, String)>,
+}
+
+impl Shared {
+    /// An empty database and an empty folder in `folder`; `None`, with a message, where PostgreSQL is not installed.
+    pub(crate) fn new(folder: &Path) -> Option<Self> {
+        let blobs = folder.join("store");
+        std::fs::create_dir_all(&blobs).expect("a folder");
+        let blobs = format!("file://{}", blobs.display());
+        Some(Self { database: throwaway::empty_database()?, blobs, environment: vec![] })
+    }
+
+    /// The same, with the database at another address.
+    pub(crate) fn by(&self, address: SocketAddr) -> Self {
+        let database = format!("postgres://postgres@{address}/{}?sslmode=disable", self.name());
+        Self { database, blobs: self.blobs.clone(), environment: self.environment.clone() }
+    }
+
+    /// The name of the database.
+    pub(crate) fn name(&self) -> &str {
+        let (_, name) = self.database.split_once("@/").expect("a URL of a throw-away server");
+        name.split('?').next().unwrap_or(name)
+    }
+
+    /// The folder of the blob store.
+    pub(crate) fn store(&self) -> PathBuf {
+        self.blobs.strip_prefix("file://").expect("a folder").into()
+    }
+
+    /// A replica with its cache in `folder` that only serves.
+    pub(crate) fn replica(&self, folder: &Path) -> Server {
+        let args: Vec<&str> = self.arguments().into_iter().chain(["--no-workers"]).collect();
+        Server::start_in(folder, &args, &self.environment)
+    }
+
+    /// The arguments of the processes.
+    pub(crate) fn arguments(&self) -> [&str; 4] {
+        ["--database", &self.database, "--blobs", &self.blobs]
+    }
+}
+
+/// A worker process. Killed when dropped.
+pub(crate) struct Worker(Child);
+
+impl Worker {
+    /// Starts a worker of one thread, with leases of `lease_seconds`.
+    pub(crate) fn start(shared: &Shared, folder: &Path, lease_seconds: &str) -> Self {
+        Self::start_by(&[], shared, folder, lease_seconds).expect("a worker that connects")
+    }
+
+    /// Starts it by another command; `None` if it ended because it could not connect.
+    pub(crate) fn start_by(by: &[&str], shared: &Shared, folder: &Path, lease_seconds: &str) -> Option<Self> {
+        let data = folder.join("worker");
+        let data = data.to_str().expect("a path in UTF-8");
+        let own = ["--workers", "1", "--lease-seconds", lease_seconds, "--data", data];
+        let mut command = ltcforge(folder, ["work"].iter().chain(&shared.arguments()).chain(&own));
+        if let [program, arguments @ ..] = by {
+            let mut other = Command::new(program);
+            other.args(arguments).arg(command.get_program()).args(command.get_args()).current_dir(folder);
+            command = other;
+            command.stdin(Stdio::null()).stdout(Stdio::piped());
+        }
+        command.envs(shared.environment.iter().map(|(name, value)| (name, value)));
+        let mut child = command.stderr(Stdio::null()).spawn().expect("the binary runs");
+        let stdout = child.stdout.take().expect("a pipe");
+        let worker = Self(child);
+        let mut line = String::new();
+        BufReader::new(stdout).read_line(&mut line).expect("a line on stdout or its end");
+        assert!(line.is_empty() || line.starts_with("working"), "{line}");
+        (!line.is_empty()).then_some(worker)
+    }
+
+    /// Its process.
+    pub(crate) fn process(&self) -> u32 {
+        self.0.id()
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}

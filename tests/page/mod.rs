@@ -1,0 +1,288 @@
+//! The page of `ltcforge serve`, used in a browser as people use it.
+//!
+//! `node` runs each script of this folder with a service of its own in Chromium. `make test` installs what this needs; where
+//! it cannot, the tests say that they are skipped. `UPDATE_PICTURES=1 cargo test --test product page::looks` draws every page at three
+//! widths and in both themes in `target/page`.
+
+use std::{env, fs, path::Path};
+
+use serde_json::{Value, json};
+
+use crate::common::{browser, tell_skipped};
+
+/// The output of a script, of which the browser has nothing to complain: no error of a script or the console, no report of
+/// the Content-Security-Policy.
+fn script(file: &str, args: &[&str]) -> Option<Value> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page");
+    let output: Value = browser::script(&folder, file, args)?;
+    assert_eq!(output["complaints"], json!([]), "{output:#}");
+    Some(output)
+}
+
+#[test]
+fn jobs_are_submitted_watched_cancelled_and_told_why_they_failed() {
+    let Some(seen) = script("jobs.js", &[]) else { return };
+    let document = json!({
+        "preset": "draft", "resolution": { "alpha": 2, "ratio": 2, "theta": 2, "phi": 2 },
+        "fit": { "samples": 64, "directions": 4, "steps": 5 },
+    });
+    assert_eq!((&seen["document"], &seen["reloaded"]), (&document, &document));
+    assert!(seen["digest"].as_str().is_some_and(|digest| digest.starts_with("sha256:")), "{seen:#}");
+    assert_eq!(seen["table"], seen["digest"]);
+    assert_eq!(seen["exported"]["saved"], seen["exported"]["told"]);
+    assert_eq!(seen["cancelled"], "cancelled");
+    let [listed, told] = [0, 1].map(|i| seen["reasons"][i].as_str().unwrap_or_default());
+    assert!(listed.contains("Not a directory"), "{seen:#}");
+    assert_eq!(told, format!("The storage failed: {listed}"));
+}
+
+#[test]
+fn faults_are_told_at_their_fields() {
+    let Some(seen) = script("faults.js", &[]) else { return };
+    assert_eq!(seen["shown"], json!({ "samples": "3", "invalid": "true", "directions": "8" }), "{seen:#}");
+    assert_eq!((&seen["isRefused"], &seen["left"], &seen["jobs"]), (&json!(true), &json!(""), &json!(0)), "{seen:#}");
+    let roughnesses = &seen["roughnesses"];
+    let list = json!([{ "alpha_x": 0.4, "alpha_y": 0.1 }, { "alpha": 0.09 }, { "alpha": 0.3, "ratio": 0.5 }]);
+    assert_eq!((&roughnesses["isHidden"], &roughnesses["materials"]), (&json!(true), &list), "{seen:#}");
+    assert_eq!(
+        (&roughnesses["text"], &roughnesses["resolution"]),
+        (&json!("0.4 / 0.1, 0.09, 0.3 × 0.5"), &json!(null))
+    );
+    let json = &seen["json"];
+    assert_eq!((&json["fields"], &json["isTaken"]), (&json!(["nelder_mead", true]), &json!(true)), "{seen:#}");
+    assert!(json["malformed"][0].as_str().is_some_and(|fault| fault.starts_with("This is not JSON: ")), "{seen:#}");
+    assert_eq!(json["malformed"][1], true, "{seen:#}");
+    assert!(roughnesses["item"].as_str().is_some_and(|fault| fault.contains("null is not a number")), "{seen:#}");
+}
+
+#[test]
+fn a_recipe_is_placed_among_others_and_found_for_a_scene() {
+    let Some(seen) = script("planning.js", &[]) else { return };
+    assert_eq!(
+        (&seen["others"], &seen["isOnCurve"], &seen["halved"]),
+        (&json!([]), &json!(true), &json!(true)),
+        "{seen:#}"
+    );
+    assert_eq!(seen["shown"], "1, 0.04 × 4", "{seen:#}");
+    assert_eq!(seen["weighed"], json!([{ "f0": 1 }, { "f0": 0.04, "weight": 8 }, { "f0": 0.5 }]), "{seen:#}");
+    assert!(seen["fault"].as_str().is_some_and(|fault| fault.contains("null is not a number")), "{seen:#}");
+    // A range around the material's own alpha and ratio; of an isotropic scene one ratio.
+    let range = |of: &str, axis: &str| seen[of]["range"][axis].clone();
+    assert_eq!(range("planned", "alpha"), json!([0.3, 0.3]), "{seen:#}");
+    assert_eq!(range("round", "ratio"), json!([1, 1]), "{seen:#}");
+    assert!(seen["refused"].as_str().is_some_and(|fault| fault.starts_with("broken.glb: ")), "{seen:#}");
+}
+
+#[test]
+fn a_token_is_asked_for_sent_with_everything_and_kept_nowhere() {
+    let Some(seen) = script("token.js", &[]) else { return };
+    assert_eq!((&seen["others"], &seen["saved"]), (&json!([]), &seen["digest"]), "{seen:#}");
+    assert!(seen["name"].as_str().is_some_and(|name| name.ends_with(".safetensors")), "{seen:#}");
+    assert_eq!((&seen["dialogs"], &seen["later"], &seen["kept"]), (&json!(1), &json!(0), &json!(0)), "{seen:#}");
+    assert_eq!(seen["violations"], json!([]), "{seen:#}");
+    assert!(seen["without"].as_str().is_some_and(|told| told.contains("token")), "{seen:#}");
+}
+
+#[test]
+fn tables_are_found_sorted_compared_and_varied_and_their_maps_read() {
+    let Some(seen) = script("tables.js", &[]) else { return };
+    assert_eq!(seen["isNewestFirst"], true, "{seen:#}");
+    for column in ["Error", "Light", "Size"] {
+        let [rising, falling] = [0, 1].map(|i| {
+            let figures = seen["sorted"][column][i]["figures"].as_array().expect("figures");
+            figures.iter().map(|figure| figure.as_f64().expect("a number")).collect::<Vec<_>>()
+        });
+        let orders = [0, 1].map(|i| &seen["sorted"][column][i]["order"]);
+        assert_eq!(orders, ["ascending", "descending"], "{column}");
+        assert!(rising.is_sorted() && falling.iter().rev().is_sorted() && rising[0] < rising[2], "{column}: {seen:#}");
+    }
+    let found = json!({
+        "F16": [[2], "1 of 3"], "ggx f16": [[2], "1 of 3"], "digest": [[0], "1 of 3"], "f16 kt2022": [[], "0 of 3"],
+        "": [[0, 1, 2], "3"],
+    });
+    assert_eq!(seen["found"], found);
+    let winners = seen["winners"].as_array().expect("rows");
+    assert_eq!(winners.len(), 4);
+    for row in winners {
+        assert_eq!(row[1], row[2], "{row}");
+    }
+    assert_eq!(seen["varied"], json!({ "isWhole": true, "precision": "f16", "samples": "64" }));
+    for way in ["hovered", "keyed"] {
+        let [told, wanted] = [0, 1].map(|i| seen[way][i].as_str().unwrap_or_default());
+        assert!(told.starts_with("alpha ") && told.ends_with(wanted), "{way}: {seen:#}");
+    }
+    assert_eq!((&seen["isBrightest"], &seen["isDarkest"]), (&json!(true), &json!(true)), "{seen:#}");
+    assert!(seen["spread"].as_f64().is_some_and(|shades| shades > 100.0), "{seen:#}");
+}
+
+#[test]
+fn every_open_page_notices_a_service_that_stops_and_outlives_its_restart() {
+    let Some(seen) = script("outage.js", &[]) else { return };
+    assert_eq!(seen["others"], json!([]), "{seen:#}");
+}
+
+/// The most by which a byte of the viewer's pixels is off those of previews: the drivers' own arithmetic.
+const OFF: f64 = 2.0;
+
+/// The most by which the viewer's reference is off that of previews, as a part of all light.
+const REFERENCE_OFF: f64 = 0.01;
+
+/// The most by which the bytes of the shader ball by `normals` are off those of its reference, as a part of their sum.
+const BALL_OFF: f64 = 0.01;
+
+/// The most by which bytes of what engines ship are off those of our table, on average over a picture of a round surface.
+const ENGINES_OFF: f64 = 1.5;
+
+#[test]
+fn the_viewer_draws_what_previews_show() {
+    let Some(seen) = script("viewer.js", &[]) else { return };
+    let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
+    let scenes = seen["off"].as_object().expect("numbers by scene");
+    assert_eq!(scenes.len(), 18, "{seen:#}");
+    for scene in scenes.keys() {
+        assert!(number("off", scene) <= OFF, "{scene}: {seen:#}");
+        assert!(number("bright", scene) > 40.0, "{scene}: nothing is seen: {seen:#}");
+    }
+    for light in ["rectangle", "disk", "tube", "sheen"] {
+        assert!(number("reference", light).abs() < REFERENCE_OFF, "{light}: {seen:#}");
+    }
+    for light in ["round", "sphere"] {
+        assert!(number("engines", light) < ENGINES_OFF, "{light}: {seen:#}");
+    }
+    assert!(number("engines", "brushed") > 2.0 * number("engines", "round"), "{seen:#}");
+    assert!(seen["same"].as_f64().is_some_and(|byte| byte < 100.0), "no difference is dark blue: {seen:#}");
+    assert_eq!(seen["beside"], "normals, no table");
+    let tables = seen["tables"].as_array().expect("a list");
+    assert!(!tables.iter().any(|table| table == "table normals") && tables.len() > 3, "{tables:?}");
+    assert_eq!(seen["told"], true, "two scattering models are told");
+}
+
+#[test]
+fn pictures_on_lights_are_seen_as_the_program_tells() {
+    let Some(seen) = script("pictured.js", &[]) else { return };
+    let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
+    for scene in ["normals", "sharp", "table", "second"] {
+        assert!(number("off", scene) <= OFF, "{scene}: {seen:#}");
+    }
+    for scene in ["normals", "sharp", "table"] {
+        assert!(number("bright", scene) > 100.0, "{scene}: nothing is seen: {seen:#}");
+    }
+    // A picture's mean, where bytes of 90 and more round by 1 %.
+    for channel in 0..3 {
+        let [least, most] = [0, 1].map(|i| seen["engines"][channel][i].as_f64().expect("a factor"));
+        assert!(least > 0.2 && most < 0.8 && most / least < 1.05, "{seen:#}");
+    }
+    assert!(seen["reference"].as_f64().is_some_and(|apart| apart.abs() < REFERENCE_OFF), "{seen:#}");
+    assert!(number("opened", "off") <= 1.0, "{seen:#}");
+    assert_eq!((&seen["opened"]["linked"], &seen["colours"]), (&json!(false), &json!(["blue", "red"])), "{seen:#}");
+    assert_eq!(seen["refused"], "no.png is no picture or video that this browser shows");
+    assert_eq!((&seen["moves"], &seen["stops"], &seen["kept"]), (&json!(true), &json!(true), &json!(true)), "{seen:#}");
+    assert_eq!(seen["again"], "disc");
+}
+
+#[test]
+fn web_gpu_draws_what_web_gl_does() {
+    let Some(seen) = script("webgpu.js", &[]) else { return };
+    let Some(scenes) = seen["off"].as_object() else {
+        tell_skipped("the browser has no adapter of WebGPU");
+        return;
+    };
+    let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
+    assert_eq!(scenes.len(), 12, "{seen:#}");
+    for scene in scenes.keys() {
+        assert!(number("off", scene) <= OFF, "{scene}: {seen:#}");
+        assert!(number("bright", scene) > 60.0, "{scene}: nothing is seen: {seen:#}");
+    }
+    for scene in ["ggx", "sheen"] {
+        let [off, bright] = ["off", "bright"].map(|of| seen["reference"][scene][of].as_f64().expect("a number"));
+        assert!(off < 0.1 && bright > 60.0, "{scene}: {seen:#}");
+    }
+    assert_eq!(seen["linked"], true);
+}
+
+#[test]
+fn the_viewer_is_used_and_its_link_holds_all() {
+    let Some(seen) = script("viewing.js", &[]) else { return };
+    assert_eq!((&seen["kept"], &seen["linked"]), (&json!(true), &json!(true)), "{seen:#}");
+    assert_eq!((&seen["outlines"], &seen["left"], &seen["restored"]), (&json!(2), &json!(1), &json!(0)), "{seen:#}");
+    assert!(seen["refused"].as_str().is_some_and(|reason| reason.contains("oren_nayar")), "{seen:#}");
+    assert_eq!(seen["without"], "this browser has no WebGPU");
+    assert!(seen["unlisted"].as_str().is_some_and(|reason| reason.contains("looks up by number")), "{seen:#}");
+}
+
+#[test]
+fn the_shader_ball_is_smooth_and_its_link_holds_it() {
+    let Some(seen) = script("ball.js", &[]) else { return };
+    let number = |name: &str| seen[name].as_f64().unwrap_or_else(|| panic!("{name}: {seen:#}"));
+    // It lies in the sphere that the camera sees; each normal is near the flat one, and across the tangent.
+    assert!(number("radius") <= 1.0 && number("radius") > 0.9, "{seen:#}");
+    assert!(number("cosine") > 0.9 && number("skew") < 1e-6 && number("length") < 1e-6, "{seen:#}");
+    assert_eq!((&seen["linked"], &seen["kept"]), (&json!(true), &json!("shader_ball")), "{seen:#}");
+    let [ball, foot, beside, corner] = [0, 1, 2, 3].map(|i| seen["places"][i].as_f64().expect("a byte"));
+    assert!(ball > 100.0 && foot > 50.0, "{seen:#}");
+    assert!((beside - corner).abs() < 0.5, "{seen:#}");
+    assert!((number("ratio") - 1.0).abs() < BALL_OFF, "{seen:#}");
+}
+
+#[test]
+fn a_gltf_file_that_is_dropped_is_seen_with_its_own_materials() {
+    let Some(seen) = script("mesh.js", &[]) else { return };
+    assert_eq!(seen["told"], "36,864 triangles, 1 material", "{seen:#}");
+    assert!(seen["bright"].as_f64().is_some_and(|byte| byte > 100.0), "nothing is seen: {seen:#}");
+    // By its flat triangles a place of the sphere is off by 1e-4.
+    assert!(seen["apart"].as_f64().is_some_and(|bytes| bytes <= OFF), "{seen:#}");
+    let parts = [
+        ["accessors/0 has 99 elements", "primitives/1/attributes/POSITION is missing"],
+        ["bad2.glb", "«sphere.bin» beside it"],
+        ["bad3.glb", "neither a GLB nor"],
+        ["bad4.glb", "nodes/0 is below 65 others"],
+        ["bad5.glb", "KHR_draco_mesh_compression"],
+    ];
+    for (i, wanted) in parts.iter().enumerate() {
+        let fault = seen["faults"][i].as_str().unwrap_or_default();
+        assert!(wanted.iter().all(|part| fault.contains(part)), "{fault}");
+    }
+}
+
+#[test]
+fn textures_of_a_gltf_file_are_shown_or_told_to_be_left_out() {
+    let Some(seen) = script("textures.js", &[]) else { return };
+    let number = |name: &str| seen[name].as_f64().unwrap_or_else(|| panic!("{name}: {seen:#}"));
+    // An image of one colour does what a factor does, as PNG, and as JPEG within its own rounding.
+    assert!(number("bright") > 60.0 && number("constant") <= OFF && number("jpeg") <= 2.0 * OFF, "{seen:#}");
+    // The left half of the image wraps around the right half of what is seen, and is red.
+    assert!(seen["halves"][0].as_f64() < Some(0.45) && seen["halves"][1].as_f64() > Some(0.52), "{seen:#}");
+    // Normals that lean up move the light of a lamp above down, alike with tangents of the file and without.
+    assert!(number("moved") > 4.0 && number("derived") <= OFF, "{seen:#}");
+    let notes = seen["notes"].as_str().unwrap_or_default();
+    for note in [
+        "baseColorTexture is left out: images/0 is neither PNG nor JPEG",
+        "metallicRoughnessTexture is left out: images/1 has 65536 x 1 pixels; at most 4096",
+        "normalTexture is left out: images/2 cannot be decoded",
+        "of other textures than",
+    ] {
+        assert!(notes.contains(note), "{note}: {notes}");
+    }
+    let beside = seen["beside"].as_str().unwrap_or_default();
+    for note in ["images/0 is not in the file", "it is of TEXCOORD_1", "it has a KHR_texture_transform"] {
+        assert!(beside.contains(note), "{note}: {beside}");
+    }
+}
+
+#[test]
+fn looks_right_to_everyone_at_every_width_and_below_a_prefix() {
+    let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/page");
+    let pictures = pictures.to_string_lossy();
+    let args: &[&str] = if env::var_os("UPDATE_PICTURES").is_some() {
+        fs::create_dir_all(&*pictures).expect("a folder");
+        &["--pictures", &pictures]
+    } else {
+        &[]
+    };
+    let Some(seen) = script("looks.js", args) else { return };
+    for faults in ["violations", "wide", "small", "moving"] {
+        assert_eq!(seen[faults], json!([]), "{faults}");
+    }
+    assert_eq!(seen["looked"], 54, "nine pages, three widths, two themes");
+    assert_eq!(seen["behind"], json!({ "link": "/tools/ltc/v1/tables/s", "status": 200 }));
+}
