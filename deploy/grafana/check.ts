@@ -1,5 +1,5 @@
-// What `make lint-deploy` holds ltcforge.json to: Grafana's own types, and what every panel of ours has. A field with another name
-// is refused too, since the dashboard is checked as a literal.
+// The types that `make lint-deploy` checks ltcforge.json against: Grafana's own, and the fields that each panel here has. The
+// check takes the dashboard as a literal, so an unknown field is an error.
 import type { Dashboard, DataQuery, FieldConfig, GridPos, Panel } from '@grafana/schema';
 import type { FieldConfig as Lines } from '@grafana/schema/dist/esm/raw/composable/timeseries/panelcfg/x/TimeSeriesPanelCfg_types.gen';
 
@@ -14,7 +14,7 @@ interface Query extends DataQuery {
   legendFormat: string;
 }
 
-// Grafana leaves the queries of a panel to its data source.
+// Grafana leaves the type of queries to the data source.
 interface Graph extends Omit<Panel, 'targets'> {
   id: number;
   type: 'timeseries';

@@ -1,5 +1,5 @@
-# The queries of a dashboard's panels as rules that promtool parses, with Grafana's variables in place of their names: those of the
-# dashboard, of which any word will do, and the built-in ones, which are durations.
+# The queries of the panels as rules for promtool. Any word replaces a variable of the dashboard, a duration replaces one of
+# Grafana.
 (.templating.list | map(.name)) as $names
 | { groups: [{ name: "panels", rules: [
     .panels[] | "panel_\(.id)" as $panel | .targets[] | {
