@@ -6,6 +6,7 @@ use glam::{DMat3, DVec3};
 
 use super::{
     axes::PerAxis,
+    cost::fit_seconds,
     entry::{FittedEntry, Fitter},
     layout::within_limits,
     math::{from_row_major, row_major, turned_about_z},
@@ -14,9 +15,13 @@ use super::{
     stop_check::StopCheck,
 };
 
-/// Entries that a shard has at least, unless it is the last. They take some hundredths of a second, so that little work
-/// is lost with a worker and little time is spent on leasing.
-const SHARD_ENTRIES: u64 = 64;
+/// Predicted seconds of a shard, at most: a short job that waits for a worker begins soon, and little work is lost with
+/// a worker.
+const SHARD_SECONDS: f64 = 1.0;
+/// Entries of a shard where a whole table takes few seconds: fewer would spend more time on leasing than on fitting.
+const FEW_ENTRIES: u64 = 64;
+/// Number of shards above which shards grow towards [`SHARD_SECONDS`].
+const MANY_SHARDS: u64 = 256;
 
 /// A recipe's nodes and how they are cut into shards; the recipe alone decides both.
 ///
@@ -27,13 +32,16 @@ const SHARD_ENTRIES: u64 = 64;
 pub struct Plan {
     recipe: Recipe,
     nodes: PerAxis<Vec<f64>>,
+    entries_per_shard: u64,
 }
 
 impl Plan {
     /// The plan of a recipe that `ltcforge_files::recipe_document` has checked.
     #[must_use]
     pub fn new(recipe: &Recipe) -> Self {
-        Self { recipe: recipe.clone(), nodes: recipe.nodes() }
+        let mut plan = Self { recipe: recipe.clone(), nodes: recipe.nodes(), entries_per_shard: 0 };
+        plan.entries_per_shard = plan.shard_length();
+        plan
     }
 
     /// The recipe that is planned.
@@ -51,14 +59,14 @@ impl Plan {
     /// Number of shards.
     #[must_use]
     pub fn shards(&self) -> u32 {
-        u32::try_from(self.entries().div_ceil(self.entries_per_shard())).unwrap_or(u32::MAX)
+        u32::try_from(self.entries().div_ceil(self.entries_per_shard)).unwrap_or(u32::MAX)
     }
 
     /// The entries of `shard`, as indices in storage order; empty past the last.
     #[must_use]
     pub fn shard_entries(&self, shard: u32) -> Range<u64> {
-        let start = u64::from(shard) * self.entries_per_shard();
-        start.min(self.entries())..(start + self.entries_per_shard()).min(self.entries())
+        let start = u64::from(shard) * self.entries_per_shard;
+        start.min(self.entries())..(start + self.entries_per_shard).min(self.entries())
     }
 
     /// Number of rows.
@@ -67,9 +75,12 @@ impl Plan {
         self.entries() / self.row_length()
     }
 
-    fn entries_per_shard(&self) -> u64 {
+    /// Entries of a shard: whole rows, at most a second of predicted work unless one row takes longer.
+    fn shard_length(&self) -> u64 {
         let row = self.row_length();
-        SHARD_ENTRIES.div_ceil(row) * row
+        let of_a_second = SHARD_SECONDS * self.entries() as f64 / fit_seconds(&self.recipe);
+        let wanted = FEW_ENTRIES.max(self.entries() / MANY_SHARDS).div_ceil(row);
+        wanted.min(of_a_second as u64 / row).max(1) * row
     }
 
     fn row_length(&self) -> u64 {

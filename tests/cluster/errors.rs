@@ -17,7 +17,7 @@ fn complaint(folder: &Path, database: &str, blobs: &str) -> String {
 /// The same, with variables in the environment.
 #[track_caller]
 fn complaint_in(environment: &[(&str, &str)], folder: &Path, database: &str, blobs: &str) -> String {
-    let args = ["work", "--database", database, "--blobs", blobs, "--data", "data"];
+    let args = ["work", "--database", database, "--blobs", blobs];
     let mut command = ltcforge(folder, args);
     command.envs(environment.iter().copied());
     let run: Run = command.output().expect("the binary runs").into();

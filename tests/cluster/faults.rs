@@ -9,7 +9,7 @@ use crate::{
     common::{
         LARGE, SMALL,
         command::{Run, ltcforge, run_with_stdin},
-        eventually, seeded,
+        eventually,
         server::{Server, text},
         tell_skipped,
     },
@@ -109,33 +109,6 @@ fn a_database_that_stops_for_a_while_costs_no_job() {
     eventually("readiness", || (replica.get("/readyz").status == 200).then_some(()));
     let job = replica.finished(&id);
     assert_eq!((&job["state"], &job["table"]), (&"done".into(), &expected.last_line().into()), "{job:#}");
-}
-
-/// A `pg_notify` of the database's own only counts, so that no process is notified of jobs, tasks and ends of jobs.
-#[test]
-fn lost_notifications_cost_no_job() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let Some(mut shared) = Shared::new(folder.path()) else { return };
-    let Some(database) = throwaway::Server::start("-c fsync=off") else { return };
-    shared.database = database.empty_database();
-    let name = shared.database.split(['/', '?']).nth(3).expect("a name").to_owned();
-    let silence = format!(
-        "CREATE SCHEMA silent; CREATE TABLE silent.lost (message text);
-         CREATE FUNCTION silent.pg_notify(text, text) RETURNS void LANGUAGE sql
-             AS 'INSERT INTO silent.lost VALUES ($2)';
-         ALTER DATABASE {name} SET search_path = silent, pg_catalog"
-    );
-    database.psql(&name, &silence);
-    let replica = shared.replica(&folder.path().join("replica"));
-    let _worker = Worker::start(&shared, folder.path(), "10");
-    // From the second job on, the worker is waiting when it is submitted.
-    for seed in 0..3 {
-        let id = text(&replica.submit(&seeded(seed)).with_status(202).json()["id"]).to_owned();
-        let events = replica.events(&id, None).into_body().read_to_string().expect("a stream that ends");
-        assert!(events.contains(r#""state":"done""#), "{events}");
-    }
-    let lost = database.psql(&name, "SELECT count(*) FROM silent.lost WHERE message LIKE 'begin %'");
-    assert_eq!(lost, "3");
 }
 
 #[test]

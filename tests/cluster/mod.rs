@@ -5,18 +5,12 @@ pub(crate) mod throwaway;
 
 mod errors;
 pub(crate) mod faults;
-mod fleet;
-mod fsck;
 mod kills;
 mod links;
-mod migration;
 mod objects;
 pub(crate) mod pgbouncer;
 pub(crate) mod proxy;
-mod room;
-mod runbook;
 pub(crate) mod s3;
-mod sweep;
 mod watch;
 
 use std::{
@@ -63,7 +57,7 @@ impl Shared {
         self.blobs.strip_prefix("file://").expect("a folder").into()
     }
 
-    /// A replica with its cache in `folder` that only serves.
+    /// A replica with `folder` as its data folder that only serves.
     pub(crate) fn replica(&self, folder: &Path) -> Server {
         let args: Vec<&str> = self.arguments().into_iter().chain(["--no-workers"]).collect();
         Server::start_in(folder, &args, &self.environment)
@@ -86,9 +80,7 @@ impl Worker {
 
     /// Starts it by another command; `None` if it ended because it could not connect.
     pub(crate) fn start_by(by: &[&str], shared: &Shared, folder: &Path, lease_seconds: &str) -> Option<Self> {
-        let data = folder.join("worker");
-        let data = data.to_str().expect("a path in UTF-8");
-        let own = ["--workers", "1", "--lease-seconds", lease_seconds, "--data", data];
+        let own = ["--workers", "1", "--lease-seconds", lease_seconds];
         let mut command = ltcforge(folder, ["work"].iter().chain(&shared.arguments()).chain(&own));
         if let [program, arguments @ ..] = by {
             let mut other = Command::new(program);

@@ -28,7 +28,7 @@ fn get(url: &str, path: &str) -> (u16, String) {
 fn a_worker_tells_how_it_is_at_an_address_of_its_own() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(shared) = Shared::new(folder.path()) else { return };
-    let args = ["work", "--workers", "1", "--data", "worker", "--listen"];
+    let args = ["work", "--workers", "1", "--listen"];
     let refused = run(folder.path(), args.iter().chain(&["0.0.0.0:0"]).chain(&shared.arguments())).exited(2);
     assert!(refused.complaints()[0].contains("--allow-anyone"), "{refused:#?}");
 

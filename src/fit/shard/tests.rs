@@ -52,6 +52,18 @@ const SMALL: [u32; 4] = [3, 3, 4, 3];
 const ANISOTROPIC: &[Layout] = &[Layout::Reflected, Layout::Kt2022];
 
 #[test]
+fn a_shard_takes_about_a_second_at_most_and_a_large_table_has_no_tiny_shards() {
+    let seconds = |plan: &Plan| fit_seconds(plan.recipe()) / f64::from(plan.shards());
+    let slow = plan([16, 8, 16, 8]);
+    let slow = Plan::new(&Recipe { fit: FitSettings { samples: 65_536, steps: 400, ..slow.recipe().fit }, ..slow.recipe().clone() });
+    assert!((0.5..1.2).contains(&(seconds(&slow) / SHARD_SECONDS)), "{}", seconds(&slow));
+    assert!(u64::from(slow.shards()) != slow.entries() / FEW_ENTRIES, "the number of entries decides");
+    let large = plan([64, 16, 64, 16]);
+    assert!((MANY_SHARDS..2 * MANY_SHARDS).contains(&large.shards().into()), "{}", large.shards());
+    assert!(seconds(&large) < SHARD_SECONDS);
+}
+
+#[test]
 fn shards_are_a_partition_of_the_entries_in_whole_rows() {
     for resolution in [[8; 4], SMALL, [2, 2, 2, 100]] {
         let plan = plan(resolution);

@@ -3,7 +3,6 @@
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-use super::Claim;
 use ltcforge_files::{
     digest::Digest,
     job::{JobId, StateName},
@@ -68,7 +67,7 @@ pub struct Job {
     pub entries_total: u64,
     /// Entries of finished shards plus those that leased ones have reported.
     pub entries_done: u64,
-    /// The highest attempt number among its tasks.
+    /// The highest number of leases of a task.
     pub attempts: u32,
     /// When it was first submitted, or submitted again after it had failed or been cancelled.
     pub created_at: Timestamp,
@@ -82,9 +81,6 @@ pub struct Job {
     /// Who cancelled it, likewise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cancelled_by: Option<String>,
-    /// What it may have of the workers.
-    #[serde(default, skip_serializing_if = "Claim::is_default")]
-    pub claim: Claim,
 }
 
 impl JobState {

@@ -1,6 +1,8 @@
 //! Limits of a queue.
 
-use std::{num::NonZeroU32, time::Duration};
+use std::time::Duration;
+
+use super::{Failure, FailureKind, TaskKind};
 
 /// Bounds of a queue.
 #[derive(Debug, Clone, Copy)]
@@ -9,25 +11,34 @@ pub struct Limits {
     pub jobs: usize,
     /// How long a lease lasts unless it is renewed.
     pub lease_ttl: Duration,
-    /// How often a task may fail before its job does.
-    pub max_attempts: NonZeroU32,
     /// How long a job that has ended is remembered; `None` for ever.
     pub keep_ended: Option<Duration>,
     /// Jobs that have ended and are remembered; `None` for any number.
     pub most_ended: Option<usize>,
 }
 
-impl Limits {
-    /// Jobs of one team that may be queued or running at the same time: the others find room. Jobs without a team may take
-    /// all of it.
-    pub(super) fn jobs_of(&self, team: &str) -> usize {
-        if team.is_empty() { self.jobs } else { self.jobs.div_ceil(2) }
+/// A task that workers report as failed so often fails its job.
+pub(super) const MOST_FAILURES: u32 = 5;
+
+/// A task that is leased so often without a result fails its job. Kills and power cuts are no fault of the task, and even
+/// a bad day has fewer.
+pub(super) const MOST_LEASES: u32 = 25;
+
+fn name(kind: TaskKind) -> String {
+    match kind {
+        TaskKind::Shard(number) => format!("shard {number}"),
+        TaskKind::Assemble => "the assembly".to_owned(),
     }
 }
 
-/// Processes that may end while a task is leased before its job fails. Kills and power cuts are no fault of the task,
-/// and even a bad day has fewer; a task that ends its process each time must not go on for ever.
-pub(super) const MOST_DEATHS: u32 = 20;
-/// After so many, a task is suspect: of all suspect tasks one is leased at a time, so that what ends the process does
-/// not bring the limit closer for the others.
-pub(super) const SUSPECT_DEATHS: u32 = 3;
+/// The failure of a job whose task failed too often.
+pub(super) fn failed_often(kind: TaskKind, times: u32, error: &str) -> Failure {
+    let detail = format!("{} failed {times} times; the last error: {error}", name(kind));
+    Failure { kind: FailureKind::Attempts, detail }
+}
+
+/// The failure of a job whose task was leased too often without a result.
+pub(super) fn leased_often(kind: TaskKind, times: u32) -> Failure {
+    let detail = format!("{} was leased {times} times and gave no result", name(kind));
+    Failure { kind: FailureKind::Attempts, detail }
+}

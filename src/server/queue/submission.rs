@@ -1,8 +1,19 @@
 //! A submitted job, and the queue's answer.
 
-use super::{Claim, Job, Submitter};
+use serde::{Deserialize, Serialize};
+
+use super::Job;
 use crate::store::StoreError;
 use ltcforge_files::digest::Digest;
+
+/// A part of a job that one worker fits.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Shard {
+    /// Its entries.
+    pub entries: u32,
+    /// Predicted seconds on one core. They decide the order only.
+    pub seconds: f64,
+}
 
 /// A job to submit.
 #[derive(Debug, Clone)]
@@ -11,29 +22,19 @@ pub struct NewJob {
     pub recipe: String,
     /// Its digest; the job's id follows from it.
     pub recipe_digest: Digest,
-    /// Entries of each shard. Equal recipes have equal shards.
-    pub shard_entries: Vec<u32>,
-    /// Who submits it; `None` where no token is needed.
-    pub by: Option<Submitter>,
+    /// Its shards, in order.
+    pub shards: Vec<Shard>,
+    /// The version of the fitter that makes the results.
+    pub fitter: u32,
+    /// The name of the token that submits it; `None` without tokens.
+    pub submitted_by: Option<String>,
 }
 
 impl NewJob {
     /// Entries of all shards.
     #[must_use]
     pub fn entries(&self) -> u64 {
-        self.shard_entries.iter().copied().map(u64::from).sum()
-    }
-
-    /// What it may have of the workers.
-    #[must_use]
-    pub(super) fn claim(&self) -> Claim {
-        self.by.as_ref().map(|by| by.claim.clone()).unwrap_or_default()
-    }
-
-    /// The name of the token that it came with.
-    #[must_use]
-    pub(super) fn submitted_by(&self) -> Option<String> {
-        self.by.as_ref().map(|by| by.name.clone())
+        self.shards.iter().map(|shard| u64::from(shard.entries)).sum()
     }
 }
 
@@ -56,8 +57,6 @@ pub enum QueueError {
     Full {
         /// The limit.
         limit: usize,
-        /// The team whose jobs they are, if it is the team's limit.
-        team: Option<String>,
     },
     /// It could not be stored.
     #[error(transparent)]

@@ -1,11 +1,15 @@
-//! The files of tabulated BRDFs. They are blobs beside those of tables, named by their digests alike.
+//! Tabulated BRDFs that users sent: the only files that cannot be computed again.
 
-use std::sync::PoisonError;
+use std::{cmp::Reverse, sync::PoisonError};
 
+use jiff::Timestamp;
 use serde::Serialize;
 
-use super::{FileKind, FileRow, Page, Service, ServiceError, TableCursor, find_brdf::used_brdfs};
-use crate::store::StoreError;
+use super::{
+    FileKind, FileRow, Page, Service, ServiceError, TableCursor,
+    catalogue::{Catalogue, age_key},
+};
+use crate::{queue::StateName, store::StoreError};
 use ltcforge_files::{
     digest::Digest,
     tabulated::{TabulatedError, decode},
@@ -22,7 +26,7 @@ pub struct StoredBrdf {
     /// Nodes of alpha, `theta_o`, `theta_i` and phi; of an anisotropic one those of ratio after alpha, and of `phi_o` after
     /// `theta_o`.
     pub shape: Vec<usize>,
-    /// The most that it reflects of even light.
+    /// The largest part of even light that it reflects.
     pub albedo: f64,
     /// How far it is from reciprocity.
     pub asymmetry: Option<Asymmetry>,
@@ -35,7 +39,7 @@ pub enum DeleteBrdfError {
     #[error("no BRDF with the digest {0} is stored")]
     Unknown(Digest),
     /// It is needed.
-    #[error("the recipe of a table, or of a job that waits or runs, names {0}")]
+    #[error("the recipe of a table, or of a queued or running job, names {0}")]
     InUse(Digest),
     /// The store failed.
     #[error(transparent)]
@@ -51,18 +55,24 @@ impl From<StoreError> for DeleteBrdfError {
 /// Why a file was not stored.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreBrdfError {
-    /// It is no tabulated BRDF; all faults are listed.
+    /// It is not a tabulated BRDF; all faults are listed.
     #[error(transparent)]
     Faults(#[from] TabulatedError),
-    /// As many are stored as may be.
+    /// The limit of BRDFs is reached.
     #[error(
-        "{0} BRDFs are stored, as many as the service keeps; DELETE /v1/brdfs/{{digest}} removes one that nothing names, and \
+        "{0} BRDFs are stored, as many as the service keeps; DELETE /v1/brdfs/{{digest}} removes one that no recipe names, and \
          `--brdf-limit` of the service raises the limit"
     )]
     TooMany(usize),
     /// The service is stopping, or the store failed.
     #[error(transparent)]
     Store(#[from] ServiceError),
+}
+
+impl From<StoreError> for StoreBrdfError {
+    fn from(error: StoreError) -> Self {
+        Self::Store(error.into())
+    }
 }
 
 fn stored(bytes: &[u8], file: &TabulatedFile) -> StoredBrdf {
@@ -78,7 +88,7 @@ fn stored(bytes: &[u8], file: &TabulatedFile) -> StoredBrdf {
 }
 
 impl Service {
-    /// Stores the file of a tabulated BRDF, and tells whether it was there before. It is durable when this returns.
+    /// Stores the file of a tabulated BRDF, and returns whether it was there before. It is durable when this returns.
     ///
     /// # Errors
     /// See [`StoreBrdfError`]; a file with faults is not stored.
@@ -87,54 +97,60 @@ impl Service {
             return Err(ServiceError::Stopping.into());
         }
         let file = decode(bytes)?;
-        let blobs = &self.state.tables.store.blobs;
+        let files = &self.state.files;
         let digest = Digest::from_bytes(*file.digest());
         let _storing = self.state.storing.lock().unwrap_or_else(PoisonError::into_inner);
         let _naming = self.state.naming.read().unwrap_or_else(PoisonError::into_inner);
-        let was_there = blobs.contains(digest).map_err(ServiceError::from)?;
+        let was_there = files.contains(digest)?;
         let limit = self.state.config.brdf_limit;
-        if !was_there && self.stored_files(FileKind::Brdf).map_err(ServiceError::from)?.len() >= limit {
+        if !was_there && files.catalogue.brdfs()?.len() >= limit {
             return Err(StoreBrdfError::TooMany(limit));
         }
-        blobs.put(bytes).map_err(ServiceError::from)?;
-        self.state.tables.uses.note(digest);
+        files.blobs.put(bytes)?;
+        if !was_there {
+            let row = FileRow { digest, bytes: bytes.len() as u64, created_at: Timestamp::now() };
+            files.catalogue.rows.commit(&Catalogue::brdf_entry(&row)?)?;
+        }
         Ok((stored(bytes, &file), was_there))
     }
 
-    /// Stored files, newest first.
+    /// Stored BRDFs, newest first.
     ///
     /// # Errors
     /// When the store fails.
     pub fn brdfs(&self, cursor: Option<&TableCursor>, limit: usize) -> Result<Page<FileRow>, ServiceError> {
-        self.files(FileKind::Brdf, cursor, limit)
+        let mut rows: Vec<_> = self.state.files.catalogue.brdfs()?;
+        let key = |row: &FileRow| age_key(row.created_at, row.digest);
+        rows.retain(|row| cursor.is_none_or(|cursor| key(row) < cursor.0));
+        rows.sort_by_key(|row| Reverse(key(row)));
+        let is_last = rows.len() <= limit;
+        rows.truncate(limit);
+        let next = rows.last().filter(|_| !is_last).map(|row| TableCursor(key(row)).to_string());
+        Ok(Page { items: rows, next })
     }
 
-    /// Deletes a stored file that no recipe of a table, or of a job that waits or runs, names.
+    /// Deletes a BRDF that no recipe of a table, or of a queued or running job, names.
     ///
     /// # Errors
     /// See [`DeleteBrdfError`]; then nothing has changed.
     pub fn delete_brdf(&self, digest: Digest) -> Result<(), DeleteBrdfError> {
         let state = &self.state;
-        let _deleting = state.naming.write().unwrap_or_else(PoisonError::into_inner);
-        let blobs = &state.tables.store.blobs;
-        let is_used =
-            || Ok::<_, StoreError>(used_brdfs(&state.tables.catalogue, state.queue.as_ref())?.contains(&digest));
-        if state.tables.length(FileKind::Brdf, digest)?.is_none() {
+        let _alone = state.naming.write().unwrap_or_else(PoisonError::into_inner);
+        if state.files.read(FileKind::Brdf, digest)?.is_none() {
             return Err(DeleteBrdfError::Unknown(digest));
         }
-        if is_used()? {
+        // A canonical recipe contains a digest only where it names a BRDF.
+        let named = digest.to_string();
+        let mut recipes = state.files.catalogue.recipes()?;
+        for unfinished in [StateName::Queued, StateName::Running] {
+            let (jobs, _) = state.queue.list(Some(unfinished), None, usize::MAX >> 1)?;
+            recipes.extend(jobs.into_iter().map(|job| job.recipe));
+        }
+        if recipes.iter().any(|recipe| recipe.contains(&named)) {
             return Err(DeleteBrdfError::InUse(digest));
         }
-        // Another process may make a job of it meanwhile, and then keeps the file too.
-        let bytes = if state.queue.is_local() { None } else { blobs.get(digest)? };
-        blobs.delete(digest)?;
-        state.backend.forget_files();
-        match bytes {
-            Some(bytes) if is_used()? => {
-                blobs.put(&bytes)?;
-                Err(DeleteBrdfError::InUse(digest))
-            }
-            _ => Ok(()),
-        }
+        state.files.delete(digest)?;
+        state.fitter.forget_brdfs();
+        Ok(())
     }
 }

@@ -91,6 +91,8 @@ pub(super) struct Exports {
     made: AtomicU64,
 }
 
+/// Bytes of exports that are kept in memory.
+const KEPT_BYTES: u64 = 128 << 20;
 /// How many exports the cache expects. For more than 62 it would divide its bytes among several parts, and a large
 /// export would fit into none.
 const EXPECTED: usize = 32;
@@ -120,9 +122,8 @@ impl Drop for Waiting<'_> {
 }
 
 impl Exports {
-    /// Keeps up to `limit_bytes` of files.
-    pub(super) fn new(limit_bytes: usize) -> Self {
-        let kept = Cache::with_weighter(EXPECTED, limit_bytes as u64, FileBytes);
+    pub(super) fn new() -> Self {
+        let kept = Cache::with_weighter(EXPECTED, KEPT_BYTES, FileBytes);
         Self { kept, making: Mutex::new(()), waiting: AtomicUsize::new(0), made: AtomicU64::new(0) }
     }
 

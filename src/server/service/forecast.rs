@@ -1,89 +1,85 @@
-//! How long a job is expected to take, and how good its table is expected to be.
+//! How long a job is expected to take on this machine, and how good its table is expected to be.
 
-use std::{num::NonZeroUsize, sync::Arc};
-
-use super::{
-    Expected,
-    backend::{Backend, ExpectedFit, StoredRecipe},
-    speed::Speed,
+use std::{
+    num::NonZeroUsize,
+    sync::{Mutex, PoisonError},
 };
+
+use serde::Serialize;
+
+use super::fitter::PlannedRecipe;
 use ltcforge_fit::Solver;
 
-/// Forecasts by the backend's model, corrected by the measured speed of this service.
-pub(super) struct Forecast {
-    backend: Arc<dyn Backend>,
-    workers: NonZeroUsize,
-    /// The speed of each solver: how fast a machine is depends on the work that it does.
-    speeds: Vec<(Solver, Speed)>,
+/// The forecast for a job's fit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Expected {
+    /// Seconds of fitting with this service's workers and no other job.
+    pub seconds: f64,
+    /// Mean error between nodes, as a part of the lobe's width.
+    pub error: f64,
+    /// Bytes of the table's matrices and terms.
+    pub bytes: u64,
+    /// Parts of the table that workers fit one by one.
+    pub shards: u32,
 }
 
+/// Predictions of the cost model, corrected by the measured speed of this machine.
+#[derive(Debug)]
+pub(super) struct Forecast {
+    workers: NonZeroUsize,
+    /// The speed depends on the work, so each solver has its own.
+    speeds: Mutex<Vec<(Solver, Speed)>>,
+}
+
+/// Measured and predicted seconds of a thread over the latest shards.
+#[derive(Debug, Clone, Copy)]
+struct Speed {
+    predicted: f64,
+    measured: f64,
+}
+
+/// Weight of the uncorrected prediction, as seconds of work.
+const PRIOR_SECONDS: f64 = 0.5;
+/// Seconds of work after which older measurements fade.
+const MEMORY_SECONDS: f64 = 60.0;
+
 impl Forecast {
-    pub(super) fn new(backend: Arc<dyn Backend>, workers: NonZeroUsize) -> Self {
-        let speeds = Solver::ALL.iter().map(|solver| (*solver, Speed::default())).collect();
-        Self { backend, workers, speeds }
+    pub(super) fn new(workers: NonZeroUsize) -> Self {
+        let prior = Speed { predicted: PRIOR_SECONDS, measured: PRIOR_SECONDS };
+        Self { workers, speeds: Mutex::new(Solver::ALL.iter().map(|solver| (*solver, prior)).collect()) }
     }
 
-    /// The forecast for a stored recipe with all workers on its job; `None` for a recipe of another fitter.
-    pub(super) fn of(&self, recipe: StoredRecipe<'_>) -> Option<Expected> {
-        let whole = self.on_one_core(recipe)?;
-        Some(Expected { seconds: whole.seconds / self.workers.get() as f64, ..whole })
+    /// The forecast for a recipe with all workers on its job.
+    pub(super) fn of(&self, planned: &PlannedRecipe) -> Expected {
+        let model = planned.expectation;
+        let seconds = model.seconds * self.ratio(planned.solver()) / self.workers.get() as f64;
+        Expected { seconds, error: model.error, bytes: model.bytes, shards: planned.shards() }
     }
 
-    /// The forecast for a stored recipe with one core on its job; `None` for a recipe of another fitter.
-    pub(super) fn on_one_core(&self, recipe: StoredRecipe<'_>) -> Option<Expected> {
-        let ExpectedFit { solver, shards, model } = self.backend.expect(recipe)?;
-        let seconds = model.seconds * self.speed(solver)?.ratio();
-        Some(Expected { seconds, error: model.error, bytes: model.bytes, shards })
-    }
-
-    /// Takes a measurement into account: a worker fitted `part` of a recipe's entries in `seconds`.
-    pub(super) fn learn(&self, recipe: StoredRecipe<'_>, part: f64, seconds: f64) {
-        if let Some(ExpectedFit { solver, model, .. }) = self.backend.expect(recipe)
-            && let Some(speed) = self.speed(solver)
-        {
-            speed.learn(part * model.seconds, seconds);
+    /// Learns from a measurement: a worker fitted `part` of a recipe's entries in `seconds`.
+    pub(super) fn learn(&self, planned: &PlannedRecipe, part: f64, seconds: f64) {
+        let predicted = part * planned.expectation.seconds;
+        if !(predicted > 0.0 && seconds > 0.0 && predicted.is_finite() && seconds.is_finite()) {
+            return;
+        }
+        let mut speeds = self.speeds.lock().unwrap_or_else(PoisonError::into_inner);
+        for (_, speed) in speeds.iter_mut().filter(|(solver, _)| *solver == planned.solver()) {
+            let fade = (MEMORY_SECONDS / (speed.predicted + predicted)).min(1.0);
+            speed.predicted = fade * (speed.predicted + predicted);
+            speed.measured = fade * (speed.measured + seconds);
         }
     }
 
-    fn speed(&self, solver: Solver) -> Option<&Speed> {
-        self.speeds.iter().find(|(of, _)| *of == solver).map(|(_, speed)| speed)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{super::backend::FitBackend, *};
-    use crate::queue::NewJob;
-    use ltcforge_files::digest::Digest;
-
-    #[test]
-    fn a_measurement_changes_the_forecast() {
-        let backend = Arc::new(FitBackend::new(None));
-        let job = backend.plan(br#"{"preset": "best"}"#, 10_000).expect("a recipe");
-        let ExpectedFit { model, .. } = backend.expect((&job).into()).expect("this fitter's");
-        let forecast = Forecast::new(backend, NonZeroUsize::new(2).expect("two"));
-        let before = forecast.of((&job).into()).expect("this fitter's");
-        assert_eq!((before.seconds, before.error), (model.seconds / 2.0, model.error));
-        // Half of the entries, at a third of the speed.
-        forecast.learn((&job).into(), 0.5, 3.0 * 0.5 * model.seconds);
-        let after = forecast.of((&job).into()).expect("this fitter's");
-        // The earlier estimate still weighs a little.
-        assert!((2.7..3.0).contains(&(after.seconds / before.seconds)), "{before:?} {after:?}");
-        assert_eq!(after.error, before.error);
-        let text = "another fitter's";
-        assert!(forecast.of(StoredRecipe { digest: Digest::of(text.as_bytes()), text }).is_none());
+    /// Measured seconds per predicted second.
+    fn ratio(&self, solver: Solver) -> f64 {
+        let speeds = self.speeds.lock().unwrap_or_else(PoisonError::into_inner);
+        speeds.iter().find(|(of, _)| *of == solver).map_or(1.0, |(_, speed)| speed.measured / speed.predicted)
     }
 
-    #[test]
-    fn a_solver_s_measurements_do_not_change_the_forecasts_of_another() {
-        let backend: Arc<dyn Backend> = Arc::new(FitBackend::new(None));
-        let planned = |document: &str| backend.plan(document.as_bytes(), 10_000).expect("a recipe");
-        let [bfgs, sgd] = ["bfgs", "sgd"].map(|solver| planned(&format!(r#"{{"fit": {{"solver": "{solver}"}}}}"#)));
-        let forecast = Forecast::new(backend, NonZeroUsize::MIN);
-        let seconds = |job: &NewJob| forecast.of(job.into()).expect("this fitter's").seconds;
-        let before = [seconds(&bfgs), seconds(&sgd)];
-        forecast.learn((&sgd).into(), 1.0, 9.0 * before[1]);
-        assert_eq!(seconds(&bfgs), before[0]);
-        assert!(seconds(&sgd) > 8.0 * before[1]);
+    /// Seconds that one core of this machine takes for so many predicted seconds of mixed work.
+    pub(super) fn core_seconds(&self, predicted: f64) -> f64 {
+        let speeds = self.speeds.lock().unwrap_or_else(PoisonError::into_inner);
+        let sum = |of: fn(&Speed) -> f64| speeds.iter().map(|(_, speed)| of(speed)).sum::<f64>();
+        predicted * sum(|speed| speed.measured) / sum(|speed| speed.predicted)
     }
 }

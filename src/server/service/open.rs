@@ -1,143 +1,169 @@
 //! Starting the service.
 
 use std::{
+    collections::BTreeSet,
     io,
-    num::NonZeroU32,
     sync::{
         Arc, Mutex, RwLock,
         atomic::{AtomicBool, AtomicU64},
-        mpsc,
     },
+    time::Duration,
 };
 
 use super::{
-    Config, OpenError, Service,
-    backend::{Backend, FitBackend},
-    compressed::Compressed,
+    Config, FileRow, OpenError, Service, TableRow,
+    catalogue::Catalogue,
     exports::Exports,
+    files::Files,
+    fitter::Fitter,
     forecast::Forecast,
     pictures::Pictures,
-    reconcile::reconcile,
-    scheduler::Scheduler,
-    state::ServiceState,
-    tables::Tables,
+    state::State,
     watch::Hub,
-    work::MOST_RESULTS,
 };
 use crate::{
-    queue::{
-        Limits, Queue,
-        embedded::{Clock, EmbeddedQueue},
-    },
-    store::{Rows, Store, StoreOpenError},
+    queue::{EmbeddedQueue, Limits, Queue},
+    store::{BlobInfo, Store, StoreError},
 };
+use ltcforge_files::tabulated::is_tabulated;
+
+/// How often leases are renewed and followers notified. In a cluster each time is a statement of the database.
+const RENEW_EMBEDDED: Duration = Duration::from_millis(100);
+#[cfg(feature = "cluster")]
+const RENEW_SHARED: Duration = Duration::from_millis(500);
 
 impl Service {
-    /// Opens the store, applies migrations, resumes unfinished jobs and starts the workers.
+    /// Opens the data folder, lists its tables, resumes unfinished jobs and starts the workers.
     ///
     /// # Errors
     /// When the folder is locked, not usable, or of a later version.
     pub fn open(config: Config) -> Result<Arc<Self>, OpenError> {
-        let store = Store::open(&config.data_dir).map_err(|error| refusal(&config, error))?;
-        let backend = FitBackend::new(Some(Arc::clone(&store.blobs)));
-        Self::open_with(config, store, Arc::new(backend))
+        let opened = crate::store::open(&config.data_dir);
+        let store = opened.map_err(|source| OpenError::Folder { path: config.data_dir.clone(), source })?;
+        let queue = EmbeddedQueue::open(Arc::clone(&store.rows), limits(&config))?;
+        let is_clean = store.is_clean;
+        let files = Files::new(store);
+        let is_listed = files.list_from_disk()?;
+        Self::start(config, files, Box::new(queue), is_clean && is_listed, RENEW_EMBEDDED)
     }
 
-    /// As [`Service::open`], on a given store and backend.
-    pub(super) fn open_with(config: Config, store: Store, backend: Arc<dyn Backend>) -> Result<Arc<Self>, OpenError> {
-        let check = {
-            let (blobs, backend) = (Arc::clone(&store.blobs), Arc::clone(&backend));
-            move |rows: &Arc<dyn Rows>| reconcile(rows, blobs.as_ref(), backend.as_ref()).map(drop)
+    /// As [`Service::open`], on a database and an object store that other processes share.
+    ///
+    /// # Errors
+    /// When the database or the object store cannot be used.
+    #[cfg(feature = "cluster")]
+    pub fn open_shared(config: Config, shared: &super::Shared) -> Result<Arc<Self>, OpenError> {
+        use crate::{
+            queue::PostgresQueue,
+            store::{Database, ObjectBlobs, PostgresRows},
         };
-        let prepared = (|| {
-            check(&store.rows)?;
-            EmbeddedQueue::open(Arc::clone(&store.rows), limits(&config), Clock::system())
-        })();
-        let queue = prepared.map_err(|error| refusal(&config, error.into()))?;
-        // It is set here alone, so this cannot fail.
-        let _ = store.reopen_check.set(Box::new(check));
-        Self::start(config, ServiceParts { queue: Box::new(queue), store, backend, works: true })
+        // The store comes first, so that no schema is made if its URL is wrong.
+        let blobs = ObjectBlobs::open(&shared.store)?;
+        let database = Database::open(&shared.database.0, shared.connections)?;
+        let queue = PostgresQueue::open(Arc::clone(&database), limits(&config), ltcforge_fit::FITTER_VERSION)?;
+        let store = Store::shared(Arc::new(blobs), Arc::new(PostgresRows::new(database)));
+        Self::start(config, Files::new(store), Box::new(queue), false, RENEW_SHARED)
     }
 
-    /// Starts the workers, if there are to be any.
-    pub(super) fn start(config: Config, parts: ServiceParts) -> Result<Arc<Self>, OpenError> {
-        let ServiceParts { queue, store, backend, works } = parts;
-        let measuring_pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(config.workers.get())
+    fn start(
+        config: Config,
+        files: Files,
+        queue: Box<dyn Queue>,
+        may_evict: bool,
+        renew: Duration,
+    ) -> Result<Arc<Self>, OpenError> {
+        let threads = config.pool_threads();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.get())
             .thread_name(|n| format!("measure-{n}"))
             .build()
-            .map_err(|error| refusal(&config, StoreOpenError::Unusable(io::Error::other(error))))?;
-        let forecast = Arc::new(Forecast::new(Arc::clone(&backend), config.workers));
-        let tables = Arc::new(Tables::new(store));
-        let state = Arc::new(ServiceState {
-            backend,
-            tables: Arc::clone(&tables),
+            .map_err(io::Error::other)?;
+        let workers = config.workers;
+        let state = Arc::new(State {
+            fitter: Fitter::new(Arc::clone(&files.blobs)),
+            forecast: Forecast::new(threads),
+            files,
             queue,
-            hub: Hub::new(Arc::clone(&forecast)),
-            forecast,
-            measuring_pool,
-            scheduler: Scheduler::new(config.workers),
-            pictures: Pictures::new(tables, config.adapter, config.pictures),
-            exports: Exports::new(config.export_bytes),
-            compressed: Compressed::default(),
+            hub: Hub::default(),
+            pool,
+            running: Mutex::default(),
+            leasing: Mutex::default(),
+            pictures: Pictures::new(config.adapter, config.picture_time),
+            exports: Exports::new(),
             storing: Mutex::default(),
             naming: RwLock::default(),
+            may_evict,
             stopping: AtomicBool::new(false),
             entries_fitted: AtomicU64::new(0),
             files_removed: AtomicU64::new(0),
             config,
         });
         let service = Self { state, threads: Mutex::default() };
-        if service.state.tables.store.blobs.remembers() {
-            let scrub = service.spawn("scrub".to_owned(), ServiceState::scrub);
-            scrub.map_err(|error| refusal(&service.state.config, StoreOpenError::Unusable(error)))?;
-        }
-        let retain = service.spawn("retain".to_owned(), ServiceState::retain);
-        retain.map_err(|error| refusal(&service.state.config, StoreOpenError::Unusable(error)))?;
-        if works {
-            service.start_workers().map_err(|error| refusal(&service.state.config, StoreOpenError::Unusable(error)))?;
+        service.state.evict();
+        service.spawn("renew-leases".to_owned(), move |state| state.renew(renew))?;
+        for worker in 0..workers {
+            service.spawn(format!("fit-{worker}"), State::work)?;
         }
         Ok(Arc::new(service))
     }
+}
 
-    /// Starts the workers, the threads for jobs that arrive while all workers are busy, and what stores results and
-    /// keeps leases.
-    fn start_workers(&self) -> io::Result<()> {
-        let config = &self.state.config;
-        let threads = config.workers.get().saturating_add(config.queue_limit.clamp(1, MOST_WAITING));
-        let (results, stored) = mpsc::sync_channel(MOST_RESULTS);
-        for thread in 0..u32::try_from(threads).unwrap_or(u32::MAX) {
-            let results = results.clone();
-            self.spawn(format!("fit-{thread}"), move |state| state.work(&results))?;
+impl Files {
+    /// Makes the catalogue agree with the files: adds rows of files that it lacks, and removes rows without a file.
+    /// Returns whether all changes could be stored.
+    fn list_from_disk(&self) -> Result<bool, StoreError> {
+        let blobs = self.blobs.list()?;
+        let mut rows: BTreeSet<_> = self.catalogue.tables()?.into_iter().map(|row| row.digest).collect();
+        rows.extend(self.catalogue.brdfs()?.into_iter().map(|row| row.digest));
+        let (mut added, mut lost, mut is_complete) = (0_usize, 0_usize, true);
+        for blob in blobs {
+            if rows.remove(&blob.digest) {
+                continue;
+            }
+            let batch = match self.describe(&blob) {
+                Ok(Some(batch)) => batch,
+                Ok(None) => continue,
+                Err(error) => {
+                    tracing::error!(blob = %blob.digest, %error, "the file was not listed");
+                    is_complete = false;
+                    continue;
+                }
+            };
+            is_complete &= self.catalogue.rows.commit(&batch).is_ok();
+            added += 1;
         }
-        self.spawn("store-results".to_owned(), move |state| state.store_results(&stored))?;
-        self.spawn("keep-leases".to_owned(), ServiceState::keep_leases)
+        for digest in rows {
+            tracing::warn!(%digest, "the file is missing; its row is removed from the catalogue");
+            let removed = self.catalogue.removal(digest).and_then(|batch| self.catalogue.rows.commit(&batch));
+            is_complete &= removed.is_ok();
+            lost += 1;
+        }
+        if added + lost > 0 {
+            tracing::warn!(added, lost, "the catalogue was made to agree with the files");
+        }
+        Ok(is_complete)
+    }
+
+    /// The rows of a file; `None` for a file that is neither a table nor a BRDF.
+    fn describe(&self, blob: &BlobInfo) -> Result<Option<crate::store::Batch>, StoreError> {
+        let Some(file) = self.blobs.get(blob.digest)? else { return Ok(None) };
+        let BlobInfo { digest, bytes, stored_at: created_at, .. } = *blob;
+        if is_tabulated(&file) {
+            return Catalogue::brdf_entry(&FileRow { digest, bytes, created_at }).map(Some);
+        }
+        let Some((recipe, recipe_digest)) = Fitter::recognise(&file) else { return Ok(None) };
+        Catalogue::table_entry(&TableRow { digest, recipe_digest, bytes, created_at }, &recipe).map(Some)
     }
 }
 
-/// The parts of a service.
-pub(super) struct ServiceParts {
-    pub(super) queue: Box<dyn Queue>,
-    pub(super) store: Store,
-    pub(super) backend: Arc<dyn Backend>,
-    /// Whether it fits.
-    pub(super) works: bool,
-}
-
-/// The bounds of the queue.
-pub(super) fn limits(config: &Config) -> Limits {
+fn limits(config: &Config) -> Limits {
     Limits {
         jobs: config.queue_limit,
         lease_ttl: config.lease_ttl,
         keep_ended: config.keep_ended,
-        most_ended: config.most_ended,
-        max_attempts: NonZeroU32::new(config.max_attempts).unwrap_or(NonZeroU32::MIN),
+        most_ended: Some(MOST_ENDED),
     }
 }
 
-/// Threads, at most, for jobs that arrive while all workers are in the middle of shards.
-const MOST_WAITING: usize = 256;
-
-fn refusal(config: &Config, error: StoreOpenError) -> OpenError {
-    OpenError::of(&config.data_dir, error)
-}
+/// Maximum number of ended jobs that are remembered.
+const MOST_ENDED: usize = 100_000;

@@ -63,12 +63,12 @@ impl Service {
     pub fn plan(&self, bytes: Vec<u8>, sent: SceneForm, budget: Budget, form: Form) -> Result<Planned, PlanError> {
         let go_on = || !self.is_stopping();
         let scene = match sent {
-            SceneForm::Glb => self.state.measuring_pool.install(|| Scene::from_bytes(bytes, &go_on))?,
+            SceneForm::Glb => self.state.pool.install(|| Scene::from_bytes(bytes, &go_on))?,
             SceneForm::List => Scene::from_list(&bytes)?,
         };
         let mut plans = Vec::new();
         for needs in [false, true].into_iter().filter_map(|sheen| Needs::of(&scene, sheen)) {
-            let plan = self.state.measuring_pool.install(|| TablePlan::new(needs, budget, form, &go_on));
+            let plan = self.state.pool.install(|| TablePlan::new(needs, budget, form, &go_on));
             plans.push(plan.map_err(|_| ServiceError::Stopping)?);
         }
         let summary = words(&scene, &plans);

@@ -1,6 +1,7 @@
-//! The service and the state that its callers and workers share.
+//! The service, and the state that its callers and workers share.
 
 use std::{
+    collections::HashMap,
     io,
     sync::{
         Arc, Mutex, PoisonError, RwLock,
@@ -9,97 +10,127 @@ use std::{
     thread::{self, JoinHandle},
 };
 
-use super::{
-    Config, Metrics, ServiceError, backend::Backend, compressed::Compressed, exports::Exports, forecast::Forecast,
-    pictures::Pictures, scheduler::Scheduler, tables::Tables, watch::Hub,
-};
-use crate::{
-    queue::{JobId, Queue},
-    store::Batch,
-};
+use jiff::Timestamp;
 
-/// The service. All its methods block, so HTTP calls them on blocking threads.
+use super::{
+    Config, PictureCounts, ServiceError, exports::Exports, files::Files, fitter::Fitter, forecast::Forecast,
+    pictures::Pictures, watch::Hub, work::Running,
+};
+use crate::queue::{Depth, Lease, Queue, StateName};
+
+/// The service. All its methods but [`Service::picture`] and [`Service::cached_file`] block, so HTTP calls them on
+/// blocking threads.
 #[derive(Debug)]
 pub struct Service {
-    pub(super) state: Arc<ServiceState>,
-    /// Those that work until the service is stopped.
+    pub(super) state: Arc<State>,
+    /// Threads that work until the service is stopped.
     pub(super) threads: Mutex<Vec<JoinHandle<()>>>,
 }
 
 /// The state that callers and workers share.
-pub(super) struct ServiceState {
+pub(super) struct State {
     pub(super) config: Config,
-    pub(super) backend: Arc<dyn Backend>,
-    pub(super) forecast: Arc<Forecast>,
-    pub(super) tables: Arc<Tables>,
+    pub(super) fitter: Fitter,
+    pub(super) forecast: Forecast,
+    pub(super) files: Files,
     pub(super) queue: Box<dyn Queue>,
     pub(super) hub: Hub,
-    /// Assembles and measures tables and makes exports of them.
-    pub(super) measuring_pool: rayon::ThreadPool,
-    pub(super) scheduler: Scheduler,
+    /// Assembles and measures tables, and makes exports of them.
+    pub(super) pool: rayon::ThreadPool,
+    /// The leased tasks of this process.
+    pub(super) running: Mutex<HashMap<Lease, Arc<Running>>>,
+    /// Held by the thread that leases for all, so that idle workers ask the queue one at a time.
+    pub(super) leasing: Mutex<()>,
     pub(super) pictures: Pictures,
     pub(super) exports: Exports,
-    pub(super) compressed: Compressed,
-    /// Held while a file that was sent is counted and stored.
+    /// Held while a BRDF is counted and stored.
     pub(super) storing: Mutex<()>,
-    /// Read while a recipe becomes a job, a file is stored or a table pinned; written while a file is removed.
+    /// Read while a recipe becomes a job or a table is stored; written while a file is removed.
     pub(super) naming: RwLock<()>,
+    /// Whether tables may be evicted: the store is a folder, and its catalogue is known to be complete.
+    pub(super) may_evict: bool,
     pub(super) stopping: AtomicBool,
     pub(super) entries_fitted: AtomicU64,
     pub(super) files_removed: AtomicU64,
 }
 
-impl std::fmt::Debug for ServiceState {
+/// What a queue has to do.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Backlog {
+    /// Waiting and leased shards.
+    pub shards: Depth,
+    /// Predicted seconds that one core takes for the unfinished shards.
+    pub core_seconds: f64,
+    /// Seconds since the oldest unfinished job was submitted; 0 without one.
+    pub oldest_seconds: f64,
+}
+
+/// Figures for `/metrics`.
+#[derive(Debug, Clone, Default)]
+pub struct Metrics {
+    /// Jobs by state.
+    pub jobs: Vec<(StateName, u64)>,
+    /// What all processes that share the queue have to do.
+    pub backlog: Backlog,
+    /// Entries fitted since the start.
+    pub entries_fitted: u64,
+    /// Shards that failed since the start.
+    pub shard_failures: u64,
+    /// Leases that expired since the start.
+    pub leases_expired: u64,
+    /// Tables in the catalogue.
+    pub tables: u64,
+    /// Bytes of all tables.
+    pub table_bytes: u64,
+    /// Files found damaged since the start.
+    pub blobs_corrupt: u64,
+    /// Pictures since the start, except those served from memory.
+    pub pictures: PictureCounts,
+    /// Exports made since the start; those served from memory are not counted.
+    pub exports_made: u64,
+    /// Tables evicted since the start.
+    pub files_removed: u64,
+}
+
+impl std::fmt::Debug for State {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("ServiceState").field("config", &self.config).finish_non_exhaustive()
+        f.debug_struct("State").field("config", &self.config).finish_non_exhaustive()
     }
 }
 
 impl Service {
     /// Starts a thread that works until the service is stopped.
-    pub(super) fn spawn(&self, name: String, work: impl FnOnce(&ServiceState) + Send + 'static) -> io::Result<()> {
+    pub(super) fn spawn(&self, name: String, work: impl FnOnce(&State) + Send + 'static) -> io::Result<()> {
         let state = Arc::clone(&self.state);
         let thread = thread::Builder::new().name(name).spawn(move || work(&state))?;
         self.threads.lock().unwrap_or_else(PoisonError::into_inner).push(thread);
         Ok(())
     }
 
-    /// Stops the service: no more tasks are leased or pictures rendered, running shards are given back within
-    /// a moment, and the store is flushed.
+    /// Stops the service: no more tasks are leased, and running shards are given back within a moment.
     pub fn stop(&self) {
-        // The queue is closed first; otherwise a worker could give its shard back and lease it again.
         self.state.queue.close();
         self.state.stopping.store(true, Ordering::SeqCst);
-        self.state.scheduler.wake();
-        self.state.pictures.close();
-        // Once they have ended, the folder may be opened again at once.
         let mut threads = self.threads.lock().unwrap_or_else(PoisonError::into_inner);
         for thread in threads.drain(..) {
-            // The scrub waits parked.
+            // The thread that renews leases waits parked.
             thread.thread().unpark();
             if thread.join().is_err() {
                 tracing::error!("a thread of the service panicked");
             }
         }
-        // Everything acknowledged is durable already. This also writes the leases that were given back.
-        if let Err(error) = self.state.tables.store.rows.commit(&Batch::default()) {
-            tracing::warn!(%error, "the last flush failed");
-        }
     }
 
-    /// Why the service does not accept jobs now, in words; `None` if it does.
+    /// Why the service does not accept jobs now; `None` if it does.
     #[must_use]
     pub fn fault(&self) -> Option<String> {
-        let ServiceState { queue, tables, .. } = self.state.as_ref();
-        if self.state.is_stopping() {
-            Some("the service is stopping".to_owned())
-        } else if !tables.store.rows.is_writable() {
-            Some("the disk of the data folder is full".to_owned())
-        } else if !tables.store.blobs.is_reachable() {
-            Some("the store of tables does not answer".to_owned())
-        } else {
-            queue.fault()
+        if self.is_stopping() {
+            return Some("the service is stopping".to_owned());
         }
+        if !self.state.files.catalogue.rows.is_writable() {
+            return Some("the disk of the data folder is full, or its database cannot be written".to_owned());
+        }
+        self.state.queue.statistics().err().map(|error| error.to_string())
     }
 
     /// Whether [`Self::stop`] was called.
@@ -114,17 +145,22 @@ impl Service {
     /// When the store fails.
     pub fn metrics(&self) -> Result<Metrics, ServiceError> {
         let state = &self.state;
-        let (leases_expired, shard_failures) = state.queue.failures();
-        let (tables, table_bytes) = state.tables.catalogue.totals()?;
+        let queue = state.queue.statistics()?;
+        let tables = state.files.catalogue.tables()?;
+        let oldest = queue.oldest.map(|since| Timestamp::now().duration_since(since).as_secs_f64());
         Ok(Metrics {
-            jobs: state.queue.counts()?,
-            backlog: state.backlog()?,
+            jobs: queue.jobs,
+            backlog: Backlog {
+                shards: queue.depth,
+                core_seconds: state.forecast.core_seconds(queue.core_seconds),
+                oldest_seconds: oldest.unwrap_or(0.0).max(0.0),
+            },
             entries_fitted: state.entries_fitted.load(Ordering::Relaxed),
-            shard_failures,
-            leases_expired,
-            tables,
-            table_bytes,
-            blobs_corrupt: state.tables.damaged(),
+            shard_failures: queue.failed,
+            leases_expired: queue.expired,
+            tables: tables.len() as u64,
+            table_bytes: tables.iter().map(|table| table.bytes).sum(),
+            blobs_corrupt: state.files.corrupt(),
             pictures: state.pictures.counts(),
             exports_made: state.exports.made(),
             files_removed: state.files_removed.load(Ordering::Relaxed),
@@ -134,32 +170,14 @@ impl Service {
 
 impl Drop for Service {
     fn drop(&mut self) {
-        if !self.state.is_stopping() {
+        if !self.is_stopping() {
             self.stop();
         }
     }
 }
 
-impl ServiceState {
+impl State {
     pub(super) fn is_stopping(&self) -> bool {
         self.stopping.load(Ordering::SeqCst)
-    }
-
-    /// Notifies the followers of every job that has changed.
-    pub(super) fn publish_changes(&self) {
-        for id in self.queue.take_changed() {
-            // A job of other processes that nobody has asked about here need not be looked up.
-            if self.queue.is_local() || self.hub.knows(id) {
-                self.publish(id);
-            }
-        }
-    }
-
-    /// Notifies the followers of a job.
-    pub(super) fn publish(&self, id: JobId) {
-        let published = self.hub.publish(id, || self.queue.job_now(id));
-        if let Err(error) = published {
-            tracing::warn!(job = %id, %error, "the followers of the job were not notified");
-        }
     }
 }

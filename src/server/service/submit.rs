@@ -2,42 +2,115 @@
 
 use std::{sync::PoisonError, time::Duration};
 
-use tokio::sync::watch;
-
-use super::{
-    Expected, Foreseen, JobCursor, JobSnapshot, Page, Service, ServiceError, SubmitError, SubmitReply,
-    find_brdf::named_in, state::ServiceState,
-};
-use crate::queue::{Claim, Job, JobId, JobState, NewJob, QueueError, StateName, Submitted, Submitter};
-use ltcforge_files::digest::Digest;
+use super::{Expected, JobCursor, JobSnapshot, Page, Service, ServiceError, state::State};
+use crate::queue::{Job, JobId, JobState, NewJob, QueueError, StateName, Submitted};
+use ltcforge_files::{digest::Digest, recipe_document::RecipeError};
 
 /// Shortest and longest time, in seconds, after which a refused client is asked to try again.
 const RETRY_SECONDS: (f64, f64) = (1.0, 600.0);
-
 /// That time while the speed of the first job is not known, in seconds.
 const RETRY_UNKNOWN_SECONDS: f64 = 5.0;
 
+/// The result of submitting a recipe.
+#[derive(Debug, Clone)]
+pub enum SubmitReply {
+    /// The job is queued or running.
+    InFlight {
+        /// The job.
+        job: Job,
+        /// Whether an equal recipe had been submitted before.
+        joined: bool,
+    },
+    /// The table is stored already.
+    Ready {
+        /// The job that made it.
+        job: Job,
+        /// The table.
+        table: Digest,
+    },
+}
+
+/// What submitting a recipe would begin.
+#[derive(Debug)]
+pub struct Foreseen {
+    /// Canonical text of the recipe.
+    pub recipe: String,
+    /// Its digest.
+    pub recipe_digest: Digest,
+    /// Entries of its table.
+    pub entries: u64,
+    /// The table, if it is stored.
+    pub table: Option<Digest>,
+    /// The forecast for the fit.
+    pub expected: Option<Expected>,
+    /// Why the job would be refused although the recipe is valid.
+    pub refused: Option<SubmitError>,
+}
+
+/// Why a recipe was not accepted.
+#[derive(Debug, thiserror::Error)]
+pub enum SubmitError {
+    /// The document is not a recipe, or has faults.
+    #[error(transparent)]
+    Recipe(#[from] RecipeError),
+    /// Too many jobs are queued or running.
+    #[error("the queue is full: {limit} jobs are waiting or running; `--queue-limit` of the service raises the limit")]
+    QueueFull {
+        /// The limit.
+        limit: usize,
+        /// When to try again.
+        retry_after: Duration,
+    },
+    /// The fit would take too long.
+    #[error(
+        "the fit is predicted to take {predicted:.0} s on this machine, and a job may take {limit} s; fewer entries, samples, \
+        directions or steps take less, and `--job-seconds` of the service raises the limit"
+    )]
+    TooExpensive {
+        /// Predicted seconds, with all workers on the job.
+        predicted: f64,
+        /// The limit in seconds.
+        limit: u64,
+    },
+    /// The service is stopping.
+    #[error("the service is stopping")]
+    Stopping,
+    /// The job could not be stored.
+    #[error(transparent)]
+    Store(#[from] ServiceError),
+}
+
 impl Service {
-    /// Submits a recipe document. The job is durable when this returns.
+    /// Submits a recipe document. The job is durable when this returns. `by` is the name of the caller's token.
     ///
     /// # Errors
     /// See [`SubmitError`].
-    pub fn submit(&self, document: &[u8], by: Option<&Submitter>) -> Result<SubmitReply, SubmitError> {
-        if self.state.is_stopping() {
+    pub fn submit(&self, document: &[u8], by: Option<&str>) -> Result<SubmitReply, SubmitError> {
+        let state = &self.state;
+        if state.is_stopping() {
             return Err(SubmitError::Stopping);
         }
-        let _naming = self.state.naming.read().unwrap_or_else(PoisonError::into_inner);
-        let new = self.state.backend.plan(document, self.state.config.entry_limit)?;
-        let new = NewJob { by: by.cloned(), ..new };
-        let file = self.state.old_file(&new.recipe)?;
-        let submission = self.state.submit(new);
-        self.state.scheduler.wake();
-        self.state.publish_changes();
-        let reply = submission?;
-        if let Some(file) = file {
-            self.state.tables.store.blobs.put(&file).map_err(ServiceError::from)?;
+        let _naming = state.naming.read().unwrap_or_else(PoisonError::into_inner);
+        let new = state.fitter.new_job(document, state.config.entry_limit)?;
+        let new = NewJob { submitted_by: by.map(str::to_owned), ..new };
+        let digest = new.recipe_digest;
+        if let Some(table) = state.files.of_recipe(digest).map_err(ServiceError::from)? {
+            state.files.used(table);
+            return Ok(SubmitReply::Ready { job: state.done(new, table)?, table });
         }
-        Ok(reply)
+        if let Some(refused) = state.too_expensive(&new)? {
+            return Err(refused);
+        }
+        let has_table = |table| state.files.contains(table).unwrap_or(false);
+        match state.queue.submit(new, &has_table) {
+            Ok(Submitted::Queued(job)) => Ok(SubmitReply::InFlight { job, joined: false }),
+            Ok(Submitted::Joined(job)) => Ok(SubmitReply::InFlight { job, joined: true }),
+            Ok(Submitted::Done(job, table)) => Ok(SubmitReply::Ready { job, table }),
+            Err(QueueError::Full { limit }) => {
+                Err(SubmitError::QueueFull { limit, retry_after: state.retry_after() })
+            }
+            Err(QueueError::Store(error)) => Err(SubmitError::Store(error.into())),
+        }
     }
 
     /// What submitting a recipe document would begin. Nothing is stored.
@@ -45,24 +118,19 @@ impl Service {
     /// # Errors
     /// [`SubmitError::Recipe`] for a document that is refused, [`SubmitError::Store`] when the store fails.
     pub fn foresee(&self, document: &[u8]) -> Result<Foreseen, SubmitError> {
-        let new = self.state.backend.plan(document, self.state.config.entry_limit)?;
-        let table = self.state.tables.of_recipe(new.recipe_digest).map_err(ServiceError::from)?;
-        let refused = if table.is_none() { self.state.too_expensive(&new)? } else { None };
-        let expected = self.state.forecast.of((&new).into());
-        Ok(Foreseen {
-            entries: new.entries(),
-            recipe: new.recipe,
-            recipe_digest: new.recipe_digest,
-            table,
-            expected,
-            refused,
-        })
+        let state = &self.state;
+        let new = state.fitter.new_job(document, state.config.entry_limit)?;
+        let table = state.files.of_recipe(new.recipe_digest).map_err(ServiceError::from)?;
+        let refused = if table.is_none() { state.too_expensive(&new)? } else { None };
+        let expected = state.expected(new.recipe_digest, &new.recipe);
+        let (entries, recipe_digest) = (new.entries(), new.recipe_digest);
+        Ok(Foreseen { entries, recipe: new.recipe, recipe_digest, table, expected, refused })
     }
 
     /// The forecast for a job; `None` for a recipe of another fitter.
     #[must_use]
     pub fn expected(&self, job: &Job) -> Option<Expected> {
-        self.state.forecast.of(job.into())
+        self.state.expected(job.recipe_digest, &job.recipe)
     }
 
     /// A job by its id, with its forecasts.
@@ -70,7 +138,15 @@ impl Service {
     /// # Errors
     /// When the store fails.
     pub fn job(&self, id: JobId) -> Result<Option<JobSnapshot>, ServiceError> {
-        Ok(self.state.queue.job(id)?.map(|job| self.state.hub.snapshot(job)))
+        Ok(self.state.queue.job(id)?.map(|job| self.state.snapshot(job)))
+    }
+
+    /// The job that made a table, if it is still remembered.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn job_of_table(&self, table: Digest) -> Result<Option<Job>, ServiceError> {
+        Ok(self.state.queue.job_of_table(table)?)
     }
 
     /// Jobs, newest first.
@@ -84,79 +160,48 @@ impl Service {
         limit: usize,
     ) -> Result<Page<JobSnapshot>, ServiceError> {
         let (jobs, next) = self.state.queue.list(state, cursor.map(|cursor| cursor.0), limit)?;
-        let items = jobs.into_iter().map(|job| self.state.hub.snapshot(job)).collect();
+        let items = jobs.into_iter().map(|job| self.state.snapshot(job)).collect();
         Ok(Page { items, next: next.map(|next| JobCursor(next).to_string()) })
     }
 
-    /// Cancels a job. A finished job stays as it is. Returns the job as it is afterwards.
+    /// Cancels a job. An ended job stays as it is. Returns the job as it is afterwards.
     ///
     /// # Errors
     /// When the store fails.
     pub fn cancel(&self, id: JobId, by: Option<&str>) -> Result<Option<JobSnapshot>, ServiceError> {
         let job = self.state.queue.cancel(id, by)?;
-        self.state.publish_changes();
-        Ok(job.map(|job| self.state.hub.snapshot(job)))
-    }
-
-    /// Follows a job: the receiver always holds its latest snapshot.
-    ///
-    /// # Errors
-    /// When the store fails.
-    pub fn watch(&self, id: JobId) -> Result<Option<watch::Receiver<JobSnapshot>>, ServiceError> {
-        Ok(self.state.hub.watch(id, || self.state.queue.job_now(id))?)
+        Ok(job.map(|job| self.state.snapshot(job)))
     }
 }
 
-impl ServiceState {
-    /// The file of a tabulated BRDF that a recipe names, on a store that other processes share. It is stored again once
-    /// the job is known: one of them may be about to remove files that no recipe names.
-    fn old_file(&self, recipe: &str) -> Result<Option<Vec<u8>>, ServiceError> {
-        if self.queue.is_local() {
+impl State {
+    fn expected(&self, digest: Digest, recipe: &str) -> Option<Expected> {
+        self.fitter.planned(digest, recipe).ok().map(|planned| self.forecast.of(&planned))
+    }
+
+    /// Why a job without a table is refused. A job that was accepted under another limit goes on.
+    fn too_expensive(&self, new: &NewJob) -> Result<Option<SubmitError>, ServiceError> {
+        let predicted = self.expected(new.recipe_digest, &new.recipe).map_or(0.0, |expected| expected.seconds);
+        let limit = self.config.job_seconds;
+        if predicted <= limit as f64 {
             return Ok(None);
         }
-        named_in(recipe).map_or(Ok(None), |named| Ok(self.tables.store.blobs.get(named)?))
+        let job = self.queue.job(JobId::of_recipe(&new.recipe_digest))?;
+        let is_known = job.is_some_and(|job| !job.state.name().is_final());
+        Ok((!is_known).then_some(SubmitError::TooExpensive { predicted, limit }))
     }
 
-    fn submit(&self, new: NewJob) -> Result<SubmitReply, SubmitError> {
-        let digest = new.recipe_digest;
-        let table = self.tables.of_recipe(digest).map_err(ServiceError::from)?;
-        if let Some(table) = table {
-            let job = self.queue.adopt(self.done(new, table)).map_err(ServiceError::from)?;
-            return Ok(match job.state {
-                JobState::Done { .. } => SubmitReply::Ready { job, table },
-                _ => SubmitReply::InFlight { job, joined: true },
-            });
+    /// The job of a stored table: the one that made it, or if that is forgotten one that looks like it.
+    fn done(&self, new: NewJob, table: Digest) -> Result<Job, ServiceError> {
+        let id = JobId::of_recipe(&new.recipe_digest);
+        if let Some(job) = self.queue.job(id)?.filter(|job| job.state == JobState::Done { table }) {
+            return Ok(job);
         }
-        if let Some(refused) = self.too_expensive(&new)? {
-            return Err(refused);
-        }
-        let has_table = |_| self.tables.of_recipe(digest).is_ok_and(|table| table.is_some());
-        match self.queue.submit(new, &has_table) {
-            Ok(Submitted::Queued(job)) => Ok(SubmitReply::InFlight { job, joined: false }),
-            Ok(Submitted::Joined(job)) => Ok(SubmitReply::InFlight { job, joined: true }),
-            Ok(Submitted::Done(job, table)) => Ok(SubmitReply::Ready { job, table }),
-            Err(QueueError::Full { limit, team }) => {
-                Err(SubmitError::QueueFull { limit, team, retry_after: self.retry_after() })
-            }
-            Err(QueueError::Store(error)) => Err(SubmitError::Store(error.into())),
-        }
-    }
-
-    /// Why a job without a table is not begun. One that was begun under another limit goes on.
-    fn too_expensive(&self, new: &NewJob) -> Result<Option<SubmitError>, ServiceError> {
-        let predicted = self.forecast.of(new.into()).map_or(0.0, |expected| expected.seconds);
-        let limit = self.config.job_seconds;
-        let is_refused = predicted > limit as f64 && !self.queue.is_active(JobId::of_recipe(&new.recipe_digest))?;
-        Ok(is_refused.then_some(SubmitError::TooExpensive { predicted, limit }))
-    }
-
-    /// The done job of a stored table whose own job was lost.
-    fn done(&self, new: NewJob, table: Digest) -> Job {
-        let stored_at =
-            self.tables.catalogue.table(table).ok().flatten().map_or_else(|| self.queue.now(), |row| row.created_at);
+        let row = self.files.catalogue.table(table)?;
+        let stored_at = row.map_or_else(jiff::Timestamp::now, |row| row.created_at);
         let entries = new.entries();
-        Job {
-            id: JobId::of_recipe(&new.recipe_digest),
+        Ok(Job {
+            id,
             recipe: new.recipe,
             recipe_digest: new.recipe_digest,
             state: JobState::Done { table },
@@ -168,14 +213,15 @@ impl ServiceState {
             finished_at: Some(stored_at),
             submitted_by: None,
             cancelled_by: None,
-            claim: Claim::default(),
-        }
+        })
     }
 
-    /// When the first job is expected to end.
+    /// When the first running job is expected to end.
     fn retry_after(&self) -> Duration {
-        let first = self.queue.first_unfinished().ok().flatten();
-        let seconds = first.and_then(|job| self.hub.snapshot(job).seconds_left).unwrap_or(RETRY_UNKNOWN_SECONDS);
+        let running = self.queue.list(Some(StateName::Running), None, self.config.queue_limit);
+        let jobs = running.map(|(jobs, _)| jobs).unwrap_or_default();
+        let left = jobs.into_iter().filter_map(|job| self.snapshot(job).seconds_left);
+        let seconds = left.min_by(f64::total_cmp).unwrap_or(RETRY_UNKNOWN_SECONDS);
         Duration::try_from_secs_f64(seconds.clamp(RETRY_SECONDS.0, RETRY_SECONDS.1)).unwrap_or(Duration::from_secs(1))
     }
 }

@@ -1,234 +1,159 @@
-//! The stored tables: their files, which are hashed when they are first read and once they changed, and the catalogue.
+//! Tables for download: files, lists, manifests, recipes and exports.
 
 use std::{
-    collections::{BTreeSet, HashMap},
-    sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicU64, Ordering},
-    },
+    sync::{Arc, PoisonError},
+    time::Duration,
 };
 
-use quick_cache::sync::Cache;
+use axum::body::Bytes;
+use serde::{Deserialize, Serialize};
 
 use super::{
-    ServiceError,
-    reconcile::unless_full,
-    uses::{UseRow, Uses, use_of},
+    ExportFailure, FileKind, MadeExport, Service, ServiceError, TableCursor, TableRow, catalogue::Catalogue,
+    exports::key,
 };
-use crate::store::{Catalogue, Checked, Row, Store, StoreError, Tree};
-use ltcforge_files::{
-    digest::Digest,
-    manifest::MANIFEST_VERSION,
-    tabulated::{TABULATED_HEADER_LIMIT_BYTES, is_tabulated},
-};
-use ltcforge_textures::is_light_texture;
+use crate::{queue::JobId, store::StoreError};
+use ltcforge_files::{digest::Digest, manifest::MANIFEST_VERSION};
+use ltcforge_textures::Export;
 
-/// The kinds of stored files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FileKind {
-    /// A table, or whatever is neither of the others.
-    Table,
-    /// A tabulated BRDF.
-    Brdf,
-    /// A prefiltered picture of a light.
-    LightTexture,
+/// How long a URL of a table is valid.
+const LINK: Duration = Duration::from_secs(300);
+
+/// A page of a list.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Page<T> {
+    /// The items, newest first.
+    pub items: Vec<T>,
+    /// Pass it as `cursor` to get the next page; `None` on the last one.
+    pub next: Option<String>,
 }
 
-impl FileKind {
-    /// The kind of a file that begins so.
-    fn of(start: &[u8]) -> Self {
-        if is_light_texture(start) {
-            Self::LightTexture
-        } else if is_tabulated(start) {
-            Self::Brdf
-        } else {
-            Self::Table
-        }
-    }
+/// Why a table was not deleted.
+#[derive(Debug, thiserror::Error)]
+pub enum DeleteTableError {
+    /// It is not stored.
+    #[error("no table with the digest {0} is stored")]
+    Unknown(Digest),
+    /// The store failed.
+    #[error(transparent)]
+    Store(#[from] ServiceError),
+}
 
-    /// Whether a file that begins so is of this kind.
-    fn begins(self, start: &[u8]) -> bool {
-        Self::of(start) == self
+impl From<StoreError> for DeleteTableError {
+    fn from(error: StoreError) -> Self {
+        Self::Store(error.into())
     }
 }
 
-/// The bytes at the start of a file that tell its kind.
-const START: usize = 8 + TABULATED_HEADER_LIMIT_BYTES as usize;
-
-/// Files whose kinds are remembered.
-const KINDS: usize = 1 << 16;
-
-/// The store and its catalogue.
-#[derive(Debug)]
-pub(super) struct Tables {
-    pub(super) store: Store,
-    pub(super) catalogue: Catalogue,
-    /// The kinds of files that were read. A kind follows from the bytes, and so from the digest.
-    kinds: Cache<Digest, FileKind>,
-    /// Blobs found damaged or missing so far.
-    damaged: AtomicU64,
-    /// Tables whose file was missing when it was last asked for.
-    missing: Mutex<BTreeSet<Digest>>,
-    /// Which files were used since that was last written.
-    pub(super) uses: Uses,
-}
-
-impl Tables {
-    pub(super) fn new(store: Store) -> Self {
-        let catalogue = Catalogue::new(Arc::clone(&store.rows));
-        Self {
-            store,
-            catalogue,
-            kinds: Cache::new(KINDS),
-            damaged: AtomicU64::new(0),
-            missing: Mutex::default(),
-            uses: Uses::default(),
-        }
+impl Service {
+    /// The verified bytes of a file, if they are in memory. This does not block.
+    #[must_use]
+    pub fn cached_file(&self, kind: FileKind, digest: Digest) -> Option<Bytes> {
+        self.state.files.cached(kind, digest)
     }
 
-    /// As [`use_of`].
-    pub(super) fn use_of(&self, digest: Digest) -> Result<Option<UseRow>, StoreError> {
-        use_of(self.store.rows.as_ref(), digest)
-    }
-
-    /// All that is stored about uses.
-    pub(super) fn all_uses(&self) -> Result<HashMap<Digest, UseRow>, StoreError> {
-        let rows = self.store.rows.scan(Tree::Uses, &[])?.into_iter();
-        let read = |row: Row| {
-            let digest = Digest::from_bytes(row.key.try_into().ok()?);
-            Some((digest, serde_json::from_slice(&row.value?).ok()?))
-        };
-        Ok(rows.filter_map(read).collect())
-    }
-
-    /// Whether there is a file with this digest. Its bytes are not read.
-    pub(super) fn contains(&self, digest: Digest) -> Result<bool, StoreError> {
-        self.store.blobs.contains(digest)
-    }
-
-    /// The canonical file of a table, checked against its digest.
+    /// The bytes of a file, verified against its digest.
     ///
     /// # Errors
-    /// When the blob is damaged or unreadable. A damaged one is moved to quarantine and removed from the catalogue, so
-    /// that the next equal job fits the table again.
-    pub(super) fn read(&self, digest: Digest) -> Result<Option<Arc<Vec<u8>>>, ServiceError> {
-        let bytes = self.told(digest, self.store.blobs.get(digest))?.filter(|bytes| FileKind::Table.begins(bytes));
-        if bytes.is_some() {
-            self.uses.note(digest);
-        }
-        Ok(bytes.map(Arc::new))
+    /// When the file is damaged or unreadable. A damaged file is moved to quarantine, and the next equal job fits the
+    /// table again.
+    pub fn file(&self, kind: FileKind, digest: Digest) -> Result<Option<Bytes>, ServiceError> {
+        self.state.files.read(kind, digest)
     }
 
-    /// As [`Self::read`], of any kind of file, but a long one is not kept in memory, and one that was checked before and has
-    /// not changed since is not hashed again.
-    pub(super) fn checked(&self, kind: FileKind, digest: Digest) -> Result<Option<Checked>, ServiceError> {
-        let checked = self.told(digest, self.store.blobs.checked(digest))?;
-        let actual = match &checked {
-            Some(Checked::Bytes(bytes)) => Some(FileKind::of(bytes)),
-            Some(Checked::Long(_)) => match self.kinds.get(&digest) {
-                Some(kind) => Some(kind),
-                None => self.store.blobs.part(digest, 0, START)?.map(|start| FileKind::of(&start)),
-            },
-            None => None,
-        };
-        if let Some(actual) = actual {
-            self.kinds.insert(digest, actual);
-            self.uses.note(digest);
+    /// The manifest of a table (see [`ltcforge_files::manifest::manifest_json`]) as JSON. It is made with the table, or
+    /// now if it was lost or is of another version.
+    ///
+    /// # Errors
+    /// As [`Self::file`]: the manifest of a damaged table is not served.
+    pub fn manifest(&self, digest: Digest) -> Result<Option<String>, ServiceError> {
+        let state = &self.state;
+        let Some(file) = self.file(FileKind::Table, digest)? else { return Ok(None) };
+        if let Some(text) = state.files.catalogue.manifest(digest, MANIFEST_VERSION)? {
+            return Ok(Some(text));
         }
-        Ok(checked.filter(|_| actual == Some(kind)))
+        let made = state.pool.install(|| state.fitter.manifest(&file, &|| !state.is_stopping()));
+        let made = made.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
+        let text = made.ok_or(ServiceError::Stopping)?;
+        let row = Catalogue::manifest_entry(digest, MANIFEST_VERSION, &text)?;
+        if let Err(error) = state.files.catalogue.rows.commit(&row) {
+            tracing::warn!(table = %digest, %error, "the manifest was not stored");
+        }
+        Ok(Some(text))
     }
 
-    /// As [`Self::checked`], but only what is known without reading a byte of the file; `None` otherwise.
-    pub(super) fn known(&self, kind: FileKind, digest: Digest) -> Option<Checked> {
-        self.kinds.get(&digest).filter(|known| *known == kind)?;
-        let known = self.store.blobs.known(digest)?;
-        self.uses.note(digest);
-        Some(known)
-    }
-
-    /// What a request for less than the whole file needs of it. A storage that hashes a file once does so now; of another
-    /// one only the length is asked.
-    pub(super) fn glance(&self, kind: FileKind, digest: Digest) -> Result<Option<Checked>, ServiceError> {
-        if self.store.blobs.remembers() {
-            return self.checked(kind, digest);
-        }
-        let length = self.length(kind, digest)?;
-        if length.is_some() {
-            self.uses.note(digest);
-        }
-        Ok(length.map(Checked::Long))
-    }
-
-    /// What was read of a blob; notes that it is there, missing or damaged.
-    pub(super) fn told<T>(
-        &self,
-        digest: Digest,
-        read: Result<Option<T>, StoreError>,
-    ) -> Result<Option<T>, ServiceError> {
-        match read {
-            Ok(Some(read)) => {
-                self.missing().remove(&digest);
-                Ok(Some(read))
-            }
-            Ok(None) => {
-                self.tell_missing(digest)?;
-                Ok(None)
-            }
-            Err(error) => {
-                if matches!(error, StoreError::Corrupt { .. }) {
-                    self.damaged.fetch_add(1, Ordering::Relaxed);
-                    unless_full(self.catalogue.forget(digest).map(drop))?;
-                }
-                Err(error.into())
-            }
-        }
-    }
-
-    /// The length of a file, by its storage alone; `None` for a file of another kind.
+    /// A URL under which a client can fetch a table from the object store for some minutes; `None` if there is none.
     ///
     /// # Errors
     /// When the store fails.
-    pub(super) fn length(&self, kind: FileKind, digest: Digest) -> Result<Option<u64>, StoreError> {
-        let start = self.store.blobs.part(digest, 0, START)?;
-        if start.is_none() {
-            self.tell_missing(digest)?;
+    pub fn table_link(&self, digest: Digest) -> Result<Option<String>, ServiceError> {
+        if self.state.files.catalogue.table(digest)?.is_none() || !self.state.files.contains(digest)? {
+            return Ok(None);
         }
-        if start.is_some_and(|start| kind.begins(&start)) { self.store.blobs.length(digest) } else { Ok(None) }
+        Ok(self.state.files.blobs.link(digest, LINK)?)
     }
 
-    /// The stored manifest of a table, if it is of the current version. Whether the table is intact is not checked.
-    pub(super) fn stored_manifest(&self, table: Digest) -> Result<Option<String>, StoreError> {
-        let row = self.catalogue.manifest(table)?;
-        Ok(row.filter(|row| row.version == MANIFEST_VERSION).map(|row| row.text))
+    /// Tables, newest first.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn tables(&self, cursor: Option<&TableCursor>, limit: usize) -> Result<Page<TableRow>, ServiceError> {
+        let cursor = cursor.map(|cursor| cursor.0.as_slice());
+        let (items, next) = self.state.files.catalogue.page(cursor, limit)?;
+        Ok(Page { items, next: next.map(|key| TableCursor(key).to_string()) })
     }
 
-    /// The table of a recipe, if it is in the catalogue and its file is there.
-    pub(super) fn of_recipe(&self, recipe_digest: Digest) -> Result<Option<Digest>, StoreError> {
-        match self.catalogue.recipe(recipe_digest)? {
-            Some((_, table)) if self.contains(table)? => {
-                self.uses.note(table);
-                Ok(Some(table))
-            }
-            Some((_, table)) => self.tell_missing(table).map(|()| None),
-            None => Ok(None),
+    /// Deletes a table. Its recipe is fitted again when it is submitted.
+    ///
+    /// # Errors
+    /// See [`DeleteTableError`].
+    pub fn delete_table(&self, table: Digest, by: Option<&str>) -> Result<(), DeleteTableError> {
+        let state = &self.state;
+        let _alone = state.naming.write().unwrap_or_else(PoisonError::into_inner);
+        if state.files.read(FileKind::Table, table)?.is_none() {
+            return Err(DeleteTableError::Unknown(table));
         }
-    }
-
-    fn missing(&self) -> MutexGuard<'_, BTreeSet<Digest>> {
-        self.missing.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Logs once that a table of the catalogue has no file. It was removed or renamed while the service ran.
-    fn tell_missing(&self, digest: Digest) -> Result<(), StoreError> {
-        if self.catalogue.table(digest)?.is_some() && self.missing().insert(digest) {
-            self.damaged.fetch_add(1, Ordering::Relaxed);
-            tracing::error!(table = %digest, "the file of a table is missing; its recipe is fitted again when it is submitted");
-        }
+        state.files.delete(table)?;
+        state.exports.forget(table);
+        tracing::info!(%table, by, "the table was deleted");
         Ok(())
     }
 
-    /// How many blobs were found damaged or missing so far.
-    pub(super) fn damaged(&self) -> u64 {
-        self.damaged.load(Ordering::Relaxed)
+    /// A known recipe's canonical JSON and its table, if that is stored.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn recipe(&self, digest: Digest) -> Result<Option<(String, Option<Digest>)>, ServiceError> {
+        if let Some((recipe, table)) = self.state.files.catalogue.recipe(digest)? {
+            let is_stored = self.state.files.contains(table)?;
+            return Ok(Some((recipe, is_stored.then_some(table))));
+        }
+        let job = self.state.queue.job(JobId::of_recipe(&digest))?;
+        Ok(job.filter(|job| job.recipe_digest == digest).map(|job| (job.recipe, None)))
+    }
+
+    /// The exports of a table that its layout allows; an engine may still want another size.
+    ///
+    /// # Errors
+    /// As [`Self::file`].
+    pub fn exports(&self, table: Digest) -> Result<Option<Vec<Export>>, ExportFailure> {
+        let file = self.file(FileKind::Table, table)?;
+        file.map(|file| self.state.fitter.exports(table, &file)).transpose()
+    }
+
+    /// An export of a table, made at the first request and then kept in memory while there is room.
+    ///
+    /// # Errors
+    /// See [`ExportFailure`].
+    pub fn export(&self, table: Digest, export: Export) -> Result<Option<Arc<MadeExport>>, ExportFailure> {
+        self.state.exports.get(key(table, export), || {
+            if self.state.is_stopping() {
+                return Err(ServiceError::Stopping.into());
+            }
+            let Some(file) = self.file(FileKind::Table, table)? else { return Ok(None) };
+            let Some(manifest) = self.manifest(table)? else { return Ok(None) };
+            let made = self.state.pool.install(|| self.state.fitter.export(table, &file, &manifest, export));
+            Ok(Some(made?.into()))
+        })
     }
 }

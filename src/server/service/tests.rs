@@ -1,327 +1,279 @@
-//! The service with a fake backend.
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::Duration,
+};
 
-mod exports;
-mod fake_backend;
-mod reconciled;
-mod retention;
-mod scrub;
-mod storage;
-
-use std::{num::NonZeroUsize, path::Path, sync::Arc, time::Duration};
-
-use fake_backend::{FakeBackend, Shared};
+use jiff::{SignedDuration, Timestamp};
 
 use super::*;
 use crate::{
-    queue::{FailureKind, JobId, JobState, StateName},
-    store::Store,
+    queue::{JobId, JobState},
+    service::pictures::Subject,
 };
-use ltcforge_files::digest::Digest;
+use ltcforge_files::{digest::Digest, tabulated::encode};
+use ltcforge_fit::{BrdfKind, TabulatedAxes, TabulatedBrdf};
+use ltcforge_textures::Export;
+use ltcforge_view::preview::{Adapter, Mode, Scene};
 
-pub(super) fn config(dir: &Path) -> Config {
+pub(super) fn config(folder: &Path) -> Config {
     Config {
-        data_dir: dir.to_owned(),
-        workers: NonZeroUsize::new(2).unwrap(),
-        queue_limit: 2,
-        entry_limit: 100,
+        data_dir: folder.to_owned(),
+        workers: 2,
+        queue_limit: 8,
+        entry_limit: 10_000,
         job_seconds: 86_400,
         keep_ended: None,
-        most_ended: None,
         store_bytes: None,
-        unused_for: Duration::ZERO,
         lease_ttl: Duration::from_secs(60),
-        adapter: ltcforge_view::preview::Adapter::Cpu,
-        max_attempts: 3,
-        pictures: PictureLimits::default(),
+        adapter: Adapter::Cpu,
+        picture_time: Duration::from_secs(60),
         brdf_limit: 2,
-        light_texture_limit: 2,
-        export_bytes: 100,
     }
 }
 
-fn start(dir: &Path, shared: &Arc<Shared>) -> Arc<Service> {
-    Service::open_with(config(dir), Store::open(dir).unwrap(), Arc::new(FakeBackend(Arc::clone(shared)))).unwrap()
+/// A table of 16 entries that differs by `seed`.
+fn recipe(seed: u32) -> String {
+    format!(
+        r#"{{"preset": "draft", "resolution": {{"alpha": 2, "ratio": 2, "theta": 2, "phi": 2}},
+        "fit": {{"samples": 64, "directions": 4, "steps": 1, "seed": {seed}}}}}"#
+    )
 }
 
-/// Follows a job to its end and checks that its snapshots come in order.
-fn end_of(service: &Service, id: JobId) -> JobState {
-    let mut receiver = service.watch(id).unwrap().unwrap();
-    let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
-    runtime.block_on(async {
-        let mut last = 0;
+fn runtime() -> tokio::runtime::Runtime {
+    tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap()
+}
+
+fn submitted(service: &Service, recipe: &str) -> JobId {
+    match service.submit(recipe.as_bytes(), Some("ci")).unwrap() {
+        SubmitReply::InFlight { job, .. } | SubmitReply::Ready { job, .. } => job.id,
+    }
+}
+
+/// The states that a follower of a job sees, up to the last.
+fn followed(service: &Service, id: JobId) -> Vec<JobState> {
+    let mut latest = service.watch(id).unwrap().unwrap();
+    let mut states = Vec::new();
+    runtime().block_on(async {
         loop {
-            let snapshot = receiver.borrow_and_update().clone();
-            assert!(snapshot.sequence > last, "{last} then {snapshot:?}");
-            last = snapshot.sequence;
-            if snapshot.job.state.name().is_final() {
-                return snapshot.job.state;
+            let state = latest.borrow_and_update().job.state.clone();
+            let is_final = state.name().is_final();
+            if states.last() != Some(&state) {
+                states.push(state);
             }
-            receiver.changed().await.expect("the last snapshot has the final state");
+            if is_final || latest.changed().await.is_err() {
+                return states;
+            }
         }
     })
 }
 
-fn submit(service: &Service, recipe: &str) -> (JobId, bool) {
-    match service.submit(recipe.as_bytes(), None).unwrap() {
-        SubmitReply::InFlight { job, joined } => (job.id, joined),
-        SubmitReply::Ready { .. } => panic!("{recipe} is not to be ready yet"),
-    }
-}
-
 fn fitted(service: &Service, recipe: &str) -> Digest {
-    let (id, _) = submit(service, recipe);
-    match end_of(service, id) {
-        JobState::Done { table } => table,
+    match followed(service, submitted(service, recipe)).pop() {
+        Some(JobState::Done { table }) => table,
         other => panic!("{other:?}"),
     }
 }
 
-#[test]
-fn a_recipe_becomes_a_table_once() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    let service = start(dir.path(), &shared);
-    assert_eq!(service.fault(), None);
-    assert!(matches!(service.submit(b"nonsense", None), Err(SubmitError::Recipe(_))));
-    let table = fitted(&service, "gold 5");
-    assert_eq!(service.table(table).unwrap().unwrap().as_slice(), b"TABLE gold 5 0 1 2 3 4");
-    assert!(service.table(Digest::of(b"unknown")).unwrap().is_none());
-    match service.submit(b"gold 5", None).unwrap() {
-        SubmitReply::Ready { job, table: again } => {
-            assert_eq!((again, job.entries_done, job.entries_total), (table, 20, 20));
-            assert!(job.started_at.is_some() && job.finished_at.is_some());
-        }
-        SubmitReply::InFlight { .. } => panic!("it is there"),
-    }
-    assert_eq!(shared.begun(), 5);
-    let digest = Digest::of(b"gold 5");
-    assert_eq!(service.recipe(digest).unwrap(), Some(("gold 5".to_owned(), Some(table))));
-    let metrics = service.metrics().unwrap();
-    assert_eq!((metrics.entries_fitted, metrics.tables, metrics.table_bytes), (20, 1, 22));
-    assert!(metrics.jobs.contains(&(StateName::Done, 1)));
-    assert_eq!(service.tables(None, 10).unwrap().items[0].digest, table);
+fn path(folder: &Path, digest: Digest) -> PathBuf {
+    let hex = digest.hex();
+    folder.join("blobs").join(&hex[..2]).join(&hex)
+}
+
+fn brdf(alpha: f64) -> Vec<u8> {
+    let axes = TabulatedAxes::spread(vec![alpha, 1.0], 48, 32);
+    encode(&TabulatedBrdf::tabulate(BrdfKind::OrenNayar, axes).unwrap()).unwrap()
 }
 
 #[test]
-fn equal_recipes_share_a_job_and_the_queue_has_a_limit() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    shared.set(|b| b.held = true);
-    let service = start(dir.path(), &shared);
-    let (id, joined) = submit(&service, "gold 3");
-    assert!(!joined);
-    assert_eq!(submit(&service, "gold 3"), (id, true));
-    submit(&service, "silver 1");
-    assert!(matches!(service.submit(b"copper 1", None), Err(SubmitError::QueueFull { limit: 2, .. })));
-    shared.wait_for_begun(2);
-    let running = service.job(id).unwrap().unwrap().job;
-    assert_eq!(running.state, JobState::Running);
-    let expected = service.job(id).unwrap().unwrap().expected.unwrap();
-    // Eight seconds of one thread, on two.
-    assert_eq!((expected.seconds, expected.error), (4.0, 0.25));
-    shared.set(|b| b.held = false);
-    assert!(matches!(end_of(&service, id), JobState::Done { .. }));
-    let learnt = service.job(id).unwrap().unwrap().expected.unwrap();
-    assert_ne!(learnt.seconds, expected.seconds);
-    assert_eq!(shared.behaviour.lock().unwrap().begun[&("gold 3".to_owned(), 0)], 1);
-    fitted(&service, "copper 1");
-    let newest = service.jobs(None, None, 2).unwrap();
-    let names: Vec<_> = newest.items.iter().map(|snapshot| snapshot.job.recipe.as_str()).collect();
-    assert_eq!(names, ["copper 1", "silver 1"]);
-    let rest = service.jobs(None, newest.next.map(|next| next.parse().unwrap()), 2).unwrap();
-    assert_eq!((rest.items[0].job.recipe.as_str(), rest.next), ("gold 3", None));
+fn a_lost_database_loses_no_table_and_no_brdf() {
+    let folder = tempfile::tempdir().unwrap();
+    let service = Service::open(config(folder.path())).unwrap();
+    let table = fitted(&service, &recipe(1));
+    let (brdf, was_there) = service.store_brdf(&brdf(0.2)).unwrap();
+    assert!(!was_there);
+    let manifest = service.manifest(table).unwrap().unwrap();
+    service.stop();
+    drop(service);
+    fs::remove_dir_all(folder.path().join("db")).unwrap();
+    let service = Service::open(config(folder.path())).unwrap();
+    let listed: Vec<_> = service.tables(None, 9).unwrap().items.into_iter().map(|row| row.digest).collect();
+    assert_eq!(listed, [table]);
+    assert_eq!(service.brdfs(None, 9).unwrap().items[0].digest, brdf.digest);
+    assert_eq!(service.manifest(table).unwrap().unwrap(), manifest);
+    assert!(matches!(service.submit(recipe(1).as_bytes(), None), Ok(SubmitReply::Ready { table: ready, .. }) if ready == table));
 }
 
 #[test]
-fn a_cancelled_job_stops_and_can_be_submitted_again() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    shared.set(|b| b.held = true);
-    let service = start(dir.path(), &shared);
-    let (id, _) = submit(&service, "gold 8");
-    shared.wait_for_begun(2);
-    let mut receiver = service.watch(id).unwrap().unwrap();
-    assert_eq!(service.cancel(id, None).unwrap().unwrap().job.state, JobState::Cancelled);
-    let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
-    let notified = runtime.block_on(receiver.wait_for(|snapshot| snapshot.job.state == JobState::Cancelled));
-    assert!(notified.is_ok(), "its followers are notified");
-    drop(notified);
-    shared.set(|b| b.held = false);
-    fitted(&service, "silver 1");
-    assert_eq!(shared.begun(), 3, "no other shard of the cancelled job was begun");
-    fitted(&service, "gold 8");
-    assert!(service.cancel(id, None).unwrap().unwrap().job.finished_at.is_some(), "a finished job stays");
-    assert!(matches!(service.job(id).unwrap().unwrap().job.state, JobState::Done { .. }));
-}
-
-#[test]
-fn a_panic_is_a_failed_attempt_and_too_many_fail_the_job_alone() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    shared.set(|b| b.panics = 2);
-    let service = start(dir.path(), &shared);
-    fitted(&service, "gold 2");
-    assert_eq!(service.metrics().unwrap().shard_failures, 4);
-    shared.set(|b| b.panics = u32::MAX);
-    let (id, _) = submit(&service, "silver 2");
-    match end_of(&service, id) {
-        JobState::Failed { error } => {
-            assert_eq!(error.kind, FailureKind::Attempts);
-            assert!(error.detail.contains("the lobe fell over"), "{error:?}");
-        }
-        other => panic!("{other:?}"),
-    }
-    shared.set(|b| b.panics = 0);
-    fitted(&service, "silver 2");
-}
-
-#[test]
-fn stopping_gives_back_and_the_next_start_goes_on_where_it_was() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    let service = start(dir.path(), &shared);
-    fitted(&service, "gold 8");
-    shared.set(|b| b.held = true);
-    let (id, _) = submit(&service, "silver 6");
-    shared.wait_for_begun(10);
-    let stopper = {
+fn a_follower_sees_the_last_state_and_equal_recipes_share_a_job() {
+    let folder = tempfile::tempdir().unwrap();
+    let service = Service::open(Config { workers: 0, ..config(folder.path()) }).unwrap();
+    let id = submitted(&service, &recipe(1));
+    let again = service.submit(recipe(1).as_bytes(), None).unwrap();
+    assert!(matches!(again, SubmitReply::InFlight { job, joined: true } if job.id == id && job.submitted_by.as_deref() == Some("ci")));
+    let follower = {
         let service = Arc::clone(&service);
-        std::thread::spawn(move || service.stop())
+        std::thread::spawn(move || followed(&service, id))
     };
-    while service.fault().is_none() {
+    while service.state.hub_len() == 0 {
         std::thread::yield_now();
     }
-    shared.set(|b| b.held = false);
-    stopper.join().unwrap();
-    assert!(matches!(service.submit(b"copper 1", None), Err(SubmitError::Stopping)));
-    let job = service.job(id).unwrap().unwrap().job;
-    assert_eq!((job.state, job.entries_done), (JobState::Running, 0));
-    assert_eq!(service.metrics().unwrap().shard_failures, 0, "giving back is no failure");
-    drop(service);
-
-    let service = start(dir.path(), &shared);
-    assert!(matches!(end_of(&service, id), JobState::Done { .. }));
-    let behaviour = shared.behaviour.lock().unwrap();
-    let begun: u32 = behaviour.begun.iter().filter(|((recipe, _), _)| recipe == "silver 6").map(|(_, n)| n).sum();
-    assert_eq!(begun, 8, "two were given back");
-    drop(behaviour);
-    assert_eq!(service.metrics().unwrap().shard_failures, 0, "giving back is no failure");
+    service.cancel(id, Some("somebody")).unwrap().unwrap();
+    assert_eq!(follower.join().unwrap().pop(), Some(JobState::Cancelled));
+    assert_eq!(service.state.hub_len(), 0, "an ended job keeps no channel");
 }
 
 #[test]
-fn followers_of_finished_jobs_cost_nothing() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    let service = start(dir.path(), &shared);
-    let (id, _) = submit(&service, "gold 2");
-    end_of(&service, id);
-    assert!(!service.state.hub.is_watched(id));
-    let receiver = service.watch(id).unwrap().unwrap();
-    assert!(matches!(receiver.borrow().job.state, JobState::Done { .. }));
-    assert!(!service.state.hub.is_watched(id));
-    assert!(service.watch(JobId::of_recipe(&Digest::of(b"unknown"))).unwrap().is_none());
-}
-
-/// A service with one worker.
-fn start_one(dir: &Path, shared: &Arc<Shared>) -> Arc<Service> {
-    let config = Config { workers: NonZeroUsize::MIN, queue_limit: 64, ..config(dir) };
-    Service::open_with(config, Store::open(dir).unwrap(), Arc::new(FakeBackend(Arc::clone(shared)))).unwrap()
-}
-
-/// Its shards may take minutes. Nothing of them is lost when the small job is fitted in the middle of one.
-#[test]
-fn a_small_job_is_done_while_a_long_one_has_all_workers() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    shared.set(|b| b.endless = Some("long 6".to_owned()));
-    let service = start(dir.path(), &shared);
-    let (long, _) = submit(&service, "long 6");
-    shared.wait_for_begun(2);
-    fitted(&service, "small 3");
-    // No shard of the long job came to its end before.
-    assert_eq!(shared.behaviour.lock().unwrap().gave_up, 0);
-    assert_eq!(service.job(long).unwrap().unwrap().job.state, JobState::Running);
-    shared.set(|b| b.endless = None);
-    assert!(matches!(end_of(&service, long), JobState::Done { .. }));
-    let behaviour = shared.behaviour.lock().unwrap();
-    assert_eq!(behaviour.order[2], "small 3", "{:?}", behaviour.order);
-    assert!(behaviour.begun.values().all(|begun| *begun == 1), "a shard was begun twice: {:?}", behaviour.begun);
-}
-
-/// The shards of both are leased together, since those before were short; then the long one's keeps the only worker.
-#[test]
-fn a_small_job_leased_behind_a_long_shard_is_done() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    let service = start_one(dir.path(), &shared);
-    fitted(&service, "quick 9");
-    shared.set(|b| b.held = true);
-    submit(&service, "first 1");
-    shared.wait_for_begun(10);
-    shared.set(|b| b.endless = Some("long".to_owned()));
-    let (long, _) = submit(&service, "long 4");
-    let (small, _) = submit(&service, "small 9");
-    shared.set(|b| b.held = false);
-    assert!(matches!(end_of(&service, small), JobState::Done { .. }));
-    let behaviour = || shared.behaviour.lock().unwrap();
-    let begun = behaviour().order.iter().filter(|begun| *begun == "long 4").count();
-    assert_eq!((begun, behaviour().gave_up), (1, 0), "{:?}", behaviour().order);
-    assert_eq!(service.cancel(long, None).unwrap().unwrap().job.state, JobState::Cancelled);
-    fitted(&service, "other 3");
-    shared.set(|b| b.endless = None);
-    fitted(&service, "long 4");
-    assert_eq!(service.metrics().unwrap().shard_failures, 0, "giving back is no failure");
-}
-
-#[test]
-fn shards_are_fitted_while_a_table_is_measured() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    shared.set(|b| b.endless_measure = Some("large 1".to_owned()));
-    let service = start_one(dir.path(), &shared);
-    let (large, _) = submit(&service, "large 1");
-    shared.wait_for_manifests(1);
-    let (small, _) = submit(&service, "small 3");
-    shared.wait_for_begun(4);
-    assert_eq!(service.job(large).unwrap().unwrap().job.state, JobState::Running);
-    shared.set(|b| b.endless_measure = None);
-    for id in [large, small] {
-        assert!(matches!(end_of(&service, id), JobState::Done { .. }));
+fn the_least_recently_used_tables_are_evicted_and_a_brdf_never() {
+    let folder = tempfile::tempdir().unwrap();
+    let service = Service::open(config(folder.path())).unwrap();
+    let tables = [1, 2, 3].map(|seed| fitted(&service, &recipe(seed)));
+    let stored = service.store_brdf(&brdf(0.2)).unwrap().0;
+    // By the times of the files: the second is used last.
+    for (table, age) in tables.into_iter().zip([3000, 1000, 2000]) {
+        let used = std::time::SystemTime::now() - Duration::from_secs(age);
+        let times = fs::FileTimes::new().set_accessed(used).set_modified(used);
+        fs::File::options().write(true).open(path(folder.path(), table)).unwrap().set_times(times).unwrap();
     }
+    let of_table = fs::metadata(path(folder.path(), tables[0])).unwrap().len();
+    let limit = stored.bytes as u64 + of_table + of_table / 2;
+    service.state.evict_above(limit, Timestamp::now()).unwrap();
+    let there = tables.map(|table| path(folder.path(), table).exists());
+    assert_eq!(there, [false, true, false]);
+    assert_eq!(service.file(FileKind::Table, tables[0]).unwrap(), None, "the cache has forgotten it");
+    let job = service.job_of_table(tables[0]).unwrap().unwrap();
+    assert!(job.recipe.contains("\"seed\":1"), "the recipe is still known: {}", job.recipe);
+    // Nothing but the BRDF fits, and the table was just used.
+    assert!(service.file(FileKind::Table, tables[1]).unwrap().is_some());
+    service.state.evict_above(1, Timestamp::now() - SignedDuration::from_secs(1000)).unwrap();
+    assert!(path(folder.path(), tables[1]).exists(), "a table that is about to be fetched stays");
+    service.state.evict_above(1, Timestamp::now() + SignedDuration::from_secs(1000)).unwrap();
+    assert!(!path(folder.path(), tables[1]).exists() && path(folder.path(), stored.digest).exists());
+    assert_eq!(fitted(&service, &recipe(1)), tables[0], "an evicted table is fitted again");
 }
 
-/// However many long shards are being fitted, a small job is begun, goes on and ends; and all stop at once.
 #[test]
-fn a_small_job_is_done_beside_many_long_ones() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    let names: Vec<String> = (0..40).map(|i| format!("long{i} 2")).collect();
-    shared.set(|b| b.endless = Some("long".to_owned()));
-    let service = start_one(dir.path(), &shared);
-    let long: Vec<JobId> = names.iter().map(|name| submit(&service, name).0).collect();
-    shared.wait_for_begun(40);
-    fitted(&service, "small 3");
-    assert_eq!(shared.behaviour.lock().unwrap().gave_up, 0);
-    assert_eq!(shared.behaviour.lock().unwrap().order[40], "small 3");
-    for id in &long {
-        assert_eq!(service.job(*id).unwrap().unwrap().job.state, JobState::Running);
-    }
+fn nothing_is_evicted_after_a_start_that_was_not_clean() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = {
+        let service = Service::open(config(folder.path())).unwrap();
+        fitted(&service, &recipe(1))
+    };
+    let old = std::time::SystemTime::now() - Duration::from_secs(5000);
+    let times = fs::FileTimes::new().set_accessed(old).set_modified(old);
+    fs::File::options().write(true).open(path(folder.path(), table)).unwrap().set_times(times).unwrap();
+    fs::write(folder.path().join("db/db"), b"no database").unwrap();
+    let small = Config { store_bytes: Some(1), ..config(folder.path()) };
+    let service = Service::open(small.clone()).unwrap();
+    assert!(!service.state.may_evict && path(folder.path(), table).exists());
+    assert_eq!(service.tables(None, 9).unwrap().items.len(), 1);
     service.stop();
-    let behaviour = shared.behaviour.lock().unwrap();
-    assert!(behaviour.begun.values().all(|begun| *begun == 1), "a shard was begun twice: {:?}", behaviour.begun);
+    drop(service);
+    let service = Service::open(small).unwrap();
+    assert!(service.state.may_evict && !path(folder.path(), table).exists());
 }
 
 #[test]
-fn a_job_that_would_take_too_long_is_refused_with_the_prediction() {
-    let dir = tempfile::tempdir().unwrap();
-    let backend = || Arc::new(FakeBackend(Arc::new(Shared::default())));
-    let config = |job_seconds| Config { job_seconds, ..config(dir.path()) };
-    let service = Service::open_with(config(3), Store::open(dir.path()).unwrap(), backend()).unwrap();
-    // Two workers share the eight seconds that the backend expects.
-    let refused = service.submit(b"gold 2", None).unwrap_err();
-    assert!(matches!(refused, SubmitError::TooExpensive { predicted: 4.0, limit: 3 }), "{refused}");
-    assert!(refused.to_string().contains("4 s") && refused.to_string().contains("--job-seconds"), "{refused}");
+fn a_damaged_table_is_moved_away_and_fitted_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = {
+        let service = Service::open(config(folder.path())).unwrap();
+        fitted(&service, &recipe(1))
+    };
+    let file = path(folder.path(), table);
+    let mut bytes = fs::read(&file).unwrap();
+    bytes[1000] ^= 1;
+    fs::write(&file, bytes).unwrap();
+    let service = Service::open(config(folder.path())).unwrap();
+    let error = service.file(FileKind::Table, table).unwrap_err();
+    assert!(matches!(error, ServiceError::Corrupt { expected, .. } if expected == table), "{error}");
+    assert_eq!((service.metrics().unwrap().blobs_corrupt, file.exists()), (1, false));
+    assert_eq!(fitted(&service, &recipe(1)), table);
+    assert!(service.file(FileKind::Table, table).unwrap().is_some());
+}
+
+#[test]
+fn a_deleted_table_is_unknown_until_it_is_fitted_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let service = Service::open(config(folder.path())).unwrap();
+    let table = fitted(&service, &recipe(1));
+    service.delete_table(table, None).unwrap();
+    assert!(matches!(service.delete_table(table, None), Err(DeleteTableError::Unknown(_))));
+    assert!(service.tables(None, 9).unwrap().items.is_empty());
+    assert_eq!(fitted(&service, &recipe(1)), table);
+}
+
+#[test]
+fn a_brdf_that_a_recipe_names_stays_and_there_is_a_limit() {
+    let folder = tempfile::tempdir().unwrap();
+    let service = Service::open(Config { workers: 0, ..config(folder.path()) }).unwrap();
+    let [first, second] = [0.2, 0.3].map(|alpha| service.store_brdf(&brdf(alpha)).unwrap().0.digest);
+    assert!(matches!(service.store_brdf(&brdf(0.4)), Err(StoreBrdfError::TooMany(2))));
+    assert!(service.store_brdf(&brdf(0.3)).unwrap().1, "one that is there needs no room");
+    let recipe =
+        format!(r#"{{"brdf": "tabulated", "tabulated": "{first}", "resolution": {{"alpha": 2, "theta": 3}}}}"#);
+    let id = submitted(&service, &recipe);
+    assert!(matches!(service.delete_brdf(first), Err(DeleteBrdfError::InUse(_))));
+    service.delete_brdf(second).unwrap();
+    assert!(matches!(service.delete_brdf(second), Err(DeleteBrdfError::Unknown(_))));
+    service.cancel(id, None).unwrap();
+    service.delete_brdf(first).unwrap();
+    let refused = service.submit(recipe.as_bytes(), None).unwrap_err();
+    assert!(matches!(refused, SubmitError::Recipe(_)), "{refused}");
+}
+
+#[test]
+fn an_export_is_made_once_and_forgotten_with_its_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let service = Service::open(config(folder.path())).unwrap();
+    let table = fitted(&service, &recipe(1));
+    let export: Export = "ktx2".parse().unwrap();
+    let made = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..4).map(|_| scope.spawn(|| service.export(table, export).unwrap().unwrap())).collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect::<Vec<_>>()
+    });
+    assert!(made.iter().all(|other| Arc::ptr_eq(other, &made[0])));
+    assert_eq!(service.metrics().unwrap().exports_made, 1);
+    service.delete_table(table, None).unwrap();
+    assert!(service.export(table, export).unwrap().is_none());
+}
+
+fn scene(samples: u32) -> Subject {
+    Subject::Scene(Box::new(Scene { size: 64, spp: samples, mode: Mode::Reference, ..Scene::default() }))
+}
+
+#[test]
+fn a_picture_is_rendered_once_and_a_slow_or_huge_one_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let service = Service::open(config(folder.path())).unwrap();
+    let runtime = runtime();
+    let picture = |service: &Service, subject| runtime.block_on(service.picture(None, subject));
+    let first = picture(&service, scene(1)).unwrap();
+    let second = picture(&service, scene(1)).unwrap();
+    assert_eq!((first.digest, &*first.adapter), (second.digest, "cpu"));
+    assert_eq!(service.metrics().unwrap().pictures.done, 1);
+    let none = picture(&service, Subject::Scene(Box::new(Scene { mode: Mode::Table, ..Scene::default() })));
+    assert!(matches!(none, Err(PictureError::NoTable)), "{none:?}");
+    service.stop();
     drop(service);
-    let service = Service::open_with(config(4), Store::open(dir.path()).unwrap(), backend()).unwrap();
-    fitted(&service, "gold 2");
+    let hurried = Config { picture_time: Duration::from_millis(1), ..config(folder.path()) };
+    let service = Service::open(hurried).unwrap();
+    assert!(matches!(picture(&service, scene(4096)), Err(PictureError::TooExpensive { .. })));
+    assert!(matches!(picture(&service, scene(4)), Err(PictureError::TooSlow { .. })));
+    let counts = service.metrics().unwrap().pictures;
+    assert_eq!((counts.refused, counts.given_up), (1, 1));
+}
+
+#[test]
+fn a_caller_that_leaves_frees_the_renderer() {
+    let folder = tempfile::tempdir().unwrap();
+    let service = Service::open(Config { picture_time: Duration::from_secs(3600), ..config(folder.path()) }).unwrap();
+    runtime().block_on(async {
+        // This picture takes minutes.
+        let left = tokio::time::timeout(Duration::from_millis(200), service.picture(None, scene(65_536))).await;
+        assert!(left.is_err());
+        service.picture(None, scene(1)).await.unwrap();
+    });
+    assert_eq!(service.metrics().unwrap().pictures, PictureCounts { done: 1, given_up: 1, ..Default::default() });
 }

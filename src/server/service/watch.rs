@@ -2,157 +2,131 @@
 
 use std::{
     collections::HashMap,
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
-    time::Instant,
+    sync::{Mutex, MutexGuard, PoisonError},
 };
 
 use jiff::Timestamp;
 use tokio::sync::watch;
 
-use super::{JobSnapshot, forecast::Forecast};
-use crate::{
-    queue::{Job, JobId, StateName},
-    store::StoreError,
-};
+use super::{Expected, Service, ServiceError, state::State};
+use crate::queue::{Job, JobId, StateName};
 
-/// How far the sequence number of a final state is ahead of its time: further than a burst of snapshots within one
-/// microsecond.
+/// Distance of a final state's sequence number from its time: more than a burst of snapshots within one microsecond.
 const FINAL_AFTER: u64 = 1000;
 
-/// Channels to the followers of jobs, and the pace of running jobs.
+/// A job at one moment. `sequence` grows with each change.
+#[derive(Debug, Clone)]
+pub struct JobSnapshot {
+    /// Position in the history of the job.
+    pub sequence: u64,
+    /// The job.
+    pub job: Job,
+    /// Expected time to the end, once it can be estimated.
+    pub seconds_left: Option<f64>,
+    /// The forecast for the whole fit; `None` for a recipe of another fitter.
+    pub expected: Option<Expected>,
+}
+
+/// Channels to the followers of jobs.
 ///
-/// Invariant: a job in a final state has neither, so that memory does not grow with the number of finished jobs.
-pub(super) struct Hub {
-    forecast: Arc<Forecast>,
-    inner: Mutex<Inner>,
-    /// Locks by the first byte of a job's id. The lock is held while the job is read for its followers, so that an
-    /// older snapshot never follows a newer one. A slow database holds up no other lock.
-    reading: [Mutex<()>; 64],
-}
+/// Invariant: a job in a final state has no channel, so memory does not grow with the number of ended jobs.
+#[derive(Debug, Default)]
+pub(super) struct Hub(Mutex<Channels>);
 
-#[derive(Default)]
-struct Inner {
+#[derive(Debug, Default)]
+struct Channels {
     last_sequence: u64,
-    paces: HashMap<JobId, Pace>,
-    channels: HashMap<JobId, watch::Sender<JobSnapshot>>,
-}
-
-/// How far a job was when this process began to work on it.
-struct Pace {
-    since: Instant,
-    entries_done: u64,
+    by_job: HashMap<JobId, watch::Sender<JobSnapshot>>,
 }
 
 impl Hub {
-    pub(super) fn new(forecast: Arc<Forecast>) -> Self {
-        Self { forecast, inner: Mutex::new(Inner::default()), reading: [const { Mutex::new(()) }; 64] }
-    }
-
-    /// A snapshot of `job`.
-    pub(super) fn snapshot(&self, job: Job) -> JobSnapshot {
-        self.lock().snapshot(job, &self.forecast, None)
-    }
-
-    /// The jobs that anyone follows.
-    pub(super) fn watched(&self) -> Vec<JobId> {
-        let inner = self.lock();
-        let followed = inner.channels.iter().filter(|(_, channel)| channel.receiver_count() > 0);
-        followed.map(|(id, _)| *id).collect()
-    }
-
-    /// Whether the job has a channel or a pace.
-    pub(super) fn knows(&self, id: JobId) -> bool {
-        let inner = self.lock();
-        inner.channels.contains_key(&id) || inner.paces.contains_key(&id)
-    }
-
-    /// Whether anyone follows the job.
-    pub(super) fn is_watched(&self, id: JobId) -> bool {
-        self.lock().channels.contains_key(&id)
-    }
-
-    /// Notifies the followers of a job. `read` gives the job as it is, and the time by the clock that all processes
-    /// share.
-    pub(super) fn publish(
-        &self,
-        id: JobId,
-        read: impl FnOnce() -> Result<Option<(Job, Timestamp)>, StoreError>,
-    ) -> Result<(), StoreError> {
-        let _reading = self.reading(id);
-        let Some((job, now)) = read()? else { return Ok(()) };
-        let is_final = job.state.name().is_final();
-        let mut inner = self.lock();
-        let snapshot = inner.snapshot(job, &self.forecast, Some(now));
-        let followed = inner.channels.get(&id).is_some_and(|channel| channel.send(snapshot).is_ok());
-        if is_final || !followed {
-            inner.channels.remove(&id);
-        }
-        Ok(())
-    }
-
-    /// Follows a job. The receiver of a job in a final state holds that state and gets no more snapshots.
-    pub(super) fn watch(
-        &self,
-        id: JobId,
-        read: impl FnOnce() -> Result<Option<(Job, Timestamp)>, StoreError>,
-    ) -> Result<Option<watch::Receiver<JobSnapshot>>, StoreError> {
-        let _reading = self.reading(id);
-        let Some((job, now)) = read()? else { return Ok(None) };
-        let is_final = job.state.name().is_final();
-        let mut inner = self.lock();
-        if let Some(channel) = inner.channels.get(&id).filter(|_| !is_final) {
-            return Ok(Some(channel.subscribe()));
-        }
-        let snapshot = inner.snapshot(job, &self.forecast, Some(now));
-        let (sender, receiver) = watch::channel(snapshot);
-        if !is_final {
-            inner.channels.insert(id, sender);
-        }
-        Ok(Some(receiver))
-    }
-
-    fn reading(&self, id: JobId) -> MutexGuard<'_, ()> {
-        let at = usize::from(id.as_bytes()[0]) % self.reading.len();
-        self.reading[at].lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Inner> {
-        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> MutexGuard<'_, Channels> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Inner {
-    /// A snapshot; with a new number if it is of `now`.
-    fn snapshot(&mut self, job: Job, forecast: &Forecast, now: Option<Timestamp>) -> JobSnapshot {
-        let seconds_left = if job.state.name() == StateName::Running {
-            let start = Pace { since: Instant::now(), entries_done: job.entries_done };
-            self.paces.entry(job.id).or_insert(start).seconds_left(&job)
-        } else {
-            self.paces.remove(&job.id);
-            None
-        };
-        let expected = forecast.of((&job).into());
-        JobSnapshot { sequence: self.sequence(&job, now), job, seconds_left, expected }
-    }
-
+impl Channels {
     /// Microseconds since 1970, or one more than the last number, so that numbers grow across restarts too. The number
-    /// of a final state follows from the time when it was reached, and is the same on each call.
-    fn sequence(&mut self, job: &Job, now: Option<Timestamp>) -> u64 {
+    /// of a final state follows from the time when it was reached.
+    fn sequence(&mut self, job: &Job) -> u64 {
         let micros = |time: Timestamp| u64::try_from(time.as_microsecond()).unwrap_or(0);
         if let Some(finished_at) = job.finished_at {
             return micros(finished_at) + FINAL_AFTER;
         }
-        if let Some(now) = now {
-            self.last_sequence = micros(now).max(self.last_sequence + 1);
-        }
+        self.last_sequence = micros(Timestamp::now()).max(self.last_sequence + 1);
         self.last_sequence
     }
 }
 
-impl Pace {
-    fn seconds_left(&self, job: &Job) -> Option<f64> {
-        let done = job.entries_done.checked_sub(self.entries_done).filter(|done| *done > 0)?;
-        let seconds = self.since.elapsed().as_secs_f64();
-        (seconds > 0.0).then(|| seconds / done as f64 * job.entries_total.saturating_sub(job.entries_done) as f64)
+impl Service {
+    /// Follows a job: the receiver always holds its latest snapshot. The receiver of an ended job gets no more.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn watch(&self, id: JobId) -> Result<Option<watch::Receiver<JobSnapshot>>, ServiceError> {
+        let Some(job) = self.state.queue.job(id)? else { return Ok(None) };
+        let is_final = job.state.name().is_final();
+        let snapshot = self.state.snapshot(job);
+        if is_final {
+            return Ok(Some(watch::channel(snapshot).1));
+        }
+        let mut hub = self.state.hub.lock();
+        Ok(Some(hub.by_job.entry(id).or_insert_with(|| watch::channel(snapshot).0).subscribe()))
+    }
+}
+
+impl State {
+    /// A snapshot of a job.
+    pub(super) fn snapshot(&self, job: Job) -> JobSnapshot {
+        let expected = self.fitter.planned(job.recipe_digest, &job.recipe).ok();
+        let expected = expected.map(|planned| self.forecast.of(&planned));
+        let sequence = self.hub.lock().sequence(&job);
+        JobSnapshot { sequence, seconds_left: seconds_left(&job), job, expected }
+    }
+
+    /// Sends a snapshot of every followed job that has changed to its followers.
+    pub(super) fn publish(&self) {
+        let followed: Vec<_> = {
+            let mut hub = self.hub.lock();
+            hub.by_job.retain(|_, channel| channel.receiver_count() > 0);
+            hub.by_job.iter().map(|(id, channel)| (*id, channel.clone())).collect()
+        };
+        for (id, channel) in followed {
+            let job = match self.queue.job(id) {
+                Ok(Some(job)) => job,
+                Ok(None) => {
+                    self.hub.lock().by_job.remove(&id);
+                    continue;
+                }
+                Err(error) => {
+                    tracing::warn!(job = %id, %error, "the followers of the job were not notified");
+                    continue;
+                }
+            };
+            let is_final = job.state.name().is_final();
+            if job != channel.borrow().job {
+                channel.send_replace(self.snapshot(job));
+            }
+            if is_final {
+                self.hub.lock().by_job.remove(&id);
+            }
+        }
+    }
+}
+
+/// The time to the end of a running job at its pace so far.
+fn seconds_left(job: &Job) -> Option<f64> {
+    if job.state.name() != StateName::Running || job.entries_done == 0 {
+        return None;
+    }
+    let seconds = Timestamp::now().duration_since(job.started_at?).as_secs_f64();
+    (seconds > 0.0).then(|| seconds / job.entries_done as f64 * job.entries_total.saturating_sub(job.entries_done) as f64)
+}
+
+#[cfg(test)]
+impl State {
+    /// Number of jobs with a channel.
+    pub(super) fn hub_len(&self) -> usize {
+        self.hub.lock().by_job.len()
     }
 }

@@ -2,6 +2,8 @@
 
 use std::{io, path::PathBuf};
 
+use rustix::io::Errno;
+
 use super::Tree;
 use ltcforge_files::digest::Digest;
 
@@ -21,8 +23,8 @@ pub enum StoreError {
         /// Where the damaged file is now.
         moved_to: PathBuf,
     },
-    /// A store elsewhere has other bytes under the name of a blob, or gave other ones.
-    #[error("the object store gives other bytes for {0} than were stored")]
+    /// A bucket returns other bytes than were stored.
+    #[error("the object store returns other bytes for {0} than were stored")]
     OtherBytes(Digest),
     /// A row's value does not match the hash stored with it.
     #[error("a row of {} is damaged (key {key:02x?})", .tree.name())]
@@ -43,10 +45,10 @@ pub enum StoreError {
     /// The database failed.
     #[error("database: {0}")]
     Database(String),
-    /// The database or the store of blobs refuses the credentials.
+    /// The database or the bucket refuses the credentials.
     #[error("the storage refuses: {0}")]
     Refused(String),
-    /// The database or the store of blobs does not answer, or not now.
+    /// The database or the bucket does not answer now.
     #[error("the storage cannot be reached: {0}")]
     Unavailable(String),
 }
@@ -57,36 +59,17 @@ impl StoreError {
         if is_full(source.kind()) { Self::DiskFull } else { Self::Io { path: path.into(), source } }
     }
 
-    /// The error of a database operation, or [`Self::DiskFull`].
-    pub(super) fn of_sled(error: &sled::Error) -> Self {
-        match error {
-            sled::Error::Io(source) if is_full(source.kind()) => Self::DiskFull,
-            sled::Error::Io(source) if is_passing(source) => {
-                let code = source.raw_os_error().unwrap_or_default();
-                Self::Io { path: "the database".into(), source: io::Error::from_raw_os_error(code) }
-            }
-            other => Self::Database(other.to_string()),
-        }
-    }
-}
-
-impl StoreError {
-    /// Whether the process or the machine lacked something for a moment, such as a free descriptor, a connection or room on
-    /// the disk: the same operation may succeed later.
+    /// Whether the process or the machine lacked something for a moment, such as a free descriptor, a connection or room
+    /// on the disk: the same operation may succeed later.
     #[must_use]
     pub fn is_passing(&self) -> bool {
+        const PASSING: [Errno; 5] = [Errno::MFILE, Errno::NFILE, Errno::NOMEM, Errno::AGAIN, Errno::INTR];
         match self {
-            Self::Io { source, .. } => is_passing(source),
+            Self::Io { source, .. } => PASSING.iter().any(|code| source.raw_os_error() == Some(code.raw_os_error())),
             Self::Unavailable(_) | Self::OtherBytes(_) | Self::DiskFull => true,
             _ => false,
         }
     }
-}
-
-fn is_passing(source: &io::Error) -> bool {
-    use rustix::io::Errno;
-    let passing = [Errno::MFILE, Errno::NFILE, Errno::NOMEM, Errno::AGAIN, Errno::INTR].map(Errno::raw_os_error);
-    source.raw_os_error().is_some_and(|code| passing.contains(&code))
 }
 
 /// Whether this kind of error means that the disk is full.
@@ -99,22 +82,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_lack_of_descriptors_or_room_passes_and_a_refused_permission_does_not() {
-        let of = |code| StoreError::of_io("x", io::Error::from_raw_os_error(code)).is_passing();
-        assert!(of(rustix::io::Errno::MFILE.raw_os_error()));
-        assert!(!of(rustix::io::Errno::ACCESS.raw_os_error()));
-        let of_sled = |code| StoreError::of_sled(&sled::Error::Io(io::Error::from_raw_os_error(code)));
-        assert!(of_sled(rustix::io::Errno::MFILE.raw_os_error()).is_passing());
-        assert!(StoreError::DiskFull.is_passing());
-    }
-
-    #[test]
-    fn a_full_disk_is_distinguished_from_other_errors() {
-        for kind in [io::ErrorKind::StorageFull, io::ErrorKind::QuotaExceeded] {
-            assert!(matches!(StoreError::of_io("x", kind.into()), StoreError::DiskFull));
-            assert!(matches!(StoreError::of_sled(&sled::Error::Io(kind.into())), StoreError::DiskFull));
+    fn a_full_disk_and_a_lack_of_descriptors_pass_and_a_refused_permission_does_not() {
+        let of = |code: Errno| StoreError::of_io("x", io::Error::from_raw_os_error(code.raw_os_error()));
+        assert!(of(Errno::MFILE).is_passing());
+        assert!(!of(Errno::ACCESS).is_passing());
+        for full in [Errno::NOSPC, Errno::DQUOT] {
+            assert!(matches!(of(full), StoreError::DiskFull));
+            assert!(of(full).is_passing());
         }
-        let denied = StoreError::of_io("x", io::ErrorKind::PermissionDenied.into());
-        assert!(matches!(denied, StoreError::Io { .. }));
     }
 }

@@ -1,63 +1,56 @@
 //! Opening the data folder.
 
 use std::{
-    fs::{self, File, TryLockError},
+    fs::{File, TryLockError},
     io,
     path::Path,
-    sync::{Arc, OnceLock},
+    sync::Arc,
 };
 
-use super::{
-    Batch, Blobs, Damage, FileBlobs, Row, Rows, SledRows, StoreError, Tree, files,
-    journal::Journal,
-    local_rows::LocalRows,
-    migrations::{self, MigrationError, REVISION_BYTES},
-    sled_rows::SledOpenError,
-};
-
-/// Checks a database that a write error had closed, and may mend it. It must not keep the rows.
-pub type ReopenCheck = Box<dyn Fn(&Arc<dyn Rows>) -> Result<(), StoreError> + Send + Sync>;
+use super::{Blobs, FolderBlobs, MemoryRows, Rows, SledRows, StoreError, files, sled_rows::SledOpenError};
 
 /// The opened data folder. Other processes are locked out until it is dropped.
+#[derive(Debug)]
 pub struct Store {
-    /// Tables by digest.
+    /// Tables and BRDFs by digest.
     pub blobs: Arc<dyn Blobs>,
-    /// Jobs, shards and the catalogue.
+    /// Jobs and the list of tables.
     pub rows: Arc<dyn Rows>,
-    /// The damage that was found when it was opened. The catalogue must be compared with the blobs.
-    pub damage: Damage,
-    /// Runs when a write error closed the database and it was opened again.
-    pub reopen_check: Arc<OnceLock<ReopenCheck>>,
+    /// Whether the database was opened. `false` if it was damaged and moved to quarantine, or the disk is full and the rows
+    /// are in memory.
+    pub is_clean: bool,
     /// Dropping it unlocks the folder. A store that processes share has no folder.
     _lock: Option<File>,
 }
 
-impl std::fmt::Debug for Store {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Store").field("damage", &self.damage).finish_non_exhaustive()
+impl Store {
+    /// A store that any number of processes share.
+    #[must_use]
+    pub fn shared(blobs: Arc<dyn Blobs>, rows: Arc<dyn Rows>) -> Self {
+        Self { blobs, rows, is_clean: true, _lock: None }
     }
 }
 
 /// Why a data folder did not open.
 #[derive(Debug, thiserror::Error)]
-pub enum StoreOpenError {
+pub enum OpenError {
     /// Another process has opened it.
     #[error("in use by another process")]
     Locked,
     /// It cannot be created, read or written.
     #[error(transparent)]
-    Unusable(io::Error),
+    Unusable(#[from] io::Error),
     /// A later version of the program wrote it.
     #[error("schema {found} is newer than {known}")]
     FromTheFuture {
         /// Its schema.
         found: u32,
-        /// The newest schema this program knows.
+        /// The newest schema that this program knows.
         known: u32,
     },
 }
 
-impl From<StoreError> for StoreOpenError {
+impl From<StoreError> for OpenError {
     fn from(error: StoreError) -> Self {
         Self::Unusable(match error {
             StoreError::Io { source, .. } => source,
@@ -67,129 +60,77 @@ impl From<StoreError> for StoreOpenError {
     }
 }
 
-impl Store {
-    /// Opens the data folder `dir`, creates it if it is missing, and applies migrations.
-    ///
-    /// Every row of the database and every line of the journal is read. A database that does not open or cannot be
-    /// read is copied to `quarantine/db-N` and replaced by an empty one. A damaged journal is copied to
-    /// `quarantine/jobs.log-N` and written anew without the damaged lines.
-    ///
-    /// # Errors
-    /// See [`StoreOpenError`]. A full disk is [`StoreOpenError::Unusable`]; nothing is moved then.
-    pub fn open(dir: &Path) -> Result<Self, StoreOpenError> {
-        files::make_folder(dir)?;
-        let lock = lock(&dir.join("lock"))?;
-        let quarantine = dir.join("quarantine");
-        let blobs = FileBlobs::open(&dir.join("blobs"), &quarantine)?;
-        let mut damage = Damage::default();
-        let (database, journal) = (dir.join("db"), dir.join("jobs.log"));
-        let bytes = |path: &Path| fs::metadata(path).map_or(0, |metadata| metadata.len());
-        let (had_database, had_journal) = (bytes(&database.join("db")) > 0, bytes(&journal) > 0);
-        let was_used = had_database || had_journal || !blobs.list()?.is_empty();
-        let sled = open_database(&database, &quarantine, &mut damage)?;
-        damage.database_was_replaced |= sled.schema_before == 0 && was_used;
-        damage.damaged_rows = sled.damaged_rows;
-        let was_journalled = sled.schema_before >= migrations::WITH_JOURNAL || damage.database_was_replaced;
-        damage.journal_is_incomplete = was_journalled && !had_journal;
-        let earlier = jobs_of_earlier_versions(&sled)?;
-        let mut removal = Batch::default();
-        for row in &earlier {
-            removal.remove(Tree::Jobs, row.key.as_slice());
+/// Opens the data folder `dir`, and creates it if it is missing. Every row of the database is read.
+///
+/// A damaged database, or one of an unreleased version, is moved to `quarantine/db-N` and replaced by an empty one. On a
+/// full disk the database stays closed, and its rows are in memory: jobs are refused, but blobs can be read and deleted.
+///
+/// # Errors
+/// See [`OpenError`].
+pub fn open(dir: &Path) -> Result<Store, OpenError> {
+    files::make_folder(dir)?;
+    let lock = lock(&dir.join("lock"))?;
+    let quarantine = dir.join("quarantine");
+    let blobs = FolderBlobs::open(&dir.join("blobs"), &quarantine)?;
+    let journal = dir.join("jobs.log");
+    if journal.symlink_metadata().is_ok() {
+        match files::move_to_quarantine(&journal, &quarantine, "jobs.log") {
+            Ok(to) => tracing::warn!(moved_to = %to.display(), "jobs.log of an unreleased version was moved to quarantine"),
+            // It is moved at the next start.
+            Err(StoreError::DiskFull) => {}
+            Err(error) => return Err(error.into()),
         }
-        let journal = Journal::open(&journal, &quarantine, earlier, &mut damage)?;
-        if !removal.is_empty() {
-            sled.commit(&removal)?;
+    }
+    let (rows, is_clean) = open_rows(&dir.join("db"), &quarantine)?;
+    Ok(Store { blobs: Arc::new(blobs), rows, is_clean, _lock: Some(lock) })
+}
+
+/// The rows in `folder`, and whether the database there was opened.
+fn open_rows(folder: &Path, quarantine: &Path) -> Result<(Arc<dyn Rows>, bool), OpenError> {
+    let opened = open_or_replace(folder, quarantine);
+    match opened {
+        Ok((rows, is_clean)) => Ok((Arc::new(rows), is_clean)),
+        Err(SledOpenError::DiskFull) => {
+            tracing::error!(
+                "the disk is full: the database stays closed, and jobs are refused; free some space and start the service again"
+            );
+            Ok((Arc::new(MemoryRows::of_full_disk()), false))
         }
-        damage.log();
-        let reopen_check = Arc::clone(&sled.reopen_check);
-        let rows = Arc::new(LocalRows::new(sled, journal));
-        Ok(Self { blobs: Arc::new(blobs), rows, damage, reopen_check, _lock: Some(lock) })
+        Err(SledOpenError::FromTheFuture { found, known }) => Err(OpenError::FromTheFuture { found, known }),
+        Err(SledOpenError::Unusable(source)) => Err(OpenError::Unusable(source)),
+        Err(SledOpenError::Damaged(reason)) => Err(OpenError::Unusable(io::Error::other(reason))),
     }
 }
 
-/// Jobs that an earlier version stored in the database, without their revisions.
-fn jobs_of_earlier_versions(sled: &SledRows) -> Result<Vec<Row>, StoreError> {
-    let rows = sled.scan(Tree::Jobs, &[])?.into_iter();
-    let without_revision = |value: Vec<u8>| Some(value.get(REVISION_BYTES..)?.to_vec());
-    Ok(rows.map(|Row { key, value }| Row { key, value: value.and_then(without_revision) }).collect())
+fn open_or_replace(folder: &Path, quarantine: &Path) -> Result<(SledRows, bool), SledOpenError> {
+    let passed_on = |error| match error {
+        StoreError::DiskFull => SledOpenError::DiskFull,
+        StoreError::Io { source, .. } => SledOpenError::Unusable(source),
+        other => SledOpenError::Unusable(io::Error::other(other)),
+    };
+    files::make_folder(folder).map_err(passed_on)?;
+    let reason = match SledRows::open(folder) {
+        Err(SledOpenError::Damaged(reason)) => reason,
+        opened => return opened.map(|rows| (rows, true)),
+    };
+    let to = files::move_to_quarantine(folder, quarantine, "db").map_err(passed_on)?;
+    tracing::error!(
+        reason,
+        moved_to = %to.display(),
+        "the database was moved to quarantine and an empty one was created: unfinished jobs are lost, tables are not"
+    );
+    files::make_folder(folder).map_err(passed_on)?;
+    SledRows::open(folder).map(|rows| (rows, false))
 }
 
-impl Store {
-    /// A store that any number of processes share.
-    #[must_use]
-    pub fn shared(blobs: Arc<dyn Blobs>, rows: Arc<dyn Rows>) -> Self {
-        Self { blobs, rows, damage: Damage::default(), reopen_check: Arc::default(), _lock: None }
+fn lock(path: &Path) -> Result<File, OpenError> {
+    if path.symlink_metadata().is_ok_and(|metadata| !metadata.is_file()) {
+        return Err(OpenError::Unusable(io::Error::other(format!("{} is not a regular file", path.display()))));
     }
-}
-
-#[cfg(test)]
-impl Store {
-    /// A data folder with rows of the test's own.
-    pub(crate) fn with_rows(dir: &Path, rows: Arc<dyn Rows>) -> Self {
-        Self { rows, ..Self::open(dir).unwrap() }
-    }
-}
-
-pub(super) fn lock(path: &Path) -> Result<File, StoreOpenError> {
-    files::refuse_irregular(path).map_err(StoreOpenError::Unusable)?;
-    let file = File::options().create(true).truncate(false).write(true).open(path).map_err(StoreOpenError::Unusable)?;
+    let file = File::options().create(true).truncate(false).write(true).open(path)?;
     match file.try_lock() {
         Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(StoreOpenError::Locked),
-        Err(TryLockError::Error(source)) => Err(StoreOpenError::Unusable(source)),
+        Err(TryLockError::WouldBlock) => Err(OpenError::Locked),
+        Err(TryLockError::Error(source)) => Err(OpenError::Unusable(source)),
     }
 }
-
-/// The largest file that is read before sled opens it.
-const MOST_STRANGE_BYTES: u64 = 64 << 20;
-
-/// Opens the database of `folder`. One that does not open or cannot be read is copied to `quarantine` and replaced by
-/// an empty one.
-fn open_database(folder: &Path, quarantine: &Path, damage: &mut Damage) -> Result<SledRows, StoreOpenError> {
-    let open = || {
-        // What sled reads of its folder.
-        let regular = ["db", "conf"].into_iter().try_for_each(|name| files::refuse_irregular(&folder.join(name)));
-        regular.map_err(|error| SledOpenError::Damaged(error.to_string()))?;
-        SledRows::open(folder, Arc::new(File::sync_all))
-    };
-    files::make_folder(folder)?;
-    let before = strange_bytes(&folder.join("db"));
-    let reason = match open() {
-        Err(SledOpenError::Damaged(reason)) => reason,
-        Ok(sled) => {
-            if let Some(bytes) = before.filter(|_| sled.schema_before == 0) {
-                let kept = files::keep_in_quarantine(&bytes, quarantine, "db")?;
-                tracing::error!(kept = %kept.display(), "the file of the database was another; it was copied to quarantine");
-            }
-            return Ok(sled);
-        }
-        Err(error) => return Err(refusal(error)),
-    };
-    let copied_to = files::copy_to_quarantine(folder, quarantine, "db")?;
-    tracing::error!(reason, copied_to = %copied_to.display(), "the damaged database was copied to quarantine");
-    damage.database_was_replaced = true;
-    fs::remove_dir_all(folder).map_err(StoreOpenError::Unusable)?;
-    files::make_folder(folder)?;
-    open().map_err(refusal)
-}
-
-/// The bytes of the database's file if it may be another file: sled takes one that it does not know for an empty database and
-/// writes over it. Larger ones are not kept.
-fn strange_bytes(path: &Path) -> Option<Vec<u8>> {
-    let is_short = files::regular_length(path).is_ok_and(|bytes| bytes <= MOST_STRANGE_BYTES);
-    let bytes = if is_short { files::read_regular(path).ok() } else { None };
-    bytes.filter(|bytes| bytes.iter().any(|byte| *byte != 0))
-}
-
-fn refusal(error: SledOpenError) -> StoreOpenError {
-    match error {
-        SledOpenError::Schema(MigrationError::FromTheFuture { found, known }) => {
-            StoreOpenError::FromTheFuture { found, known }
-        }
-        SledOpenError::Unusable(source) => StoreOpenError::Unusable(source),
-        other => StoreOpenError::Unusable(io::Error::other(other)),
-    }
-}
-
-#[cfg(test)]
-mod tests;

@@ -4,42 +4,38 @@
 //! - `flush` ends in `sync_file_range`, which does not survive a power cut. Every commit ends in an fsync of the
 //!   database file.
 //! - Truncated files can cause a panic inside sled. It is opened on a thread whose panic is caught.
-//! - After a write error, such as a full disk, an open database refuses every operation. It is closed, and the next
-//!   operation opens it again. It may have lost rows then, so it is checked as at the start before anyone reads it.
-//! - It cannot be opened on a full disk. A copy on another disk, or in memory, is read until there is room.
-//! - Some damage is found only when a row is read. All rows are read when it is opened.
-//! - sled's threads may keep the files locked for a moment after the database is dropped. Opening waits for that.
+//! - After a write error, such as a full disk, an open database refuses every operation. Commits therefore leave room on
+//!   the disk, and after an error the process has to be started again.
+//! - It does not detect damaged values. Each value has a hash in front of it, and every row is read at the start.
+//! - Its threads may keep the file locked for a moment after the database is dropped. Opening waits for that.
 
 use std::{
-    env,
+    collections::BTreeSet,
     fs::{File, TryLockError},
     io,
     path::{Path, PathBuf},
-    sync::{
-        Arc, OnceLock, PoisonError, RwLock, RwLockReadGuard,
-        atomic::{AtomicU64, Ordering},
-    },
+    sync::{Mutex, MutexGuard, OnceLock, PoisonError},
     thread,
     time::{Duration, Instant, SystemTime},
 };
 
-use sled::transaction::{TransactionError, Transactional as _};
-use tempfile::TempDir;
+use sha2::{Digest as _, Sha256};
+use sled::transaction::{ConflictableTransactionError, TransactionError, Transactional as _};
 
 use super::{
-    Batch, ReopenCheck, Row, Rows, Staged, StoreError, Tree,
+    Batch, Row, Rows, StoreError, Tree,
     error::is_full,
     files,
     migrations::{self, MigrationError},
-    rows,
 };
+use ltcforge_files::replace::sync_folder;
 
 /// Memory for sled's page cache. The rows of all unfinished jobs fit into it.
 const CACHE_BYTES: u64 = 16 << 20;
 
 /// Room that a commit leaves on the disk. sled's log grows by segments of 512 KiB, of which two may be open, and sled
-/// must not run into a full disk while it writes in the background.
-const HEADROOM_BYTES: u64 = 2 << 20;
+/// must not meet a full disk while it writes in the background.
+pub(super) const HEADROOM_BYTES: u64 = 2 << 20;
 
 /// Room beyond that for a job of many shards.
 const JOB_BYTES: u64 = 1 << 20;
@@ -47,60 +43,64 @@ const JOB_BYTES: u64 = 1 << 20;
 /// How long a closed database may stay locked.
 const RELEASE: Duration = Duration::from_secs(2);
 
-/// Makes the file's contents durable: `File::sync_all`, or a test's replacement.
-pub(super) type SyncFn = Arc<dyn Fn(&File) -> io::Result<()> + Send + Sync>;
-
-/// sled panics where the clock is before 1970, which would pass for damage.
-fn check_clock(now: SystemTime) -> io::Result<()> {
-    match now.duration_since(SystemTime::UNIX_EPOCH) {
-        Ok(_) => Ok(()),
-        Err(_) => Err(io::Error::other("this machine's clock says a time before 1970; set the clock")),
-    }
-}
-
 /// Why the database did not open.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum SledOpenError {
-    /// The schema does not fit this program.
-    #[error(transparent)]
-    Schema(MigrationError),
-    /// The disk is full, or the folder cannot be read or written. The data may be intact.
+    /// A later version of this program wrote it.
+    #[error("the database has schema {found}; this program knows schemas up to {known}")]
+    FromTheFuture { found: u32, known: u32 },
+    /// The disk is full.
+    #[error("the disk is full")]
+    DiskFull,
+    /// The folder cannot be read or written. The data may be intact.
     #[error(transparent)]
     Unusable(io::Error),
-    /// Its files are damaged.
+    /// Its files are damaged, or of an unreleased version.
     #[error("{0}")]
     Damaged(String),
+}
+
+impl From<sled::Error> for SledOpenError {
+    fn from(error: sled::Error) -> Self {
+        match error {
+            sled::Error::Io(source) => source.into(),
+            other => Self::Damaged(other.to_string()),
+        }
+    }
+}
+
+impl From<io::Error> for SledOpenError {
+    fn from(source: io::Error) -> Self {
+        match source.kind() {
+            kind if is_full(kind) => Self::DiskFull,
+            // A truncated file causes these. Other I/O errors do not mean that the data is damaged.
+            io::ErrorKind::UnexpectedEof | io::ErrorKind::InvalidData => Self::Damaged(source.to_string()),
+            _ => Self::Unusable(source),
+        }
+    }
+}
+
+impl From<MigrationError> for SledOpenError {
+    fn from(error: MigrationError) -> Self {
+        match error {
+            MigrationError::FromTheFuture { found, known } => Self::FromTheFuture { found, known },
+            MigrationError::Sled(error) => error.into(),
+            other => Self::Damaged(other.to_string()),
+        }
+    }
 }
 
 /// Rows in a sled database.
 pub struct SledRows {
     folder: PathBuf,
-    sync: SyncFn,
-    /// `None` after a write error.
-    handle: RwLock<Option<Handle>>,
-    /// How often it was opened.
-    openings: AtomicU64,
-    /// Runs after the database was opened again, before anyone else reads it. If it fails, the database stays closed.
-    pub(super) reopen_check: Arc<OnceLock<ReopenCheck>>,
-    /// Migrations that had been applied before it was opened.
-    pub(super) schema_before: usize,
-    /// Rows that did not match their hash when it was opened.
-    pub(super) damaged_rows: usize,
-}
-
-struct Handle {
     db: sled::Db,
     trees: [sled::Tree; Tree::ALL.len()],
     /// sled's data file, for the fsync.
     file: File,
-    /// Migrations that had been applied before it was opened.
-    schema_before: usize,
-    /// Rows that did not match their hash when it was opened.
-    damaged_rows: usize,
-    /// Number of the opening, of all since the process has begun.
-    opening: u64,
-    /// The folder of a copy that was opened because the disk is full. It is only read.
-    copy: Option<TempDir>,
+    /// Rows that were removed while the disk was full. The next commit removes them from the database.
+    hidden: Mutex<BTreeSet<(Tree, Vec<u8>)>>,
+    /// The error that closed the database.
+    failure: OnceLock<String>,
 }
 
 impl std::fmt::Debug for SledRows {
@@ -109,260 +109,228 @@ impl std::fmt::Debug for SledRows {
     }
 }
 
-impl Handle {
+impl SledRows {
+    /// Opens or creates the database in `folder`, brings its schema up to date and reads every row. A separate thread does
+    /// so: a panic inside sled becomes an error.
+    pub(super) fn open(folder: &Path) -> Result<Self, SledOpenError> {
+        if SystemTime::UNIX_EPOCH.elapsed().is_err() {
+            // sled would panic, and that would count as damage.
+            let error = io::Error::other("this machine's clock says a time before 1970; set the clock");
+            return Err(SledOpenError::Unusable(error));
+        }
+        let folder = folder.to_owned();
+        let opening = thread::Builder::new().name("open-database".to_owned()).spawn(move || Self::open_here(folder))?;
+        opening.join().unwrap_or_else(|_| Err(SledOpenError::Damaged("sled panicked while it read its files".to_owned())))
+    }
+
+    fn open_here(folder: PathBuf) -> Result<Self, SledOpenError> {
+        if files::free_bytes(&folder)? < HEADROOM_BYTES {
+            return Err(SledOpenError::DiskFull);
+        }
+        let is_new = folder.read_dir()?.next().is_none();
+        for name in ["db", "conf"].map(|name| folder.join(name)) {
+            // Opening a FIFO would wait for ever.
+            if name.symlink_metadata().is_ok_and(|metadata| !metadata.is_file()) {
+                return Err(SledOpenError::Damaged(format!("{} is not a regular file", name.display())));
+            }
+        }
+        wait_for_release(&folder.join("db"));
+        let db = sled::Config::new().path(&folder).cache_capacity(CACHE_BYTES).open()?;
+        migrations::apply(&db, is_new, migrations::ALL)?;
+        let mut trees = Vec::with_capacity(Tree::ALL.len());
+        for tree in Tree::ALL {
+            let rows = db.open_tree(tree.name())?;
+            for row in &rows {
+                let (key, sealed) = row?;
+                if unseal(tree.name(), &key, &sealed).is_none() {
+                    return Err(SledOpenError::Damaged(format!("a row of {} does not match its hash", tree.name())));
+                }
+            }
+            trees.push(rows);
+        }
+        let trees = trees.try_into().map_err(|_| SledOpenError::Damaged("trees are missing".to_owned()))?;
+        let file = File::options().read(true).write(true).open(folder.join("db"))?;
+        db.flush()?;
+        file.sync_all().and_then(|()| sync_folder(&folder))?;
+        Ok(Self { folder, db, trees, file, hidden: Mutex::default(), failure: OnceLock::new() })
+    }
+
     fn tree(&self, tree: Tree) -> &sled::Tree {
         &self.trees[tree as usize]
     }
 
-    fn apply(&self, batch: &Batch) -> Result<(), sled::Error> {
-        if batch.is_empty() {
-            return Ok(());
-        }
-        if self.copy.is_some() {
-            return Err(sled::Error::Io(io::ErrorKind::StorageFull.into()));
-        }
-        let mut touched: Vec<Tree> = batch.changes.iter().map(|(tree, ..)| *tree).collect();
-        touched.sort_unstable();
-        touched.dedup();
-        let trees: Vec<sled::Tree> = touched.iter().map(|tree| self.tree(*tree).clone()).collect();
-        let result = trees.as_slice().transaction(|views| {
-            for (tree, key, value) in &batch.changes {
-                // `touched` has every tree of the batch.
-                let Some((_, view)) = touched.iter().zip(views).find(|(name, _)| *name == tree) else { continue };
-                match value {
-                    Some(value) => view.insert(key.as_slice(), rows::seal(tree.name(), key, value))?,
-                    None => view.remove(key.as_slice())?,
-                };
-            }
-            Ok::<(), sled::transaction::ConflictableTransactionError<()>>(())
-        });
-        match result {
-            Ok(()) | Err(TransactionError::Abort(())) => Ok(()),
-            Err(TransactionError::Storage(error)) => Err(error),
-        }
+    fn hidden(&self) -> MutexGuard<'_, BTreeSet<(Tree, Vec<u8>)>> {
+        self.hidden.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
 
-impl SledRows {
-    /// Opens or creates the database in `folder`, brings its schema up to date and reads every row.
-    pub(super) fn open(folder: &Path, sync: SyncFn) -> Result<Self, SledOpenError> {
-        let handle = match open_caught(folder) {
-            Err(SledOpenError::Unusable(source)) if is_full(source.kind()) => open_copy(folder, source)?,
-            opened => opened?,
-        };
-        sync(&handle.file).map_err(SledOpenError::Unusable)?;
-        Ok(Self {
-            folder: folder.to_owned(),
-            sync,
-            openings: AtomicU64::new(0),
-            reopen_check: Arc::default(),
-            schema_before: handle.schema_before,
-            damaged_rows: handle.damaged_rows,
-            handle: RwLock::new(Some(handle)),
+    /// Runs `operation` unless an earlier error closed the database.
+    fn with<T>(&self, operation: impl FnOnce() -> Result<T, sled::Error>) -> Result<T, StoreError> {
+        if let Some(failure) = self.failure.get() {
+            return Err(StoreError::Database(failure.clone()));
+        }
+        operation().map_err(|error| {
+            let failure = format!("it is closed after an error ({error}); start the service again");
+            tracing::error!(%error, "the database is closed; start the service again");
+            // The first error stays.
+            let _ = self.failure.set(failure.clone());
+            match error {
+                sled::Error::Io(source) if is_full(source.kind()) => StoreError::DiskFull,
+                _ => StoreError::Database(failure),
+            }
         })
     }
 
-    /// Runs `operation` on the database. If an earlier write error closed it, it is opened again.
-    fn with<T>(&self, operation: impl FnOnce(&Handle) -> Result<T, sled::Error>) -> Result<T, StoreError> {
-        let guard = loop {
-            let guard: RwLockReadGuard<'_, _> = self.handle.read().unwrap_or_else(PoisonError::into_inner);
-            if guard.is_some() {
-                break guard;
+    /// The row of a tree; `None` if it is hidden.
+    fn opened(
+        tree: Tree,
+        row: sled::Result<(sled::IVec, sled::IVec)>,
+        hidden: &BTreeSet<(Tree, Vec<u8>)>,
+    ) -> sled::Result<Option<Result<Row, StoreError>>> {
+        let (key, sealed) = row?;
+        let key = (tree, key.to_vec());
+        if hidden.contains(&key) {
+            return Ok(None);
+        }
+        let value = unseal(tree.name(), &key.1, &sealed);
+        Ok(Some(match value {
+            Some(value) => Ok((key.1, value)),
+            None => Err(StoreError::DamagedRow { tree, key: key.1 }),
+        }))
+    }
+
+    fn apply(&self, batch: &Batch) -> Result<(), sled::Error> {
+        let mut hidden = self.hidden();
+        let removals = hidden.iter().map(|(tree, key)| (*tree, key.as_slice(), None));
+        let changes = batch.changes.iter().map(|(tree, key, value)| (*tree, key.as_slice(), value.as_deref()));
+        let changes: Vec<_> = removals.chain(changes).collect();
+        let touched: BTreeSet<Tree> = changes.iter().map(|(tree, ..)| *tree).collect();
+        let trees: Vec<sled::Tree> = touched.iter().map(|tree| self.tree(*tree).clone()).collect();
+        if trees.is_empty() {
+            return Ok(());
+        }
+        let result = trees.as_slice().transaction(|views| {
+            for (tree, key, value) in &changes {
+                // `touched` has every tree of the changes.
+                let Some((_, view)) = touched.iter().zip(views).find(|(name, _)| *name == tree) else { continue };
+                match value {
+                    Some(value) => view.insert(*key, seal(tree.name(), key, value))?,
+                    None => view.remove(*key)?,
+                };
             }
-            drop(guard);
-            let mut slot = self.handle.write().unwrap_or_else(PoisonError::into_inner);
-            if slot.is_none() {
-                let opening = self.openings.fetch_add(1, Ordering::Relaxed) + 1;
-                *slot = Some(Handle { opening, ..self.reopen()? });
-            }
-        };
-        let Some(handle) = guard.as_ref() else {
-            return Err(StoreError::Database("the database is closed".to_owned()));
-        };
-        let result = operation(handle);
-        if matches!(result, Err(sled::Error::Io(_))) {
-            drop(guard);
-            tracing::error!("the database was closed after a write error");
-            *self.handle.write().unwrap_or_else(PoisonError::into_inner) = None;
+            Ok::<(), ConflictableTransactionError<()>>(())
+        });
+        if let Err(TransactionError::Storage(error)) = result {
+            return Err(error);
         }
-        result.map_err(|error| StoreError::of_sled(&error))
-    }
-
-    /// Opens the database again and checks it.
-    fn reopen(&self) -> Result<Handle, StoreError> {
-        let fresh = Self::open(&self.folder, Arc::clone(&self.sync)).map_err(|error| match error {
-            SledOpenError::Unusable(source) => StoreError::of_io(&self.folder, source),
-            // The next start makes a copy of it and restores its rows.
-            other => StoreError::Database(format!("{other}; it stays closed until the service is started again")),
-        })?;
-        if fresh.schema_before == 0 {
-            tracing::error!("sled could not read its file and started over");
-        }
-        if fresh.damaged_rows > 0 {
-            tracing::error!(rows = fresh.damaged_rows, "rows of the database are damaged");
-        }
-        let fresh = Arc::new(fresh);
-        if let Some(check) = self.reopen_check.get() {
-            check(&(Arc::clone(&fresh) as Arc<dyn Rows>))?;
-        }
-        let handle = Arc::into_inner(fresh).and_then(|rows| rows.handle.into_inner().ok()?);
-        tracing::warn!("the database was opened again and checked");
-        handle.ok_or_else(|| StoreError::Database("it closed while it was checked".to_owned()))
-    }
-
-    fn flush(&self, handle: &Handle) -> Result<(), sled::Error> {
-        handle.db.flush()?;
-        (self.sync)(&handle.file).map_err(sled::Error::Io)
-    }
-
-    /// Whether the disk has room for `batch` and sled's writes in the background.
-    pub(super) fn ensure_room(&self, batch: &Batch) -> Result<(), StoreError> {
-        let free = files::free_bytes(&self.folder).map_err(|source| StoreError::of_io(&self.folder, source))?;
-        if free < HEADROOM_BYTES + batch.bytes() as u64 {
-            return Err(StoreError::DiskFull);
-        }
-        let is_copy = |handle: &Option<Handle>| handle.as_ref().is_some_and(|handle| handle.copy.is_some());
-        if is_copy(&self.handle.read().unwrap_or_else(PoisonError::into_inner)) {
-            // The next operation opens the database itself.
-            let mut slot = self.handle.write().unwrap_or_else(PoisonError::into_inner);
-            slot.take_if(|handle| handle.copy.is_some());
-        }
+        hidden.clear();
         Ok(())
     }
 }
 
 impl Rows for SledRows {
     fn get(&self, tree: Tree, key: &[u8]) -> Result<Option<Vec<u8>>, StoreError> {
-        let Some(sealed) = self.with(|handle| handle.tree(tree).get(key))? else { return Ok(None) };
-        match rows::unseal(tree.name(), key, &sealed) {
-            Some(value) => Ok(Some(value)),
-            None => Err(StoreError::DamagedRow { tree, key: key.to_vec() }),
+        if self.hidden().contains(&(tree, key.to_vec())) {
+            return Ok(None);
         }
+        let Some(sealed) = self.with(|| self.tree(tree).get(key))? else { return Ok(None) };
+        let value = unseal(tree.name(), key, &sealed);
+        value.map(Some).ok_or_else(|| StoreError::DamagedRow { tree, key: key.to_vec() })
     }
 
     fn scan(&self, tree: Tree, prefix: &[u8]) -> Result<Vec<Row>, StoreError> {
-        self.with(|handle| handle.tree(tree).scan_prefix(prefix).map(|row| opened(tree, row)).collect())
+        let hidden = self.hidden();
+        let found = || {
+            let rows = self.tree(tree).scan_prefix(prefix);
+            rows.filter_map(|row| Self::opened(tree, row, &hidden).transpose()).collect::<sled::Result<Vec<_>>>()
+        };
+        self.with(found)?.into_iter().collect()
     }
 
     fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError> {
-        self.with(|handle| {
+        let hidden = self.hidden();
+        let found = || {
             let rows = match before {
-                Some(before) => handle.tree(tree).range(..before),
-                None => handle.tree(tree).iter(),
+                Some(before) => self.tree(tree).range(..before),
+                None => self.tree(tree).iter(),
             };
-            rows.rev().take(limit).map(|row| opened(tree, row)).collect()
-        })
+            let rows = rows.rev().filter_map(|row| Self::opened(tree, row, &hidden).transpose());
+            rows.take(limit).collect::<sled::Result<Vec<_>>>()
+        };
+        self.with(found)?.into_iter().collect()
     }
 
     fn commit(&self, batch: &Batch) -> Result<(), StoreError> {
-        self.ensure_room(batch)?;
-        self.with(|handle| {
-            handle.apply(batch)?;
-            self.flush(handle)
+        let free = files::free_bytes(&self.folder).map_err(|source| StoreError::of_io(&self.folder, source))?;
+        if free < HEADROOM_BYTES + batch.bytes() as u64 {
+            if !batch.only_removes() {
+                return Err(StoreError::DiskFull);
+            }
+            self.hidden().extend(batch.changes.iter().map(|(tree, key, _)| (*tree, key.clone())));
+            return Ok(());
+        }
+        self.with(|| {
+            self.apply(batch)?;
+            self.db.flush()?;
+            self.file.sync_all().map_err(sled::Error::Io)
         })
     }
 
     fn is_writable(&self) -> bool {
-        files::free_bytes(&self.folder).is_ok_and(|free| free >= HEADROOM_BYTES + JOB_BYTES)
-    }
-
-    fn stage(&self, batch: &Batch) -> Result<Staged, StoreError> {
-        self.ensure_room(batch)?;
-        self.with(|handle| {
-            handle.apply(batch)?;
-            Ok(Staged(handle.opening))
-        })
-    }
-
-    fn settle(&self, staged: Staged) -> Result<(), StoreError> {
-        let is_settled = self.with(|handle| {
-            if handle.opening != staged.0 {
-                return Ok(false);
-            }
-            self.flush(handle)?;
-            Ok(true)
-        })?;
-        if is_settled {
-            return Ok(());
-        }
-        Err(StoreError::Database("it was closed by a write error while rows were on their way to the disk".to_owned()))
+        let has_room = || files::free_bytes(&self.folder).is_ok_and(|free| free >= HEADROOM_BYTES + JOB_BYTES);
+        self.failure.get().is_none() && has_room()
     }
 }
 
-fn opened(tree: Tree, row: sled::Result<(sled::IVec, sled::IVec)>) -> sled::Result<Row> {
-    row.map(|(key, sealed)| Row { key: key.to_vec(), value: rows::unseal(tree.name(), &key, &sealed) })
-}
-
-/// Opens a copy of the database where there is room, or fails with `full`.
-fn open_copy(folder: &Path, full: io::Error) -> Result<Handle, SledOpenError> {
-    for elsewhere in [env::temp_dir(), "/dev/shm".into()] {
-        let copied = TempDir::with_prefix_in("ltcforge-", elsewhere).and_then(|copy| {
-            files::copy_folder(folder, copy.path())?;
-            Ok(copy)
-        });
-        let Ok(copy) = copied else { continue };
-        if let Ok(handle) = open_caught(copy.path()) {
-            tracing::error!("the disk is full: the database is only read, until there is room");
-            return Ok(Handle { copy: Some(copy), ..handle });
-        }
-    }
-    Err(SledOpenError::Unusable(full))
-}
-
-/// Opens the database on a separate thread, so that a panic inside sled becomes an error.
-fn open_caught(folder: &Path) -> Result<Handle, SledOpenError> {
-    check_clock(SystemTime::now()).map_err(SledOpenError::Unusable)?;
-    let folder = folder.to_owned();
-    let opening = thread::Builder::new().name("open-database".to_owned()).spawn(move || open(&folder));
-    match opening.map_err(SledOpenError::Unusable)?.join() {
-        Ok(result) => result,
-        Err(_) => Err(SledOpenError::Damaged("sled panicked while it read its files".to_owned())),
+/// Waits until no other database has locked `file`.
+fn wait_for_release(file: &Path) {
+    let Ok(file) = File::options().write(true).open(file) else { return };
+    let end = Instant::now() + RELEASE;
+    while matches!(file.try_lock(), Err(TryLockError::WouldBlock)) && Instant::now() < end {
+        thread::sleep(Duration::from_millis(1));
     }
 }
 
-fn open(folder: &Path) -> Result<Handle, SledOpenError> {
-    let refused = |error: sled::Error| match error {
-        // A truncated file causes these. Other I/O errors do not mean that the data is damaged.
-        sled::Error::Io(source)
-            if matches!(source.kind(), io::ErrorKind::UnexpectedEof | io::ErrorKind::InvalidData) =>
-        {
-            SledOpenError::Damaged(source.to_string())
-        }
-        sled::Error::Io(source) => SledOpenError::Unusable(source),
-        other => SledOpenError::Damaged(other.to_string()),
-    };
-    let db = open_sled(folder).map_err(refused)?;
-    let applied = migrations::apply(&db, migrations::ALL).map_err(|error| match error {
-        MigrationError::Sled(error) => refused(error),
-        other => SledOpenError::Schema(other),
-    })?;
-    let mut trees = Vec::with_capacity(Tree::ALL.len());
-    for tree in Tree::ALL {
-        trees.push(db.open_tree(tree.name()).map_err(refused)?);
-    }
-    let mut damaged_rows = 0;
-    for (tree, rows) in Tree::ALL.into_iter().zip(&trees) {
-        for row in rows {
-            damaged_rows += usize::from(opened(tree, row).map_err(refused)?.value.is_none());
-        }
-    }
-    let trees = trees.try_into().map_err(|_| SledOpenError::Damaged("trees are missing".to_owned()))?;
-    let file = File::options().read(true).write(true).open(folder.join("db")).map_err(SledOpenError::Unusable)?;
-    db.flush().map_err(refused)?;
-    file.sync_all().and_then(|()| files::sync_folder(folder)).map_err(SledOpenError::Unusable)?;
-    Ok(Handle { db, trees, file, opening: 0, schema_before: migrations::ALL.len() - applied, damaged_rows, copy: None })
+/// Bytes of the hash in front of each stored value.
+const SEAL_BYTES: usize = 8;
+
+/// A value as it is stored: the beginning of the SHA-256 of tree, key and value, then the value. This detects bit flips
+/// and values under a wrong key.
+pub(super) fn seal(tree: &str, key: &[u8], value: &[u8]) -> Vec<u8> {
+    [&hash(tree, key, value)[..], value].concat()
 }
 
-/// Opens the database in `folder` with sled, once it is not locked.
-pub(super) fn open_sled(folder: &Path) -> Result<sled::Db, sled::Error> {
-    if let Ok(file) = File::options().write(true).open(folder.join("db")) {
-        let end = Instant::now() + RELEASE;
-        while matches!(file.try_lock(), Err(TryLockError::WouldBlock)) && Instant::now() < end {
-            thread::sleep(Duration::from_millis(1));
-        }
+/// The inverse of [`seal`]; `None` when the hash does not match.
+pub(super) fn unseal(tree: &str, key: &[u8], sealed: &[u8]) -> Option<Vec<u8>> {
+    let (found, value) = sealed.split_at_checked(SEAL_BYTES)?;
+    (found == hash(tree, key, value)).then(|| value.to_vec())
+}
+
+fn hash(tree: &str, key: &[u8], value: &[u8]) -> [u8; SEAL_BYTES] {
+    let mut hasher = Sha256::new();
+    for part in [tree.as_bytes(), key] {
+        hasher.update((part.len() as u64).to_le_bytes());
+        hasher.update(part);
     }
-    sled::Config::new().path(folder).cache_capacity(CACHE_BYTES).open()
+    hasher.update(value);
+    let full = hasher.finalize();
+    std::array::from_fn(|i| full[i])
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sealed_value_opens_under_its_own_key_only_and_every_bit_flip_is_detected() {
+        let sealed = seal("jobs", b"key", b"value");
+        assert_eq!(unseal("jobs", b"key", &sealed).unwrap(), b"value");
+        assert!(unseal("jobs", b"kex", &sealed).is_none());
+        assert!(unseal("results", b"key", &sealed).is_none());
+        for bit in 0..sealed.len() * 8 {
+            let mut damaged = sealed.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            assert!(unseal("jobs", b"key", &damaged).is_none(), "bit {bit}");
+        }
+        assert!(unseal("jobs", b"key", b"short").is_none());
+    }
+}

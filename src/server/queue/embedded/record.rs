@@ -1,145 +1,141 @@
-//! Jobs and tasks as rows.
-
-use std::ops::Range;
+//! Jobs as rows of the database, and in memory.
 
 use serde::{Deserialize, Serialize};
 
-use super::task::Task;
 use crate::{
-    queue::{Job, JobId},
-    store::{Batch, Rows, StoreError, Tree},
+    queue::{Job, JobId, Shard, TaskKind, order},
+    store::{Batch, StoreError, Tree},
 };
-use ltcforge_files::hex::to_hex;
 
-/// A job's row.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct JobRecord {
-    /// Number of the submission. It orders the queue and distinguishes the leases of different submissions of a job.
+/// The row of a job.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Record {
+    pub(super) job: Job,
+    /// Its number in the order of submissions.
     pub(super) submission: u64,
-    /// Entries of each shard.
-    pub shard_entries: Vec<u32>,
-    /// The job.
-    pub job: Job,
+    /// The version of the fitter that makes its results.
+    pub(super) fitter: u32,
+    /// The tag of its first shard.
+    pub(super) base: i64,
+    /// Empty once it is done or cancelled.
+    pub(super) shards: Vec<Shard>,
 }
 
-/// All jobs, first submitted first.
-///
-/// # Errors
-/// When the database fails.
-pub fn stored_jobs(rows: &dyn Rows) -> Result<Vec<JobRecord>, StoreError> {
-    let mut records = Vec::new();
-    for row in rows.scan(Tree::Jobs, &[])? {
-        match serde_json::from_slice::<JobRecord>(&row.value.unwrap_or_default()) {
-            Ok(record) => records.push(record),
-            Err(error) => tracing::error!(job = to_hex(&row.key), %error, "the job cannot be read; it is lost"),
-        }
-    }
-    records.sort_by_key(|record| record.submission);
-    Ok(records)
-}
-
-/// The finished shards of a job with their results, in order.
-///
-/// # Errors
-/// When the database fails. Results that cannot be read are left out; their shards are fitted again.
-pub fn stored_results(rows: &dyn Rows, job: JobId) -> Result<Vec<(u32, Vec<u8>)>, StoreError> {
-    let results = rows.scan(Tree::Results, job.as_bytes())?.into_iter();
-    Ok(results.filter_map(|row| Some((task_of_key(&row.key)?, row.value?))).collect())
-}
-
-/// The stored tasks of a job; `None` for a damaged row.
-pub(super) fn stored_tasks(rows: &dyn Rows, id: JobId) -> Result<Vec<(u32, Option<Task>)>, StoreError> {
-    let rows = rows.scan(Tree::Shards, id.as_bytes())?.into_iter();
-    let read = |value: Option<Vec<u8>>| serde_json::from_slice(&value?).ok();
-    Ok(rows.filter_map(|row| Some((task_of_key(&row.key)?, read(row.value)))).collect())
-}
-
-/// Key of a task's row and of its result: job id and task, big-endian.
-pub(super) fn task_key(job: JobId, task: u32) -> [u8; 20] {
-    let mut key = [0; 20];
-    key[..16].copy_from_slice(job.as_bytes());
-    key[16..].copy_from_slice(&task.to_be_bytes());
-    key
-}
-
-/// The task in a key of [`task_key`].
-fn task_of_key(key: &[u8]) -> Option<u32> {
-    Some(u32::from_be_bytes(key.get(16..)?.try_into().ok()?))
-}
-
-/// Puts a job's row into `batch`.
-pub(super) fn put_job(batch: &mut Batch, record: &JobRecord) -> Result<(), StoreError> {
-    batch.put(Tree::Jobs, *record.job.id.as_bytes(), encode(record)?);
-    Ok(())
-}
-
-/// Puts a task's row into `batch`.
-pub(super) fn put_task(batch: &mut Batch, job: JobId, number: u32, task: &Task) -> Result<(), StoreError> {
-    batch.put(Tree::Shards, task_key(job, number), encode(task)?);
-    Ok(())
-}
-
-/// Removes the rows of tasks and their results.
-pub(super) fn remove_tasks(batch: &mut Batch, keys: impl IntoIterator<Item = impl AsRef<[u8]>>) {
-    for key in keys {
-        batch.remove(Tree::Shards, key.as_ref());
-        batch.remove(Tree::Results, key.as_ref());
+impl Record {
+    /// Adds the row to `batch`.
+    pub(super) fn put(&self, batch: &mut Batch) -> Result<(), StoreError> {
+        let value = serde_json::to_vec(self).map_err(|error| StoreError::Database(error.to_string()))?;
+        batch.put(Tree::Jobs, *self.job.id.as_bytes(), value);
+        Ok(())
     }
 }
 
-impl JobRecord {
-    /// Number of shards.
-    pub(super) fn shards(&self) -> u32 {
-        u32::try_from(self.shard_entries.len()).unwrap_or(u32::MAX)
-    }
-
-    /// All tasks: one more than there are shards, the assembly.
-    pub(super) fn tasks(&self) -> Range<u32> {
-        0..self.shards().saturating_add(1)
-    }
+/// The key of a shard's result.
+pub(super) fn result_key(job: JobId, shard: u32) -> Vec<u8> {
+    [&job.as_bytes()[..], &shard.to_be_bytes()].concat()
 }
 
-fn encode(row: &impl Serialize) -> Result<Vec<u8>, StoreError> {
-    serde_json::to_vec(row).map_err(|error| StoreError::Database(error.to_string()))
+/// The inverse of [`result_key`].
+pub(super) fn parse_result_key(key: &[u8]) -> Option<(JobId, u32)> {
+    let (job, shard) = key.split_at_checked(16)?;
+    Some((JobId::from_slice(job)?, u32::from_be_bytes(shard.try_into().ok()?)))
 }
 
-#[cfg(test)]
-mod tests {
-    use std::num::NonZeroU32;
+/// The state of a task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum TaskState {
+    /// An assembly whose shards are not all finished, or a task of a job that is about to fail.
+    Blocked,
+    /// No worker has it.
+    Waiting,
+    /// A worker has it.
+    Leased {
+        /// The fence.
+        number: u64,
+        /// When the lease expires, by the steady clock.
+        until: std::time::Duration,
+        /// Entries that the worker has reported.
+        entries: u64,
+    },
+    /// The result of the shard is stored.
+    Finished,
+}
 
-    use jiff::Timestamp;
+/// A task of an unfinished job.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Task {
+    pub(super) tag: i64,
+    pub(super) state: TaskState,
+    /// Leases without those that were given back.
+    pub(super) leases: u32,
+    /// Reported failures.
+    pub(super) failures: u32,
+}
 
-    use super::*;
-    use crate::queue::{Claim, Failure, FailureKind, JobState, Priority};
-    use ltcforge_files::digest::Digest;
+/// A job in memory.
+#[derive(Debug)]
+pub(super) struct Entry {
+    pub(super) record: Record,
+    /// A task for each shard, then the assembly; empty once the job has ended.
+    pub(super) tasks: Vec<Task>,
+    /// Shards that are not finished.
+    pub(super) unfinished: usize,
+    /// Shards of a failed job whose results are stored.
+    pub(super) kept: Vec<u32>,
+    /// Whether the row says that the job is running.
+    pub(super) is_stored_as_running: bool,
+}
 
-    #[test]
-    fn rows_come_back_as_they_were() {
-        let digest = Digest::of(b"recipe");
-        for state in [
-            JobState::Queued,
-            JobState::Done { table: digest },
-            JobState::Failed { error: Failure { kind: FailureKind::DiskFull, detail: "full".to_owned() } },
-        ] {
-            let job = Job {
-                id: JobId::of_recipe(&digest),
-                recipe: "{}".to_owned(),
-                recipe_digest: digest,
-                state,
-                entries_total: 3,
-                entries_done: 1,
-                attempts: 1,
-                created_at: Timestamp::UNIX_EPOCH,
-                started_at: None,
-                finished_at: Some(Timestamp::MAX),
-                submitted_by: Some("farm".to_owned()),
-                cancelled_by: None,
-                claim: Claim { team: "lighting".to_owned(), share: NonZeroU32::MIN, priority: Priority::High },
+impl Entry {
+    /// An unfinished job; `finished` are its finished shards, in ascending order.
+    pub(super) fn unfinished(record: Record, finished: &[u32]) -> Self {
+        let is_finished = |number| finished.binary_search(&number).is_ok();
+        let tags = order::tags(record.base, &record.shards, is_finished);
+        let unfinished = record.shards.len() - finished.len();
+        let tasks = (0..).zip(tags).map(|(number, tag)| {
+            let state = match number as usize == record.shards.len() {
+                true if unfinished > 0 => TaskState::Blocked,
+                false if is_finished(number) => TaskState::Finished,
+                _ => TaskState::Waiting,
             };
-            let record = JobRecord { submission: 7, shard_entries: vec![2, 1], job };
-            assert_eq!(serde_json::from_slice::<JobRecord>(&encode(&record).unwrap()).unwrap(), record);
+            Task { tag, state, leases: 0, failures: 0 }
+        });
+        let is_stored_as_running = record.job.started_at.is_some();
+        Self { tasks: tasks.collect(), unfinished, kept: vec![], is_stored_as_running, record }
+    }
+
+    /// A job that has ended, with the shards whose results are stored.
+    pub(super) fn ended(record: Record, kept: Vec<u32>) -> Self {
+        Self { record, tasks: vec![], unfinished: 0, kept, is_stored_as_running: true }
+    }
+
+    /// The work of a task.
+    pub(super) fn kind(&self, task: u32) -> TaskKind {
+        if task as usize == self.record.shards.len() { TaskKind::Assemble } else { TaskKind::Shard(task) }
+    }
+
+    /// Shards whose results are stored.
+    pub(super) fn finished(&self) -> Vec<u32> {
+        if self.tasks.is_empty() {
+            return self.kept.clone();
         }
-        assert_eq!(task_of_key(&task_key(JobId::of_recipe(&digest), 513)), Some(513));
-        assert_eq!(task_of_key(b"short"), None);
+        let tasks = (0..).zip(&self.tasks);
+        tasks.filter(|(_, task)| task.state == TaskState::Finished).map(|(number, _)| number).collect()
+    }
+
+    /// The job as it is now.
+    pub(super) fn job(&self) -> Job {
+        let mut job = self.record.job.clone();
+        if self.tasks.is_empty() {
+            return job;
+        }
+        let done = self.tasks.iter().zip(&self.record.shards).map(|(task, shard)| match task.state {
+            TaskState::Finished => shard.entries.into(),
+            TaskState::Leased { entries, .. } => entries.min(shard.entries.into()),
+            TaskState::Blocked | TaskState::Waiting => 0,
+        });
+        job.entries_done = done.sum();
+        job.attempts = self.tasks.iter().map(|task| task.leases).fold(job.attempts, u32::max);
+        job
     }
 }

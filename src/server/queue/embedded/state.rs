@@ -1,223 +1,266 @@
-//! The queue's state, and the helpers that all of its operations share.
+//! All jobs and tasks in memory. Nothing here writes to the database.
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap, VecDeque},
-    ops::Range,
-    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
-    thread,
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use jiff::Timestamp;
 
-use super::{
-    active::ActiveJob,
-    record::{self, JobRecord},
-    task::{Task, TaskState},
-    teams::{ActiveJobs, Teams},
+use super::record::{Entry, Task, TaskState, result_key};
+use crate::queue::{
+    Depth, Failure, Job, JobId, JobPage, JobState, Lease, LeasedTask, Limits, MOST_FAILURES, MOST_LEASES, StaleLease,
+    StateName, Statistics, TaskKind, failed_often, leased_often,
 };
-use crate::{
-    queue::{Job, JobId, JobState, Lease, Limits, StaleLease},
-    store::{Batch, Rows, StoreError},
-};
+use ltcforge_files::digest::Digest;
 
-/// The clocks of a queue; tests have their own.
-#[derive(Clone)]
-pub struct Clock {
-    /// The time of the day, as jobs have it. Somebody may set it at any time, ahead or back.
-    pub wall: Arc<dyn Fn() -> Timestamp + Send + Sync>,
-    /// The time since some beginning, by which leases expire: nobody sets it, and it stands still while the machine is
-    /// suspended.
-    pub steady: Arc<dyn Fn() -> Duration + Send + Sync>,
-}
-
-impl Clock {
-    /// The clocks of this machine.
-    #[must_use]
-    pub fn system() -> Self {
-        let began = Instant::now();
-        Self { wall: Arc::new(Timestamp::now), steady: Arc::new(move || began.elapsed()) }
-    }
-}
-
-/// Durable jobs, which share the workers.
-///
-/// The lock is held while a change of a job is written, so that only durable changes can be seen. Results are written
-/// without it, and their tasks count as leased meanwhile.
-pub struct EmbeddedQueue {
-    pub(super) rows: Arc<dyn Rows>,
-    pub(super) limits: Limits,
-    pub(super) clock: Clock,
-    pub(super) first_name: u64,
-    pub(super) state: Mutex<QueueState>,
-    pub(super) changed: Condvar,
-}
+/// A job that is about to fail, and why.
+pub(super) type Doomed = (u64, Failure);
 
 #[derive(Debug, Default)]
-pub(super) struct QueueState {
-    /// Unfinished jobs by submission.
-    pub(super) active: ActiveJobs,
-    /// Teams that had jobs since the queue was opened.
-    pub(super) teams: Teams,
-    /// Jobs in final states by submission.
-    pub(super) ended: BTreeMap<u64, JobRecord>,
-    /// The submission of each job.
+pub(super) struct State {
+    /// By submission.
+    pub(super) jobs: BTreeMap<u64, Entry>,
     pub(super) by_id: HashMap<JobId, u64>,
-    pub(super) next_submission: u64,
-    /// Leases given so far. Their names are counted from [`EmbeddedQueue::first_name`] on.
-    pub(super) leases: u64,
-    /// Until then leases are written to the disk before work begins, see `Queue::lease`.
-    pub(super) careful_until: Option<Duration>,
-    /// Submissions that failed while their job could not be written. Each later commit writes it too.
-    pub(super) unsaved: BTreeSet<u64>,
-    /// Tasks of ended jobs whose rows may still be stored.
-    pub(super) leftovers: VecDeque<(JobId, Range<u32>)>,
-    /// Jobs that changed and whose followers have not been notified.
-    pub(super) changed_jobs: BTreeSet<JobId>,
-    /// Number of changes so far that may have made a task available.
-    pub(super) generation: u64,
-    pub(super) closed: bool,
-    /// No lease expires before this.
-    pub(super) next_expiry: Option<Duration>,
-    /// Old jobs are looked for no earlier than this.
-    pub(super) next_forgetting: Option<Duration>,
-    /// The time of the day when they were last looked for; at the start the latest that a job has.
-    pub(super) last_seen: Timestamp,
-    pub(super) leases_expired: u64,
-    pub(super) failures: u64,
+    by_table: HashMap<Digest, u64>,
+    /// Unfinished jobs.
+    pub(super) active: BTreeSet<u64>,
+    /// Ended jobs by their end.
+    ended: BTreeSet<(Timestamp, u64)>,
+    /// Tag, submission and task.
+    waiting: BTreeSet<(i64, u64, u32)>,
+    /// Submission and task.
+    leased: BTreeSet<(u64, u32)>,
+    /// Jobs that fail with the next write.
+    pub(super) doomed: VecDeque<Doomed>,
+    /// Keys of results that nobody needs any more. Later writes remove them.
+    pub(super) garbage: VecDeque<Vec<u8>>,
+    pub(super) last_submission: u64,
+    last_lease: u64,
+    pub(super) is_closed: bool,
+    /// Leases that expired, and reported failures.
+    pub(super) failures: (u64, u64),
 }
 
-impl std::fmt::Debug for EmbeddedQueue {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("EmbeddedQueue").field("limits", &self.limits).finish_non_exhaustive()
-    }
-}
-
-impl EmbeddedQueue {
-    /// The state, after all expired leases have been taken back.
-    pub(super) fn lock(&self) -> MutexGuard<'_, QueueState> {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        self.take_back_expired(&mut state);
-        state
+impl State {
+    /// The job of an id.
+    pub(super) fn find(&self, id: JobId) -> Option<&Entry> {
+        self.by_id.get(&id).and_then(|submission| self.jobs.get(submission))
     }
 
-    /// Commits `batch`, together with the failures that could not be written earlier.
-    pub(super) fn commit(&self, state: &mut QueueState, batch: Batch) -> Result<(), StoreError> {
-        let mut all = Batch::default();
-        for record in state.unsaved.iter().filter_map(|submission| state.ended.get(submission)) {
-            record::put_job(&mut all, record)?;
+    /// The smallest waiting tag.
+    pub(super) fn first_tag(&self) -> Option<i64> {
+        self.waiting.first().map(|(tag, ..)| *tag)
+    }
+
+    /// Whether no task waits.
+    pub(super) fn is_idle(&self) -> bool {
+        self.waiting.is_empty()
+    }
+
+    /// Adds a job, or replaces it.
+    pub(super) fn insert(&mut self, entry: Entry) {
+        let (submission, job) = (entry.record.submission, &entry.record.job);
+        if let Some(old) = self.by_id.get(&job.id).copied() {
+            self.remove(old);
         }
-        all.extend(batch);
-        self.rows.commit(&all)?;
-        state.unsaved.clear();
-        Ok(())
-    }
-
-    /// Commits the end of a job together with `batch`.
-    pub(super) fn conclude(&self, state: &mut QueueState, record: JobRecord, batch: Batch) -> Result<(), StoreError> {
-        let mut batch = batch;
-        record::put_job(&mut batch, &record)?;
-        self.commit(state, batch)?;
-        self.end(state, record);
-        Ok(())
-    }
-
-    /// Moves a job to those that have ended, and begins to remove the rows of its tasks.
-    pub(super) fn end(&self, state: &mut QueueState, record: JobRecord) {
-        let (id, submission) = (record.job.id, record.submission);
-        // A failed job keeps its finished shards for the next submission.
-        if !matches!(record.job.state, JobState::Failed { .. }) {
-            state.leftovers.push_back((id, record.tasks()));
+        self.by_id.insert(job.id, submission);
+        self.last_submission = self.last_submission.max(submission);
+        if let JobState::Done { table } = job.state {
+            self.by_table.insert(table, submission);
         }
-        state.active.remove(&submission);
-        state.by_id.insert(id, submission);
-        state.ended.insert(submission, record);
-        state.record_change(id);
-        self.remove_leftovers(state);
-        self.changed.notify_all();
+        if job.state.name().is_final() {
+            self.ended.insert((job.finished_at.unwrap_or(job.created_at), submission));
+        } else {
+            self.active.insert(submission);
+            let waiting = (0..).zip(&entry.tasks).filter(|(_, task)| task.state == TaskState::Waiting);
+            self.waiting.extend(waiting.map(|(number, task)| (task.tag, submission, number)));
+        }
+        self.jobs.insert(submission, entry);
     }
 
-    /// Sets a leased task.
-    pub(super) fn set(&self, state: &mut QueueState, lease: &Lease, task: Task) {
-        if let Some(active) = state.active.get_mut(&lease.submission) {
-            active.set(lease.task, task);
-            let id = active.record.job.id;
-            state.record_change(id);
+    /// Forgets a job with its leases.
+    pub(super) fn remove(&mut self, submission: u64) {
+        let Some(entry) = self.jobs.remove(&submission) else { return };
+        let job = &entry.record.job;
+        self.by_id.remove(&job.id);
+        self.active.remove(&submission);
+        self.ended.remove(&(job.finished_at.unwrap_or(job.created_at), submission));
+        if let JobState::Done { table } = job.state
+            && self.by_table.get(&table) == Some(&submission)
+        {
+            self.by_table.remove(&table);
         }
-        self.changed.notify_all();
-    }
-
-    pub(super) fn wait_for_change(&self, seen: u64) {
-        let mut state = self.lock();
-        while state.generation == seen && !state.closed && self.remove_leftovers(&mut state) {
-            drop(state);
-            thread::yield_now();
-            state = self.lock();
-        }
-        while state.generation == seen && !state.closed {
-            let left = state.next_expiry.map(|expiry| expiry.saturating_sub((self.clock.steady)()));
-            state = match left {
-                Some(left) => self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0,
-                None => self.changed.wait(state).unwrap_or_else(PoisonError::into_inner),
-            };
-            self.take_back_expired(&mut state);
+        for (number, task) in (0..).zip(&entry.tasks) {
+            self.waiting.remove(&(task.tag, submission, number));
+            self.leased.remove(&(submission, number));
         }
     }
-}
 
-impl QueueState {
-    /// Adds an unfinished job.
-    pub(super) fn activate(&mut self, submission: u64, active: ActiveJob) {
-        self.teams.join(active.claim(), &self.active);
-        self.active.insert(submission, active);
+    /// Sets the state of a task, and whether it waits or is leased.
+    pub(super) fn set(&mut self, submission: u64, number: u32, state: TaskState) {
+        let Some(task) = self.jobs.get_mut(&submission).and_then(|entry| entry.tasks.get_mut(number as usize)) else {
+            return;
+        };
+        task.state = state;
+        let waiting = (task.tag, submission, number);
+        self.waiting.remove(&waiting);
+        self.leased.remove(&(submission, number));
+        match state {
+            TaskState::Waiting => drop(self.waiting.insert(waiting)),
+            TaskState::Leased { .. } => drop(self.leased.insert((submission, number))),
+            TaskState::Blocked | TaskState::Finished => {}
+        }
     }
 
-    /// A queued or running job.
-    pub(super) fn active_job(&self, id: JobId) -> Option<&ActiveJob> {
-        self.active.get(self.by_id.get(&id)?)
-    }
-
-    /// A job in a final state.
-    pub(super) fn ended_job(&self, id: JobId) -> Option<&JobRecord> {
-        self.ended.get(self.by_id.get(&id)?)
-    }
-
-    /// A job.
-    pub(super) fn job(&self, id: JobId) -> Option<Job> {
-        self.active_job(id).map(ActiveJob::job).or_else(|| Some(self.ended_job(id)?.job.clone()))
-    }
-
-    /// The job and the task of a lease, if the lease is the current one.
-    pub(super) fn current(&self, lease: &Lease) -> Result<(&ActiveJob, Task), StaleLease> {
-        let active = self.active.get(&lease.submission).ok_or(StaleLease)?;
-        match active.tasks.get(lease.task as usize) {
-            Some(task) if matches!(task.state, TaskState::Leased { name, .. } if name == lease.name) => {
-                Ok((active, *task))
-            }
+    /// The task of a current lease, and its work.
+    pub(super) fn current(&mut self, lease: &Lease) -> Result<(TaskKind, &mut Task), StaleLease> {
+        let entry = self.jobs.get_mut(&lease.submission).ok_or(StaleLease)?;
+        let kind = entry.kind(lease.task);
+        let task = entry.tasks.get_mut(lease.task as usize).ok_or(StaleLease)?;
+        match task.state {
+            TaskState::Leased { number, .. } if number == lease.number => Ok((kind, task)),
             _ => Err(StaleLease),
         }
     }
 
-    /// Renews a lease; returns its job.
-    pub(super) fn renew(&mut self, lease: &Lease, until: Duration) -> Result<&mut ActiveJob, StaleLease> {
-        self.current(lease)?;
-        let active = self.active.get_mut(&lease.submission).ok_or(StaleLease)?;
-        active.tasks.get_mut(lease.task as usize).ok_or(StaleLease)?.state =
-            TaskState::Leased { until, name: lease.name };
-        Ok(active)
-    }
-
-    /// Records a change of `job` that may have made a task available. The caller notifies the workers.
-    pub(super) fn record_change(&mut self, job: JobId) {
-        self.generation += 1;
-        self.changed_jobs.insert(job);
-    }
-
-    /// Forgets a job that has ended.
-    pub(super) fn forget(&mut self, id: JobId) {
-        if let Some(submission) = self.by_id.remove(&id) {
-            self.ended.remove(&submission);
-            self.unsaved.remove(&submission);
+    /// Leases up to `most` waiting tasks.
+    pub(super) fn lease(&mut self, most: usize, until: Duration, now: Timestamp) -> Vec<LeasedTask> {
+        let first: Vec<_> = self.waiting.iter().take(most).copied().collect();
+        let mut leased = Vec::with_capacity(first.len());
+        for (_, submission, task) in first {
+            self.last_lease += 1;
+            let number = self.last_lease;
+            self.set(submission, task, TaskState::Leased { number, until, entries: 0 });
+            let Some(entry) = self.jobs.get_mut(&submission) else { continue };
+            entry.tasks[task as usize].leases += 1;
+            let kind = entry.kind(task);
+            let job = &mut entry.record.job;
+            if job.state == JobState::Queued {
+                job.state = JobState::Running;
+                job.started_at = Some(now);
+            }
+            leased.push(LeasedTask {
+                lease: Lease { submission, task, number },
+                kind,
+                job: job.id,
+                recipe: job.recipe.clone(),
+                recipe_digest: job.recipe_digest,
+            });
         }
+        leased
+    }
+
+    /// Puts the tasks back whose lease has expired at `now`.
+    pub(super) fn put_back_expired(&mut self, now: Duration) {
+        let leased: Vec<_> = self.leased.iter().copied().collect();
+        for (submission, number) in leased {
+            let Some(entry) = self.jobs.get(&submission) else { continue };
+            let task = entry.tasks[number as usize];
+            if matches!(task.state, TaskState::Leased { until, .. } if until <= now) {
+                tracing::warn!(job = %entry.record.job.id, task = number, "a lease expired");
+                self.failures.0 += 1;
+                self.put_back(submission, number, None);
+            }
+        }
+    }
+
+    /// Puts a leased task back, with the error that its worker reported. Its job is doomed if that was too often.
+    pub(super) fn put_back(&mut self, submission: u64, number: u32, error: Option<&str>) {
+        let Some(entry) = self.jobs.get_mut(&submission) else { return };
+        let kind = entry.kind(number);
+        let task = &mut entry.tasks[number as usize];
+        task.failures += u32::from(error.is_some());
+        let failure = match error {
+            Some(error) if task.failures >= MOST_FAILURES => Some(failed_often(kind, task.failures, error)),
+            _ if task.leases >= MOST_LEASES => Some(leased_often(kind, task.leases)),
+            _ => None,
+        };
+        match failure {
+            Some(failure) => self.doom(submission, number, failure),
+            None => self.set(submission, number, TaskState::Waiting),
+        }
+    }
+
+    /// Lets the job of a task fail with the next write.
+    pub(super) fn doom(&mut self, submission: u64, task: u32, failure: Failure) {
+        self.set(submission, task, TaskState::Blocked);
+        self.doomed.push_back((submission, failure));
+    }
+
+    /// Marks a shard as finished. With the last one, the assembly waits.
+    pub(super) fn finish_shard(&mut self, submission: u64, shard: u32) {
+        self.set(submission, shard, TaskState::Finished);
+        let Some(entry) = self.jobs.get_mut(&submission) else { return };
+        entry.unfinished -= 1;
+        if entry.unfinished == 0 {
+            let assembly = entry.record.shards.len() as u32;
+            self.set(submission, assembly, TaskState::Waiting);
+        }
+    }
+
+    /// Lets shards wait again whose results are lost, and the assembly after them.
+    pub(super) fn lose(&mut self, submission: u64, shards: &[u32]) {
+        for shard in shards {
+            self.set(submission, *shard, TaskState::Waiting);
+        }
+        let Some(entry) = self.jobs.get_mut(&submission) else { return };
+        entry.unfinished += shards.len();
+        let assembly = entry.record.shards.len() as u32;
+        self.set(submission, assembly, TaskState::Blocked);
+    }
+
+    /// Ended jobs to forget, at most `most`.
+    pub(super) fn forgettable(&self, limits: &Limits, now: Timestamp, most: usize) -> Vec<u64> {
+        let too_many = self.ended.len().saturating_sub(limits.most_ended.unwrap_or(usize::MAX));
+        let is_old = |ended: Timestamp| {
+            limits.keep_ended.is_some_and(|keep| now.duration_since(ended).unsigned_abs() > keep && ended < now)
+        };
+        let ended = self.ended.iter().enumerate();
+        let old = ended.take_while(|(n, (ended, _))| *n < too_many || is_old(*ended));
+        old.map(|(_, (_, submission))| *submission).take(most).collect()
+    }
+
+    /// Forgets an ended job. Its results are garbage.
+    pub(super) fn forget(&mut self, submission: u64) {
+        let Some(entry) = self.jobs.get(&submission) else { return };
+        let id = entry.record.job.id;
+        self.garbage.extend(entry.kept.iter().map(|shard| result_key(id, *shard)));
+        self.remove(submission);
+    }
+
+    /// The job that made a table.
+    pub(super) fn job_of_table(&self, table: Digest) -> Option<Job> {
+        self.by_table.get(&table).and_then(|submission| self.jobs.get(submission)).map(Entry::job)
+    }
+
+    /// A page of jobs.
+    pub(super) fn list(&self, wanted: Option<StateName>, before: Option<u64>, limit: usize) -> JobPage {
+        let jobs = self.jobs.range(..before.unwrap_or(u64::MAX)).rev();
+        let mut jobs = jobs.filter(|(_, entry)| wanted.is_none_or(|name| name == entry.record.job.state.name()));
+        let page: Vec<_> = jobs.by_ref().take(limit).collect();
+        let next = page.last().map(|(submission, _)| **submission).filter(|_| jobs.next().is_some());
+        (page.into_iter().map(|(_, entry)| entry.job()).collect(), next)
+    }
+
+    /// The load.
+    pub(super) fn statistics(&self) -> Statistics {
+        let mut jobs = StateName::ALL.map(|name| (name, 0));
+        for entry in self.jobs.values() {
+            let name = entry.record.job.state.name();
+            jobs.iter_mut().filter(|(of, _)| *of == name).for_each(|(_, count)| *count += 1);
+        }
+        let (mut depth, mut core_seconds) = (Depth::default(), 0.0);
+        let active = || self.active.iter().filter_map(|submission| self.jobs.get(submission));
+        for (task, shard) in active().flat_map(|entry| entry.tasks.iter().zip(&entry.record.shards)) {
+            match task.state {
+                TaskState::Finished => continue,
+                TaskState::Leased { .. } => depth.leased += 1,
+                TaskState::Blocked | TaskState::Waiting => depth.waiting += 1,
+            }
+            core_seconds += shard.seconds;
+        }
+        let oldest = active().next().map(|entry| entry.record.job.created_at);
+        Statistics { jobs: jobs.to_vec(), depth, core_seconds, oldest }
     }
 }

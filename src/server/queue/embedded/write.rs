@@ -1,0 +1,187 @@
+//! Changes that are written to the database before they are visible.
+
+use std::{collections::BTreeSet, sync::MutexGuard};
+
+use super::{
+    EmbeddedQueue,
+    record::{Entry, Record, result_key},
+    state::State,
+};
+use crate::{
+    queue::{Job, JobId, JobState, Lease, NewJob, StaleLease, TaskKind, order},
+    store::{Batch, StoreError, Tree},
+};
+
+/// Rows that a write removes beside its own, at most.
+pub(super) const MOST_REMOVED: usize = 256;
+
+/// Proves that the caller holds the writer's lock.
+pub(super) type Writer<'a> = MutexGuard<'a, ()>;
+
+/// Adds removals of garbage to `batch`. Returns how many.
+pub(super) fn remove_garbage(state: &State, batch: &mut Batch) -> usize {
+    let keys = state.garbage.iter().take(MOST_REMOVED);
+    keys.map(|key| batch.remove(Tree::Results, key.as_slice())).count()
+}
+
+impl EmbeddedQueue {
+    /// Stores a job that is unknown or has ended, and forgets old ones.
+    pub(super) fn store_new(&self, _writer: &Writer<'_>, new: NewJob) -> Result<Job, StoreError> {
+        let now = (self.clock.wall)();
+        let id = JobId::of_recipe(&new.recipe_digest);
+        let entries_total = new.entries();
+        let mut batch = Batch::default();
+        let mut state = self.state();
+        let garbage = remove_garbage(&state, &mut batch);
+        let mut forgotten = state.forgettable(&self.limits, now, MOST_REMOVED);
+        let old = state.find(id);
+        let is_same = |old: &Record| {
+            let entries = |shards: &[crate::queue::Shard]| shards.iter().map(|shard| shard.entries).collect::<Vec<_>>();
+            old.fitter == new.fitter && entries(&old.shards) == entries(&new.shards)
+        };
+        let kept = old.filter(|old| is_same(&old.record)).map_or(vec![], |old| old.kept.clone());
+        if let Some(old) = old {
+            forgotten.retain(|submission| *submission != old.record.submission);
+            if kept.is_empty() {
+                old.kept.iter().for_each(|shard| batch.remove(Tree::Results, result_key(id, *shard)));
+            }
+        }
+        // No later write may remove what this job will store.
+        let is_own = |key: &Vec<u8>| key.starts_with(id.as_bytes());
+        state.garbage.iter().filter(|key| is_own(key)).for_each(|key| batch.remove(Tree::Results, key.as_slice()));
+        for entry in forgotten.iter().filter_map(|submission| state.jobs.get(submission)) {
+            batch.remove(Tree::Jobs, *entry.record.job.id.as_bytes());
+        }
+        state.last_submission += 1;
+        let record = Record {
+            job: Job {
+                id,
+                recipe: new.recipe,
+                recipe_digest: new.recipe_digest,
+                state: JobState::Queued,
+                entries_total,
+                entries_done: 0,
+                attempts: 0,
+                created_at: now,
+                started_at: None,
+                finished_at: None,
+                submitted_by: new.submitted_by,
+                cancelled_by: None,
+            },
+            submission: state.last_submission,
+            fitter: new.fitter,
+            base: order::base(now.as_microsecond(), state.first_tag()),
+            shards: new.shards,
+        };
+        drop(state);
+        record.put(&mut batch)?;
+        self.rows.commit(&batch)?;
+        let mut state = self.state();
+        state.garbage.drain(..garbage);
+        state.garbage.retain(|key| !is_own(key));
+        forgotten.iter().for_each(|submission| state.forget(*submission));
+        let entry = Entry::unfinished(record, &kept);
+        let job = entry.job();
+        state.insert(entry);
+        Ok(job)
+    }
+
+    /// Stores the results of shards in one commit.
+    pub(super) fn store_results(
+        &self,
+        _writer: &Writer<'_>,
+        done: &[(Lease, Vec<u8>)],
+    ) -> Result<Vec<Result<(), StaleLease>>, StoreError> {
+        let (mut batch, mut accepted) = (Batch::default(), BTreeSet::new());
+        let mut state = self.state();
+        let mut answers = Vec::with_capacity(done.len());
+        for (lease, result) in done {
+            let is_current = matches!(state.current(lease), Ok((TaskKind::Shard(_), _)));
+            if let Some(entry) = state.jobs.get(&lease.submission).filter(|_| is_current)
+                && accepted.insert((lease.submission, lease.task))
+            {
+                batch.put(Tree::Results, result_key(entry.record.job.id, lease.task), result.as_slice());
+                if !entry.is_stored_as_running {
+                    entry.record.put(&mut batch)?;
+                }
+                answers.push(Ok(()));
+            } else {
+                answers.push(Err(StaleLease));
+            }
+        }
+        if accepted.is_empty() {
+            return Ok(answers);
+        }
+        let garbage = remove_garbage(&state, &mut batch);
+        drop(state);
+        self.rows.commit(&batch)?;
+        let mut state = self.state();
+        state.garbage.drain(..garbage);
+        for (submission, shard) in accepted {
+            state.finish_shard(submission, shard);
+            if let Some(entry) = state.jobs.get_mut(&submission) {
+                entry.is_stored_as_running = true;
+            }
+        }
+        Ok(answers)
+    }
+
+    /// Ends an unfinished job together with `rows`. Only a failed job keeps its results.
+    pub(super) fn end(
+        &self,
+        _writer: &Writer<'_>,
+        submission: u64,
+        outcome: JobState,
+        cancelled_by: Option<&str>,
+        rows: Batch,
+    ) -> Result<Job, StoreError> {
+        let unknown = || StoreError::Database(format!("there is no submission {submission}"));
+        let state = self.state();
+        let entry = state.jobs.get(&submission).ok_or_else(unknown)?;
+        let (mut record, finished) = (entry.record.clone(), entry.finished());
+        let mut job = Job {
+            finished_at: Some((self.clock.wall)()),
+            cancelled_by: cancelled_by.map(str::to_owned),
+            state: outcome,
+            ..entry.job()
+        };
+        if matches!(job.state, JobState::Done { .. }) {
+            job.entries_done = job.entries_total;
+        }
+        let (mut batch, mut kept, mut useless) = (rows, vec![], vec![]);
+        if matches!(job.state, JobState::Failed { .. }) {
+            kept = finished;
+        } else {
+            useless.extend(finished.iter().map(|shard| result_key(job.id, *shard)));
+            record.shards = vec![];
+        }
+        let garbage = remove_garbage(&state, &mut batch);
+        drop(state);
+        let later = useless.split_off(useless.len().min(MOST_REMOVED));
+        useless.into_iter().for_each(|key| batch.remove(Tree::Results, key));
+        record.job = job.clone();
+        record.put(&mut batch)?;
+        self.rows.commit(&batch)?;
+        let mut state = self.state();
+        state.garbage.drain(..garbage);
+        state.garbage.extend(later);
+        state.insert(Entry::ended(record, kept));
+        Ok(job)
+    }
+
+    /// Lets the doomed jobs fail.
+    pub(super) fn fail_doomed(&self) -> Result<(), StoreError> {
+        if self.state().doomed.is_empty() {
+            return Ok(());
+        }
+        let writer = self.writer();
+        loop {
+            let Some((submission, error)) = self.state().doomed.front().cloned() else { return Ok(()) };
+            if self.state().active.contains(&submission) {
+                tracing::error!(submission, ?error, "the job failed");
+                self.end(&writer, submission, JobState::Failed { error }, None, Batch::default())?;
+            }
+            self.state().doomed.pop_front();
+        }
+    }
+}

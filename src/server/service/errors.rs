@@ -1,0 +1,76 @@
+//! Errors of opening a service and of its storage.
+
+use std::path::PathBuf;
+
+use ltcforge_files::digest::Digest;
+
+use crate::store::{OpenError as StoreOpenError, StoreError};
+
+/// Why a service did not start.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// The data folder did not open.
+    #[error("the data folder {} cannot be opened: {source}", .path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// The reason.
+        source: StoreOpenError,
+    },
+    /// A thread did not start.
+    #[error("cannot start a thread: {0}")]
+    Thread(#[from] std::io::Error),
+    /// The storage failed while the service started.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The database of a cluster did not open.
+    #[cfg(feature = "cluster")]
+    #[error(transparent)]
+    Database(#[from] crate::store::DatabaseOpenError),
+    /// The object store of a cluster did not open.
+    #[cfg(feature = "cluster")]
+    #[error(transparent)]
+    Objects(#[from] crate::store::ObjectsOpenError),
+}
+
+/// Why a read or write of the store failed.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum ServiceError {
+    /// The bytes of a file do not have its digest. The file was moved to quarantine.
+    #[error("the blob {expected} is damaged (its bytes hash to {actual}); it was moved to {}", .moved_to.display())]
+    Corrupt {
+        /// The requested digest.
+        expected: Digest,
+        /// The digest of the bytes found.
+        actual: Digest,
+        /// The new place of the damaged file.
+        moved_to: PathBuf,
+    },
+    /// The disk is full.
+    #[error("the disk of the data folder is full")]
+    DiskFull,
+    /// The service is stopping and starts no long work.
+    #[error("the service is stopping")]
+    Stopping,
+    /// The storage does not answer now.
+    #[error("the storage cannot be reached now: {0}")]
+    Unavailable(String),
+    /// The machine lacks a thread, memory or a file descriptor for a moment.
+    #[error("the machine is short of a resource for a moment: {0}")]
+    Lacking(String),
+    /// Any other error of the storage.
+    #[error("storage: {0}")]
+    Storage(String),
+}
+
+impl From<StoreError> for ServiceError {
+    fn from(error: StoreError) -> Self {
+        match error {
+            StoreError::DiskFull => Self::DiskFull,
+            StoreError::Corrupt { expected, actual, moved_to } => Self::Corrupt { expected, actual, moved_to },
+            StoreError::Unavailable(reason) => Self::Unavailable(reason),
+            other if other.is_passing() => Self::Lacking(other.to_string()),
+            other => Self::Storage(other.to_string()),
+        }
+    }
+}

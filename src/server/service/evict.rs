@@ -1,0 +1,50 @@
+//! Keeping the store within `--store-bytes`.
+//!
+//! Only tables are evicted: a table can be fitted again from its recipe, and a BRDF cannot.
+//! Invariant: no deletion acts on state that is known to be incomplete. After a start that was not clean, nothing is
+//! evicted until the next clean start.
+
+use std::{
+    collections::HashMap,
+    sync::{PoisonError, atomic::Ordering},
+    time::Duration,
+};
+
+use jiff::Timestamp;
+
+use super::state::State;
+use crate::store::{BlobInfo, StoreError};
+
+/// How long a table stays after its last use, whatever the size: clients fetch what a job has just made.
+const GRACE: Duration = Duration::from_secs(600);
+
+impl State {
+    /// Deletes the least recently used tables until the files fit into `--store-bytes`.
+    pub(super) fn evict(&self) {
+        let Some(limit) = self.config.store_bytes.filter(|_| self.may_evict) else { return };
+        if let Err(error) = self.evict_above(limit, Timestamp::now()) {
+            tracing::error!(%error, "the store was not brought down to --store-bytes");
+        }
+    }
+
+    pub(super) fn evict_above(&self, limit: u64, now: Timestamp) -> Result<(), StoreError> {
+        let mut blobs: HashMap<_, _> = self.files.blobs.list()?.into_iter().map(|blob| (blob.digest, blob)).collect();
+        let mut bytes: u64 = blobs.values().map(|blob| blob.bytes).sum();
+        let mut tables: Vec<BlobInfo> =
+            self.files.catalogue.tables()?.iter().filter_map(|row| blobs.remove(&row.digest)).collect();
+        tables.sort_by_key(|blob| blob.used_at);
+        for table in tables {
+            let is_recent = now.duration_since(table.used_at).unsigned_abs() < GRACE;
+            if bytes <= limit || is_recent {
+                break;
+            }
+            let _alone = self.naming.write().unwrap_or_else(PoisonError::into_inner);
+            self.files.delete(table.digest)?;
+            self.exports.forget(table.digest);
+            self.files_removed.fetch_add(1, Ordering::Relaxed);
+            bytes = bytes.saturating_sub(table.bytes);
+            tracing::info!(table = %table.digest, used_at = %table.used_at, "the table was evicted: the store is larger than --store-bytes");
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,135 @@
+//! Stored files: read, verified against their digest, and kept in one bounded cache.
+
+use std::sync::{
+    Arc,
+    atomic::{AtomicU64, Ordering},
+};
+
+use axum::body::Bytes;
+use quick_cache::{Weighter, sync::Cache};
+
+use super::{ServiceError, catalogue::Catalogue};
+use crate::store::{Blobs, Store, StoreError};
+use ltcforge_files::{digest::Digest, tabulated::is_tabulated};
+
+/// The kinds of stored files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FileKind {
+    /// A table.
+    Table,
+    /// A tabulated BRDF.
+    Brdf,
+}
+
+impl FileKind {
+    /// The kind of a file with these bytes.
+    fn of(bytes: &[u8]) -> Self {
+        if is_tabulated(bytes) { Self::Brdf } else { Self::Table }
+    }
+}
+
+/// Bytes of verified files that are kept in memory.
+const CACHE_BYTES: u64 = 256 << 20;
+/// Number of files that the cache expects. With more it would split its bytes into parts too small for a large file.
+const CACHE_FILES: usize = 32;
+
+#[derive(Debug, Clone)]
+struct FileBytes;
+
+impl Weighter<Digest, Bytes> for FileBytes {
+    fn weight(&self, _: &Digest, bytes: &Bytes) -> u64 {
+        bytes.len() as u64
+    }
+}
+
+/// The files of a store and their catalogue.
+#[derive(Debug)]
+pub(super) struct Files {
+    pub(super) blobs: Arc<dyn Blobs>,
+    pub(super) catalogue: Catalogue,
+    cache: Cache<Digest, Bytes, FileBytes>,
+    corrupt: AtomicU64,
+    /// Keeps the data folder locked.
+    _store: Store,
+}
+
+impl Files {
+    pub(super) fn new(store: Store) -> Self {
+        Self {
+            blobs: Arc::clone(&store.blobs),
+            catalogue: Catalogue { rows: Arc::clone(&store.rows) },
+            cache: Cache::with_weighter(CACHE_FILES, CACHE_BYTES, FileBytes),
+            corrupt: AtomicU64::new(0),
+            _store: store,
+        }
+    }
+
+    /// The verified bytes of a file of this kind, if they are in memory.
+    pub(super) fn cached(&self, kind: FileKind, digest: Digest) -> Option<Bytes> {
+        self.cache.get(&digest).filter(|bytes| FileKind::of(bytes) == kind)
+    }
+
+    /// The verified bytes of a file of this kind. Callers that ask for one file at once share one read.
+    ///
+    /// # Errors
+    /// When the file is damaged or unreadable. A damaged file leaves the catalogue, so that an equal job fits it again.
+    pub(super) fn read(&self, kind: FileKind, digest: Digest) -> Result<Option<Bytes>, ServiceError> {
+        let read = self.cache.get_or_insert_with(&digest, || match self.blobs.get(digest) {
+            Ok(Some(bytes)) => Ok(Bytes::from(bytes)),
+            Ok(None) => Err(None),
+            Err(error) => Err(Some(error)),
+        });
+        match read {
+            Ok(bytes) => {
+                self.used(digest);
+                Ok(Some(bytes).filter(|bytes| FileKind::of(bytes) == kind))
+            }
+            Err(None) => Ok(None),
+            Err(Some(error)) => {
+                if matches!(error, StoreError::Corrupt { .. }) {
+                    self.corrupt.fetch_add(1, Ordering::Relaxed);
+                    self.forget_rows(digest);
+                }
+                Err(error.into())
+            }
+        }
+    }
+
+    /// Whether the file exists. Its bytes are not read.
+    pub(super) fn contains(&self, digest: Digest) -> Result<bool, StoreError> {
+        Ok(self.blobs.stat(digest)?.is_some())
+    }
+
+    /// Records that a file was used.
+    pub(super) fn used(&self, digest: Digest) {
+        if let Err(error) = self.blobs.touch(digest) {
+            tracing::debug!(%digest, %error, "the time of use was not recorded");
+        }
+    }
+
+    /// Deletes a file, then its rows. The disk may be full: rows without a file count as absent.
+    pub(super) fn delete(&self, digest: Digest) -> Result<(), StoreError> {
+        self.blobs.delete(digest)?;
+        self.cache.remove(&digest);
+        self.forget_rows(digest);
+        Ok(())
+    }
+
+    fn forget_rows(&self, digest: Digest) {
+        let forgotten = self.catalogue.removal(digest).and_then(|batch| self.catalogue.rows.commit(&batch));
+        if let Err(error) = forgotten {
+            tracing::warn!(%digest, %error, "the rows of a missing file were not removed");
+        }
+    }
+
+    /// The table of a recipe, if it is in the catalogue and its file exists.
+    pub(super) fn of_recipe(&self, recipe_digest: Digest) -> Result<Option<Digest>, StoreError> {
+        let Some((_, table)) = self.catalogue.recipe(recipe_digest)? else { return Ok(None) };
+        Ok(self.contains(table)?.then_some(table))
+    }
+
+    /// Number of files found damaged since the start.
+    pub(super) fn corrupt(&self) -> u64 {
+        self.corrupt.load(Ordering::Relaxed)
+    }
+}

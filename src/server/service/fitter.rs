@@ -1,0 +1,230 @@
+//! Recipes behind their digests: each is parsed once, then its plan is passed on.
+
+use std::{cell::RefCell, sync::Arc};
+
+use quick_cache::sync::Cache;
+
+use super::{ExportFailure, ServiceError, submit::SubmitError};
+use crate::{
+    queue::{NewJob, Shard},
+    store::{Blobs, StoreError},
+};
+use ltcforge_files::{
+    container::{self, TableFile, TableFileError},
+    digest::Digest,
+    manifest::{manifest_json_while, mean_error},
+    recipe_document,
+    tabulated::{TabulatedError, decode},
+};
+use ltcforge_fit::{
+    self as fit, BrdfModel, Expectation, FITTER_VERSION, GoOn, Plan, Recipe, Solver, TabulatedFile,
+};
+use ltcforge_textures::{About, Bundle, Export};
+
+/// Number of plans that are kept. Jobs are fitted shard by shard in turn.
+const PLANS: usize = 64;
+/// Number of decoded BRDFs that are kept. Each may take 64 MiB.
+const BRDFS: usize = 4;
+/// Entries of the largest table that is exported: 24 MB of numbers, of which a text takes five times as many bytes.
+const MOST_EXPORTED: usize = 500_000;
+
+/// A recipe that was parsed, with what follows from it.
+#[derive(Debug)]
+pub(super) struct PlannedRecipe {
+    /// The plan. The numbers of a tabulated BRDF are missing in it.
+    plan: Plan,
+    /// The predicted seconds of one thread on the machine of the cost model, and the predicted error.
+    pub(super) expectation: Expectation,
+}
+
+impl PlannedRecipe {
+    pub(super) fn solver(&self) -> Solver {
+        self.plan.recipe().fit().solver
+    }
+
+    pub(super) fn shards(&self) -> u32 {
+        self.plan.shards()
+    }
+
+    /// The part of all entries that a shard has.
+    pub(super) fn part(&self, shard: u32) -> f64 {
+        let range = self.plan.shard_entries(shard);
+        (range.end - range.start) as f64 / self.plan.entries().max(1) as f64
+    }
+}
+
+/// Why there is no plan with everything that its fit needs.
+#[derive(Debug)]
+pub(super) enum LoadError {
+    /// The recipe cannot be fitted here.
+    Failed(String),
+    /// The store failed, which says nothing about the recipe.
+    Store(StoreError),
+}
+
+impl LoadError {
+    fn lines(self) -> Vec<String> {
+        match self {
+            Self::Failed(line) => vec![line],
+            Self::Store(error) => vec![error.to_string()],
+        }
+    }
+}
+
+/// Parses recipes and keeps their plans.
+pub(super) struct Fitter {
+    plans: Cache<Digest, Arc<PlannedRecipe>>,
+    brdfs: Cache<String, TabulatedFile>,
+    blobs: Arc<dyn Blobs>,
+}
+
+impl Fitter {
+    /// A fitter whose BRDFs are in `blobs`.
+    pub(super) fn new(blobs: Arc<dyn Blobs>) -> Self {
+        Self { plans: Cache::new(PLANS), brdfs: Cache::new(BRDFS), blobs }
+    }
+
+    /// Reads a recipe document into a job.
+    ///
+    /// # Errors
+    /// All faults of the document, or the store's error.
+    pub(super) fn new_job(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, SubmitError> {
+        let failed = RefCell::new(None);
+        let find = |name: &str| {
+            self.brdf(name).map_err(|error| {
+                let line = match error {
+                    LoadError::Failed(line) => line,
+                    LoadError::Store(error) => {
+                        let line = error.to_string();
+                        failed.replace(Some(error));
+                        line
+                    }
+                };
+                line.split("; ").map(str::to_owned).collect()
+            })
+        };
+        let parsed = recipe_document::parse_with(document, entry_limit, &find);
+        if let Some(error) = failed.into_inner() {
+            return Err(ServiceError::from(error).into());
+        }
+        let recipe = recipe_document::canonical_json(&parsed?);
+        let recipe_digest = Digest::of(recipe.as_bytes());
+        let planned = self.planned(recipe_digest, &recipe).map_err(ServiceError::Storage)?;
+        let shard = |n| {
+            let part = planned.part(n);
+            let entries = (part * planned.plan.entries() as f64).round() as u32;
+            Shard { entries, seconds: part * planned.expectation.seconds }
+        };
+        let shards = (0..planned.shards()).map(shard).collect();
+        Ok(NewJob { recipe, recipe_digest, shards, fitter: FITTER_VERSION, submitted_by: None })
+    }
+
+    /// What follows from a canonical recipe; an error for a recipe of another fitter.
+    pub(super) fn planned(&self, digest: Digest, recipe: &str) -> Result<Arc<PlannedRecipe>, String> {
+        self.plans.get_or_insert_with(&digest, || {
+            let parsed = recipe_document::parse_stored(recipe.as_bytes())
+                .map_err(|error| format!("the stored recipe: {error}"))?;
+            if parsed.fitter != FITTER_VERSION {
+                // Shards of two fitters must not be mixed in one table.
+                return Err(format!(
+                    "the recipe is for fitter {}, and this is fitter {FITTER_VERSION}; submit the recipe again",
+                    parsed.fitter
+                ));
+            }
+            let expectation = fit::expectation(&parsed);
+            Ok(Arc::new(PlannedRecipe { plan: Plan::new(&parsed), expectation }))
+        })
+    }
+
+    /// The plan of a canonical recipe with the numbers of its BRDF.
+    ///
+    /// # Errors
+    /// When it is for another fitter, or its BRDF cannot be read.
+    pub(super) fn plan(&self, digest: Digest, recipe: &str) -> Result<Plan, LoadError> {
+        let planned = self.planned(digest, recipe).map_err(LoadError::Failed)?;
+        let Some(name) = planned.plan.recipe().model().file() else { return Ok(planned.plan.clone()) };
+        let brdf = BrdfModel::tabulated(self.brdf(&name.to_string())?);
+        Ok(Plan::new(&Recipe { brdf, ..planned.plan.recipe().clone() }))
+    }
+
+    /// The tabulated BRDF of a name, which must be a digest.
+    fn brdf(&self, name: &str) -> Result<TabulatedFile, LoadError> {
+        self.brdfs.get_or_insert_with(name, || {
+            let digest: Digest = name.parse().map_err(|_| {
+                LoadError::Failed(format!(
+                    "{name:?} is not a digest: send the file to /v1/brdfs and name the digest of the answer, sha256:<64 hex digits>"
+                ))
+            })?;
+            let bytes = self.blobs.get(digest).map_err(LoadError::Store)?.ok_or_else(|| {
+                LoadError::Failed(format!("no BRDF {digest} is stored: send its file to /v1/brdfs first"))
+            })?;
+            decode(&bytes).map_err(|TabulatedError(faults)| LoadError::Failed(faults.join("; ")))
+        })
+    }
+
+    /// Forgets decoded BRDFs after one was deleted.
+    pub(super) fn forget_brdfs(&self) {
+        self.brdfs.clear();
+    }
+
+    /// The canonical recipe of a table's file, and its digest; `None` for other bytes.
+    pub(super) fn recognise(file: &[u8]) -> Option<(String, Digest)> {
+        let table = container::decode(file).ok()?;
+        let text = recipe_document::canonical_json(&table.recipe);
+        let digest = Digest::of(text.as_bytes());
+        Some((text, digest))
+    }
+
+    /// The file of the table that the results of all shards make. Runs on the current rayon pool.
+    ///
+    /// # Errors
+    /// The first invalid result.
+    pub(super) fn assemble(plan: &Plan, results: &[Vec<u8>]) -> Result<Vec<u8>, String> {
+        let mut fitted = Vec::new();
+        for (shard, result) in (0..).zip(results) {
+            fitted.extend(fit::shard_from_bytes(plan, shard, result).map_err(|error| format!("shard {shard}: {error}"))?);
+        }
+        let table = fit::assemble(plan, &fitted);
+        let file = container::encode(plan.recipe(), &table).map_err(|error| error.to_string())?;
+        // A file that cannot be read back is not stored.
+        container::decode(&file).map_err(|error| error.to_string())?;
+        Ok(file)
+    }
+
+    /// Measures a table and makes its manifest, on the current rayon pool; `None` as soon as `go_on` says no.
+    pub(super) fn manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<String>, TableFileError> {
+        manifest_json_while(go_on, file, &|name| self.brdf(name).map_err(LoadError::lines))
+    }
+
+    /// A table's file with its BRDF, where that is stored.
+    pub(super) fn table(&self, digest: Digest, file: &[u8]) -> Result<TableFile, ServiceError> {
+        let mut file = container::decode(file)
+            .map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
+        // A missing BRDF is an error only where something needs it.
+        let _ = file.find_brdf(&|name| self.brdf(name).map_err(LoadError::lines));
+        Ok(file)
+    }
+
+    /// The exports for which a table has the layout.
+    pub(super) fn exports(&self, digest: Digest, file: &[u8]) -> Result<Vec<Export>, ExportFailure> {
+        let table = self.table(digest, file)?.table;
+        Ok(Export::all().filter(|export| export.layout(&table).is_ok()).collect())
+    }
+
+    /// The files of an export of a table with this manifest.
+    pub(super) fn export(
+        &self,
+        digest: Digest,
+        file: &[u8],
+        manifest: &str,
+        export: Export,
+    ) -> Result<Bundle, ExportFailure> {
+        let TableFile { table, recipe } = self.table(digest, file)?;
+        let entries = table.matrix.len();
+        if entries > MOST_EXPORTED {
+            return Err(ExportFailure::TooLarge { entries, limit: MOST_EXPORTED });
+        }
+        let error = mean_error(manifest).map_err(|error| ServiceError::Storage(error.to_string()))?;
+        Ok(export.bundle(&table, About::of_table(digest, Some(&recipe), Some(error)))?)
+    }
+}

@@ -1,4 +1,0 @@
-//! Help for tests of the users of the store.
-
-pub(crate) mod memory;
-pub(crate) mod small_disk;
