@@ -60,9 +60,6 @@ pub(crate) struct ReplicaArgs {
     /// Only serve; `ltcforge work` fits
     #[arg(long, requires = "database")]
     pub no_workers: bool,
-    /// Answer downloads with URLs of the store of tables, where it gives them
-    #[arg(long, requires = "blobs")]
-    pub redirect: bool,
     /// Seconds after which another worker does what one has not reported on, with --database [default: 60]
     #[arg(long, env = "LTCFORGE_LEASE_SECONDS", value_name = "N", requires = "database")]
     pub lease_seconds: Option<NonZeroU64>,

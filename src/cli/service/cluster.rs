@@ -105,9 +105,9 @@ fn worker_http(
     let allow_anyone = args.allow_anyone.then_some(true).or(file.allow_anyone);
     let token_list = args.token_list.clone().or_else(|| file.token_list.clone());
     let settings = ServeSettings { listen, tokens, token_list, allow_anyone, ..file.clone() };
-    let tokens = Arc::new(settings.tokens()?);
-    let options = settings.http(raise_descriptor_limit());
-    Ok((listen, http::Options { tokens, only_operations: true, ..options }))
+    raise_descriptor_limit();
+    let tokens = settings.tokens()?;
+    Ok((listen, http::Options { tokens, only_operations: true, ..http::Options::default() }))
 }
 
 /// Fits the shards of the queue until it is interrupted.

@@ -11,10 +11,9 @@ use ltcforge_server::{http, service::Service};
 /// Runs the service until it is interrupted.
 pub(super) fn run(settings: &ServeSettings, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let (listen, config) = (settings.listen, settings.config());
-    let certificates = settings.certificates()?;
-    let scheme = if certificates.is_some() { "https" } else { "http" };
-    let tokens = Arc::new(settings.tokens()?);
-    let options = http::Options { tokens, certificates, ..settings.http(raise_descriptor_limit()) };
+    raise_descriptor_limit();
+    let options = settings.http()?;
+    let scheme = if options.certificate.is_some() { "https" } else { "http" };
     let open = {
         let replica = &settings.replica;
         let (shared, works, seconds) = (super::cluster::replica(replica), !replica.no_workers, replica.lease_seconds);

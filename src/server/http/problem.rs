@@ -18,6 +18,9 @@ const MOST_FAULTS: usize = 100;
 /// Letters of a `detail`, and of each text of a fault.
 const LONGEST_DETAIL: usize = 2000;
 
+/// How a client authenticates.
+const SCHEME: &str = "Bearer realm=\"ltcforge\"";
+
 /// Letters of a word in them. No word of the service's own is as long.
 const LONGEST_WORD: usize = 200;
 
@@ -76,14 +79,14 @@ impl Problem {
         Self { retry_after: Some(whole_seconds(after)), ..self }
     }
 
+    /// Whether it is of `kind`.
+    pub(super) fn is(&self, kind: ProblemKind) -> bool {
+        self.kind == kind
+    }
+
     /// The status to answer with.
     pub(super) fn status(&self) -> StatusCode {
         self.kind.row().status
-    }
-
-    /// The value of its `Retry-After` field, if it has one.
-    pub(super) fn retry_after_seconds(&self) -> Option<u64> {
-        self.retry_after
     }
 }
 
@@ -108,8 +111,9 @@ pub(super) fn whole_seconds(after: Duration) -> u64 {
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
         let retry_after = self.retry_after.map(|seconds| [(header::RETRY_AFTER, HeaderValue::from(seconds))]);
+        let scheme = (self.kind == ProblemKind::NoToken).then_some([(header::WWW_AUTHENTICATE, SCHEME)]);
         let content_type = [(header::CONTENT_TYPE, "application/problem+json")];
-        (self.status(), retry_after, content_type, Json(self)).into_response()
+        (self.status(), retry_after, scheme, content_type, Json(self)).into_response()
     }
 }
 

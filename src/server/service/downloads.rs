@@ -2,6 +2,8 @@
 
 use std::{sync::Arc, time::Duration};
 
+use bytes::Bytes;
+
 use super::{
     Checked, ExportFailure, FileKind, MadeExport, Page, PictureError, PictureReply, Service, ServiceError, Subject,
     TableCursor, TableRow, exports::key, reconcile::unless_full, state::ServiceState,
@@ -18,6 +20,28 @@ use ltcforge_textures::Export;
 const LINK: Duration = Duration::from_secs(300);
 
 impl Service {
+    /// A stored file whose bytes have its digest, if it is in memory. It does not block.
+    #[must_use]
+    pub fn cached_file(&self, kind: FileKind, digest: Digest) -> Option<Bytes> {
+        match self.known(kind, digest)? {
+            Checked::Bytes(bytes) => Some(Bytes::from((*bytes).clone())),
+            Checked::Long(_) => None,
+        }
+    }
+
+    /// A stored file whose bytes have its digest; `None` if it is missing or of another kind.
+    ///
+    /// # Errors
+    /// As [`Self::table`].
+    pub fn file(&self, kind: FileKind, digest: Digest) -> Result<Option<Bytes>, ServiceError> {
+        let bytes = match self.checked(kind, digest)? {
+            None => return Ok(None),
+            Some(Checked::Bytes(bytes)) => Some((*bytes).clone()),
+            Some(Checked::Long(_)) => self.state.tables.told(digest, self.state.tables.store.blobs.get(digest))?,
+        };
+        Ok(bytes.map(Bytes::from))
+    }
+
     /// The canonical file of a table, checked against its digest.
     ///
     /// # Errors
