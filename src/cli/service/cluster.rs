@@ -39,9 +39,6 @@ pub(crate) struct ReplicaArgs {
     /// Serve only; `ltcforge work` fits
     #[arg(long, requires = "database")]
     pub no_workers: bool,
-    /// Answer downloads with URLs of the object store
-    #[arg(long, requires = "blobs")]
-    pub redirect: bool,
     /// Seconds after which another worker takes over a silent worker's shard
     #[arg(long, env = "LTCFORGE_LEASE_SECONDS", value_name = "N", requires = "database")]
     pub lease_seconds: Option<NonZeroU64>,

@@ -1,19 +1,19 @@
-//! Whom the service lets in: the tokens of its settings, and the refusal to start where anyone could call.
+//! Who may call the service: its tokens and its certificate. It does not start if anyone could call by accident.
 
 use std::sync::Arc;
 
 use super::{CommandFailure, Exit, settings::ServeSettings};
-use ltcforge_server::http::{Certificates, WatchedTokens};
+use ltcforge_server::http::{Certificate, TokenFile};
 
 impl ServeSettings {
     /// The tokens of the service.
     ///
     /// # Errors
-    /// When the tokens have faults, or when a service that other machines reach has no token.
-    pub(super) fn tokens(&self) -> Result<WatchedTokens, CommandFailure> {
+    /// When the tokens have errors, or a service that other machines can reach has no token.
+    pub(super) fn tokens(&self) -> Result<Arc<TokenFile>, CommandFailure> {
         let listed = self.token_list.as_ref().map(|list| list.replace(';', "\n"));
-        let tokens = WatchedTokens::open(listed, self.tokens.clone());
-        let tokens = tokens.map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
+        let tokens = TokenFile::open(listed, self.tokens.clone());
+        let tokens = tokens.map(Arc::new).map_err(|error| CommandFailure::new(Exit::Usage, error))?;
         let is_local = self.listen.ip().to_canonical().is_loopback();
         if is_local || self.allow_anyone == Some(true) || !tokens.current().is_empty() {
             return Ok(tokens);
@@ -26,17 +26,16 @@ impl ServeSettings {
         Err(CommandFailure::new(Exit::Usage, refused))
     }
 
-    /// The certificate of the service; `None` if it speaks bare HTTP.
+    /// The certificate of the service; `None` for bare HTTP.
     ///
     /// # Errors
-    /// When one of the two files is missing, or they have faults.
-    pub(super) fn certificates(&self) -> Result<Option<Arc<Certificates>>, CommandFailure> {
+    /// When one of the two files is missing, or they have errors.
+    pub(super) fn certificate(&self) -> Result<Option<Arc<Certificate>>, CommandFailure> {
         let usage = |message: String| CommandFailure::new(Exit::Usage, message);
         match (&self.tls_certificate, &self.tls_key) {
             (None, None) => Ok(None),
             (Some(certificate), Some(key)) => {
-                let opened = Certificates::open(certificate.clone(), key.clone());
-                opened.map(Arc::new).map(Some).map_err(|error| usage(error.to_string()))
+                Certificate::open(certificate.clone(), key.clone()).map(Arc::new).map(Some).map_err(usage)
             }
             (Some(_), None) => Err(usage("--tls-certificate needs --tls-key".to_owned())),
             (None, Some(_)) => Err(usage("--tls-key needs --tls-certificate".to_owned())),

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "cluster")]
 mod cluster;
+mod descriptors;
 mod doors;
 mod serve;
 mod settings;

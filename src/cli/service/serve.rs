@@ -11,28 +11,25 @@ use ltcforge_server::{http, service::Service};
 /// Runs the service until it is interrupted.
 pub(super) fn run(settings: &ServeSettings, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let (listen, config) = (settings.listen, settings.config());
-    let certificates = settings.certificates()?;
-    let scheme = if certificates.is_some() { "https" } else { "http" };
-    let tokens = Arc::new(settings.tokens()?);
-    let options = http::Options { tokens, certificates, ..settings.http(raise_descriptor_limit()) };
-    let open = {
-        let replica = &settings.replica;
-        let (shared, works, seconds) = (super::cluster::replica(replica), !replica.no_workers, replica.lease_seconds);
-        move |config| match &shared {
-            Some(shared) => Service::open_shared(super::cluster::shared_config(config, seconds), shared, works),
-            None => Service::open(config),
-        }
-    };
+    raise_descriptor_limit();
+    let options = settings.http()?;
+    let scheme = if options.certificate.is_some() { "https" } else { "http" };
+    #[cfg(feature = "cluster")]
+    let (config, shared) = (settings.replica.change(config), settings.replica.shared());
     let runtime = context.runtime.clone();
     runtime.block_on(async {
         let (listener, address) = self::listen(listen).await?;
-        let opening = tokio::task::spawn_blocking(move || open(config));
-        // A folder of its own is not left in the middle of being opened.
-        let opened = if settings.replica.database.is_none() {
-            Some(opening.await)
-        } else {
-            super::cluster::unless_interrupted(opening, context).await
+        // A data folder is not left in the middle of being opened. A database may be waited for.
+        #[cfg(feature = "cluster")]
+        let opened = match shared {
+            None => Some(tokio::task::spawn_blocking(move || Service::open(config)).await),
+            Some(shared) => {
+                let opening = tokio::task::spawn_blocking(move || Service::open_shared(config, &shared));
+                super::cluster::unless_interrupted(opening, context).await
+            }
         };
+        #[cfg(not(feature = "cluster"))]
+        let opened = Some(tokio::task::spawn_blocking(move || Service::open(config)).await);
         let Some(opened) = opened else { return Ok(Exit::Ok) };
         let service = opened.map_err(failed)?.map_err(failed)?;
         let url = format!("{scheme}://{address}");

@@ -5,37 +5,31 @@
 use std::{
     fmt::Display,
     net::{Ipv4Addr, SocketAddr},
-    num::{NonZeroU32, NonZeroU64, NonZeroUsize},
+    num::{NonZeroU64, NonZeroUsize},
     path::PathBuf,
     str::FromStr,
-    sync::Arc,
     time::Duration,
 };
 
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 use serde::{Deserialize, Deserializer, de::Error as _};
 
-use super::{CommandFailure, Exit, args::ReplicaArgs};
+#[cfg(feature = "cluster")]
+use super::cluster::ReplicaArgs;
+use super::{CommandFailure, Exit};
 use crate::args::{
     named,
     threads::{ThreadCount, UpTo, cores},
 };
 use ltcforge_files::recipe_document::DEFAULT_ENTRY_LIMIT;
 use ltcforge_server::{
-    http::{self, AllowedHost, AllowedOrigin, ConnectionLimits, OriginPolicy},
-    service::{Config, PictureLimits},
+    http::{self, AllowedHost, AllowedOrigin, Origins},
+    service::Config,
 };
 use ltcforge_view::preview::Adapter;
 
 /// How long a lease lasts. A worker renews it several times a second.
 const LEASE_TTL: Duration = Duration::from_secs(60);
-
-/// How long a file stays after its last use, whatever `--store-bytes` says: clients fetch what a job has just made, and processes
-/// that share a store tell of uses once a minute.
-const UNUSED_FOR: Duration = Duration::from_secs(600);
-
-/// How often a task may fail before its job does.
-const MAX_ATTEMPTS: u32 = 3;
 
 /// Seconds that the service waits for a client or a picture, at most a day.
 type WaitSeconds = UpTo<86_400>;
@@ -59,90 +53,68 @@ pub(crate) struct ServeSettings {
     /// Address to listen on; port 0 takes a free one [default: 127.0.0.1:8317]
     #[arg(long, env = "LTCFORGE_LISTEN", value_name = "ADDRESS")]
     pub listen: SocketAddr,
-    /// Folder of jobs and tables, made when missing [default: ltcforge-data]
+    /// Folder of jobs and tables, created if missing [default: ltcforge-data]
     #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
     pub data: PathBuf,
-    /// Shards fitted at the same time, 1 to 512 [default: one for each core]
+    /// Shards fitted at the same time, 1 to 512 [default: one per core]
     #[arg(long, env = "LTCFORGE_WORKERS", value_name = "N")]
     pub workers: Option<ThreadCount>,
-    /// Jobs that may wait or run at the same time [default: 64]
+    /// Maximum number of waiting and running jobs [default: 64]
     #[arg(long, env = "LTCFORGE_QUEUE_LIMIT", value_name = "N")]
     pub queue_limit: NonZeroUsize,
-    /// Entries a table may have [default: 2000000]
+    /// Maximum number of entries of a table [default: 2000000]
     #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
     pub entry_limit: NonZeroU64,
-    /// Seconds that a job may take, as predicted when it is submitted [default: 86400]
+    /// Maximum predicted seconds of a job [default: 86400]
     #[arg(long, env = "LTCFORGE_JOB_SECONDS", value_name = "N")]
     pub job_seconds: NonZeroU64,
-    /// Days after which a job that has ended is forgotten; 0 keeps it for good. Tables stay [default: 90]
+    /// Days after which an ended job is forgotten, 0 for never [default: 90]
     #[arg(long, env = "LTCFORGE_JOB_DAYS", value_name = "N")]
     pub job_days: u32,
-    /// Jobs that have ended and are remembered; 0 for any number. Tables stay [default: 100000]
-    #[arg(long, env = "LTCFORGE_JOB_COUNT", value_name = "N")]
-    pub job_count: usize,
-    /// Bytes of tables and files that were sent; beyond it, those used longest ago are removed, but for what is pinned or needed
-    /// [default: any number]
+    /// Bytes above which the least recently used tables are deleted
     #[arg(long, env = "LTCFORGE_STORE_BYTES", value_name = "N")]
     pub store_bytes: Option<NonZeroU64>,
-    /// Tabulated BRDFs that may be stored, of up to 64 MiB each [default: 256]
+    /// Maximum number of stored BRDFs [default: 256]
     #[arg(long, env = "LTCFORGE_BRDF_LIMIT", value_name = "N")]
     pub brdf_limit: NonZeroUsize,
-    /// Light textures that may be stored, of up to 4,194,304 texels each [default: 256]
-    #[arg(long, env = "LTCFORGE_LIGHT_TEXTURE_LIMIT", value_name = "N")]
-    pub light_texture_limit: NonZeroUsize,
-    /// Bytes of exports that are kept in memory, so that they are not made again; 0 keeps none [default: 268435456]
-    #[arg(long, env = "LTCFORGE_EXPORT_BYTES", value_name = "N")]
-    pub export_bytes: usize,
     /// The renderer of previews [default: any]
     #[arg(long, value_parser = named(Adapter::ALL, Adapter::name), env = "LTCFORGE_ADAPTER")]
     #[serde(deserialize_with = "adapter")]
     pub adapter: Adapter,
-    /// Seconds that a picture may take, which also limit its samples, 1 to 86400 [default: 30]
+    /// Maximum seconds of a picture, 1 to 86400 [default: 30]
     #[arg(long, env = "LTCFORGE_PICTURE_SECONDS", value_name = "N")]
     pub picture_seconds: WaitSeconds,
-    /// Pictures that may wait or be rendered at the same time [default: 9]
-    #[arg(long, env = "LTCFORGE_PICTURE_QUEUE", value_name = "N")]
-    pub picture_queue: NonZeroUsize,
-    /// MiB of rendered pictures that are kept in memory; 0 keeps none [default: 64]
-    #[arg(long, env = "LTCFORGE_PICTURE_MEMORY", value_name = "MIB")]
-    pub picture_memory: u32,
-    /// Name by which clients may call the service, beside its own address; may be repeated
+    /// Name by which clients may call the service; may be repeated
     #[arg(long, env = "LTCFORGE_ALLOW_HOST", value_name = "HOST[:PORT]", value_delimiter = ',')]
     #[serde(deserialize_with = "from_texts")]
     pub allow_host: Vec<AllowedHost>,
-    /// Origin of web pages that may send requests, such as <https://wiki.example>; may be repeated
+    /// Origin of web pages that may call, such as <https://wiki.example>
     #[arg(long, env = "LTCFORGE_ALLOW_ORIGIN", value_name = "ORIGIN", value_delimiter = ',')]
     #[serde(deserialize_with = "from_texts")]
     pub allow_origin: Vec<AllowedOrigin>,
-    /// File of tokens, of which each request then needs one; read again when it changes
+    /// File of tokens; each request then needs one
     #[arg(long, env = "LTCFORGE_TOKENS", value_name = "FILE")]
     pub tokens: Option<PathBuf>,
-    /// Tokens beside those of the file, with `;` between, as `ltcforge token new` prints them for the service
+    /// Further tokens, separated by `;`
     #[arg(long, env = "LTCFORGE_TOKEN_LIST", hide_env_values = true, value_name = "TOKENS")]
     pub token_list: Option<String>,
-    /// Without tokens, serve anyone who reaches an address that is not of this machine alone
+    /// Serve other machines without tokens
     #[arg(long, env = "LTCFORGE_ALLOW_ANYONE", num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL")]
     pub allow_anyone: Option<bool>,
-    /// Certificate by which the service speaks TLS, with those that vouch for it, in PEM; read again when it changes
+    /// Certificate chain for TLS, in PEM
     #[arg(long, env = "LTCFORGE_TLS_CERTIFICATE", value_name = "FILE")]
     pub tls_certificate: Option<PathBuf>,
     /// Private key of that certificate, in PEM
     #[arg(long, env = "LTCFORGE_TLS_KEY", value_name = "FILE")]
     pub tls_key: Option<PathBuf>,
-    /// Connections open at the same time; fewer if the process may not open as many files [default: 1024]
-    #[arg(long, env = "LTCFORGE_CONNECTIONS", value_name = "N")]
-    pub connections: Option<NonZeroUsize>,
-    /// Connections open at the same time from one address [default: half of --connections]
-    #[arg(long, env = "LTCFORGE_CONNECTIONS_PER_ADDRESS", value_name = "N")]
-    pub connections_per_address: Option<NonZeroUsize>,
-    /// Requests a second, and at once, of each token, and of each address that sends none [default: any number]
-    #[arg(long, env = "LTCFORGE_REQUESTS_PER_SECOND", value_name = "N")]
-    pub requests_per_second: Option<NonZeroU32>,
-    /// Seconds that a client may take to send a request's head, to send its body, or to read more of an answer, 1 to
-    /// 86400 [default: 30]
+    /// Requests answered at the same time, event streams not counted [default: 256]
+    #[arg(long, env = "LTCFORGE_REQUESTS", value_name = "N")]
+    pub requests: NonZeroUsize,
+    /// Seconds for the head of a request, and for its body, 1 to 86400 [default: 30]
     #[arg(long, env = "LTCFORGE_CLIENT_SECONDS", value_name = "N")]
     pub client_seconds: WaitSeconds,
-    /// The database and the store that it shares, which the file does not have
+    /// The database and object store of a cluster, which the file does not have.
+    #[cfg(feature = "cluster")]
     #[command(flatten)]
     #[serde(skip)]
     pub replica: ReplicaArgs,
@@ -150,7 +122,6 @@ pub(crate) struct ServeSettings {
 
 impl Default for ServeSettings {
     fn default() -> Self {
-        let (pictures, connections) = (PictureLimits::default(), ConnectionLimits::default());
         Self {
             listen: SocketAddr::new(Ipv4Addr::LOCALHOST.into(), 8317),
             data: "ltcforge-data".into(),
@@ -159,15 +130,10 @@ impl Default for ServeSettings {
             entry_limit: const { NonZeroU64::new(DEFAULT_ENTRY_LIMIT).unwrap() },
             job_seconds: const { NonZeroU64::new(86_400).unwrap() },
             job_days: 90,
-            job_count: 100_000,
             store_bytes: None,
             brdf_limit: const { NonZeroUsize::new(256).unwrap() },
-            light_texture_limit: const { NonZeroUsize::new(256).unwrap() },
-            export_bytes: 256 << 20,
             adapter: Adapter::Any,
-            picture_seconds: WaitSeconds::clamped(pictures.time.as_secs()),
-            picture_queue: pictures.queue,
-            picture_memory: (pictures.memory_bytes >> 20) as u32,
+            picture_seconds: WaitSeconds::clamped(30),
             allow_host: Vec::new(),
             allow_origin: Vec::new(),
             tokens: None,
@@ -175,10 +141,9 @@ impl Default for ServeSettings {
             allow_anyone: None,
             tls_certificate: None,
             tls_key: None,
-            connections: None,
-            connections_per_address: None,
-            requests_per_second: None,
-            client_seconds: WaitSeconds::clamped(connections.client.as_secs()),
+            requests: const { NonZeroUsize::new(256).unwrap() },
+            client_seconds: WaitSeconds::clamped(30),
+            #[cfg(feature = "cluster")]
             replica: ReplicaArgs::default(),
         }
     }
@@ -239,50 +204,32 @@ impl ServeSettings {
     pub(super) fn config(&self) -> Config {
         Config {
             data_dir: self.data.clone(),
-            workers: self.workers.map_or_else(cores, ThreadCount::count),
+            workers: self.workers.map_or_else(cores, ThreadCount::count).get(),
             queue_limit: self.queue_limit.get(),
             entry_limit: self.entry_limit.get(),
             job_seconds: self.job_seconds.get(),
             keep_ended: (self.job_days > 0).then(|| Duration::from_secs(u64::from(self.job_days) * 86_400)),
-            most_ended: Some(self.job_count).filter(|count| *count > 0),
             store_bytes: self.store_bytes.map(NonZeroU64::get),
-            unused_for: UNUSED_FOR,
             lease_ttl: LEASE_TTL,
-            max_attempts: MAX_ATTEMPTS,
             adapter: self.adapter,
-            pictures: PictureLimits {
-                time: self.picture_seconds.duration(),
-                queue: self.picture_queue,
-                memory_bytes: (self.picture_memory as usize).saturating_mul(1 << 20),
-            },
+            picture_time: self.picture_seconds.duration(),
             brdf_limit: self.brdf_limit.get(),
-            light_texture_limit: self.light_texture_limit.get(),
-            export_bytes: self.export_bytes,
         }
     }
 
-    /// The settings of the HTTP interface without its tokens. `descriptors` is the number of file descriptors that the process may have,
-    /// `None` if there is no limit.
-    pub(super) fn http(&self, descriptors: Option<u64>) -> http::Options {
-        let default = ConnectionLimits { client: self.client_seconds.duration(), ..ConnectionLimits::default() };
-        let wanted = self.connections.map_or(default.connections, NonZeroUsize::get);
-        let limits = ConnectionLimits { connections: wanted, ..default }.within(descriptors.unwrap_or(u64::MAX));
-        let connections = limits.connections;
-        if connections < wanted && self.connections.is_some() {
-            tracing::warn!(
-                "{wanted} connections need more open files than the system allows; {connections} are accepted"
-            );
-        }
-        let per_address = self.connections_per_address.map_or(connections.div_ceil(2), NonZeroUsize::get);
-        http::Options {
-            limits: ConnectionLimits { per_address: per_address.min(connections), ..limits },
-            origins: OriginPolicy { hosts: self.allow_host.clone(), origins: self.allow_origin.clone() },
-            tokens: Arc::default(),
-            certificates: None,
-            requests_per_second: self.requests_per_second,
-            redirects: self.replica.redirect,
+    /// The settings of the HTTP interface.
+    ///
+    /// # Errors
+    /// As [`Self::tokens`] and [`Self::certificate`].
+    pub(super) fn http(&self) -> Result<http::Options, CommandFailure> {
+        Ok(http::Options {
+            requests: self.requests.get(),
+            client: self.client_seconds.duration(),
+            origins: Origins { hosts: self.allow_host.clone(), origins: self.allow_origin.clone() },
+            tokens: self.tokens()?,
+            certificate: self.certificate()?,
             only_operations: false,
-        }
+        })
     }
 }
 
@@ -318,11 +265,11 @@ pub(super) mod tests {
     #[test]
     fn every_setting_is_known_to_the_file_and_to_the_command_line() {
         let file = "listen = '[::1]:80'\ndata = 'd'\nworkers = 3\nqueue_limit = 4\nentry_limit = 5\njob_seconds = 6\n\
-                    job_days = 7\nexport_bytes = 8\nadapter = 'gpu'\npicture_seconds = 9\npicture_queue = 10\n\
-                    picture_memory = 11\nallow_host = ['h']\nallow_origin = ['https://o']\nconnections = 12\n\
-                    connections_per_address = 13\nclient_seconds = 14\nbrdf_limit = 15\nlight_texture_limit = 16\n\
-                    tokens = 't'\ntoken_list = 'l'\nallow_anyone = true\nrequests_per_second = 17\ntls_certificate = 'c'\ntls_key = 'k'\n\
-                    job_count = 18\nstore_bytes = 19";
+                    job_days = 7\nadapter = 'gpu'\npicture_seconds = 9\n\
+                    allow_host = ['h']\nallow_origin = ['https://o']\nrequests = 12\n\
+                    client_seconds = 14\nbrdf_limit = 15\n\
+                    tokens = 't'\ntoken_list = 'l'\nallow_anyone = true\ntls_certificate = 'c'\ntls_key = 'k'\n\
+                    store_bytes = 19";
         let flags: Vec<String> = file
             .lines()
             .map(|line| {
@@ -346,49 +293,34 @@ pub(super) mod tests {
             let (_, default) = help.rsplit_once("[default: ")?;
             Some(format!("--{}={}", argument.get_long()?, default.strip_suffix(']')?))
         });
-        // Those in words follow from the machine and from other flags; those of a replica need its database.
-        let of_replicas = ["--cache-mb", "--lease-", "--database-", "--statement-", "--idle-"];
-        let stated: Vec<String> =
-            stated.filter(|flag| !flag.contains(' ') && !of_replicas.iter().any(|name| flag.contains(name))).collect();
+        // Defaults in words follow from the machine.
+        let stated: Vec<String> = stated.filter(|flag| !flag.contains(' ')).collect();
         assert!(stated.len() > 10, "{stated:?}");
         let flags: Vec<&str> = stated.iter().map(String::as_str).collect();
-        let shown =
-            |settings: &ServeSettings| format!("{:?}", (settings.listen, settings.config(), settings.http(None)));
+        let shown = |settings: &ServeSettings| format!("{:?}", (settings.listen, settings.config(), settings.http()));
         assert_eq!(shown(&settings("", &flags)), shown(&ServeSettings::default()));
     }
 
     #[test]
     fn pictures_and_jobs_have_limits() {
         let config = settings("", &[]).config();
-        assert_eq!(config.pictures, PictureLimits::default());
-        assert_eq!(config.keep_ended, Some(Duration::from_secs(90 * 86_400)));
-        assert_eq!((config.most_ended, config.store_bytes), (Some(100_000), None));
-        let bounded = settings("job_count = 0", &["--store-bytes", "1000"]).config();
-        assert_eq!((bounded.most_ended, bounded.store_bytes), (None, Some(1000)));
-        let file = "picture_seconds = 60\npicture_queue = 3\npicture_memory = 0\njob_days = 7";
-        let config = settings(file, &["--picture-seconds", "5"]).config();
-        let PictureLimits { time, queue, memory_bytes } = config.pictures;
-        assert_eq!((time, queue.get(), memory_bytes), (Duration::from_secs(5), 3, 0));
+        assert_eq!(config.picture_time, Duration::from_secs(30));
+        assert_eq!((config.keep_ended, config.store_bytes), (Some(Duration::from_secs(90 * 86_400)), None));
+        let file = "picture_seconds = 60\njob_days = 7";
+        let config = settings(file, &["--picture-seconds", "5", "--store-bytes", "1000"]).config();
+        assert_eq!((config.picture_time, config.store_bytes), (Duration::from_secs(5), Some(1000)));
         assert_eq!(config.keep_ended, Some(Duration::from_secs(7 * 86_400)));
         assert_eq!(settings(file, &["--job-days", "0"]).config().keep_ended, None, "jobs are kept for good");
     }
 
     #[test]
-    fn limits_of_connections_follow_from_settings_and_descriptors() {
-        let limits = |file, flags: &[&str], descriptors| {
-            let limits = settings(file, flags).http(descriptors).limits;
-            (limits.connections, limits.per_address, limits.client.as_secs())
-        };
-        assert_eq!(limits("", &[], None), (1024, 512, 30));
-        assert_eq!(limits("", &[], Some(160)), (48, 24, 30));
-        let file = "connections = 10\nconnections_per_address = 9\nclient_seconds = 5";
-        assert_eq!(limits(file, &[], None), (10, 9, 5));
-        assert_eq!(limits(file, &["--connections", "8"], None), (8, 8, 5));
+    fn serve_has_at_most_25_flags() {
+        assert!(ServeSettings::augment_args_for_update(Command::new("serve")).get_arguments().count() <= 25);
     }
 
     #[test]
     fn a_list_of_flags_replaces_that_of_the_file() {
-        let hosts = |flags| settings("allow_host = ['farm']", flags).http(None).origins.hosts;
+        let hosts = |flags| settings("allow_host = ['farm']", flags).http().expect("options").origins.hosts;
         let names = |names: &[&str]| names.iter().map(|name| name.parse().expect("a host")).collect::<Vec<_>>();
         assert_eq!(hosts(&[]), names(&["farm"]));
         assert_eq!(hosts(&["--allow-host", "a", "--allow-host", "b,c"]), names(&["a", "b", "c"]));

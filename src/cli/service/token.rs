@@ -7,10 +7,7 @@ use serde_json::json;
 
 use super::{CommandFailure, Context, Exit, print};
 use crate::args::named;
-use ltcforge_server::{
-    http::{KeptToken, Scope, Standing, TOKEN_BYTES},
-    queue::Priority,
-};
+use ltcforge_server::http::{Scope, TOKEN_BYTES, Token};
 
 /// The commands on tokens.
 #[derive(Debug, Subcommand)]
@@ -22,26 +19,16 @@ pub enum TokenCommand {
         /// What it allows: to read; to submit too, and cancel; to do everything
         #[arg(long, value_parser = named(&Scope::ALL, Scope::name))]
         scope: Scope,
-        /// The team that its jobs are fitted for; teams share the workers. Without one, the token is a team of its own
-        #[arg(long)]
-        team: Option<String>,
-        /// The team's share of the workers, from 1 to 100, beside those of other teams with jobs
-        #[arg(long)]
-        share: Option<u32>,
-        /// Whether its jobs go before those of others, or after them
-        #[arg(long, value_parser = named(&Priority::ALL, Priority::name))]
-        priority: Option<Priority>,
     },
 }
 
 /// Makes a token of random bytes of the system.
 pub(super) fn run(command: &TokenCommand, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    let TokenCommand::New { name, scope, team, share, priority } = command;
+    let TokenCommand::New { name, scope } = command;
     let mut random = [0; TOKEN_BYTES];
     let read = File::open("/dev/urandom").and_then(|mut system| system.read_exact(&mut random));
     read.map_err(|error| CommandFailure::new(Exit::Failed, format!("/dev/urandom: {error}")))?;
-    let standing = Standing { team: team.clone(), share: *share, priority: *priority };
-    let made = KeptToken::new(name, *scope, standing, &random);
+    let made = Token::new(name, *scope, &random);
     let (secret, kept) = made.map_err(|fault| CommandFailure::new(Exit::Usage, fault))?;
     let kept = kept.to_string();
     let text = format!("for the client, to be kept secret:\n{secret}\nfor the service's file of tokens:\n{kept}");

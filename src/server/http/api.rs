@@ -4,34 +4,38 @@ use std::{
     ops::Deref,
     panic::{AssertUnwindSafe, catch_unwind},
     sync::Arc,
+    time::Duration,
 };
 
 use tokio::sync::{Semaphore, watch};
 
-use super::{error, limits::ConnectionLimits, problem::Problem};
+use super::{error, problem::Problem, tokens::TokenFile};
 use crate::service::Service;
+
+/// Files that are read whole at once. A table takes up to 100 MB.
+pub(super) const READS: usize = 4;
+/// Scenes and files of BRDFs that are received and decoded at once.
+pub(super) const UPLOADS: usize = 2;
+/// Event streams that may be open.
+pub(super) const EVENT_STREAMS: usize = 1024;
 
 /// The state of the router. Each request clones it several times.
 #[derive(Debug, Clone)]
 pub(super) struct Api(Arc<ApiState>);
 
-/// The state itself, of which there is one.
+/// The state itself.
 #[derive(Debug)]
 pub(super) struct ApiState {
     pub(super) service: Arc<Service>,
-    pub(super) limits: Arc<ConnectionLimits>,
+    /// How long a client may take for a body.
+    pub(super) client: Duration,
+    pub(super) tokens: Arc<TokenFile>,
     /// Becomes true when the server stops; open event streams then end.
     pub(super) stopping: watch::Receiver<bool>,
-    /// Files of BRDFs that may be received at once.
     pub(super) uploads: Arc<Semaphore>,
-    /// Files that may be read whole at once.
     pub(super) reads: Arc<Semaphore>,
-    /// Whether downloads are answered with URLs of the store of blobs.
-    pub(super) redirects: bool,
+    pub(super) streams: Arc<Semaphore>,
 }
-
-/// Files that are read whole at once. A table takes up to some 100 MB where it comes from a store elsewhere or is decoded.
-pub(super) const READS: usize = 4;
 
 impl Deref for Api {
     type Target = ApiState;

@@ -2,38 +2,37 @@
 
 use axum::{
     Json,
-    extract::State,
+    extract::{Request, State},
     http::{HeaderMap, Method, StatusCode, header},
     response::{IntoResponse, Response},
 };
 
 use super::{
     api::Api,
-    conditional::{EntityTag, check_untagged},
-    download::stored_file,
-    extract::{BrdfBody, NoParameters, PathOf, QueryOf},
+    etag::check_untagged,
+    extract::{NoQuery, PathOf, QueryOf, check_type, other_type, read_upload},
+    file,
     problem::Problem,
     tables::ListParameters,
     views::PageView,
 };
 use crate::service::{FileKind, FileRow};
-use ltcforge_files::digest::Digest;
+use ltcforge_files::{digest::Digest, tabulated::TABULATED_LIMIT_BYTES};
+
+const MEDIA_TYPE: &str = "application/octet-stream";
 
 /// `POST /v1/brdfs`.
-pub(super) async fn store(
-    State(api): State<Api>,
-    _: QueryOf<NoParameters>,
-    headers: HeaderMap,
-    BrdfBody(bytes, room): BrdfBody,
-) -> Result<Response, Problem> {
-    check_untagged(&headers)?;
-    let (stored, was_there) = api
-        .call(move |service| {
-            let stored = service.store_brdf(&bytes);
-            drop((bytes, room));
-            stored
-        })
-        .await?;
+pub(super) async fn store(State(api): State<Api>, _: NoQuery, request: Request) -> Result<Response, Problem> {
+    check_type(request.headers(), MEDIA_TYPE).map_err(|given| other_type(&given, MEDIA_TYPE))?;
+    let untagged = check_untagged(request.headers());
+    let (bytes, place) = read_upload(request, &api, "the file of a BRDF", TABULATED_LIMIT_BYTES).await?;
+    untagged?;
+    let store = move |service: &crate::service::Service| {
+        let stored = service.store_brdf(&bytes);
+        drop((bytes, place));
+        stored
+    };
+    let (stored, was_there) = api.call(store).await?;
     let status = if was_there { StatusCode::OK } else { StatusCode::CREATED };
     let location = [(header::LOCATION, format!("/v1/brdfs/{}", stored.digest))];
     Ok((status, location, Json(stored)).into_response())
@@ -42,20 +41,19 @@ pub(super) async fn store(
 /// `GET` and `HEAD /v1/brdfs/{digest}`.
 pub(super) async fn download(
     State(api): State<Api>,
-    _: QueryOf<NoParameters>,
+    _: NoQuery,
     PathOf(digest): PathOf<Digest>,
     method: Method,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    stored_file(api, FileKind::Brdf, digest, &method, &headers).await
+    file::stored(&api, FileKind::Brdf, digest, &method, &headers).await
 }
 
 /// `GET /v1/brdfs`.
 pub(super) async fn list(
     State(api): State<Api>,
-    QueryOf(parameters): QueryOf<ListParameters>,
+    QueryOf(ListParameters { cursor, limit }): QueryOf<ListParameters>,
 ) -> Result<Json<PageView<FileRow>>, Problem> {
-    let ListParameters { cursor, limit } = parameters;
     let page = api.read(move |service| service.brdfs(cursor.as_ref(), limit.0)).await?;
     Ok(Json(PageView::new(page, Ok)?))
 }
@@ -63,12 +61,9 @@ pub(super) async fn list(
 /// `DELETE /v1/brdfs/{digest}`.
 pub(super) async fn delete(
     State(api): State<Api>,
-    _: QueryOf<NoParameters>,
+    _: NoQuery,
     PathOf(digest): PathOf<Digest>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let tag = EntityTag::strong(digest);
-    tag.check_if_match(&headers)?;
-    api.read(move |service| service.delete_brdf(digest)).await?;
-    Ok((StatusCode::NO_CONTENT, [(header::ETAG, tag.as_str())]).into_response())
+    file::delete(&api, digest, &headers, move |service| service.delete_brdf(digest)).await
 }

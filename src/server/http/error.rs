@@ -2,12 +2,15 @@
 
 use std::{fmt, time::Duration};
 
+use serde::Serialize;
+use serde_json::Value;
+
 use super::{kind::ProblemKind, problem::Problem};
 use crate::{
     queue::{Failure, FailureKind},
     service::{
-        DeleteBrdfError, DeleteLightTextureError, DeleteTableError, ExportFailure, PictureError, PinError, PlanError,
-        ServiceError, StoreBrdfError, StoreLightTextureError, SubmitError,
+        DeleteBrdfError, DeleteTableError, ExportFailure, PictureError, PlanError, ServiceError, StoreBrdfError,
+        SubmitError,
     },
 };
 use ltcforge_files::{
@@ -25,40 +28,44 @@ pub(super) fn stopping() -> Problem {
     Problem::new(ProblemKind::Stopping, "the service is stopping").with_retry_after(RESTART)
 }
 
-/// The problem of a service that cannot be used for a reason outside of it.
+/// The problem of a service that cannot be used for an external reason.
 pub(super) fn unavailable(fault: String) -> Problem {
     Problem::new(ProblemKind::Unavailable, fault).with_retry_after(RESTART)
 }
 
-/// The problem of a machine that is short of a resource for a moment. It is logged as a warning: the service itself is
-/// not at fault.
+/// The problem of a machine that is short of a resource for a moment. The service itself is not at fault.
 pub(super) fn lacking(detail: String) -> Problem {
     tracing::warn!("{detail}");
     Problem::new(ProblemKind::Lacking, detail).with_retry_after(RESTART)
 }
 
-/// The problem of an internal error. The log has its text; the client gets none of it.
+/// The problem of an internal error. Only the log has its text.
 pub(super) fn internal(error: &dyn fmt::Display) -> Problem {
     tracing::error!("internal error: {error}");
     Problem::new(ProblemKind::Internal, "internal error; the server's log says more")
 }
 
-/// The problem of a picture whose parameters have faults; `kind` says of which picture.
-pub(super) fn bad_parameters(kind: ProblemKind, faults: Vec<ParameterFault>) -> Problem {
-    Problem::new(kind, format!("{} in the parameters", count(faults.len()))).with_errors(faults)
+/// A wrong value in a path or query.
+pub(super) fn bad_parameter(error: &dyn fmt::Display) -> Problem {
+    Problem::new(ProblemKind::BadParameter, error.to_string())
 }
 
-fn count(faults: usize) -> String {
-    if faults == 1 { "1 fault".to_owned() } else { format!("{faults} faults") }
+/// The problem of a picture whose parameters have faults; `kind` says which picture.
+pub(super) fn bad_parameters(kind: ProblemKind, faults: Vec<ParameterFault>) -> Problem {
+    with_faults(kind, "parameters", faults)
+}
+
+/// A problem with all faults of `place`.
+fn with_faults<T: Serialize>(kind: ProblemKind, place: &str, faults: Vec<T>) -> Problem {
+    let count = if faults.len() == 1 { "1 fault".to_owned() } else { format!("{} faults", faults.len()) };
+    Problem::new(kind, format!("{count} in the {place}")).with_errors(faults)
 }
 
 impl From<RecipeError> for Problem {
     fn from(error: RecipeError) -> Self {
         match error {
             RecipeError::Json(detail) => Self::new(ProblemKind::NotJson, detail),
-            RecipeError::Faults(faults) => {
-                Self::new(ProblemKind::BadRecipe, format!("{} in the recipe", count(faults.len()))).with_errors(faults)
-            }
+            RecipeError::Faults(faults) => with_faults(ProblemKind::BadRecipe, "recipe", faults),
         }
     }
 }
@@ -67,9 +74,8 @@ impl From<StoreBrdfError> for Problem {
     fn from(error: StoreBrdfError) -> Self {
         match error {
             StoreBrdfError::Faults(TabulatedError(faults)) => {
-                let detail = format!("{} in the file", count(faults.len()));
                 let faults = faults.into_iter().map(|detail| Fault { pointer: String::new(), detail });
-                Self::new(ProblemKind::BadBrdf, detail).with_errors(faults)
+                with_faults(ProblemKind::BadBrdf, "file", faults.collect())
             }
             too_many @ StoreBrdfError::TooMany(_) => Self::new(ProblemKind::BrdfLimit, too_many.to_string()),
             StoreBrdfError::Store(error) => error.into(),
@@ -77,37 +83,14 @@ impl From<StoreBrdfError> for Problem {
     }
 }
 
-impl From<StoreLightTextureError> for Problem {
-    fn from(error: StoreLightTextureError) -> Self {
-        let detail = error.to_string();
-        match error {
-            StoreLightTextureError::Picture(_) => Self::new(ProblemKind::BadPicture, detail),
-            StoreLightTextureError::TooMany(_) => Self::new(ProblemKind::LightTextureLimit, detail),
-            StoreLightTextureError::Store(error) => error.into(),
-        }
-    }
-}
-
-impl From<DeleteLightTextureError> for Problem {
-    fn from(error: DeleteLightTextureError) -> Self {
-        let detail = error.to_string();
-        match error {
-            DeleteLightTextureError::Unknown(_) => Self::new(ProblemKind::UnknownLightTexture, detail),
-            DeleteLightTextureError::Store(error) => error.into(),
-        }
-    }
-}
-
 impl From<PlanError> for Problem {
     fn from(error: PlanError) -> Self {
-        let detail = error.to_string();
         match error {
             PlanError::Scene(faults) => {
-                let detail = format!("{} in the scene", count(faults.len()));
                 let faults = faults.into_iter().map(|SceneFault { pointer, detail }| Fault { pointer, detail });
-                Self::new(ProblemKind::BadPlan, detail).with_errors(faults)
+                with_faults(ProblemKind::BadPlan, "scene", faults.collect())
             }
-            PlanError::Unmet { nearest, .. } => Self::new(ProblemKind::BudgetUnmet, detail).with_recipe(nearest),
+            PlanError::Unmet { nearest, summary } => Self::new(ProblemKind::BudgetUnmet, summary).with_recipe(nearest),
             PlanError::Service(error) => error.into(),
         }
     }
@@ -129,20 +112,8 @@ impl From<DeleteTableError> for Problem {
         let detail = error.to_string();
         match error {
             DeleteTableError::Unknown(_) => Self::new(ProblemKind::UnknownTable, detail),
-            DeleteTableError::Pinned { .. } => Self::new(ProblemKind::TablePinned, detail),
+            // Nobody can pin a table over HTTP any more.
             DeleteTableError::Store(error) => error.into(),
-        }
-    }
-}
-
-impl From<PinError> for Problem {
-    fn from(error: PinError) -> Self {
-        let detail = error.to_string();
-        match error {
-            PinError::Unknown(_) => Self::new(ProblemKind::UnknownTable, detail),
-            PinError::TooMany(_) => Self::new(ProblemKind::PinLimit, detail),
-            PinError::Lock(_) => Self::new(ProblemKind::BadLock, detail),
-            PinError::Store(error) => error.into(),
         }
     }
 }
@@ -191,10 +162,8 @@ impl From<ExportFailure> for Problem {
         match failure {
             ExportFailure::Refused(error) => {
                 let problem = Self::new(ProblemKind::CannotExport, detail);
-                match error.recipe().map(serde_json::from_str) {
-                    Some(Ok(recipe)) => problem.with_recipe(recipe),
-                    Some(Err(_)) | None => problem,
-                }
+                let recipe = error.recipe().and_then(|recipe| serde_json::from_str::<Value>(recipe).ok());
+                recipe.into_iter().fold(problem, Self::with_recipe)
             }
             ExportFailure::TooLarge { .. } => Self::new(ProblemKind::TooExpensive, detail),
             ExportFailure::QueueFull { retry_after, .. } => {
@@ -216,8 +185,10 @@ impl From<ServiceError> for Problem {
             ServiceError::Storage(_) => ProblemKind::Storage,
         };
         tracing::error!("{error}");
-        let problem = Self::new(kind, error.to_string());
-        if kind == ProblemKind::Unavailable { problem.with_retry_after(RESTART) } else { problem }
+        match kind {
+            ProblemKind::Unavailable => unavailable(error.to_string()),
+            kind => Self::new(kind, error.to_string()),
+        }
     }
 }
 
@@ -237,24 +208,19 @@ mod tests {
     use axum::response::IntoResponse as _;
 
     use super::*;
-    use ltcforge_files::digest::Digest;
 
     #[test]
     fn every_error_of_the_layers_below_has_its_status() {
         let fault = Fault { pointer: String::new(), detail: String::new() };
-        let cases: [(Problem, u16); 28] = [
+        let cases: [(Problem, u16); 24] = [
             (SubmitError::Recipe(RecipeError::Json("x".into())).into(), 400),
             (SubmitError::Recipe(RecipeError::Faults(vec![fault])).into(), 422),
             (StoreBrdfError::Faults(TabulatedError(vec!["x".into()])).into(), 422),
             (StoreBrdfError::Store(ServiceError::DiskFull).into(), 507),
-            (StoreLightTextureError::TooMany(1).into(), 507),
-            (DeleteLightTextureError::Store(ServiceError::Stopping).into(), 503),
             (PlanError::Scene(Vec::new()).into(), 422),
             (PlanError::Unmet { nearest: serde_json::json!({}), summary: "x".into() }.into(), 422),
             (PlanError::Service(ServiceError::Stopping).into(), 503),
-            (DeleteTableError::Pinned { table: Digest::of(b"x"), pins: vec![] }.into(), 409),
-            (PinError::TooMany(Digest::of(b"x")).into(), 507),
-            (SubmitError::QueueFull { limit: 1, team: None, retry_after: RESTART }.into(), 429),
+            (SubmitError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
             (SubmitError::Stopping.into(), 503),
             (PictureError::NoTable.into(), 404),
             (PictureError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),

@@ -2,12 +2,13 @@
 //!
 //! The first event is the job as it is now, unless `Last-Event-ID` says that the client has seen it. An event is named
 //! `state` if the state changed and `progress` otherwise; its id is the snapshot's sequence number, its data the job.
-//! The stream ends after a final state, and when the server stops. A client that has seen the final state gets 204,
+//! The stream ends after a final state, when the server stops, and when the client's token is revoked. A client that has seen the final state gets 204,
 //! which tells an `EventSource` not to reconnect.
 
-use std::{convert::Infallible, time::Duration};
+use std::{convert::Infallible, sync::Arc, time::Duration};
 
 use axum::{
+    Extension,
     extract::State,
     http::{HeaderMap, StatusCode},
     response::{
@@ -17,15 +18,18 @@ use axum::{
 };
 use futures_util::{Stream, stream};
 use tokio::{
-    sync::watch,
-    time::{Instant, sleep_until},
+    sync::{OwnedSemaphorePermit, watch},
+    time::{Instant, sleep, sleep_until},
 };
 
 use super::{
-    api::Api,
-    extract::{NoParameters, PathOf, QueryOf},
+    access::Caller,
+    api::{Api, EVENT_STREAMS},
+    extract::{NoQuery, PathOf},
     jobs,
+    kind::ProblemKind,
     problem::Problem,
+    tokens::TokenFile,
     views::JobView,
 };
 use crate::{
@@ -39,28 +43,44 @@ const HEARTBEAT: Duration = Duration::from_secs(15);
 /// The shortest time between two events of one stream. If changes come faster, only the latest is sent.
 const MIN_INTERVAL: Duration = Duration::from_millis(100);
 
+/// How often a stream without events checks that its token is still valid.
+const CHECK: Duration = Duration::from_secs(2);
+
+/// When to try again if too many streams are open.
+const RETRY: Duration = Duration::from_secs(10);
+
 /// `GET /v1/jobs/{id}/events`.
 pub(super) async fn follow(
     State(api): State<Api>,
-    _: QueryOf<NoParameters>,
+    _: NoQuery,
     PathOf(id): PathOf<JobId>,
+    caller: Option<Extension<Caller>>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let latest = api.call(move |service| service.watch(id)).await?.ok_or_else(|| jobs::unknown(id))?;
     // The HTML standard lets a server ignore an id that it cannot read.
     let seen = headers.get("last-event-id").and_then(|value| value.to_str().ok()?.parse().ok());
-    let follower = Follower { latest, stopping: api.stopping.clone(), seen, state: None, sent_at: None };
+    let caller = caller.map(|Extension(caller)| caller);
+    let (tokens, stopping) = (Arc::clone(&api.tokens), api.stopping.clone());
+    let follower = Follower { latest, stopping, tokens, caller, seen, state: None, sent_at: None };
     if follower.is_over() {
         return Ok(StatusCode::NO_CONTENT.into_response());
     }
+    let place = Arc::clone(&api.streams).try_acquire_owned().map_err(|_| {
+        let detail = format!("{EVENT_STREAMS} event streams are open; poll the job instead");
+        Problem::new(ProblemKind::Busy, detail).with_retry_after(RETRY)
+    })?;
     let keep_alive = KeepAlive::new().interval(HEARTBEAT).text("heartbeat");
-    Ok(Sse::new(follower.events()).keep_alive(keep_alive).into_response())
+    Ok(Sse::new(follower.events(place)).keep_alive(keep_alive).into_response())
 }
 
 /// One client's position in the history of a job.
 struct Follower {
     latest: watch::Receiver<JobSnapshot>,
     stopping: watch::Receiver<bool>,
+    tokens: Arc<TokenFile>,
+    /// `None` where no token is needed.
+    caller: Option<Caller>,
     /// Sequence number of the last snapshot that the client has.
     seen: Option<u64>,
     /// State in the last snapshot that was sent on this connection.
@@ -76,11 +96,16 @@ impl Follower {
         self.seen == Some(latest.sequence) && latest.job.state.name().is_final()
     }
 
-    fn events(self) -> impl Stream<Item = Result<Event, Infallible>> {
-        stream::unfold(self, async |mut follower| {
+    fn is_revoked(&self) -> bool {
+        self.caller.as_ref().is_some_and(|Caller(token)| !self.tokens.current().contains(token))
+    }
+
+    /// The events. The stream keeps its place among the open ones.
+    fn events(self, place: OwnedSemaphorePermit) -> impl Stream<Item = Result<Event, Infallible>> {
+        stream::unfold((self, place), async |(mut follower, place)| {
             let snapshot = follower.next().await?;
             let event = follower.event(&snapshot)?;
-            Some((Ok(event), follower))
+            Some((Ok(event), (follower, place)))
         })
     }
 
@@ -90,7 +115,7 @@ impl Follower {
             sleep_until(sent + MIN_INTERVAL).await;
         }
         loop {
-            if *self.stopping.borrow() || self.is_over() {
+            if *self.stopping.borrow() || self.is_over() || self.is_revoked() {
                 return None;
             }
             let snapshot = self.latest.borrow_and_update().clone();
@@ -103,6 +128,7 @@ impl Follower {
             tokio::select! {
                 changed = self.latest.changed() => changed.ok()?,
                 changed = self.stopping.changed() => changed.ok()?,
+                () = sleep(CHECK) => {}
             }
         }
     }
@@ -118,7 +144,13 @@ impl Follower {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{http::views::samples, queue::JobState};
+    use crate::{
+        http::{
+            tokens::{Scope, TOKEN_BYTES, Token},
+            views::samples,
+        },
+        queue::JobState,
+    };
     use ltcforge_files::digest::Digest;
 
     fn snapshot(sequence: u64, state: JobState) -> JobSnapshot {
@@ -128,7 +160,8 @@ mod tests {
     fn follower(first: JobSnapshot, seen: Option<u64>) -> (watch::Sender<JobSnapshot>, watch::Sender<bool>, Follower) {
         let (publish, latest) = watch::channel(first);
         let (stop, stopping) = watch::channel(false);
-        (publish, stop, Follower { latest, stopping, seen, state: None, sent_at: None })
+        let tokens = Arc::default();
+        (publish, stop, Follower { latest, stopping, tokens, caller: None, seen, state: None, sent_at: None })
     }
 
     #[tokio::test]
@@ -165,6 +198,17 @@ mod tests {
             stop.send_replace(true);
         });
         assert!(next.is_none());
+    }
+
+    #[tokio::test]
+    async fn a_revoked_token_ends_the_stream() {
+        let (_publish, _stop, mut follower) = follower(snapshot(7, JobState::Running), Some(7));
+        let (_, token) = Token::new("farm", Scope::Read, &[1; TOKEN_BYTES]).expect("a name");
+        let tokens = TokenFile::open(Some(token.to_string()), None).expect("a token");
+        follower = Follower { tokens: Arc::new(tokens), caller: Some(Caller(Arc::new(token.clone()))), ..follower };
+        assert!(!follower.is_revoked());
+        follower.tokens = Arc::default();
+        assert!(follower.next().await.is_none());
     }
 
     #[test]

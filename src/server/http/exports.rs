@@ -10,22 +10,17 @@ use axum::{
 use serde::{Deserialize, Serialize};
 
 use super::{
-    absent::absent,
     api::Api,
-    coding::Coding,
-    download::negotiate,
-    error,
-    extract::{NoParameters, QueryOf},
-    file::{Contents, FOREVER, File},
+    error::{self, bad_parameter},
+    extract::{NoQuery, QueryOf},
+    file::{FOREVER, File, ONE_DAY, media_type, shared},
     kind::ProblemKind,
     problem::Problem,
+    tables::absent,
 };
 use crate::service::{ExportedFile, MadeExport};
 use ltcforge_files::digest::Digest;
 use ltcforge_textures::{Export, RoundingError};
-
-/// Exports change with the version of the service, which the files state.
-const ONE_DAY: &str = "public, max-age=86400";
 
 /// A table, and if the path of the request goes so far an export and the path of a file.
 pub(super) struct Address {
@@ -38,12 +33,10 @@ impl<S: Send + Sync> FromRequestParts<S> for Address {
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
-        let Path(parameters) = Path::<Vec<(String, String)>>::from_request_parts(parts, state)
-            .await
-            .map_err(|rejection| Problem::new(ProblemKind::BadParameter, rejection.body_text()))?;
+        let path = Path::<Vec<(String, String)>>::from_request_parts(parts, state).await;
+        let Path(parameters) = path.map_err(|rejection| bad_parameter(&rejection.body_text()))?;
         let mut texts = parameters.into_iter().map(|(_, text)| text);
-        let bad = |error: &dyn std::fmt::Display| Problem::new(ProblemKind::BadParameter, error.to_string());
-        let table = texts.next().unwrap_or_default().parse().map_err(|error| bad(&error))?;
+        let table = texts.next().unwrap_or_default().parse().map_err(|error| bad_parameter(&error))?;
         let export = texts.next().map(|name| name.parse()).transpose();
         let export = export.map_err(|error| Problem::new(ProblemKind::UnknownExport, format!("{error}")))?;
         Ok(Self { table, export, path: texts.collect::<Vec<_>>().join("/") })
@@ -92,7 +85,7 @@ struct FileView<'a> {
 /// `GET /v1/tables/{digest}/exports`.
 pub(super) async fn list(
     State(api): State<Api>,
-    _: QueryOf<NoParameters>,
+    _: NoQuery,
     Address { table, .. }: Address,
     method: Method,
     headers: HeaderMap,
@@ -101,13 +94,13 @@ pub(super) async fn list(
         return Err(absent(&api, table).await);
     };
     let item = |export: Export| ItemView { name: export.to_string(), url: url(table, export) };
-    document(&ExportsView { table, items: exports.into_iter().map(item).collect() })?.respond(&method, &headers)
+    File::json(&ExportsView { table, items: exports.into_iter().map(item).collect() })?.respond(&method, &headers)
 }
 
 /// `GET /v1/tables/{digest}/exports/{export}`.
 pub(super) async fn show(
     State(api): State<Api>,
-    _: QueryOf<NoParameters>,
+    _: NoQuery,
     address: Address,
     method: Method,
     headers: HeaderMap,
@@ -121,7 +114,7 @@ pub(super) async fn show(
         rounding: file.rounding,
     });
     let view = ExportView { table, name: export.to_string(), files: files.collect(), steps: &made.steps };
-    document(&view)?.respond(&method, &headers)
+    File::json(&view)?.respond(&method, &headers)
 }
 
 /// `GET` and `HEAD` of a file in the folder of an export, or in a folder below it.
@@ -144,15 +137,10 @@ pub(super) async fn file(
         let detail = format!("version {version} makes of the table a file that hashes to {digest}, not to {wanted}");
         return Err(Problem::new(ProblemKind::OtherBytes, detail));
     }
-    let file = File {
-        digest: *digest,
-        contents: Contents::Memory(Arc::clone(bytes)),
-        media_type: media_type(path),
-        caching: if wanted.is_some() { FOREVER } else { ONE_DAY },
-        name: path.rsplit('/').next().map(str::to_owned),
-        coding: Coding::Identity,
-    };
-    negotiate(&api, file, &headers).await?.respond(&method, &headers)
+    let caching = if wanted.is_some() { FOREVER } else { ONE_DAY };
+    let name = path.rsplit('/').next().map(str::to_owned);
+    let bytes = shared(Arc::clone(bytes));
+    File { digest: *digest, bytes, media_type: media_type(path), caching, name }.respond(&method, &headers)
 }
 
 async fn made(api: &Api, address: &Address) -> Result<(Digest, Export, Arc<MadeExport>), Problem> {
@@ -166,32 +154,4 @@ async fn made(api: &Api, address: &Address) -> Result<(Digest, Export, Arc<MadeE
 
 fn url(table: Digest, export: Export) -> String {
     format!("/v1/tables/{table}/exports/{export}")
-}
-
-/// A list as a file: its entity tag is the digest of its bytes.
-fn document(view: &impl Serialize) -> Result<File, Problem> {
-    let bytes = serde_json::to_vec(view).map_err(|error| error::internal(&error))?;
-    let digest = Digest::of(&bytes);
-    Ok(File {
-        digest,
-        contents: Contents::Memory(Arc::new(bytes)),
-        media_type: "application/json",
-        caching: ONE_DAY,
-        name: None,
-        coding: Coding::Fixed,
-    })
-}
-
-/// The media type by the extension of a file's name.
-fn media_type(path: &str) -> &'static str {
-    match path.rsplit('.').next().unwrap_or_default() {
-        "json" => "application/json",
-        "js" => "text/javascript",
-        "ktx2" => "image/ktx2",
-        "dds" => "image/vnd.ms-dds",
-        "exr" => "image/x-exr",
-        "npz" => "application/zip",
-        "h" | "rs" | "cs" | "wgsl" => "text/plain",
-        _ => "application/octet-stream",
-    }
 }

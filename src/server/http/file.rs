@@ -1,200 +1,88 @@
-//! A file as an answer: all of it, a part of it, or nothing if the client has it.
+//! Files as answers: all of a file, one part of it, or 304 if the client has it.
 
-use std::{
-    io,
-    ops::{Range, RangeInclusive},
-    sync::Arc,
-};
+use std::{ops::Range, sync::Arc};
 
 use axum::{
-    body::{Body, Bytes},
+    body::Bytes,
     http::{HeaderMap, HeaderName, Method, StatusCode, header},
     response::{IntoResponse, Response},
 };
 use base64::{Engine as _, engine::general_purpose::STANDARD};
-use futures_util::stream;
-use http_range_header::{RangeUnsatisfiableError, parse_range_header};
+use serde::Serialize;
 
-use super::{
-    api::Api, coding::Coding, conditional::EntityTag, connection::LEAST_BYTES, kind::ProblemKind, problem::Problem,
-};
-use crate::service::SHORT_BYTES;
-use ltcforge_files::digest::Digest;
+use super::{api::Api, error, etag::EntityTag, kind::ProblemKind, problem::Problem, tables};
+use crate::service::{FileKind, Service};
+use ltcforge_files::{digest::Digest, tabulated::kept_name};
 
-/// The bytes never change under their address, because the address has their digest or that of all they follow from.
+/// `Cache-Control` of bytes that never change under their address, because the address has their digest or that of
+/// everything they follow from.
 pub(super) const FOREVER: &str = "public, max-age=31536000, immutable";
+/// `Cache-Control` of bytes that change with the version of the program.
+pub(super) const ONE_DAY: &str = "public, max-age=86400";
+/// `Cache-Control` of bytes that may change at any time.
+pub(super) const REVALIDATE: &str = "no-cache";
 
-/// The bytes of a file.
-#[derive(Debug)]
-pub(super) enum Contents {
-    /// In memory.
-    Memory(Arc<Vec<u8>>),
-    /// In the store, from where they are read as they are sent.
-    Stored { api: Api, length: u64 },
-}
-
-impl Contents {
-    fn length(&self) -> u64 {
-        match self {
-            Self::Memory(bytes) => bytes.len() as u64,
-            Self::Stored { length, .. } => *length,
-        }
-    }
-
-    /// A part of the contents of the file `digest`. The part lies within them.
-    fn body(self, digest: Digest, part: Range<u64>) -> Body {
-        match self {
-            Self::Memory(bytes) => {
-                Bytes::from_owner(Shared(bytes)).slice(part.start as usize..part.end as usize).into()
-            }
-            Self::Stored { api, .. } => Body::from_stream(stream::try_unfold(part, move |left| {
-                let api = api.clone();
-                async move { step(&api, digest, left).await }
-            })),
-        }
-    }
-}
-
-/// In the extensions of an answer, the file in memory of which its body is all or a part: the connection may then send it
-/// without copying it.
-#[derive(Debug, Clone)]
-pub(super) struct InMemory {
-    pub(super) digest: Digest,
-    pub(super) bytes: Arc<Vec<u8>>,
-}
-
-/// The next bytes of `left`, and what is left then.
-async fn step(api: &Api, digest: Digest, left: Range<u64>) -> io::Result<Option<(Bytes, Range<u64>)>> {
-    if left.is_empty() {
-        return Ok(None);
-    }
-    let (from, length) = (left.start, SHORT_BYTES.min(left.end - left.start));
-    let read = api.call(move |service| service.part(digest, from, length as usize)).await;
-    // The connection ends before the announced length, which tells the client.
-    let read = read.ok().flatten().filter(|read| !read.is_empty());
-    let read = read.ok_or_else(|| io::Error::other(format!("{digest} cannot be read any more")))?;
-    let next = from + read.len() as u64;
-    Ok(Some((read.into(), next..left.end)))
-}
-
-/// A file and how it is sent.
+/// A file in memory, and how it is sent.
 #[derive(Debug)]
 pub(super) struct File {
-    /// The digest of the bytes as they are sent, which is their entity tag.
+    /// The digest of the bytes, which is their entity tag.
     pub(super) digest: Digest,
-    pub(super) contents: Contents,
+    pub(super) bytes: Bytes,
     pub(super) media_type: &'static str,
     /// The value of `Cache-Control`.
     pub(super) caching: &'static str,
-    /// The name under which it is saved, of letters, digits, dots, hyphens and underscores; `None` for a file that is
-    /// shown.
+    /// The name under which a browser saves it, without characters that need quoting; `None` for a file that is shown.
     pub(super) name: Option<String>,
-    pub(super) coding: Coding,
-}
-
-/// Shares the service's copy of a file with the response instead of making another.
-struct Shared(Arc<Vec<u8>>);
-
-impl AsRef<[u8]> for Shared {
-    fn as_ref(&self) -> &[u8] {
-        &self.0
-    }
 }
 
 impl File {
-    /// The file, a part of it, or 304 if the client has it; conditions are evaluated in the order of RFC 9110, section
-    /// 13.2.2.
-    pub(super) fn respond(self, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
-        let coding = self.coding;
-        let mut response = self.in_its_coding(method, headers)?;
-        coding.tell(&mut response);
-        Ok(response)
+    /// A JSON document.
+    pub(super) fn json(document: &impl Serialize) -> Result<Self, Problem> {
+        let bytes = Bytes::from(serde_json::to_vec(document).map_err(|error| error::internal(&error))?);
+        let digest = Digest::of(&bytes);
+        Ok(Self { digest, bytes, media_type: "application/json", caching: ONE_DAY, name: None })
     }
 
-    fn in_its_coding(self, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
+    /// The file, one part of it, or 304. Conditions are evaluated in the order of RFC 9110, section 13.2.2.
+    pub(super) fn respond(self, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
         let tag = EntityTag::strong(self.digest);
         tag.check_if_match(headers)?;
+        let length = self.bytes.len();
         let validators = [(header::ETAG, tag.as_str()), (header::CACHE_CONTROL, self.caching)];
         if tag.is_known_to(headers) {
-            let mut response = (StatusCode::NOT_MODIFIED, validators).into_response();
-            if method == Method::HEAD {
-                // Otherwise the answer would say that the file is empty.
-                response.headers_mut().insert(header::CONTENT_LENGTH, self.contents.length().into());
-            }
-            return Ok(response);
+            // An answer to `HEAD` without a length would say that the file is empty.
+            let length = (method == Method::HEAD).then(|| [(header::CONTENT_LENGTH, length.to_string())]);
+            return Ok((StatusCode::NOT_MODIFIED, validators, length, ()).into_response());
         }
-        let length = self.contents.length();
+        // `Range` applies to GET only, and only if `If-Range` allows it.
+        let field = headers.get(header::RANGE).and_then(|field| field.to_str().ok());
+        let field = field.filter(|_| method == Method::GET && tag.allows_range(headers));
+        let (status, part) = match field.and_then(|field| one_range(field, length)) {
+            None => (StatusCode::OK, 0..length),
+            Some(part) if part.is_empty() => {
+                let detail = format!("the file has {length} bytes; none of them is in the range");
+                let problem = Problem::new(ProblemKind::RangeNotSatisfiable, detail);
+                return Ok(([(header::CONTENT_RANGE, format!("bytes */{length}"))], problem).into_response());
+            }
+            Some(part) => (StatusCode::PARTIAL_CONTENT, part),
+        };
         let representation = [
             (header::CONTENT_TYPE, self.media_type.to_owned()),
             (header::ACCEPT_RANGES, "bytes".to_owned()),
+            (header::CONTENT_LENGTH, part.len().to_string()),
             (HeaderName::from_static("repr-digest"), sha_256(self.digest)),
         ];
-        let attachment = self.name.as_ref().map(|name| format!("attachment; filename=\"{name}\""));
-        let disposition = attachment.map(|value| [(header::CONTENT_DISPOSITION, value)]);
-        // `Range` applies to GET only, and only if `If-Range` allows it.
-        let applies = method == Method::GET && tag.allows_range(headers);
-        let field = headers.get(header::RANGE).filter(|_| applies);
-        let range = match field.map_or(Ok(None), |field| one_range(field.as_bytes(), length)) {
-            Ok(range) => range,
-            Err(refused) => {
-                let content_range = [(header::CONTENT_RANGE, format!("bytes */{length}"))];
-                return Ok((content_range, refused).into_response());
-            }
-        };
-        let (status, content_range, part) = match range {
-            None => (StatusCode::OK, None, 0..length),
-            Some(range) => {
-                let content_range = format!("bytes {}-{}/{length}", range.start(), range.end());
-                (
-                    StatusCode::PARTIAL_CONTENT,
-                    Some([(header::CONTENT_RANGE, content_range)]),
-                    *range.start()..range.end() + 1,
-                )
-            }
-        };
-        let content_length = [(header::CONTENT_LENGTH, (part.end - part.start).to_string())];
-        let content_digest = self.content_digest(method, &part);
-        let content_digest =
-            content_digest.map(|digest| [(HeaderName::from_static("content-digest"), sha_256(digest))]);
-        let in_memory = self.in_memory(method, &part);
-        let body = self.contents.body(self.digest, part);
-        let response =
-            (status, validators, representation, disposition, content_range, content_digest, content_length, body);
-        let mut response = response.into_response();
-        if let Some(in_memory) = in_memory {
-            response.extensions_mut().insert(in_memory);
-        }
-        Ok(response)
-    }
-
-    /// The file, if an answer has enough of its bytes from memory to make the kernel's copy worth it, and the file is short
-    /// enough to have one.
-    fn in_memory(&self, method: &Method, part: &Range<u64>) -> Option<InMemory> {
-        match &self.contents {
-            Contents::Memory(bytes)
-                if method != Method::HEAD
-                    && part.end - part.start >= LEAST_BYTES
-                    && bytes.len() as u64 <= SHORT_BYTES =>
-            {
-                Some(InMemory { digest: self.digest, bytes: Arc::clone(bytes) })
-            }
-            _ => None,
-        }
-    }
-
-    /// The digest of the bytes that an answer carries [RFC 9530, section 2]. An answer to `HEAD` carries none, and a part of
-    /// a long file is not in memory to be hashed.
-    fn content_digest(&self, method: &Method, part: &Range<u64>) -> Option<Digest> {
-        if method == Method::HEAD {
-            return None;
-        }
-        match &self.contents {
-            _ if *part == (0..self.contents.length()) => Some(self.digest),
-            Contents::Memory(bytes) if part.end - part.start <= SHORT_BYTES => {
-                Some(Digest::of(&bytes[part.start as usize..part.end as usize]))
-            }
-            _ => None,
-        }
+        let disposition =
+            self.name.map(|name| [(header::CONTENT_DISPOSITION, format!("attachment; filename=\"{name}\""))]);
+        let content_range = (status == StatusCode::PARTIAL_CONTENT)
+            .then(|| [(header::CONTENT_RANGE, format!("bytes {}-{}/{length}", part.start, part.end - 1))]);
+        // An answer to `HEAD` has no content [RFC 9530, section 2].
+        let body = self.bytes.slice(part);
+        let content_digest = (method != Method::HEAD).then(|| {
+            let digest = if body.len() == length { self.digest } else { Digest::of(&body) };
+            [(HeaderName::from_static("content-digest"), sha_256(digest))]
+        });
+        Ok((status, validators, representation, disposition, content_range, content_digest, body).into_response())
     }
 }
 
@@ -203,22 +91,88 @@ fn sha_256(digest: Digest) -> String {
     format!("sha-256=:{}:", STANDARD.encode(digest.as_bytes()))
 }
 
-/// The range that a `Range` field asks for in a file of `length` bytes. `None` if it is not a single valid byte range:
-/// then the field is ignored, as a server may.
-///
-/// # Errors
-/// 416 if none of its bytes exist.
-fn one_range(field: &[u8], length: u64) -> Result<Option<RangeInclusive<u64>>, Problem> {
-    let parsed = str::from_utf8(field).ok().and_then(|text| parse_range_header(text).ok());
-    let Some(ranges) = parsed.filter(|ranges| ranges.len() == 1) else { return Ok(None) };
-    match ranges.validate(length) {
-        Ok(ranges) => Ok(ranges.into_iter().next()),
-        Err(RangeUnsatisfiableError::Unsatisfiable) => {
-            let detail = format!("the file has {length} bytes; none of them is in the range");
-            Err(Problem::new(ProblemKind::RangeNotSatisfiable, detail))
-        }
-        Err(_) => Ok(None),
+/// The part of a file of `length` bytes that a `Range` field names, empty if none of its bytes exist. `None` if the field is
+/// not one valid byte range: a server may then ignore it.
+fn one_range(field: &str, length: usize) -> Option<Range<usize>> {
+    let (unit, range) = field.split_once('=')?;
+    let (first, last) = range.trim().split_once('-').filter(|_| unit.eq_ignore_ascii_case("bytes"))?;
+    let number = |text: &str| {
+        let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+        // A number beyond the type is beyond the file.
+        is_number.then(|| text.parse().unwrap_or(usize::MAX))
+    };
+    let part = match (first, last) {
+        ("", last) => length.saturating_sub(number(last)?)..length,
+        (first, "") => number(first)?..length,
+        (first, last) => number(first)?..number(last).filter(|last| Some(*last) >= number(first))?.saturating_add(1),
+    };
+    Some(part.start.min(length)..part.end.min(length))
+}
+
+/// The media type by the extension of a file's name.
+pub(super) fn media_type(name: &str) -> &'static str {
+    match name.rsplit('.').next().unwrap_or_default() {
+        "html" => "text/html; charset=utf-8",
+        "css" => "text/css; charset=utf-8",
+        "js" => "text/javascript; charset=utf-8",
+        "svg" => "image/svg+xml",
+        "txt" | "h" | "rs" | "cs" | "wgsl" => "text/plain; charset=utf-8",
+        "json" => "application/json",
+        "ktx2" => "image/ktx2",
+        "dds" => "image/vnd.ms-dds",
+        "exr" => "image/x-exr",
+        "npz" => "application/zip",
+        _ => "application/octet-stream",
     }
+}
+
+/// Bytes that the answer shares with the service.
+pub(super) fn shared(bytes: Arc<Vec<u8>>) -> Bytes {
+    struct Shared(Arc<Vec<u8>>);
+    impl AsRef<[u8]> for Shared {
+        fn as_ref(&self) -> &[u8] {
+            &self.0
+        }
+    }
+    Bytes::from_owner(Shared(bytes))
+}
+
+/// `GET` and `HEAD` of a stored file. The service has checked its bytes against the digest.
+pub(super) async fn stored(
+    api: &Api,
+    kind: FileKind,
+    digest: Digest,
+    method: &Method,
+    headers: &HeaderMap,
+) -> Result<Response, Problem> {
+    let bytes = match api.service.cached_file(kind, digest) {
+        Some(bytes) => Some(bytes),
+        None => api.read(move |service| service.file(kind, digest)).await?,
+    };
+    let (name, bytes) = match (kind, bytes) {
+        (FileKind::Table, Some(bytes)) => (format!("{}.safetensors", digest.hex()), bytes),
+        (_, Some(bytes)) => (kept_name(digest.as_bytes()), bytes),
+        (FileKind::Table, None) => return Err(tables::absent(api, digest).await),
+        (_, None) => {
+            let detail = format!("no BRDF with the digest {digest} is stored");
+            return Err(Problem::new(ProblemKind::UnknownBrdf, detail));
+        }
+    };
+    let media_type = "application/octet-stream";
+    File { digest, bytes, media_type, caching: FOREVER, name: Some(name) }.respond(method, headers)
+}
+
+/// Deletes a stored file if its tag is one that `If-Match` allows.
+pub(super) async fn delete<E: Into<Problem> + Send + 'static>(
+    api: &Api,
+    digest: Digest,
+    headers: &HeaderMap,
+    delete: impl FnOnce(&Service) -> Result<(), E> + Send + 'static,
+) -> Result<Response, Problem> {
+    let tag = EntityTag::strong(digest);
+    tag.check_if_match(headers)?;
+    api.call(delete).await?;
+    Ok((StatusCode::NO_CONTENT, [(header::ETAG, tag.as_str())]).into_response())
 }
 
 #[cfg(test)]
@@ -230,9 +184,8 @@ mod tests {
     const FILE: &[u8] = b"0123456789";
 
     fn file() -> File {
-        let (digest, contents) = (Digest::of(FILE), Contents::Memory(Arc::new(FILE.to_vec())));
-        let (name, coding) = (Some("ltc.ktx2".to_owned()), Coding::Identity);
-        File { digest, contents, media_type: "image/ktx2", caching: FOREVER, name, coding }
+        let (digest, bytes, name) = (Digest::of(FILE), Bytes::from_static(FILE), Some("ltc.ktx2".to_owned()));
+        File { digest, bytes, media_type: "image/ktx2", caching: FOREVER, name }
     }
 
     fn get(fields: &[(HeaderName, &str)]) -> Response {
@@ -307,23 +260,6 @@ mod tests {
     }
 
     #[test]
-    fn the_kernel_gets_a_copy_of_files_of_64_kib_to_a_mebibyte_alone() {
-        let is_copied = |length: usize, method: &Method, range: Option<&'static str>| {
-            let headers = range.map(|range| (header::RANGE, HeaderValue::from_static(range)));
-            let file = File { contents: Contents::Memory(Arc::new(vec![0; length])), ..file() };
-            let response = file.respond(method, &headers.into_iter().collect()).expect("a response");
-            response.extensions().get::<InMemory>().is_some()
-        };
-        for (length, copied) in [(65_535, false), (65_536, true), (1 << 20, true), ((1 << 20) + 1, false)] {
-            assert_eq!(is_copied(length, &Method::GET, None), copied, "{length}");
-        }
-        assert!(!is_copied(65_536, &Method::HEAD, None));
-        for (range, copied) in [("bytes=0-65535", true), ("bytes=0-65534", false)] {
-            assert_eq!(is_copied(100_000, &Method::GET, Some(range)), copied, "{range}");
-        }
-    }
-
-    #[test]
     fn a_range_counts_only_on_get_and_under_its_own_tag() {
         let range = (header::RANGE, "bytes=2-4");
         let tag = format!("\"{}\"", Digest::of(FILE));
@@ -335,33 +271,24 @@ mod tests {
     #[test]
     fn one_range_is_cut_to_the_file() {
         let cases = [
-            ("bytes=0-0", 0..=0),
-            ("bytes=2-5", 2..=5),
-            ("Bytes=2-", 2..=9),
-            ("bytes=-3", 7..=9),
-            ("bytes=-30", 0..=9),
-            ("bytes=9-99999999999999999999999", 9..=9),
+            ("bytes=0-0", 0..1),
+            ("bytes=2-5", 2..6),
+            ("Bytes=2-", 2..10),
+            ("bytes=-3", 7..10),
+            ("bytes=-30", 0..10),
+            ("bytes=9-99999999999999999999999", 9..10),
         ];
         for (field, part) in cases {
-            assert_eq!(one_range(field.as_bytes(), 10).expect("bytes that exist"), Some(part), "{field}");
+            assert_eq!(one_range(field, 10), Some(part), "{field}");
         }
-    }
-
-    #[test]
-    fn bytes_beyond_the_end_are_refused() {
         for field in ["bytes=10-", "bytes=10-20", "bytes=-0", "bytes=99999999999999999999999-"] {
-            let refused = one_range(field.as_bytes(), 10).expect_err(field);
-            assert_eq!(refused.status(), 416, "{field}");
+            assert_eq!(one_range(field, 10), Some(10..10), "{field}");
         }
-        assert!(one_range(b"bytes=0-", 0).is_err());
-    }
-
-    #[test]
-    fn anything_but_one_byte_range_is_ignored() {
+        assert_eq!(one_range("bytes=0-", 0), Some(0..0));
         for field in
             ["", "bytes", "bytes=", "bytes=-", "bytes=5-2", "bytes=a-b", "bytes=0-1,4-5", "items=0-1", "bytes=+1-2"]
         {
-            assert_eq!(one_range(field.as_bytes(), 10).expect("all bytes"), None, "{field}");
+            assert_eq!(one_range(field, 10), None, "{field}");
         }
     }
 }

@@ -13,14 +13,14 @@ use serde::Deserialize;
 use super::{
     access::Caller,
     api::Api,
-    conditional::check_untagged,
-    extract::{NoParameters, PageLimit, PathOf, QueryOf, RecipeBody},
+    etag::check_untagged,
+    extract::{NoQuery, PageLimit, PathOf, QueryOf, RecipeBody},
     kind::ProblemKind,
     problem::{Problem, whole_seconds},
     views::{JobView, PageView},
 };
 use crate::{
-    queue::{JobId, StateName, Submitter},
+    queue::{JobId, StateName},
     service::{JobCursor, JobSnapshot, Service, SubmitError, SubmitReply},
 };
 
@@ -39,14 +39,15 @@ pub(super) struct ListParameters {
 /// `POST /v1/jobs`.
 pub(super) async fn submit(
     State(api): State<Api>,
-    _: QueryOf<NoParameters>,
+    _: NoQuery,
     caller: Option<Extension<Caller>>,
     headers: HeaderMap,
     RecipeBody(document): RecipeBody,
 ) -> Result<Response, Problem> {
     check_untagged(&headers)?;
+    let by = caller.map(|Extension(Caller(token))| token.name.clone());
     let submit = move |service: &Service| {
-        let (status, job) = match service.submit(&document, submitter(caller.as_ref()))? {
+        let (status, job) = match service.submit(&document, by.as_deref())? {
             SubmitReply::InFlight { job, .. } => (StatusCode::ACCEPTED, job),
             SubmitReply::Ready { job, .. } => (StatusCode::OK, job),
         };
@@ -62,19 +63,14 @@ pub(super) async fn submit(
 /// `GET /v1/jobs`.
 pub(super) async fn list(
     State(api): State<Api>,
-    QueryOf(parameters): QueryOf<ListParameters>,
+    QueryOf(ListParameters { state, cursor, limit }): QueryOf<ListParameters>,
 ) -> Result<Json<PageView<JobView>>, Problem> {
-    let ListParameters { state, cursor, limit } = parameters;
     let page = api.call(move |service| service.jobs(state, cursor, limit.0)).await?;
     Ok(Json(PageView::new(page, |snapshot| JobView::of_snapshot(&snapshot))?))
 }
 
 /// `GET /v1/jobs/{id}`.
-pub(super) async fn show(
-    State(api): State<Api>,
-    _: QueryOf<NoParameters>,
-    PathOf(id): PathOf<JobId>,
-) -> Result<Response, Problem> {
+pub(super) async fn show(State(api): State<Api>, _: NoQuery, PathOf(id): PathOf<JobId>) -> Result<Response, Problem> {
     let snapshot = api.call(move |service| service.job(id)).await?.ok_or_else(|| unknown(id))?;
     answer(&snapshot)
 }
@@ -82,7 +78,7 @@ pub(super) async fn show(
 /// `DELETE /v1/jobs/{id}`.
 pub(super) async fn cancel(
     State(api): State<Api>,
-    _: QueryOf<NoParameters>,
+    _: NoQuery,
     PathOf(id): PathOf<JobId>,
     caller: Option<Extension<Caller>>,
     headers: HeaderMap,
@@ -92,15 +88,10 @@ pub(super) async fn cancel(
         return Err(api.call(move |service| service.job(id)).await?.map_or_else(|| unknown(id), |_| problem));
     }
     let snapshot = api
-        .call(move |service| service.cancel(id, submitter(caller.as_ref()).map(|by| by.name.as_str())))
+        .call(move |service| service.cancel(id, caller.as_ref().map(|Extension(Caller(token))| token.name.as_str())))
         .await?
         .ok_or_else(|| unknown(id))?;
     answer(&snapshot)
-}
-
-/// Whom the caller's token names; `None` where none is needed.
-fn submitter(caller: Option<&Extension<Caller>>) -> Option<&Submitter> {
-    caller.map(|Extension(Caller(by))| &**by)
 }
 
 /// The problem of an id that no job has.

@@ -1,45 +1,21 @@
 //! The types of problems: the one table from a type to its status and title.
 
 use axum::http::StatusCode;
-use serde::{Serialize, Serializer};
-
-/// A row of the table, as a problem's document shows it.
-#[derive(Serialize)]
-pub(super) struct KindRow {
-    /// A reference relative to the service, stable for the life of the interface.
-    r#type: &'static str,
-    title: &'static str,
-    #[serde(rename = "status")]
-    number: u16,
-    #[serde(skip)]
-    pub(super) status: StatusCode,
-}
-
-impl Serialize for ProblemKind {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        self.row().serialize(to)
-    }
-}
 
 /// Declares each type: its name, status, last segment of `type`, and title.
 macro_rules! problem_kinds {
     ($($name:ident: $status:ident, $slug:literal, $title:literal;)*) => {
-        /// The type of a problem: decides its status, its title and the `type` in its document.
+        /// The type of a problem.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub(super) enum ProblemKind {
             $($name,)*
         }
 
         impl ProblemKind {
-            /// The row of this type.
-            pub(super) const fn row(self) -> KindRow {
+            /// Status, `type` and title. The type is a reference relative to the service; it never changes.
+            pub(super) const fn row(self) -> (StatusCode, &'static str, &'static str) {
                 match self {
-                    $(Self::$name => KindRow {
-                        r#type: concat!("/problems/", $slug),
-                        title: $title,
-                        number: StatusCode::$status.as_u16(),
-                        status: StatusCode::$status,
-                    },)*
+                    $(Self::$name => (StatusCode::$status, concat!("/problems/", $slug), $title),)*
                 }
             }
         }
@@ -63,18 +39,11 @@ problem_kinds! {
     UnknownJob: NOT_FOUND, "unknown-job", "There is no such job";
     UnknownTable: NOT_FOUND, "unknown-table", "There is no such table";
     RemovedTable: NOT_FOUND, "removed-table", "The table was removed";
-    TablePinned: CONFLICT, "table-pinned", "The table is pinned";
-    UnknownPin: NOT_FOUND, "unknown-pin", "The table has no such pin";
-    PinLimit: INSUFFICIENT_STORAGE, "pin-limit", "The table has as many pins as may be";
-    BadLock: UNPROCESSABLE_ENTITY, "bad-lock", "The lock file has faults";
     UnknownRecipe: NOT_FOUND, "unknown-recipe", "There is no such recipe";
     UnknownBrdf: NOT_FOUND, "unknown-brdf", "There is no such BRDF";
     BrdfInUse: CONFLICT, "brdf-in-use", "The BRDF is named by a recipe";
     BrdfLimit: INSUFFICIENT_STORAGE, "brdf-limit", "As many BRDFs are stored as may be";
     BadBrdf: UNPROCESSABLE_ENTITY, "bad-brdf", "The BRDF has faults";
-    UnknownLightTexture: NOT_FOUND, "unknown-light-texture", "There is no such light texture";
-    LightTextureLimit: INSUFFICIENT_STORAGE, "light-texture-limit", "As many light textures are stored as may be";
-    BadPicture: UNPROCESSABLE_ENTITY, "bad-picture", "The picture cannot be prefiltered";
     BadPlan: UNPROCESSABLE_ENTITY, "bad-plan", "The scene of the plan has faults";
     BudgetUnmet: UNPROCESSABLE_ENTITY, "budget-unmet", "No table is within the budget";
     UnknownExport: NOT_FOUND, "unknown-export", "There is no such export";
@@ -84,14 +53,11 @@ problem_kinds! {
     MethodNotAllowed: METHOD_NOT_ALLOWED, "method-not-allowed", "The path does not allow this method";
     SlowRequest: REQUEST_TIMEOUT, "slow-request", "The request took too long to arrive";
     PreconditionFailed: PRECONDITION_FAILED, "precondition-failed", "There is another version";
-    UriTooLong: URI_TOO_LONG, "uri-too-long", "Path and query are too long";
     RangeNotSatisfiable: RANGE_NOT_SATISFIABLE, "range-not-satisfiable", "The range lies outside the file";
     TooExpensive: UNPROCESSABLE_ENTITY, "too-expensive", "It would take too long";
     WrongHost: MISDIRECTED_REQUEST, "wrong-host", "The service has another name";
-    HeadTooLarge: REQUEST_HEADER_FIELDS_TOO_LARGE, "head-too-large", "The head is too large";
     QueueFull: TOO_MANY_REQUESTS, "queue-full", "The queue is full";
-    TooManyRequests: TOO_MANY_REQUESTS, "too-many-requests", "The caller asks too often";
-    TooManyConnections: SERVICE_UNAVAILABLE, "too-many-connections", "Too many connections are open";
+    Busy: SERVICE_UNAVAILABLE, "busy", "Too many requests are being answered";
     TooSlow: SERVICE_UNAVAILABLE, "too-slow", "The picture took too long";
     RenderFailed: INTERNAL_SERVER_ERROR, "render-failed", "The renderer failed";
     Stopping: SERVICE_UNAVAILABLE, "stopping", "The service is stopping";

@@ -10,12 +10,7 @@ use axum::{
 };
 use serde::Serialize;
 
-use super::{
-    api::Api,
-    error,
-    extract::{NoParameters, QueryOf},
-    problem::Problem,
-};
+use super::{api::Api, error, extract::NoQuery, problem::Problem};
 use crate::service::{Backlog, Metrics, PictureCounts, ServiceError};
 use ltcforge_fit::FITTER_VERSION;
 
@@ -35,12 +30,12 @@ pub(super) struct Build {
 }
 
 /// `GET /healthz`: the process answers.
-pub(super) async fn healthz(_: QueryOf<NoParameters>) -> Json<Status> {
+pub(super) async fn healthz(_: NoQuery) -> Json<Status> {
     Json(Status { status: "ok" })
 }
 
 /// `GET /readyz`: the service accepts jobs and works on them.
-pub(super) async fn readyz(State(api): State<Api>, _: QueryOf<NoParameters>) -> Result<Json<Status>, Problem> {
+pub(super) async fn readyz(State(api): State<Api>, _: NoQuery) -> Result<Json<Status>, Problem> {
     let fault = api.call(|service| Ok::<_, ServiceError>(service.fault())).await?;
     match fault {
         _ if *api.stopping.borrow() || api.service.is_stopping() => Err(error::stopping()),
@@ -50,75 +45,65 @@ pub(super) async fn readyz(State(api): State<Api>, _: QueryOf<NoParameters>) -> 
 }
 
 /// `GET /metrics`.
-pub(super) async fn metrics(State(api): State<Api>, _: QueryOf<NoParameters>) -> Result<Response, Problem> {
+pub(super) async fn metrics(State(api): State<Api>, _: NoQuery) -> Result<Response, Problem> {
     let metrics = api.call(crate::service::Service::metrics).await?;
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], exposition(&metrics)).into_response())
 }
 
 /// `GET /version`.
-pub(super) async fn version(_: QueryOf<NoParameters>) -> Json<Build> {
+pub(super) async fn version(_: NoQuery) -> Json<Build> {
     Json(Build { name: "ltcforge", version: env!("CARGO_PKG_VERSION"), fitter: FITTER_VERSION })
 }
 
 /// `GET /openapi.yaml`.
-pub(super) async fn openapi(_: QueryOf<NoParameters>) -> Response {
+pub(super) async fn openapi(_: NoQuery) -> Response {
     ([(header::CONTENT_TYPE, "application/yaml")], OPENAPI).into_response()
 }
 
 /// The metrics in Prometheus' text format 0.0.4.
 fn exposition(metrics: &Metrics) -> String {
-    let mut text = String::from("# HELP ltcforge_jobs Jobs by state.\n# TYPE ltcforge_jobs gauge\n");
-    for (state, count) in &metrics.jobs {
+    let mut text = String::new();
+    let mut add = |name: &str, kind: &str, help: &str, samples: &[(String, f64)]| {
         // Writing to a String cannot fail.
-        let _ = writeln!(text, "ltcforge_jobs{{state=\"{}\"}} {count}", state.text());
-    }
+        let _ = writeln!(text, "# HELP ltcforge_{name} {help}\n# TYPE ltcforge_{name} {kind}");
+        for (labels, value) in samples {
+            let _ = writeln!(text, "ltcforge_{name}{labels} {value}");
+        }
+    };
+    let label = |name: &str, value: &str, count: u64| (format!("{{{name}=\"{value}\"}}"), count as f64);
+    let jobs: Vec<_> = metrics.jobs.iter().map(|(state, count)| label("state", state.text(), *count)).collect();
+    add("jobs", "gauge", "Jobs by state.", &jobs);
     let Backlog { shards, core_seconds, oldest_seconds } = metrics.backlog;
-    text.push_str("# HELP ltcforge_queue_shards Shards of unfinished jobs, of all processes that share the queue.\n");
-    text.push_str("# TYPE ltcforge_queue_shards gauge\n");
-    for (state, count) in [("waiting", shards.waiting), ("leased", shards.leased)] {
-        let _ = writeln!(text, "ltcforge_queue_shards{{state=\"{state}\"}} {count}");
-    }
-    let seconds = [
-        (
-            "core_seconds",
-            "Predicted seconds that one core takes for the queue's entries that are not fitted.",
-            core_seconds,
-        ),
-        ("oldest_seconds", "Seconds since the oldest unfinished job was submitted; 0 without one.", oldest_seconds),
-    ];
-    for (name, help, value) in seconds {
-        let name = format!("ltcforge_queue_{name}");
-        let _ = writeln!(text, "# HELP {name} {help}\n# TYPE {name} gauge\n{name} {value:.3}");
-    }
-    text.push_str("# HELP ltcforge_pictures_total Pictures since the start, except those served from memory.\n");
-    text.push_str("# TYPE ltcforge_pictures_total counter\n");
+    let shards = [label("state", "waiting", shards.waiting), label("state", "leased", shards.leased)];
+    add("queue_shards", "gauge", "Shards of unfinished jobs, of all processes that share the queue.", &shards);
     let PictureCounts { done, failed, given_up, refused } = metrics.pictures;
-    for (outcome, count) in [("done", done), ("failed", failed), ("given_up", given_up), ("refused", refused)] {
-        let _ = writeln!(text, "ltcforge_pictures_total{{outcome=\"{outcome}\"}} {count}");
-    }
-    let others = [
-        ("entries_fitted_total", "counter", "Entries fitted since the start.", metrics.entries_fitted),
-        ("shard_failures_total", "counter", "Shards that failed since the start.", metrics.shard_failures),
-        ("leases_expired_total", "counter", "Leases that expired since the start.", metrics.leases_expired),
+    let pictures = [("done", done), ("failed", failed), ("given_up", given_up), ("refused", refused)];
+    let pictures = pictures.map(|(outcome, count)| label("outcome", outcome, count));
+    add("pictures_total", "counter", "Pictures since the start, except those served from memory.", &pictures);
+    let milli = |seconds: f64| (seconds * 1000.0).round() / 1000.0;
+    for (name, kind, help, value) in [
+        ("queue_core_seconds", "gauge", "Predicted seconds of one core for the queue.", milli(core_seconds)),
         (
-            "exports_total",
-            "counter",
-            "Exports made since the start, except those served from memory.",
-            metrics.exports_made,
+            "queue_oldest_seconds",
+            "gauge",
+            "Seconds since the oldest unfinished job was submitted.",
+            milli(oldest_seconds),
         ),
+        ("entries_fitted_total", "counter", "Entries fitted since the start.", metrics.entries_fitted as f64),
+        ("shard_failures_total", "counter", "Shards that failed since the start.", metrics.shard_failures as f64),
+        ("leases_expired_total", "counter", "Leases that expired since the start.", metrics.leases_expired as f64),
+        ("exports_total", "counter", "Exports made since the start.", metrics.exports_made as f64),
+        ("files_removed_total", "counter", "Tables evicted since the start.", metrics.files_removed as f64),
         (
-            "files_removed_total",
+            "blobs_corrupt_total",
             "counter",
-            "Files removed since the start because the store was larger than it may be.",
-            metrics.files_removed,
+            "Blobs found damaged or missing since the start.",
+            metrics.blobs_corrupt as f64,
         ),
-        ("blobs_corrupt_total", "counter", "Blobs found damaged or missing since the start.", metrics.blobs_corrupt),
-        ("tables", "gauge", "Tables in the catalogue.", metrics.tables),
-        ("table_bytes", "gauge", "Bytes of all tables.", metrics.table_bytes),
-    ];
-    for (name, kind, help, value) in others {
-        let name = format!("ltcforge_{name}");
-        let _ = writeln!(text, "# HELP {name} {help}\n# TYPE {name} {kind}\n{name} {value}");
+        ("tables", "gauge", "Tables in the catalogue.", metrics.tables as f64),
+        ("table_bytes", "gauge", "Bytes of all tables.", metrics.table_bytes as f64),
+    ] {
+        add(name, kind, help, &[(String::new(), value)]);
     }
     text
 }
@@ -147,9 +132,9 @@ mod tests {
             r#"ltcforge_jobs{state="queued"} 0"#,
             r#"ltcforge_queue_shards{state="waiting"} 6"#,
             r#"ltcforge_queue_shards{state="leased"} 2"#,
-            "ltcforge_queue_core_seconds 1.500",
+            "ltcforge_queue_core_seconds 1.5",
             "# TYPE ltcforge_queue_oldest_seconds gauge",
-            "ltcforge_queue_oldest_seconds 0.250",
+            "ltcforge_queue_oldest_seconds 0.25",
             "ltcforge_entries_fitted_total 41",
             "# TYPE ltcforge_entries_fitted_total counter",
             "ltcforge_exports_total 7",

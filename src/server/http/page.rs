@@ -7,6 +7,7 @@
 use std::sync::{Arc, LazyLock};
 
 use axum::{
+    body::Bytes,
     extract::{Path, State},
     http::{HeaderMap, HeaderName, HeaderValue, Method, header},
     response::Response,
@@ -14,10 +15,9 @@ use axum::{
 
 use super::{
     api::Api,
-    coding::Coding,
     error,
-    extract::{NoParameters, QueryOf},
-    file::{Contents, File},
+    extract::NoQuery,
+    file::{File, REVALIDATE, media_type, shared},
     kind::ProblemKind,
     problem::Problem,
 };
@@ -28,30 +28,17 @@ use ltcforge_light::{LightModel, textured::Readings};
 use ltcforge_shaders::{Additions, Language, Lights, LitBy, Namespace, Reading};
 use ltcforge_translate::{include, include_prefilter};
 
-/// Other versions of the program serve other bytes at the same addresses.
-const REVALIDATE: &str = "no-cache";
-
 /// What the page may do: run its own modules and call this service. Pictures that it draws, and those and videos that visitors open, are `blob:`.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; media-src blob:; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; require-trusted-types-for 'script'";
 
-/// A file of the page by its path in the folder, its digest computed once.
-struct PageFile {
-    name: &'static str,
-    bytes: Arc<Vec<u8>>,
-    digest: Digest,
-}
-
-impl PageFile {
-    fn new(name: &'static str, bytes: &[u8]) -> Self {
-        Self { name, bytes: Arc::new(bytes.to_vec()), digest: Digest::of(bytes) }
-    }
-}
+/// The name of a file, its bytes and their digest.
+type PageFile = (&'static str, Bytes, Digest);
 
 macro_rules! page_files {
     ($($name:literal),* $(,)?) => {
         static FILES: LazyLock<Vec<PageFile>> =
-            LazyLock::new(|| vec![$(PageFile::new($name, include_bytes!(concat!("../page/", $name)))),*]);
+            LazyLock::new(|| vec![$(page_file($name, include_bytes!(concat!("../page/", $name)))),*]);
     };
 }
 
@@ -131,8 +118,12 @@ fn without<'name>(name: &'name str, end: &str) -> (&'name str, bool) {
     name.strip_suffix(end).map_or((name, false), |name| (name, true))
 }
 
+fn page_file(name: &'static str, bytes: &'static [u8]) -> PageFile {
+    (name, Bytes::from_static(bytes), Digest::of(bytes))
+}
+
 /// The text to include that `ltcforge shader --language glsl-es` or `wgsl` writes, or that of the prefilter of pictures.
-fn shader_file(file: &str) -> Result<PageFile, Problem> {
+fn shader_text(file: &str) -> Result<String, Problem> {
     let (name, language) = match file.rsplit_once('.') {
         Some((name, "glsl")) => (name, Language::GlslEs),
         Some((name, "wgsl")) => (name, Language::Wgsl),
@@ -144,17 +135,17 @@ fn shader_file(file: &str) -> Result<PageFile, Problem> {
         let (lit_by, reading) = lit_by(name).ok_or_else(|| no_file(file))?;
         include(language, lit_by, reading, Lights::All, &Namespace::default())
     };
-    text.map(|text| PageFile::new("shader.txt", text.as_bytes())).map_err(|error| error::internal(&error))
+    text.map_err(|error| error::internal(&error))
 }
 
 /// `GET /`.
-pub(super) async fn index(_: QueryOf<NoParameters>, method: Method, headers: HeaderMap) -> Result<Response, Problem> {
+pub(super) async fn index(_: NoQuery, method: Method, headers: HeaderMap) -> Result<Response, Problem> {
     respond("index.html", &method, &headers)
 }
 
 /// `GET /page/{file}`.
 pub(super) async fn file(
-    _: QueryOf<NoParameters>,
+    _: NoQuery,
     Path(name): Path<String>,
     State(api): State<Api>,
     method: Method,
@@ -164,12 +155,12 @@ pub(super) async fn file(
     // The first request integrates.
     let made = api.call(|_| published_table().map_err(|error| error::internal(&error))).await?;
     let found = made.files.iter().find(|file| file.path == path).ok_or_else(|| no_file(&name))?;
-    send(&path, found.digest, &found.bytes, &method, &headers)
+    send(&path, found.digest, shared(Arc::clone(&found.bytes)), &method, &headers)
 }
 
 /// `GET /page/{folder}/{file}`.
 pub(super) async fn file_of_folder(
-    _: QueryOf<NoParameters>,
+    _: NoQuery,
     Path((folder, name)): Path<(String, String)>,
     method: Method,
     headers: HeaderMap,
@@ -178,31 +169,15 @@ pub(super) async fn file_of_folder(
 }
 
 fn respond(name: &str, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
-    let made: PageFile;
-    let found = if let Some(found) = FILES.iter().find(|file| file.name == name) {
-        found
-    } else {
-        made = shader_file(name)?;
-        &made
-    };
-    send(found.name, found.digest, &found.bytes, method, headers)
+    if let Some((name, bytes, digest)) = FILES.iter().find(|(known, ..)| *known == name) {
+        return send(name, *digest, bytes.clone(), method, headers);
+    }
+    let text = Bytes::from(shader_text(name)?);
+    send("shader.txt", Digest::of(&text), text, method, headers)
 }
 
-fn send(
-    name: &str,
-    digest: Digest,
-    bytes: &Arc<Vec<u8>>,
-    method: &Method,
-    headers: &HeaderMap,
-) -> Result<Response, Problem> {
-    let file = File {
-        digest,
-        contents: Contents::Memory(Arc::clone(bytes)),
-        media_type: media_type(name).ok_or_else(|| error::internal(&format!("{name} has no media type")))?,
-        caching: REVALIDATE,
-        name: None,
-        coding: Coding::Fixed,
-    };
+fn send(name: &str, digest: Digest, bytes: Bytes, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
+    let file = File { digest, bytes, media_type: media_type(name), caching: REVALIDATE, name: None };
     let mut response = file.respond(method, headers)?;
     let fields = [
         (header::CONTENT_SECURITY_POLICY, POLICY),
@@ -218,21 +193,6 @@ fn no_file(name: &str) -> Problem {
     Problem::new(ProblemKind::NoSuchPath, format!("the page has no file «{name}»; /openapi.yaml lists all paths"))
 }
 
-fn media_type(name: &str) -> Option<&'static str> {
-    match name.rsplit_once('.')?.1 {
-        "html" => Some("text/html; charset=utf-8"),
-        "css" => Some("text/css; charset=utf-8"),
-        "js" => Some("text/javascript; charset=utf-8"),
-        "svg" => Some("image/svg+xml"),
-        "txt" => Some("text/plain; charset=utf-8"),
-        "dds" => Some("image/vnd-ms.dds"),
-        "json" => Some("application/json"),
-        "ktx2" => Some("image/ktx2"),
-        "npy" => Some("application/octet-stream"),
-        _ => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::{collections::BTreeSet, fs};
@@ -240,7 +200,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_file_of_the_folder_is_served_and_has_a_media_type() {
+    fn every_file_of_the_folder_is_served() {
         let root = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/page"));
         let mut in_folder = BTreeSet::new();
         let mut folders = vec![root.to_path_buf()];
@@ -254,11 +214,8 @@ mod tests {
                 }
             }
         }
-        let served: BTreeSet<String> = FILES.iter().map(|file| file.name.to_owned()).collect();
+        let served: BTreeSet<String> = FILES.iter().map(|(name, ..)| (*name).to_owned()).collect();
         assert_eq!(served, in_folder);
-        for file in FILES.iter() {
-            assert!(media_type(file.name).is_some(), "{}", file.name);
-        }
     }
 
     /// Folders of modules, those above before those that they use; `docs/architecture.md` says what each has.
@@ -269,12 +226,11 @@ mod tests {
     fn modules_import_from_folders_below_their_own() {
         let place = |folder: &str| FOLDERS.iter().position(|known| *known == folder).expect(folder);
         let mut imports = 0;
-        for file in FILES.iter() {
-            let is_module = media_type(file.name).is_some_and(|known| known.starts_with("text/javascript"));
-            let Some((folder, _)) = file.name.split_once('/').filter(|_| is_module) else { continue };
-            let text = std::str::from_utf8(&file.bytes).expect("UTF-8");
+        for (name, bytes, _) in FILES.iter() {
+            let Some((folder, _)) = name.split_once('/').filter(|_| name.ends_with(".js")) else { continue };
+            let text = std::str::from_utf8(bytes).expect("UTF-8");
             for (used, _) in text.split("'../").skip(1).filter_map(|rest| rest.split_once('/')) {
-                assert!(place(folder) < place(used), "{}: {used}", file.name);
+                assert!(place(folder) < place(used), "{name}: {used}");
                 imports += 1;
             }
         }

@@ -1,17 +1,25 @@
 //! Plans of tables for scenes.
 
-use axum::{Json, extract::State};
+use axum::{
+    Json,
+    extract::{Request, State},
+};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{
     api::Api,
-    extract::{QueryOf, SceneBody},
-    kind::ProblemKind,
+    error::bad_parameter,
+    extract::{JSON, QueryOf, check_json, check_type, other_type, read_upload},
     problem::Problem,
 };
-use crate::service::Planned;
+use crate::service::{Planned, SCENE_LIMIT_BYTES, SceneForm};
 use ltcforge_plan::{Budget, Form, GpuLimit};
+
+/// Longest list of materials.
+const LIST_LIMIT_BYTES: u64 = 1 << 20;
+
+const GLB: &str = "model/gltf-binary";
 
 /// The query of `POST /v1/plans`.
 #[derive(Debug, Deserialize)]
@@ -30,7 +38,7 @@ pub(super) struct PlanParameters {
 
 impl PlanParameters {
     fn budget(&self) -> Result<Budget, Problem> {
-        let wrong = |detail: String| Err(Problem::new(ProblemKind::BadParameter, detail));
+        let wrong = |detail: String| Err(bad_parameter(&detail));
         let is_positive = |number: f64| number.is_finite() && number > 0.0;
         match (self.error, self.bytes, self.seconds) {
             (None, None, None) => Ok(Budget::Knee),
@@ -56,16 +64,23 @@ pub(super) struct PlanView {
 pub(super) async fn plan(
     State(api): State<Api>,
     QueryOf(parameters): QueryOf<PlanParameters>,
-    SceneBody(bytes, sent, room): SceneBody,
+    request: Request,
 ) -> Result<Json<PlanView>, Problem> {
     let budget = parameters.budget()?;
     let PlanParameters { any_nodes, no_terms, registers, instructions, .. } = parameters;
     let form = Form { layout: None, any_nodes, no_terms, ship: false, gpu: GpuLimit { registers, instructions } };
-    let made = move |service: &crate::service::Service| {
-        let made = service.plan(bytes.into(), sent, budget, form);
-        drop(room);
-        made
+    let (sent, limit_bytes) = if check_type(request.headers(), GLB).is_ok() {
+        (SceneForm::Glb, SCENE_LIMIT_BYTES)
+    } else {
+        check_json(request.headers()).map_err(|given| other_type(&given, &format!("{GLB}, {JSON}")))?;
+        (SceneForm::List, LIST_LIMIT_BYTES)
     };
-    let Planned { plan, summary } = api.call(made).await?;
+    let (bytes, place) = read_upload(request, &api, "a scene", limit_bytes).await?;
+    let plan = move |service: &crate::service::Service| {
+        let planned = service.plan(bytes.into(), sent, budget, form);
+        drop(place);
+        planned
+    };
+    let Planned { plan, summary } = api.call(plan).await?;
     Ok(Json(PlanView { summary, plan }))
 }

@@ -18,21 +18,26 @@ const MOST_FAULTS: usize = 100;
 /// Letters of a `detail`, and of each text of a fault.
 const LONGEST_DETAIL: usize = 2000;
 
+/// How a client authenticates.
+const SCHEME: &str = "Bearer realm=\"ltcforge\"";
+
 /// Letters of a word in them. No word of the service's own is as long.
 const LONGEST_WORD: usize = 200;
 
 /// An error as it is reported to a client, and the document that the client reads.
 #[derive(Debug, Serialize)]
 pub(super) struct Problem {
-    /// `type`, `title` and `status`.
-    #[serde(flatten)]
-    kind: ProblemKind,
+    r#type: &'static str,
+    title: &'static str,
+    status: u16,
     detail: String,
     /// The faults of the request: the place of each, and the fault.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     errors: Vec<Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    recipe: Option<Value>,
+    recipe: Option<Box<Value>>,
+    #[serde(skip)]
+    kind: ProblemKind,
     /// Whole seconds for `Retry-After`.
     #[serde(skip)]
     retry_after: Option<u64>,
@@ -41,7 +46,9 @@ pub(super) struct Problem {
 impl Problem {
     /// A problem of `kind`; `detail` is one sentence on this occurrence.
     pub(super) fn new(kind: ProblemKind, detail: impl Into<String>) -> Self {
-        Self { kind, detail: bounded(&detail.into()), errors: Vec::new(), recipe: None, retry_after: None }
+        let (status, r#type, title) = kind.row();
+        let (status, detail) = (status.as_u16(), bounded(&detail.into()));
+        Self { r#type, title, status, detail, errors: Vec::new(), recipe: None, kind, retry_after: None }
     }
 
     /// The same with a list of the request's faults, the first [`MOST_FAULTS`] of them.
@@ -76,14 +83,14 @@ impl Problem {
         Self { retry_after: Some(whole_seconds(after)), ..self }
     }
 
-    /// The status to answer with.
-    pub(super) fn status(&self) -> StatusCode {
-        self.kind.row().status
+    /// Whether it is of `kind`.
+    pub(super) fn is(&self, kind: ProblemKind) -> bool {
+        self.kind == kind
     }
 
-    /// The value of its `Retry-After` field, if it has one.
-    pub(super) fn retry_after_seconds(&self) -> Option<u64> {
-        self.retry_after
+    /// The status to answer with.
+    pub(super) fn status(&self) -> StatusCode {
+        self.kind.row().0
     }
 }
 
@@ -108,8 +115,9 @@ pub(super) fn whole_seconds(after: Duration) -> u64 {
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
         let retry_after = self.retry_after.map(|seconds| [(header::RETRY_AFTER, HeaderValue::from(seconds))]);
+        let scheme = (self.kind == ProblemKind::NoToken).then_some([(header::WWW_AUTHENTICATE, SCHEME)]);
         let content_type = [(header::CONTENT_TYPE, "application/problem+json")];
-        (self.status(), retry_after, content_type, Json(self)).into_response()
+        (self.status(), retry_after, scheme, content_type, Json(self)).into_response()
     }
 }
 

@@ -1,22 +1,32 @@
 //! Recipes: what a document would begin, and the tables of those that are known.
 
-use axum::{Json, extract::State, http::HeaderMap};
+use axum::{
+    Json,
+    extract::State,
+    http::{HeaderMap, Method},
+    response::Response,
+};
 
 use super::{
     api::Api,
-    conditional::check_untagged,
-    extract::{NoParameters, PathOf, QueryOf, RecipeBody},
+    etag::check_untagged,
+    extract::{NoQuery, PathOf, RecipeBody},
+    file::{File, REVALIDATE},
     kind::ProblemKind,
     problem::Problem,
     views::{ForeseenView, RecipeView},
 };
 use crate::service::{Service, SubmitError};
-use ltcforge_files::{digest::Digest, recipe_document::RecipeError};
+use ltcforge_files::{
+    digest::Digest,
+    recipe_document::{RecipeError, schema},
+};
+use ltcforge_textures::{Engine, Export};
 
 /// `POST /v1/recipes`. The faults of a recipe are the answer that was asked for, and no error.
 pub(super) async fn foresee(
     State(api): State<Api>,
-    _: QueryOf<NoParameters>,
+    _: NoQuery,
     headers: HeaderMap,
     RecipeBody(document): RecipeBody,
 ) -> Result<Json<ForeseenView>, Problem> {
@@ -35,7 +45,7 @@ pub(super) async fn foresee(
 /// `GET /v1/recipes/{digest}`.
 pub(super) async fn show(
     State(api): State<Api>,
-    _: QueryOf<NoParameters>,
+    _: NoQuery,
     PathOf(digest): PathOf<Digest>,
 ) -> Result<Json<RecipeView>, Problem> {
     let known = api.call(move |service| service.recipe(digest)).await?;
@@ -43,4 +53,12 @@ pub(super) async fn show(
         Problem::new(ProblemKind::UnknownRecipe, format!("no recipe with the digest {digest} is known"))
     })?;
     Ok(Json(RecipeView::new(digest, &recipe, table)?))
+}
+
+/// `GET /v1/recipes/schema`: the names, defaults and bounds of a recipe's fields, and the names of exports.
+pub(super) async fn describe(_: NoQuery, method: Method, headers: HeaderMap) -> Result<Response, Problem> {
+    let mut document = schema();
+    document["engines"] = Engine::ALL.iter().map(ToString::to_string).collect();
+    document["exports"] = Export::all().map(|export| export.to_string()).collect();
+    File { caching: REVALIDATE, ..File::json(&document)? }.respond(&method, &headers)
 }

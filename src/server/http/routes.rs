@@ -2,19 +2,15 @@
 
 use axum::{
     Router,
-    extract::DefaultBodyLimit,
-    handler::Handler as _,
     http::{Method, Uri, header},
     response::{IntoResponse, Response},
     routing::MethodRouter,
 };
 
 use super::{
-    api::Api, brdfs, events, exports, extract::PICTURE_LIMIT_BYTES, jobs, kind::ProblemKind, light_textures,
-    operations, page, pictures, pins, plans, problem::Problem, recipes, tables,
+    api::Api, brdfs, events, exports, jobs, kind::ProblemKind, operations, page, pictures, plans, problem::Problem,
+    recipes, tables,
 };
-use crate::service::SCENE_LIMIT_BYTES;
-use ltcforge_files::tabulated::TABULATED_LIMIT_BYTES;
 
 /// One call of the interface. A `GET` route also answers `HEAD`; `HEAD` is listed where clients depend on it.
 #[derive(Debug)]
@@ -41,12 +37,6 @@ pub static ROUTES: &[Route] = &[
     route(Method::GET, "/v1/tables/{digest}", |on| on.get(tables::download)),
     route(Method::HEAD, "/v1/tables/{digest}", |on| on.head(tables::download)),
     route(Method::DELETE, "/v1/tables/{digest}", |on| on.delete(tables::delete)),
-    route(Method::GET, "/v1/tables/{digest}/pins", |on| on.get(pins::list)),
-    route(Method::PUT, "/v1/tables/{digest}/pins/{name}", |on| on.put(pins::put)),
-    route(Method::DELETE, "/v1/tables/{digest}/pins/{name}", |on| on.delete(pins::delete)),
-    route(Method::PUT, "/v1/pins/{name}", |on| {
-        on.put(pins::put_lock.layer(DefaultBodyLimit::max(pins::LOCK_LIMIT_BYTES as usize)))
-    }),
     route(Method::GET, "/v1/tables/{digest}/manifest", |on| on.get(tables::manifest)),
     route(Method::GET, "/v1/tables/{digest}/exports", |on| on.get(exports::list)),
     route(Method::GET, "/v1/tables/{digest}/exports/{export}", |on| on.get(exports::show)),
@@ -56,24 +46,14 @@ pub static ROUTES: &[Route] = &[
     route(Method::GET, "/v1/tables/{digest}/plots/error.png", |on| on.get(pictures::error_plot)),
     route(Method::GET, "/v1/tables/{digest}/plots/matrix.png", |on| on.get(pictures::matrix_plot)),
     route(Method::GET, "/v1/preview", |on| on.get(pictures::preview)),
-    route(Method::POST, "/v1/brdfs", |on| {
-        on.post(brdfs::store.layer(DefaultBodyLimit::max(TABULATED_LIMIT_BYTES as usize)))
-    }),
+    route(Method::POST, "/v1/brdfs", |on| on.post(brdfs::store)),
     route(Method::GET, "/v1/brdfs", |on| on.get(brdfs::list)),
     route(Method::GET, "/v1/brdfs/{digest}", |on| on.get(brdfs::download)),
     route(Method::HEAD, "/v1/brdfs/{digest}", |on| on.head(brdfs::download)),
     route(Method::DELETE, "/v1/brdfs/{digest}", |on| on.delete(brdfs::delete)),
-    route(Method::POST, "/v1/light-textures", |on| {
-        on.post(light_textures::store.layer(DefaultBodyLimit::max(PICTURE_LIMIT_BYTES as usize)))
-    }),
-    route(Method::GET, "/v1/light-textures", |on| on.get(light_textures::list)),
-    route(Method::GET, "/v1/light-textures/{digest}", |on| on.get(light_textures::download)),
-    route(Method::HEAD, "/v1/light-textures/{digest}", |on| on.head(light_textures::download)),
-    route(Method::DELETE, "/v1/light-textures/{digest}", |on| on.delete(light_textures::delete)),
-    route(Method::POST, "/v1/plans", |on| {
-        on.post(plans::plan.layer(DefaultBodyLimit::max(SCENE_LIMIT_BYTES as usize)))
-    }),
+    route(Method::POST, "/v1/plans", |on| on.post(plans::plan)),
     route(Method::POST, "/v1/recipes", |on| on.post(recipes::foresee)),
+    route(Method::GET, "/v1/recipes/schema", |on| on.get(recipes::describe)),
     route(Method::GET, "/v1/recipes/{digest}", |on| on.get(recipes::show)),
     route(Method::GET, "/healthz", |on| on.get(operations::healthz)),
     route(Method::GET, "/readyz", |on| on.get(operations::readyz)),

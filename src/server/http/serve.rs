@@ -1,125 +1,124 @@
 //! Serving until a shutdown.
 
-use std::{future::Future, io, num::NonZeroU32, sync::Arc};
+use std::{future::Future, io, net::SocketAddr, sync::Arc, time::Duration};
 
-use axum::{
-    Router,
-    extract::{DefaultBodyLimit, Request, State},
-    middleware::{Next, from_fn, from_fn_with_state},
-    response::Response,
-};
+use axum::{Router, middleware::from_fn_with_state};
+use axum_server::{Handle, Server, accept::NoDelayAcceptor, tls_rustls::RustlsAcceptor};
+use hyper_util::rt::TokioTimer;
 use tokio::{
     net::TcpListener,
     sync::{Semaphore, watch},
+    time::timeout,
 };
-use tower_http::trace::{DefaultOnFailure, DefaultOnResponse, TraceLayer};
-use tracing::Level;
 
 use super::{
-    access::{self, Access, Rates, WatchedTokens},
-    api::{Api, ApiState, READS},
-    certificates::Certificates,
-    conditional, connection,
-    extract::{BODY_LIMIT_BYTES, UPLOADS},
-    limits::ConnectionLimits,
-    origin_policy::{self, OriginPolicy},
-    request_id::{self, NamedSpan},
-    routes, security_fields, seen,
+    api::{Api, ApiState, EVENT_STREAMS, READS, UPLOADS},
+    doors::{self, Doors},
+    origins::Origins,
+    routes,
+    tls::Certificate,
+    tokens::TokenFile,
 };
 use crate::service::Service;
 
+/// Longest head of a request: request line and header fields.
+const HEAD_LIMIT_BYTES: usize = 128 << 10;
+
+/// How long open answers may take once the service stops.
+const DRAIN: Duration = Duration::from_secs(10);
+
+/// How often the files of tokens and certificate are looked at.
+const LOOK: Duration = Duration::from_secs(1);
+
 /// Settings of the HTTP interface.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Options {
-    /// The limits of connections.
-    pub limits: ConnectionLimits,
+    /// Requests that may be answered at the same time, event streams not counted.
+    pub requests: usize,
+    /// How long a client may take for the head of a request, and for its body.
+    pub client: Duration,
     /// Names and origins that are served beyond the service's own.
-    pub origins: OriginPolicy,
+    pub origins: Origins,
     /// Who may call; without a token, anyone.
-    pub tokens: Arc<WatchedTokens>,
-    /// Requests a second of each token, and of each address without one; `None` for any number.
-    pub requests_per_second: Option<NonZeroU32>,
-    /// Whether clients that download a table are sent to the store of blobs, where it gives URLs for that.
-    pub redirects: bool,
-    /// The certificate by which it speaks TLS; `None` for bare HTTP.
-    pub certificates: Option<Arc<Certificates>>,
+    pub tokens: Arc<TokenFile>,
+    /// The certificate for TLS; `None` for bare HTTP.
+    pub certificate: Option<Arc<Certificate>>,
     /// Whether only operators are answered: health, readiness, metrics and version.
     pub only_operations: bool,
 }
 
-/// Serves requests on `listener` until `shutdown` resolves. Then it accepts no more, ends event streams, gives open
-/// responses the time of [`ConnectionLimits::drain`] to finish, and returns.
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            requests: 256,
+            client: Duration::from_secs(30),
+            origins: Origins::default(),
+            tokens: Arc::default(),
+            certificate: None,
+            only_operations: false,
+        }
+    }
+}
+
+/// Serves requests on `listener` until `shutdown` resolves. Then it accepts no more connections, ends event streams, gives
+/// open answers [`DRAIN`] to finish, and returns.
 ///
 /// # Errors
-/// When TLS cannot be spoken; nothing was served then.
+/// When the listener fails.
 pub async fn serve(
     listener: TcpListener,
     service: Arc<Service>,
     options: Options,
     shutdown: impl Future<Output = ()> + Send,
 ) -> io::Result<()> {
-    let (stop, stopping) = watch::channel(false);
-    let limits = Arc::new(options.limits);
-    let api = ApiState {
+    let (stop, mut stopping) = watch::channel(false);
+    let Options { requests, client, origins, tokens, certificate, only_operations } = options;
+    let api = Api::from(ApiState {
         service,
-        limits: Arc::clone(&limits),
+        client,
+        tokens: Arc::clone(&tokens),
         stopping: stopping.clone(),
         uploads: Arc::new(Semaphore::new(UPLOADS)),
         reads: Arc::new(Semaphore::new(READS)),
-        redirects: options.redirects,
-    };
-    let tls = options.certificates.as_ref().map(Certificates::acceptor).transpose()?;
-    let tokens = seen::watch(Arc::clone(&options.tokens) as _, stopping.clone());
-    let certificates = async {
-        if let Some(certificates) = options.certificates {
-            seen::watch(certificates, stopping.clone()).await;
+        streams: Arc::new(Semaphore::new(EVENT_STREAMS)),
+    });
+    let doors = Doors { origins, tokens: Arc::clone(&tokens), requests: Semaphore::new(requests), limit: requests };
+    let app = router(api, only_operations, doors).into_make_service();
+    let handle = Handle::<SocketAddr>::new();
+    let mut server = Server::<SocketAddr>::from_listener(listener).handle(handle.clone()).http1_only();
+    let mut http = server.http_builder().http1();
+    http.timer(TokioTimer::new()).header_read_timeout(client).max_buf_size(HEAD_LIMIT_BYTES);
+    let served = async {
+        match &certificate {
+            None => server.acceptor(NoDelayAcceptor::new()).serve(app).await,
+            Some(certificate) => {
+                let tls = RustlsAcceptor::new(certificate.config.clone()).acceptor(NoDelayAcceptor::new());
+                server.acceptor(tls).serve(app).await
+            }
         }
     };
-    let access = Access { tokens: options.tokens, rates: options.requests_per_second.map(Rates::new) };
-    let served = connection::serve(
-        listener,
-        router(api.into(), options.only_operations, options.origins, access),
-        tls,
-        limits,
-        stopping.clone(),
-    );
     let stopped = async {
         shutdown.await;
         stop.send_replace(true);
+        handle.graceful_shutdown(Some(DRAIN));
     };
-    tokio::join!(served, stopped, tokens, certificates);
-    Ok(())
+    let look = async {
+        while timeout(LOOK, stopping.wait_for(|stopping| *stopping)).await.is_err() {
+            let (tokens, certificate) = (Arc::clone(&tokens), certificate.clone());
+            let look = move || {
+                tokens.look();
+                certificate.iter().for_each(|certificate| certificate.look());
+            };
+            // A look that fails is followed by another.
+            let _ = tokio::task::spawn_blocking(look).await;
+        }
+    };
+    tokio::join!(served, stopped, look).0
 }
 
-/// The routes with the layers that every request passes. A line for each request is logged at level `debug`: at the
-/// default level the log tells of the service, not of its clients.
-fn router(api: Api, only_operations: bool, origins: OriginPolicy, access: Access) -> Router {
-    let trace = TraceLayer::new_for_http()
-        .make_span_with(NamedSpan)
-        .on_response(DefaultOnResponse::new().level(Level::DEBUG))
-        .on_failure(DefaultOnFailure::new().level(Level::DEBUG));
+fn router(api: Api, only_operations: bool, doors: Doors) -> Router {
     routes::router(only_operations)
         .fallback(routes::no_such_path)
-        .layer(DefaultBodyLimit::max(BODY_LIMIT_BYTES))
-        .layer(from_fn_with_state(Arc::new(Doors { origins, access }), pass))
-        .layer(trace)
-        .layer(from_fn(request_id::name))
+        .layer(from_fn_with_state(Arc::new(doors), doors::pass))
         .with_state(api)
-}
-
-/// The doors that a request passes before its route: they may refuse it.
-#[derive(Debug)]
-struct Doors {
-    origins: OriginPolicy,
-    access: Access,
-}
-
-/// The layer of all doors, from the outermost to the innermost. For each request, a layer of axum clones whatever is within it, so
-/// that one for each door would clone the routes as often.
-async fn pass(State(doors): State<Arc<Doors>>, request: Request, next: Next) -> Response {
-    let Doors { origins, access } = &*doors;
-    let matched = |request| conditional::require_if_match(request, |request| next.run(request));
-    let admitted = |request| access::check(access, request, matched);
-    let addressed = |request| origin_policy::check(origins, request, admitted);
-    security_fields::add(origins, request, addressed).await
 }

@@ -1,24 +1,23 @@
-//! Tables: list, download by hash, manifest.
+//! Tables: list, download by digest, manifest, delete.
 
 use axum::{
     Extension, Json,
     extract::State,
-    http::{HeaderMap, Method, StatusCode, header},
+    http::{HeaderMap, Method, header},
     response::{IntoResponse, Response},
 };
 use serde::Deserialize;
 
 use super::{
-    absent::absent,
     access::Caller,
     api::Api,
-    conditional::EntityTag,
-    download::stored_file,
-    extract::{NoParameters, PageLimit, PathOf, QueryOf},
+    extract::{NoQuery, PageLimit, PathOf, QueryOf},
+    file,
+    kind::ProblemKind,
     problem::Problem,
     views::PageView,
 };
-use crate::service::{DeleteTableError, FileKind, TableCursor, TableRow};
+use crate::service::{FileKind, TableCursor, TableRow};
 use ltcforge_files::digest::Digest;
 
 #[derive(Debug, Deserialize)]
@@ -32,9 +31,8 @@ pub(super) struct ListParameters {
 /// `GET /v1/tables`.
 pub(super) async fn list(
     State(api): State<Api>,
-    QueryOf(parameters): QueryOf<ListParameters>,
+    QueryOf(ListParameters { cursor, limit }): QueryOf<ListParameters>,
 ) -> Result<Json<PageView<TableRow>>, Problem> {
-    let ListParameters { cursor, limit } = parameters;
     let page = api.call(move |service| service.tables(cursor.as_ref(), limit.0)).await?;
     Ok(Json(PageView::new(page, Ok)?))
 }
@@ -42,27 +40,18 @@ pub(super) async fn list(
 /// `GET` and `HEAD /v1/tables/{digest}`.
 pub(super) async fn download(
     State(api): State<Api>,
-    _: QueryOf<NoParameters>,
+    _: NoQuery,
     PathOf(digest): PathOf<Digest>,
     method: Method,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    // A conditional request is answered here, where the store would know another tag.
-    let is_conditional = [header::IF_NONE_MATCH, header::IF_MATCH].iter().any(|name| headers.contains_key(name));
-    if api.redirects
-        && method == Method::GET
-        && !is_conditional
-        && let Some(url) = api.call(move |service| service.table_link(digest)).await?
-    {
-        return Ok((StatusCode::TEMPORARY_REDIRECT, [(header::LOCATION, url)]).into_response());
-    }
-    stored_file(api, FileKind::Table, digest, &method, &headers).await
+    file::stored(&api, FileKind::Table, digest, &method, &headers).await
 }
 
 /// `GET /v1/tables/{digest}/manifest`.
 pub(super) async fn manifest(
     State(api): State<Api>,
-    _: QueryOf<NoParameters>,
+    _: NoQuery,
     PathOf(digest): PathOf<Digest>,
 ) -> Result<Response, Problem> {
     match api.read(move |service| service.manifest(digest)).await? {
@@ -74,22 +63,29 @@ pub(super) async fn manifest(
 /// `DELETE /v1/tables/{digest}`.
 pub(super) async fn delete(
     State(api): State<Api>,
-    _: QueryOf<NoParameters>,
+    _: NoQuery,
     PathOf(digest): PathOf<Digest>,
     caller: Option<Extension<Caller>>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let tag = EntityTag::strong(digest);
-    tag.check_if_match(&headers)?;
-    let deleted = api.read(move |service| {
-        let by = caller.as_ref().map(|Extension(Caller(by))| by.name.as_str());
-        match service.delete_table(digest, by) {
-            Err(DeleteTableError::Unknown(_)) => Ok(false),
-            deleted => deleted.map(|()| true),
-        }
-    });
-    if deleted.await? {
-        return Ok((StatusCode::NO_CONTENT, [(header::ETAG, tag.as_str())]).into_response());
+    let by = caller.map(|Extension(Caller(token))| token.name.clone());
+    let deleted =
+        file::delete(&api, digest, &headers, move |service| service.delete_table(digest, by.as_deref())).await;
+    match deleted {
+        Err(problem) if problem.is(ProblemKind::UnknownTable) => Err(absent(&api, digest).await),
+        deleted => deleted,
     }
-    Err(absent(&api, digest).await)
+}
+
+/// The problem of a table that is not stored. If a known job made it, the problem has the recipe that fits it again.
+pub(super) async fn absent(api: &Api, digest: Digest) -> Problem {
+    match api.call(move |service| service.job_of_table(digest)).await {
+        Err(problem) => problem,
+        Ok(None) => Problem::new(ProblemKind::UnknownTable, format!("no table with the digest {digest} is stored")),
+        Ok(Some(job)) => {
+            let detail = format!("the table {digest} was removed; submit its recipe to fit it again");
+            let problem = Problem::new(ProblemKind::RemovedTable, detail);
+            serde_json::from_str(&job.recipe).into_iter().fold(problem, Problem::with_recipe)
+        }
+    }
 }

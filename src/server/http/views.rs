@@ -6,7 +6,7 @@ use serde_json::value::RawValue;
 
 use super::problem::Problem;
 use crate::{
-    queue::{Job, JobId, JobState, Priority, StateName},
+    queue::{Job, JobId, JobState, StateName},
     service::{Expected, Foreseen, JobSnapshot, Page},
 };
 use ltcforge_files::digest::Digest;
@@ -31,10 +31,6 @@ pub(super) struct JobView {
     submitted_by: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     cancelled_by: Option<String>,
-    #[serde(skip_serializing_if = "String::is_empty")]
-    team: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    priority: Option<Priority>,
 }
 
 #[derive(Debug, Serialize)]
@@ -102,8 +98,6 @@ impl JobView {
             finished_at: job.finished_at,
             submitted_by: job.submitted_by.clone(),
             cancelled_by: job.cancelled_by.clone(),
-            team: job.claim.team.clone(),
-            priority: (!job.claim.is_default()).then_some(job.claim.priority),
         })
     }
 
@@ -184,7 +178,6 @@ pub(super) mod samples {
             finished_at: None,
             submitted_by: None,
             cancelled_by: None,
-            claim: crate::queue::Claim::default(),
         }
     }
 }

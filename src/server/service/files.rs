@@ -5,7 +5,7 @@ use std::sync::{
     atomic::{AtomicU64, Ordering},
 };
 
-use axum::body::Bytes;
+use bytes::Bytes;
 use quick_cache::{Weighter, sync::Cache};
 
 use super::{ServiceError, catalogue::Catalogue};

@@ -23,9 +23,10 @@ use super::{
 };
 use crate::{
     queue::{EmbeddedQueue, Limits, Queue},
-    store::{BlobInfo, Store, StoreError},
+    store::{Batch, BlobInfo, StoreError},
 };
 use ltcforge_files::tabulated::is_tabulated;
+use ltcforge_fit::FITTER_VERSION;
 
 /// How often leases are renewed and followers notified. In a cluster each time is a statement of the database.
 const RENEW_EMBEDDED: Duration = Duration::from_millis(100);
@@ -40,7 +41,7 @@ impl Service {
     pub fn open(config: Config) -> Result<Arc<Self>, OpenError> {
         let opened = crate::store::open(&config.data_dir);
         let store = opened.map_err(|source| OpenError::Folder { path: config.data_dir.clone(), source })?;
-        let queue = EmbeddedQueue::open(Arc::clone(&store.rows), limits(&config))?;
+        let queue = EmbeddedQueue::open(Arc::clone(&store.rows), limits(&config), FITTER_VERSION)?;
         let is_clean = store.is_clean;
         let files = Files::new(store);
         let is_listed = files.list_from_disk()?;
@@ -55,12 +56,12 @@ impl Service {
     pub fn open_shared(config: Config, shared: &super::Shared) -> Result<Arc<Self>, OpenError> {
         use crate::{
             queue::PostgresQueue,
-            store::{Database, ObjectBlobs, PostgresRows},
+            store::{Database, ObjectBlobs, PostgresRows, Store},
         };
         // The store comes first, so that no schema is made if its URL is wrong.
         let blobs = ObjectBlobs::open(&shared.store)?;
         let database = Database::open(&shared.database.0, shared.connections)?;
-        let queue = PostgresQueue::open(Arc::clone(&database), limits(&config), ltcforge_fit::FITTER_VERSION)?;
+        let queue = PostgresQueue::open(Arc::clone(&database), limits(&config), FITTER_VERSION)?;
         let store = Store::shared(Arc::new(blobs), Arc::new(PostgresRows::new(database)));
         Self::start(config, Files::new(store), Box::new(queue), false, RENEW_SHARED)
     }
@@ -145,7 +146,7 @@ impl Files {
     }
 
     /// The rows of a file; `None` for a file that is neither a table nor a BRDF.
-    fn describe(&self, blob: &BlobInfo) -> Result<Option<crate::store::Batch>, StoreError> {
+    fn describe(&self, blob: &BlobInfo) -> Result<Option<Batch>, StoreError> {
         let Some(file) = self.blobs.get(blob.digest)? else { return Ok(None) };
         let BlobInfo { digest, bytes, stored_at: created_at, .. } = *blob;
         if is_tabulated(&file) {

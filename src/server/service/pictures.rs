@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use axum::body::Bytes;
+use bytes::Bytes;
 use quick_cache::{Weighter, sync::Cache};
 use serde::Serialize;
 use serde_json::json;
@@ -64,7 +64,7 @@ impl Subject {
         }
     }
 
-    fn needs_table(&self) -> bool {
+    pub(crate) fn needs_table(&self) -> bool {
         match self {
             Self::Scene(scene) => scene.needs_table(),
             Self::Plot(_) | Self::Errors(_) => true,

@@ -146,6 +146,7 @@ impl Service {
     pub fn metrics(&self) -> Result<Metrics, ServiceError> {
         let state = &self.state;
         let queue = state.queue.statistics()?;
+        let (leases_expired, shard_failures) = state.queue.failures();
         let tables = state.files.catalogue.tables()?;
         let oldest = queue.oldest.map(|since| Timestamp::now().duration_since(since).as_secs_f64());
         Ok(Metrics {
@@ -156,8 +157,8 @@ impl Service {
                 oldest_seconds: oldest.unwrap_or(0.0).max(0.0),
             },
             entries_fitted: state.entries_fitted.load(Ordering::Relaxed),
-            shard_failures: queue.failed,
-            leases_expired: queue.expired,
+            shard_failures,
+            leases_expired,
             tables: tables.len() as u64,
             table_bytes: tables.iter().map(|table| table.bytes).sum(),
             blobs_corrupt: state.files.corrupt(),

@@ -1,11 +1,8 @@
 //! Tables for download: files, lists, manifests, recipes and exports.
 
-use std::{
-    sync::{Arc, PoisonError},
-    time::Duration,
-};
+use std::sync::{Arc, PoisonError};
 
-use axum::body::Bytes;
+use bytes::Bytes;
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -15,9 +12,6 @@ use super::{
 use crate::{queue::JobId, store::StoreError};
 use ltcforge_files::{digest::Digest, manifest::MANIFEST_VERSION};
 use ltcforge_textures::Export;
-
-/// How long a URL of a table is valid.
-const LINK: Duration = Duration::from_secs(300);
 
 /// A page of a list.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -80,17 +74,6 @@ impl Service {
             tracing::warn!(table = %digest, %error, "the manifest was not stored");
         }
         Ok(Some(text))
-    }
-
-    /// A URL under which a client can fetch a table from the object store for some minutes; `None` if there is none.
-    ///
-    /// # Errors
-    /// When the store fails.
-    pub fn table_link(&self, digest: Digest) -> Result<Option<String>, ServiceError> {
-        if self.state.files.catalogue.table(digest)?.is_none() || !self.state.files.contains(digest)? {
-            return Ok(None);
-        }
-        Ok(self.state.files.blobs.link(digest, LINK)?)
     }
 
     /// Tables, newest first.

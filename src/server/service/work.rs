@@ -53,8 +53,8 @@ enum TaskError {
 impl From<LeaseError> for TaskError {
     fn from(error: LeaseError) -> Self {
         match error {
-            LeaseError::Stale(StaleLease) => Self::Stopped,
-            LeaseError::Lost => Self::Failed("results of shards were lost".to_owned()),
+            // Lost results end the lease too: their shards wait again.
+            LeaseError::Stale(StaleLease) | LeaseError::Lost(_) => Self::Stopped,
             LeaseError::Store(error) => Self::Store(error),
         }
     }

@@ -1,10 +1,6 @@
 //! Entity tags and conditional requests [RFC 9110, sections 8.8 and 13].
 
-use axum::{
-    extract::Request,
-    http::{HeaderMap, header},
-    response::{IntoResponse as _, Response},
-};
+use axum::http::HeaderMap;
 use headers::{ETag, HeaderMapExt as _, IfMatch, IfNoneMatch, IfRange};
 
 use super::{kind::ProblemKind, problem::Problem};
@@ -49,11 +45,6 @@ impl EntityTag {
         field.is_some_and(|field| self.meets(|tag| !field.precondition_passes(tag)))
     }
 
-    /// Whether a precondition names this representation: the client has it or insists on it.
-    pub(super) fn is_named_in(&self, headers: &HeaderMap) -> bool {
-        self.is_known_to(headers) || headers.contains_key(header::IF_MATCH) && self.check_if_match(headers).is_ok()
-    }
-
     /// Whether `If-Range` allows a range to be served, by strong comparison. A date never matches: no representation
     /// has one.
     pub(super) fn allows_range(&self, headers: &HeaderMap) -> bool {
@@ -80,25 +71,9 @@ pub(super) fn check_untagged(headers: &HeaderMap) -> Result<(), Problem> {
     }
 }
 
-/// Answers 412 in place of a success without an entity tag, by [`check_untagged`]. Only success counts:
-/// preconditions of other requests are ignored [RFC 9110, section 13.2.1].
-pub(super) async fn require_if_match<Answering: Future<Output = Response>>(
-    request: Request,
-    next: impl FnOnce(Request) -> Answering,
-) -> Response {
-    let checked = check_untagged(request.headers());
-    let response = next(request).await;
-    match checked {
-        Err(problem) if response.status().is_success() && !response.headers().contains_key(header::ETAG) => {
-            problem.into_response()
-        }
-        _ => response,
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use axum::http::{HeaderName, HeaderValue};
+    use axum::http::{HeaderName, HeaderValue, header};
 
     use super::*;
 

@@ -1,0 +1,80 @@
+//! Small files that may change while the service runs: tokens, certificate and key.
+
+use std::{
+    fs::{self, OpenOptions},
+    io::{self, Read as _},
+    os::unix::fs::{MetadataExt as _, OpenOptionsExt as _},
+    path::{Path, PathBuf},
+    sync::{Mutex, PoisonError},
+};
+
+use rustix::fs::OFlags;
+
+/// The longest file: some ten thousand tokens.
+pub(super) const LONGEST_FILE: u64 = 1 << 20;
+
+/// Inode, length and time of change of a file. They differ after a write or a replacement. `None` for a missing file.
+type Stamp = Option<(u64, u64, i64, i64)>;
+
+fn stamp(path: &Path) -> Stamp {
+    let file = fs::metadata(path).ok()?;
+    Some((file.ino(), file.len(), file.ctime(), file.ctime_nsec()))
+}
+
+/// Files and their stamps at the last look.
+#[derive(Debug, Default)]
+pub(super) struct Watched {
+    files: Vec<PathBuf>,
+    stamps: Mutex<Vec<Stamp>>,
+}
+
+impl Watched {
+    /// Call this before the files are read: a change in between is seen at the next look.
+    pub(super) fn new(files: Vec<PathBuf>) -> Self {
+        let watched = Self { files, stamps: Mutex::default() };
+        watched.changed();
+        watched
+    }
+
+    /// Whether a file has changed since the last call.
+    pub(super) fn changed(&self) -> bool {
+        let now: Vec<Stamp> = self.files.iter().map(|file| stamp(file)).collect();
+        let mut stamps = self.stamps.lock().unwrap_or_else(PoisonError::into_inner);
+        std::mem::replace(&mut *stamps, now.clone()) != now
+    }
+}
+
+/// Reads a regular file of at most [`LONGEST_FILE`] bytes. It never waits for a FIFO or reads a device.
+pub(super) fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let no_wait = i32::try_from(OFlags::NONBLOCK.bits()).unwrap_or_default();
+    let file = OpenOptions::new().read(true).custom_flags(no_wait).open(path)?;
+    if !file.metadata()?.is_file() {
+        return Err(io::Error::other("not a regular file"));
+    }
+    let mut bytes = Vec::new();
+    file.take(LONGEST_FILE + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > LONGEST_FILE {
+        return Err(io::Error::other(format!("longer than {LONGEST_FILE} bytes")));
+    }
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rustix::fs::{CWD, Mode, mkfifoat};
+
+    #[test]
+    fn only_short_regular_files_are_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        mkfifoat(CWD, path("fifo"), Mode::RWXU).unwrap();
+        std::os::unix::fs::symlink("/dev/zero", path("zero")).unwrap();
+        fs::write(path("long"), vec![0; LONGEST_FILE as usize + 1]).unwrap();
+        fs::write(path("most"), vec![0; LONGEST_FILE as usize]).unwrap();
+        for name in ["fifo", "zero", "long", "missing", "."] {
+            assert!(read(&path(name)).is_err(), "{name}");
+        }
+        assert_eq!(read(&path("most")).unwrap().len() as u64, LONGEST_FILE);
+    }
+}
