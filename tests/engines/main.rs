@@ -170,6 +170,7 @@ fn exported(folder: &Path, fields: &str, engines: &[&str]) -> String {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn engines_draw_what_their_tables_say() {
     let folder = tempfile::tempdir().expect("a folder");
     // Other tables to judge: a file as `tables.js` reads it.

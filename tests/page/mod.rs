@@ -37,6 +37,7 @@ fn jobs_are_submitted_watched_cancelled_and_told_why_they_failed() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn faults_are_told_at_their_fields() {
     let Some(seen) = script("faults.js", &[]) else { return };
     assert_eq!(seen["shown"], json!({ "samples": "3", "invalid": "true", "directions": "8" }), "{seen:#}");
@@ -56,6 +57,7 @@ fn faults_are_told_at_their_fields() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn a_recipe_is_placed_among_others_and_found_for_a_scene() {
     let Some(seen) = script("planning.js", &[]) else { return };
     assert_eq!(
@@ -74,6 +76,7 @@ fn a_recipe_is_placed_among_others_and_found_for_a_scene() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn a_token_is_asked_for_sent_with_everything_and_kept_nowhere() {
     let Some(seen) = script("token.js", &[]) else { return };
     assert_eq!((&seen["others"], &seen["saved"]), (&json!([]), &seen["digest"]), "{seen:#}");
@@ -84,6 +87,7 @@ fn a_token_is_asked_for_sent_with_everything_and_kept_nowhere() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn tables_are_found_sorted_compared_and_varied_and_their_maps_read() {
     let Some(seen) = script("tables.js", &[]) else { return };
     assert_eq!(seen["isNewestFirst"], true, "{seen:#}");
@@ -116,6 +120,7 @@ fn tables_are_found_sorted_compared_and_varied_and_their_maps_read() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn every_open_page_notices_a_service_that_stops_and_outlives_its_restart() {
     let Some(seen) = script("outage.js", &[]) else { return };
     assert_eq!(seen["others"], json!([]), "{seen:#}");
@@ -134,6 +139,7 @@ const BALL_OFF: f64 = 0.01;
 const ENGINES_OFF: f64 = 1.5;
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn the_viewer_draws_what_previews_show() {
     let Some(seen) = script("viewer.js", &[]) else { return };
     let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
@@ -158,6 +164,7 @@ fn the_viewer_draws_what_previews_show() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn pictures_on_lights_are_seen_as_the_program_tells() {
     let Some(seen) = script("pictured.js", &[]) else { return };
     let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
@@ -181,6 +188,7 @@ fn pictures_on_lights_are_seen_as_the_program_tells() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn web_gpu_draws_what_web_gl_does() {
     let Some(seen) = script("webgpu.js", &[]) else { return };
     let Some(scenes) = seen["off"].as_object() else {
@@ -201,6 +209,7 @@ fn web_gpu_draws_what_web_gl_does() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn the_viewer_is_used_and_its_link_holds_all() {
     let Some(seen) = script("viewing.js", &[]) else { return };
     assert_eq!((&seen["kept"], &seen["linked"]), (&json!(true), &json!(true)), "{seen:#}");
@@ -211,6 +220,7 @@ fn the_viewer_is_used_and_its_link_holds_all() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn the_shader_ball_is_smooth_and_its_link_holds_it() {
     let Some(seen) = script("ball.js", &[]) else { return };
     let number = |name: &str| seen[name].as_f64().unwrap_or_else(|| panic!("{name}: {seen:#}"));
@@ -225,6 +235,7 @@ fn the_shader_ball_is_smooth_and_its_link_holds_it() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn a_gltf_file_that_is_dropped_is_seen_with_its_own_materials() {
     let Some(seen) = script("mesh.js", &[]) else { return };
     assert_eq!(seen["told"], "36,864 triangles, 1 material", "{seen:#}");
@@ -245,6 +256,7 @@ fn a_gltf_file_that_is_dropped_is_seen_with_its_own_materials() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn textures_of_a_gltf_file_are_shown_or_told_to_be_left_out() {
     let Some(seen) = script("textures.js", &[]) else { return };
     let number = |name: &str| seen[name].as_f64().unwrap_or_else(|| panic!("{name}: {seen:#}"));
@@ -270,6 +282,7 @@ fn textures_of_a_gltf_file_are_shown_or_told_to_be_left_out() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn looks_right_to_everyone_at_every_width_and_below_a_prefix() {
     let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/page");
     let pictures = pictures.to_string_lossy();
