@@ -2,7 +2,7 @@
 //!
 //! `node` runs the engines in Chromium, see `run.js` and `example.js`; here their errors are judged. `make test`
 //! installs what this needs; where it cannot, the tests say that they are skipped.
-//! `UPDATE_GOLDEN=three cargo test --test engines` writes `examples/three/table` anew; `UPDATE_PICTURES=1 cargo test --test engines` writes the pictures in
+//! `UPDATE_GOLDEN=three cargo test --test engines -- --ignored` writes `examples/three/table` anew; `UPDATE_PICTURES=1 cargo test --test engines -- --ignored` writes the pictures in
 //! `docs/engines/`.
 
 mod babylon;

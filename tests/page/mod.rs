@@ -1,7 +1,7 @@
 //! The page of `ltcforge serve`, used in a browser as people use it.
 //!
 //! `node` runs each script of this folder with a service of its own in Chromium. `make test` installs what this needs; where
-//! it cannot, the tests say that they are skipped. `UPDATE_PICTURES=1 cargo test --test product page::looks` draws every page at three
+//! it cannot, the tests say that they are skipped. `UPDATE_PICTURES=1 cargo test --test product page::looks -- --ignored` draws every page at three
 //! widths and in both themes in `target/page`.
 
 use std::{env, fs, path::Path};
