@@ -9,7 +9,7 @@ use ltcforge_fit::{GivenNodes, Layout, PerAxis};
 
 pub(super) const AXES: [&str; 4] = ["alpha", "ratio", "theta", "phi"];
 /// Most nodes on an axis: more than any texture has texels along a side.
-const MOST_NODES: u32 = 16_384;
+pub(super) const MOST_NODES: u32 = 16_384;
 
 /// The bounds of each axis's range, which are its default for anisotropic surfaces in every preset.
 pub(super) const DOMAIN: PerAxis<[f64; 2]> =

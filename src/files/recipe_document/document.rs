@@ -42,13 +42,13 @@ const FIT_FIELDS: [&str; 8] = ["metric", "solver", "samples", "directions", "ste
 
 /// Bounds of the number of samples: fewer do not determine a lobe's width, and past the upper bound their f32 counts
 /// are no longer exact.
-const SAMPLES: [u32; 2] = [32, 65_536];
+pub(super) const SAMPLES: [u32; 2] = [32, 65_536];
 /// Bounds of the number of directions: seven free numbers need a few.
-const DIRECTIONS: [u32; 2] = [4, 1024];
+pub(super) const DIRECTIONS: [u32; 2] = [4, 1024];
 /// Bounds of the number of steps.
-const STEPS: [u32; 2] = [1, 100_000];
+pub(super) const STEPS: [u32; 2] = [1, 100_000];
 /// Greatest seed: whole numbers up to here are exact in every JSON reader.
-const MOST_SEED: u64 = (1 << 53) - 1;
+pub(super) const MOST_SEED: u64 = (1 << 53) - 1;
 
 /// A file's ends in f32 are not those that a document has in decimals.
 const FILE_TOLERANCE: f64 = 1e-6;

@@ -8,6 +8,7 @@ mod fresnel;
 mod materials;
 mod preset;
 mod reader;
+mod schema;
 mod strict;
 mod terms;
 
@@ -24,6 +25,7 @@ use ltcforge_fit::{FITTER_VERSION, Recipe, TabulatedFile};
 pub use document::DEFAULT_ENTRY_LIMIT;
 pub use fault::Fault;
 pub use preset::Preset;
+pub use schema::schema;
 
 /// Why a document is not a recipe.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

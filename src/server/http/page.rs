@@ -22,11 +22,14 @@ use super::{
     problem::Problem,
 };
 use crate::service::published_table;
-use ltcforge_files::digest::Digest;
+use ltcforge_files::{digest::Digest, recipe_document::schema};
 use ltcforge_fit::Layout;
 use ltcforge_light::{LightModel, textured::Readings};
 use ltcforge_shaders::{Additions, Language, Lights, LitBy, Namespace, Reading};
 use ltcforge_translate::{include, include_prefilter};
+
+/// The fields of recipes in JSON Schema, for the form.
+const RECIPE: &str = "recipe.json";
 
 /// Other versions of the program serve other bytes at the same addresses.
 const REVALIDATE: &str = "no-cache";
@@ -58,6 +61,7 @@ macro_rules! page_files {
 page_files![
     "elements/dom.js",
     "elements/format.js",
+    "elements/recipe.js",
     "form/document.js",
     "form/fields.js",
     "form/inputs.js",
@@ -67,8 +71,6 @@ page_files![
     "gltf/textures.js",
     "icon.svg",
     "index.html",
-    "jobs/follow.js",
-    "jobs/progress.js",
     "main.js",
     "pages/compare.js",
     "pages/job.js",
@@ -86,31 +88,23 @@ page_files![
     "report/errors.js",
     "report/quality.js",
     "service/api.js",
+    "service/jobs.js",
     "service/pictures.js",
     "service/token.js",
     "style.css",
-    "viewer/backend.js",
     "viewer/controls.js",
     "viewer/lights.js",
     "viewer/models.js",
     "viewer/scene.js",
     "viewer/screens.js",
     "viewer/shader_ball.js",
+    "webgl/context.js",
     "webgl/device.js",
     "webgl/lights.js",
     "webgl/models.js",
     "webgl/pictures.js",
     "webgl/reference.js",
     "webgl/surface.js",
-    "webgpu/bind.js",
-    "webgpu/device.js",
-    "webgpu/images.js",
-    "webgpu/lights.js",
-    "webgpu/models.js",
-    "webgpu/pictures.js",
-    "webgpu/reference.js",
-    "webgpu/scene.js",
-    "webgpu/surface.js",
 ];
 
 /// What the viewer asks for by a name without the end of its language: `normals`, or `ltc-kt2022` by a table's layout, with the
@@ -131,18 +125,14 @@ fn without<'name>(name: &'name str, end: &str) -> (&'name str, bool) {
     name.strip_suffix(end).map_or((name, false), |name| (name, true))
 }
 
-/// The text to include that `ltcforge shader --language glsl-es` or `wgsl` writes, or that of the prefilter of pictures.
+/// The text to include that `ltcforge shader --language glsl-es` writes, or that of the prefilter of pictures.
 fn shader_file(file: &str) -> Result<PageFile, Problem> {
-    let (name, language) = match file.rsplit_once('.') {
-        Some((name, "glsl")) => (name, Language::GlslEs),
-        Some((name, "wgsl")) => (name, Language::Wgsl),
-        _ => return Err(no_file(file)),
-    };
+    let name = file.strip_suffix(".glsl").ok_or_else(|| no_file(file))?;
     let text = if name == "prefilter" {
-        include_prefilter(language)
+        include_prefilter(Language::GlslEs)
     } else {
         let (lit_by, reading) = lit_by(name).ok_or_else(|| no_file(file))?;
-        include(language, lit_by, reading, Lights::All, &Namespace::default())
+        include(Language::GlslEs, lit_by, reading, Lights::All, &Namespace::default())
     };
     text.map(|text| PageFile::new("shader.txt", text.as_bytes())).map_err(|error| error::internal(&error))
 }
@@ -182,7 +172,7 @@ fn respond(name: &str, method: &Method, headers: &HeaderMap) -> Result<Response,
     let found = if let Some(found) = FILES.iter().find(|file| file.name == name) {
         found
     } else {
-        made = shader_file(name)?;
+        made = if name == RECIPE { PageFile::new(RECIPE, schema().to_string().as_bytes()) } else { shader_file(name)? };
         &made
     };
     send(found.name, found.digest, &found.bytes, method, headers)
@@ -262,8 +252,7 @@ mod tests {
     }
 
     /// Folders of modules, those above before those that they use; `docs/architecture.md` says what each has.
-    const FOLDERS: [&str; 10] =
-        ["pages", "form", "report", "jobs", "viewer", "webgl", "webgpu", "gltf", "service", "elements"];
+    const FOLDERS: [&str; 8] = ["pages", "form", "report", "viewer", "webgl", "gltf", "service", "elements"];
 
     #[test]
     fn modules_import_from_folders_below_their_own() {
@@ -287,12 +276,10 @@ mod tests {
         let models =
             layouts.chain(["normals".to_owned()]).flat_map(|of| ["", "-textured"].map(|end| format!("{of}{end}")));
         for name in models.chain(["prefilter".to_owned()]) {
-            for name in ["glsl", "wgsl"].map(|language| format!("{name}.{language}")) {
-                let answer = respond(&name, &Method::GET, &HeaderMap::new()).expect(&name);
-                assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; charset=utf-8", "{name}");
-            }
+            let answer = respond(&format!("{name}.glsl"), &Method::GET, &HeaderMap::new()).expect(&name);
+            assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; charset=utf-8", "{name}");
         }
-        for name in ["ltc-none.glsl", "normals", "normals.hlsl", "-textured.wgsl"] {
+        for name in ["ltc-none.glsl", "normals", "normals.hlsl", "-textured.glsl"] {
             assert_eq!(respond(name, &Method::GET, &HeaderMap::new()).expect_err(name).status(), 404);
         }
     }
