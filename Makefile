@@ -21,7 +21,7 @@ export NODEVICE_SELECT := 1
 export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
-.PHONY: help demo release load lighthouse figures soak schemathesis test test-units test-suites test-native lint lint-core lint-deny lint-deploy lint-manifests lint-alerts lint-dashboard lines fmt bench packages browser cluster clean
+.PHONY: help demo release load lighthouse figures soak schemathesis test test-all test-units test-suites test-native lint lint-core lint-deny lint-deploy lint-manifests lint-alerts lint-dashboard lines fmt bench packages browser cluster clean
 
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
@@ -29,7 +29,8 @@ help:
 	@echo 'make load    downloads beside nginx, requests while the service fits, 2,000 jobs: figures, and what they may be'
 	@echo 'make lighthouse  what Lighthouse says of the page'
 	@echo 'make figures draw the figures of docs/figures.md anew'
-	@echo 'make test    run all tests'
+	@echo 'make test    run the tests that every change has to pass'
+	@echo 'make test-all run those, and the slow ones: engines, pages, schemathesis, pgbouncer, studies, documents of deploy/'
 	@echo 'make soak    kills, damage, histories of the queue and mutated inputs for up to an hour'
 	@echo 'make lint    rustfmt, clippy and docs, warnings denied'
 	@echo 'make bench   measure an evaluation, an entry, the speed-up over the published algorithm, a picture, a plan, what the service adds'
@@ -43,7 +44,7 @@ packages:
 	fi
 
 demo: packages
-	$(CARGO) build --release --locked
+	$(CARGO) build --release --locked -p ltcforge
 	@LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" ./demo.sh
 
 # A file server to compare with, and what sends requests: as many as are answered, and at a constant rate.
@@ -108,9 +109,8 @@ soak: EXTRA_PACKAGES := strace
 soak: packages cluster schemathesis
 	LTCFORGE_TEST_HISTORIES=10000 $(CARGO) test --locked -p ltcforge-server --lib -- every_history
 	LTCFORGE_TEST_KILLS=200 LTCFORGE_TEST_DAMAGES=200 LTCFORGE_TEST_CUTS=300 LTCFORGE_TEST_CLIENTS=64 LTCFORGE_TEST_EXAMPLES=20 \
-		$(CARGO) test --locked --test service -- kills damage:: power_cut memory:: schemathesis
-	LTCFORGE_TEST_KILLS=200 $(CARGO) test --locked --test cluster -- kills
-	LTCFORGE_TEST_FUZZ_SECONDS=600 $(CARGO) test --locked --test fuzz -- --test-threads 32
+		$(CARGO) test --locked --test product -- --include-ignored kills damage:: power_cut memory:: schemathesis
+	LTCFORGE_TEST_FUZZ_SECONDS=600 $(CARGO) test --locked --test core -- --test-threads 32 fuzz
 
 # What checks deploy/, each in a folder of its own, since installing Prometheus would start it.
 lint-deploy: lint-manifests lint-alerts lint-dashboard
@@ -154,27 +154,33 @@ lint-dashboard:
 		$(GRAFANA)/node_modules/.bin/tsc --noEmit --strict --skipLibCheck --target es2022 --module nodenext $(GRAFANA)/dashboard.ts; \
 	else echo '*** SKIPPED: no @grafana/schema and typescript of npm: the dashboard was not checked' >&2; fi
 
-# The suites that mostly wait, for processes, leases and browsers, run beside those that compute.
+# Tests marked `ignore`, and those of these names, are for `make test-all`.
+SLOW := schemathesis pgbouncer
 test: EXTRA_PACKAGES := $(TEST_PACKAGES)
-test: packages browser cluster schemathesis
-	$(CARGO) test --locked --workspace --no-run
+test: packages browser cluster
+	$(CARGO) test --locked --no-run
 	@$(MAKE) --no-print-directory -j2 --output-sync=target test-units test-suites
-	@$(MAKE) --no-print-directory -j2 --output-sync=target test-native
+	@$(MAKE) --no-print-directory test-native
 
-# Beside another cargo: it would look for the jobs of make.
+# The suites that mostly wait, for processes, leases and browsers, run beside those that compute.
 CARGO_BESIDE = env -u MAKEFLAGS $(CARGO)
 test-units:
-	$(CARGO_BESIDE) test --locked --workspace --lib --bins
+	$(CARGO_BESIDE) test --locked --lib --bins --test core --test library
+	$(CARGO_BESIDE) test --locked --doc
 test-suites:
-	$(CARGO_BESIDE) test --locked --workspace --test '*'
-	$(CARGO_BESIDE) test --locked --workspace --doc
+	$(CARGO_BESIDE) test --locked --test product --test engines -- $(addprefix --skip ,$(SLOW))
 
-# The pinned bytes again, by the core alone, compiled for this machine's own processor, and for one with AVX2 and no AVX-512.
-# Each in a folder of its own, so that both are compiled at once: a chain of few crates does not fill two cores.
+test-all: test schemathesis lint-deploy
+	$(CARGO) test --locked --test product --test engines -- --ignored
+	$(CARGO) test --locked --test product -- $(SLOW)
+	$(CARGO) test --locked -p ltcforge-studies -p ltcforge-driver -p ltcforge-benches --lib --bins
+
+# The pinned digests again, by the crates that make tables, compiled for this machine's own processor, and for one with AVX2
+# and no AVX-512.
 NATIVE_CPUS := native $(if $(filter x86_64,$(shell uname -m)),$(shell grep -qw avx2 /proc/cpuinfo && echo x86-64-v3))
 test-native: $(addprefix test-for-,$(NATIVE_CPUS))
 test-for-%:
-	CARGO_TARGET_DIR=$(NATIVE_TARGET)/$* RUSTFLAGS="-C target-cpu=$*" $(CARGO_BESIDE) test --locked -p ltcforge-library-test
+	CARGO_TARGET_DIR=$(NATIVE_TARGET)/$* RUSTFLAGS="-C target-cpu=$*" $(CARGO_BESIDE) test --locked -p ltcforge-pinned-test
 
 # One pass over the workspace, and the core alone, which the rest must not hide. There are no examples: asked for them, cargo
 # takes the features that tests need too, so that the docs use what clippy has checked rather than check it all again.

@@ -16,7 +16,7 @@ use ltcforge::{
     fit::{Plan, Table, assemble, fit_shard},
     light::{LightModel, normals::NormalsRule},
     view::preview::{
-        Adapter, Light, LightKind, Material, Mode, Preview, Scene, ShaderTable, TexelFormat, Variant, Weights,
+        Adapter, Light, LightKind, Material, Mode, Preview, Scene, ShaderTable, TexelFormat, Weights,
     },
 };
 
@@ -58,20 +58,17 @@ fn frames(_: &mut Criterion) {
     println!("adapter: {}", gpu.adapter_name().expect("a name"));
     println!("first 512 x 512 frame, device and shaders included: {first:.1?}");
 
-    let variant = |variant| Preview::with_variant(Adapter::Any, variant);
-    let constant = Variant { lookup_is_constant: true, ..Variant::default() };
-    let weights = |weights| variant(Variant { weights, ..Variant::default() });
+    let weights = |weights| Preview::with_weights(Adapter::Any, weights);
     let normals = |rule| Scene { model: LightModel::Normals, rule, ..scene(Mode::Ltc) };
     let by = |model| Scene { model, ..scene(Mode::Ltc) };
     let octagon = |scene: Scene| Scene { light: Light { kind: LightKind::Polygon(8), ..scene.light }, ..scene };
-    let usual = || variant(Variant::default());
+    let usual = || Preview::new(Adapter::Any);
     let mut candidates = [
         ("ltc", gpu, &single, ltc.clone()),
         ("ltc, layout kt2022", usual(), &kt2022, ltc.clone()),
         ("ltc, f16 table", usual(), &half, ltc.clone()),
         ("ltc, weights by the shader", weights(Weights::Shader), &single, ltc.clone()),
         ("ltc, weights by the sampler", weights(Weights::Sampler), &single, ltc.clone()),
-        ("ltc, lookup replaced by a constant", variant(constant), &single, ltc.clone()),
         ("ltc, eight edges", usual(), &single, octagon(ltc.clone())),
         ("normals, rule balanced", usual(), &single, normals(NormalsRule::Balanced)),
         ("normals, rule fast", usual(), &single, normals(NormalsRule::Fast)),

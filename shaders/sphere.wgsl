@@ -17,19 +17,16 @@ struct Scene {
     materials: array<vec4<f32>, 4>,
     /// Pixels a side; cells a side; what is seen, see SURFACE_; samples.
     options: vec4<u32>,
-    /// x: 1 for bytes to display, 0 for radiance. y, z: first sample and samples of this pass, one of several that
-    /// add up. w: the first workgroup's tile.
+    /// x: the first workgroup's tile. y, z: first sample and samples of this pass, one of several that add up.
     output: vec4<u32>,
 }
 
 @group(1) @binding(1) var<uniform> scene: Scene;
-/// A pixel: red, green and blue as f32, or one word R, G, B, 255 from the lowest byte on.
-@group(1) @binding(2) var<storage, read_write> pixels: array<u32>;
+/// A pixel: red, green and blue.
+@group(1) @binding(2) var<storage, read_write> pixels: array<f32>;
 /// The tiles of 8 x 8 pixels that show something, one per workgroup: the upper left pixel, x in the lower half.
 @group(1) @binding(3) var<storage, read> tiles: array<u32>;
 
-/// Puts a constant in place of the table, to measure what a lookup costs.
-override lookup_is_constant: bool = false;
 /// The rule of model normals, which Gaussian lights and whether a table has it, and whether the light of models without a
 /// table is other than a rectangle. These are constants of the pipeline, since software drivers run both sides of a branch.
 override normals_rule: u32 = RULE_BALANCED;
@@ -71,7 +68,7 @@ struct Seen {
 
 /// A workgroup's pixel; at the picture's edge it may lie outside.
 fn pixel_of(group: vec3<u32>, local: vec3<u32>) -> vec2<u32> {
-    let corner = tiles[scene.output.w + group.x];
+    let corner = tiles[scene.output.x + group.x];
     return vec2(corner & 0xffffu, corner >> 16u) + local.xy;
 }
 
@@ -132,10 +129,7 @@ fn see(place: vec3<f32>) -> Seen {
 /// Radiance towards the eye, by the table.
 fn shade_by_table(at: Shaded) -> vec3<f32> {
     if (second_lobe == SECOND_NONE) {
-        var lobe = LtcLobe(mat3x3(at.alpha.x, 0.0, 0.0, 0.0, at.alpha.y, 0.0, -at.wo.x, -at.wo.y, at.wo.z), 1.0, 0.0);
-        if (!lookup_is_constant) {
-            lobe = ltc_lookup(at.alpha.x, at.alpha.y, at.wo);
-        }
+        let lobe = ltc_lookup(at.alpha.x, at.alpha.y, at.wo);
         return reflected(vec2(lobe.amplitude, lobe.fresnel) * covered_by(lobe.m, at), lobe.amplitude);
     }
     let lobes = ltc_lookup_both(at.alpha.x, at.alpha.y, at.wo);
@@ -280,23 +274,11 @@ fn reflected_colours(all: vec3<f32>, fresnel: vec3<f32>, albedo: f32) -> vec3<f3
     return once;
 }
 
-/// Exposure, 1 - exp(-x), the sRGB curve, eight bits.
-fn display(radiance: vec3<f32>) -> u32 {
-    let y = vec3(1.0) - exp(-scene.f0.w * max(radiance, vec3(0.0)));
-    let curved = select(1.055 * pow(max(y, vec3(0.003)), vec3(1.0 / 2.4)) - 0.055, 12.92 * y, y <= vec3(0.0031308));
-    let byte = vec3<u32>(clamp(curved, vec3(0.0), vec3(1.0)) * 255.0 + 0.5);
-    return byte.x | (byte.y << 8u) | (byte.z << 16u) | (255u << 24u);
-}
-
 fn write(pixel: vec2<u32>, radiance: vec3<f32>) {
-    let index = pixel.y * scene.options.x + pixel.x;
-    if (scene.output.x == 1u) {
-        pixels[index] = display(radiance);
-        return;
-    }
+    let index = 3u * (pixel.y * scene.options.x + pixel.x);
     for (var i = 0u; i < 3u; i++) {
-        let before = select(0.0, bitcast<f32>(pixels[3u * index + i]), scene.output.y > 0u);
-        pixels[3u * index + i] = bitcast<u32>(before + radiance[i]);
+        let before = select(0.0, pixels[index + i], scene.output.y > 0u);
+        pixels[index + i] = before + radiance[i];
     }
 }
 

@@ -14,7 +14,7 @@ use tokio::signal::unix::{Signal, SignalKind, signal};
 #[cfg(not(unix))]
 use tokio::signal::windows::{CtrlC as Signal, ctrl_c};
 use tokio::sync::watch;
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::{Layer as _, filter::Targets, fmt, layer::SubscriberExt as _, util::SubscriberInitExt as _};
 
 /// How long an interrupted command may take to clean up.
 const CLEAN_UP: Duration = Duration::from_secs(2);
@@ -57,6 +57,7 @@ fn main() -> ExitCode {
     }
     let mut context = Context {
         stdout: &mut io::stdout(),
+        json,
         stdout_is_terminal: io::stdout().is_terminal(),
         draws_progress: io::stderr().is_terminal(),
         interrupt,
@@ -106,13 +107,15 @@ fn fail(failure: &CommandFailure, json: bool) -> ExitCode {
 /// Logs to standard error what `LTCFORGE_LOG` asks for, such as `debug` or `ltcforge_server::http=trace`; with
 /// `LTCFORGE_LOG_FORMAT=json` a document a line.
 fn log_to_stderr(default: &str) {
-    let filter = EnvFilter::try_from_env("LTCFORGE_LOG").unwrap_or_else(|_| EnvFilter::new(default));
-    let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(io::stderr);
-    if env::var("LTCFORGE_LOG_FORMAT").is_ok_and(|format| format == "json") {
-        log.json().flatten_event(true).with_span_list(false).init();
+    let wanted = env::var("LTCFORGE_LOG").ok().and_then(|targets| targets.parse().ok());
+    let targets: Targets = wanted.unwrap_or_else(|| default.parse().expect("the default is a level"));
+    let log = fmt::layer().with_writer(io::stderr);
+    let log = if env::var("LTCFORGE_LOG_FORMAT").is_ok_and(|format| format == "json") {
+        log.json().flatten_event(true).with_span_list(false).boxed()
     } else {
-        log.with_ansi(io::stderr().is_terminal()).init();
-    }
+        log.with_ansi(io::stderr().is_terminal()).boxed()
+    };
+    tracing_subscriber::registry().with(log.with_filter(targets)).init();
 }
 
 /// The first SIGINT, and for a server SIGTERM, does what `on_interrupt` says; the second ends the process.

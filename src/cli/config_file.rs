@@ -30,7 +30,7 @@ use serde::Deserialize;
 
 #[cfg(unix)]
 use super::service::ServeSettings;
-use super::{CommandFailure, Exit};
+use super::{CommandFailure, exit::usage};
 use ltcforge_client::{Source, without_passwords};
 use ltcforge_files::{
     bounded::read_file,
@@ -67,7 +67,7 @@ impl ConfigFile {
     /// When a named file is missing, or any file is wrong.
     pub(super) fn load(named: Option<&Path>) -> Result<Self, CommandFailure> {
         let path = named.unwrap_or(Path::new(DEFAULT_FILE));
-        let refuse = |reason: String| CommandFailure::new(Exit::Usage, format!("{}: {reason}", path.display()));
+        let refuse = |reason: String| usage(format!("{}: {reason}", path.display()));
         match read_file(path, LIMIT_BYTES) {
             Ok(bytes) => {
                 let other = |error: String| refuse(other_form(&bytes).unwrap_or(error));
@@ -125,7 +125,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let missing = folder.path().join("none.toml");
         let refused = ConfigFile::load(Some(&missing)).expect_err("it is missing");
-        assert_eq!(refused.exit, Exit::Usage);
+        assert_eq!(refused.exit, super::super::Exit::Usage);
         assert!(refused.message.contains("none.toml"), "{}", refused.message);
     }
 }

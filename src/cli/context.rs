@@ -4,12 +4,14 @@ use std::{io::Write, path::Path};
 
 use tokio::runtime::Handle;
 
-use super::{CommandFailure, Interrupt};
+use super::{CommandFailure, Exit, Interrupt};
 
 /// The context of a command, which `main` makes.
 pub struct Context<'a> {
     /// Standard output.
     pub stdout: &'a mut dyn Write,
+    /// Whether to print JSON, one document a line.
+    pub json: bool,
     /// Whether standard output is a terminal. No binary data is written to one.
     pub stdout_is_terminal: bool,
     /// Whether standard error is a terminal. Progress is drawn only there.
@@ -18,6 +20,13 @@ pub struct Context<'a> {
     pub interrupt: Interrupt,
     /// Runs the HTTP server.
     pub runtime: Handle,
+}
+
+impl Context<'_> {
+    /// Prints `value` as one line of JSON, or `text` as it is.
+    pub(super) fn print(&mut self, value: &serde_json::Value, text: &str) -> Result<Exit, CommandFailure> {
+        print(self.stdout, self.json, value, text).map(|()| Exit::Ok)
+    }
 }
 
 /// A path as text for people and JSON. Bytes that are not UTF-8 are replaced, because JSON cannot have them.

@@ -1,12 +1,20 @@
-//! Lines of CSV, from a file or standard input, one after another.
+//! Lines of CSV, from a file or standard input, one after another, and rows that are printed for them.
 
 use std::{
     fs::File,
-    io::{self, BufRead, BufReader},
+    io::{self, BufRead, BufReader, BufWriter, Write},
     path::Path,
 };
 
-use super::{CommandFailure, Exit, file_failure, shown};
+use serde_json::{Value, json};
+
+use super::{
+    CommandFailure, Context, Exit,
+    exit::usage,
+    file_failure,
+    out_of_range::{Clamped, OutOfRangeCount},
+    shown,
+};
 use ltcforge_files::bounded::read_line;
 
 /// The longest line that is read. Four numbers take a hundred bytes, a light of eight vertices seven hundred.
@@ -34,7 +42,7 @@ impl CsvLines {
         let file = File::open(path).map_err(refuse)?;
         if file.metadata().map_err(refuse)?.is_dir() {
             let message = format!("{}: this is a folder, not a CSV file of {what}", path.display());
-            return Err(CommandFailure::new(Exit::Usage, message));
+            return Err(usage(message));
         }
         Ok(Self { name: shown(path), stream: Box::new(BufReader::new(file)) })
     }
@@ -83,9 +91,55 @@ pub(super) enum LineFailure {
     Command(CommandFailure),
 }
 
-impl LineFailure {
-    /// Standard output cannot be written.
-    pub(super) fn stdout(error: &io::Error) -> Self {
-        Self::Command(CommandFailure::stdout(error))
+impl From<CommandFailure> for LineFailure {
+    fn from(failure: CommandFailure) -> Self {
+        Self::Command(failure)
+    }
+}
+
+/// Rows on standard output: CSV with a header, or one JSON document a line.
+pub(super) struct Rows<'a> {
+    out: BufWriter<&'a mut dyn Write>,
+    json: bool,
+    out_of_range: OutOfRangeCount,
+}
+
+impl<'a> Rows<'a> {
+    /// Prints the header of CSV.
+    pub(super) fn new(context: &'a mut Context<'_>, columns: &[String]) -> Result<Self, CommandFailure> {
+        let mut out = BufWriter::new(&mut *context.stdout as &mut dyn Write);
+        if !context.json {
+            writeln!(out, "{}", columns.join(",")).map_err(|error| CommandFailure::stdout(&error))?;
+        }
+        Ok(Self { out, json: context.json, out_of_range: OutOfRangeCount::default() })
+    }
+
+    /// Prints a row. `clamped` holds the axes on which its point lies outside a table, with the value used instead.
+    pub(super) fn print(
+        &mut self,
+        clamped: Option<&[Clamped]>,
+        row: impl FnOnce() -> String,
+        value: impl FnOnce() -> Value,
+    ) -> Result<(), LineFailure> {
+        self.out_of_range.count(clamped.unwrap_or_default());
+        let written = if self.json {
+            let mut value = value();
+            if let Some(clamped) = clamped {
+                value["clamped"] = clamped.iter().map(|clamped| (clamped.axis.to_owned(), json!(clamped.to))).collect();
+            }
+            writeln!(self.out, "{value}")
+        } else {
+            writeln!(self.out, "{}", row())
+        };
+        Ok(written.map_err(|error| CommandFailure::stdout(&error))?)
+    }
+
+    /// Ends the rows. Standard error lists the axes that were clamped, unless each JSON document does.
+    pub(super) fn end(mut self) -> Result<Exit, CommandFailure> {
+        self.out.flush().map_err(|error| CommandFailure::stdout(&error))?;
+        if !self.json && !self.out_of_range.is_empty() {
+            eprintln!("{}", self.out_of_range);
+        }
+        Ok(Exit::Ok)
     }
 }

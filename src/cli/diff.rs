@@ -8,12 +8,12 @@ use super::{
     CommandFailure, Context, Exit,
     args::DiffArgs,
     input::{AnyTable, Origin},
-    print, shown, tabulated,
+    shown, tabulated,
 };
 use ltcforge_fit::{Difference, Gap, MOST_POINTS, Report, Spread, difference, report, report_points};
 
 /// Compares two tables. It is not a failure if they differ.
-pub(super) fn run(args: &DiffArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+pub(super) fn run(args: &DiffArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let tables = [AnyTable::named(&args.a, &args.folder)?, AnyTable::named(&args.b, &args.folder)?];
     let [a, b] = &tables;
     for read in &tables {
@@ -34,8 +34,7 @@ pub(super) fn run(args: &DiffArgs, json: bool, context: &mut Context<'_>) -> Res
     let value = json!({
         "same_bytes": same_bytes, "difference": apart, "a": side(a, &reports[0]), "b": side(b, &reports[1]),
     });
-    print(context.stdout, json, &value, text([a, b], apart.as_ref(), &reports).trim_end())?;
-    Ok(Exit::Ok)
+    context.print(&value, text([a, b], apart.as_ref(), &reports).trim_end())
 }
 
 /// The report of a table, as `report` prints it.

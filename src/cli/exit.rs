@@ -2,7 +2,7 @@
 
 use std::{fmt::Write as _, io, path::Path};
 
-use ltcforge_client::{ClientError, LockFileError, PullError, SizeOrigin, SourcesError};
+use ltcforge_client::{ClientError, LockFileError, PullError, SourcesError};
 use ltcforge_files::recipe_document::RecipeError;
 
 /// The exit code of the process.
@@ -69,6 +69,21 @@ impl CommandFailure {
     }
 }
 
+/// A wrong command line, recipe or configuration.
+pub(super) fn usage<E: std::fmt::Display>(reason: E) -> CommandFailure {
+    CommandFailure::new(Exit::Usage, reason.to_string())
+}
+
+/// The command could not be done.
+pub(super) fn failed(reason: impl std::fmt::Display) -> CommandFailure {
+    CommandFailure::new(Exit::Failed, reason.to_string())
+}
+
+/// The file at `path` does not have the bytes that it should have.
+pub(super) fn mismatch(path: &Path, reason: impl std::fmt::Display) -> CommandFailure {
+    CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display()))
+}
+
 /// An error about the file at `path`, on one line.
 pub(super) fn file_failure(path: &Path, error: &dyn std::fmt::Display) -> CommandFailure {
     CommandFailure::new(Exit::Failed, format!("{}: {error}", path.display()))
@@ -92,14 +107,11 @@ impl From<ClientError> for CommandFailure {
     fn from(error: ClientError) -> Self {
         let mut message = error.to_string();
         let exit = match error {
-            ClientError::BadUrl { .. }
-            | ClientError::BadPort { .. }
-            | ClientError::Credentials { .. }
-            | ClientError::BadSource { .. } => Exit::Usage,
+            ClientError::BadUrl { .. } => Exit::Usage,
             ClientError::Unavailable { .. } => Exit::Unavailable,
-            ClientError::Mismatch { .. }
-            | ClientError::TooShort { .. }
-            | ClientError::TooLong { origin: SizeOrigin::LockFile, .. } => Exit::Mismatch,
+            ClientError::Mismatch { .. } | ClientError::TooShort { .. } | ClientError::LongerThanStated { .. } => {
+                Exit::Mismatch
+            }
             ClientError::Refused { faults, .. } if !faults.is_empty() => {
                 for fault in faults {
                     // Writing to a String cannot fail.
@@ -120,9 +132,9 @@ impl From<PullError> for CommandFailure {
     fn from(error: PullError) -> Self {
         match error {
             PullError::Sources(error) => error.into(),
-            PullError::File { .. } => Self::new(Exit::Failed, error.to_string()),
+            PullError::File { .. } => failed(error),
             PullError::Size { .. } => Self::new(Exit::Mismatch, error.to_string()),
-            PullError::LeadsOut { .. } | PullError::Kept { .. } => Self::new(Exit::Usage, error.to_string()),
+            PullError::Place { .. } => usage(error),
         }
     }
 }
@@ -134,11 +146,10 @@ impl From<SourcesError> for CommandFailure {
         match error {
             SourcesError::NoneHasIt(errors) => {
                 let exits: Vec<Exit> = errors.into_iter().map(|error| Self::from(error).exit).collect();
-                let gravest = [Exit::Mismatch, Exit::Unavailable, Exit::Usage];
-                let exit = gravest.into_iter().find(|exit| exits.contains(exit)).unwrap_or(Exit::Failed);
-                Self::new(exit, message)
+                let mut gravest = [Exit::Mismatch, Exit::Unavailable, Exit::Usage].into_iter();
+                Self::new(gravest.find(|exit| exits.contains(exit)).unwrap_or(Exit::Failed), message)
             }
-            SourcesError::Write(_) => Self::new(Exit::Failed, message),
+            SourcesError::Write(_) => failed(message),
             SourcesError::Stopped => Self::interrupted(),
         }
     }
@@ -171,13 +182,10 @@ mod tests {
             (refused(422, vec![fault]), 2),
             (refused(404, vec![]), 1),
             (ClientError::Unexpected { url: url(), reason: "x".into() }, 1),
-            (ClientError::TooLong { url: url(), limit_bytes: 1, origin: SizeOrigin::Tables }, 1),
-            (ClientError::TooLong { url: url(), limit_bytes: 1, origin: SizeOrigin::LockFile }, 3),
+            (ClientError::TooLong { url: url(), limit_bytes: 1 }, 1),
+            (ClientError::LongerThanStated { url: url(), stated_bytes: 1 }, 3),
             (ClientError::TooShort { url: url(), bytes: 1, stated_bytes: 2 }, 3),
-            (ClientError::BadUrl { url: url() }, 2),
-            (ClientError::BadPort { url: url(), port: "0".into() }, 2),
-            (ClientError::Credentials { url: url() }, 2),
-            (ClientError::BadSource { source_name: String::new() }, 2),
+            (ClientError::BadUrl { text: url(), reason: "x" }, 2),
             (ClientError::Unreadable { place: "p".into(), reason: "x".into() }, 1),
         ];
         for (error, code) in cases {

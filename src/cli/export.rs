@@ -7,16 +7,15 @@ use serde_json::json;
 use super::{
     CommandFailure, Context, Exit,
     args::{AnyContainer, ExportArgs, ExportChoice},
-    file_failure,
+    exit::usage,
     input::{AnyTable, Origin},
-    output::check_output_folder,
-    print, shown, tabulated,
+    output::{check_output_folder, listed, write_in},
+    tabulated,
 };
 use ltcforge_files::{
     compact::{self, Encoded},
     digest::Digest,
     manifest::{MeanError, table_report},
-    replace::replace_file,
 };
 use ltcforge_fit::{Precision, Recipe, Spread, Table};
 use ltcforge_textures::{
@@ -24,7 +23,7 @@ use ltcforge_textures::{
 };
 
 /// Writes the files, and prints what to do with them.
-pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+pub(super) fn run(args: &ExportArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     check_output_folder(&args.out)?;
     let AnyTable { path, digest, table, origin } = AnyTable::read(&args.table)?;
     let recipe = match &origin {
@@ -34,41 +33,33 @@ pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> R
     if let ExportChoice { engine: None, layout: None, container: Some(AnyContainer::Textures(container)), .. } =
         args.choice
     {
-        return Err(CommandFailure::new(Exit::Usage, no_layout(container, Some(&table))));
+        return Err(usage(no_layout(container, Some(&table))));
     }
     let export = export_of(&args.choice)?;
     // Faults are reported before the table is measured.
-    let layout = export.layout(&table).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
+    let layout = export.layout(&table).map_err(usage)?;
     let pool = args.threads.pool()?;
     tabulated::check_complete(&table, &path)?;
     let error = pool.install(|| measured(&table, recipe));
     let (Bundle { files, steps }, compared) = match export {
         Export::Compact(container) => {
             let about = About::of_table(digest, recipe, error);
-            let (bundle, compared) = pool.install(|| compact_bundle(container, &table, &about))?;
-            (bundle, compared)
+            pool.install(|| compact_bundle(container, &table, &about))?
         }
         Export::Engine(_) | Export::Textures { .. } => (bundle(export, &table, digest, recipe, error)?, vec![]),
     };
+    let mut list = Vec::new();
     for file in &files {
-        let path = args.out.join(&file.path);
-        replace_file(&path, &file.bytes).map_err(|error| file_failure(&path, &error))?;
+        let path = write_in(&args.out, &file.path, &file.bytes)?;
+        let mut value = listed(&path, &file.bytes);
+        value["rounding"] = json!(file.rounding);
+        list.push(value);
     }
-    let list: Vec<_> = files
-        .iter()
-        .map(|file| {
-            json!({
-                "file": shown(&args.out.join(&file.path)), "bytes": file.bytes.len(),
-                "sha256": Digest::of(&file.bytes).hex(), "rounding": file.rounding,
-            })
-        })
-        .collect();
     let value = json!({
         "table": digest, "for": args.choice.engine, "layout": layout, "container": args.choice.container, "files": list,
         "steps": steps, "compared": compared.first(), "compared_second": compared.get(1),
     });
-    print(context.stdout, json, &value, text(args, &files, &compared, &steps).trim_end())?;
-    Ok(Exit::Ok)
+    context.print(&value, text(args, &files, &compared, &steps).trim_end())
 }
 
 /// The export that a command line requests.
@@ -77,21 +68,20 @@ pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> R
 /// When the layout is unknown or missing, or a compact form is requested in another layout or precision than the
 /// table's own.
 pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure> {
-    let refused = |what: String| Err(CommandFailure::new(Exit::Usage, what));
     let ExportChoice { engine, layout, container, precision } = choice;
     match (*engine, layout, *container) {
         (Some(engine), _, _) => Ok(Export::Engine(engine)),
         (None, Some(layout), Some(AnyContainer::Textures(container))) => match TextureLayout::named(layout) {
             Ok(layout) => Ok(Export::Textures { layout, container, precision: precision.unwrap_or(Precision::F32) }),
-            Err(error) => refused(error.to_string()),
+            Err(error) => Err(usage(error)),
         },
         (None, None, Some(AnyContainer::Compact(container))) if precision.is_none() => Ok(Export::Compact(container)),
-        (None, _, Some(AnyContainer::Compact(container))) => refused(format!(
+        (None, _, Some(AnyContainer::Compact(container))) => Err(usage(format!(
             "container {} holds a table in its own layout, rounded in its own way: leave out layout and precision",
             container.name()
-        )),
-        (None, None, Some(AnyContainer::Textures(container))) => refused(no_layout(container, None)),
-        (None, _, None) => refused("name an engine, or a container".to_owned()),
+        ))),
+        (None, None, Some(AnyContainer::Textures(container))) => Err(usage(no_layout(container, None))),
+        (None, _, None) => Err(usage("name an engine, or a container")),
     }
 }
 
@@ -119,13 +109,11 @@ fn compact_bundle(
     table: &Table,
     about: &About,
 ) -> Result<(Bundle, Vec<Compared>), CommandFailure> {
-    let refused = |error: String| CommandFailure::new(Exit::Usage, error);
-    let lobes = compact::encode_lobes(table).map_err(|error| refused(error.to_string()))?;
+    let lobes = compact::encode_lobes(table).map_err(usage)?;
     let compared = lobes.iter().map(|Encoded { table, decoded, .. }| Compared { table: *table, decoded: *decoded });
     let compared = compared.collect();
     let forms = lobes.into_iter().map(|encoded| encoded.bytes).collect();
-    let bundle = Export::compact_bundle(container, forms, about).map_err(|error| refused(error.to_string()))?;
-    Ok((bundle, compared))
+    Ok((Export::compact_bundle(container, forms, about).map_err(usage)?, compared))
 }
 
 /// The table's mean error between nodes, which its files state, if its recipe is known. Measures on the current rayon
@@ -146,7 +134,7 @@ pub(super) fn bundle(
     error: Option<MeanError>,
 ) -> Result<Bundle, CommandFailure> {
     let made = export.bundle(table, About::of_table(digest, recipe, error));
-    made.map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))
+    made.map_err(usage)
 }
 
 /// A text that lists the files, the changes by rounding, and the steps to use them.

@@ -6,8 +6,9 @@ use std::{
 };
 
 use super::{
-    CommandFailure, Exit,
+    CommandFailure,
     args::{TableChoice, TableFolder},
+    exit::{mismatch, usage},
     file_failure,
     table_file::{check, table_path},
     tabulated,
@@ -68,8 +69,7 @@ impl AnyTable {
         let path = table_path(name, folder.tables.as_deref())?;
         let bytes = read_file(&path, folder.limit.table_limit).map_err(|error| file_failure(&path, &error))?;
         if bytes.starts_with(COMPACT_MAGIC) {
-            let table = compact::decode(&bytes)
-                .map_err(|error| CommandFailure::new(Exit::Mismatch, format!("{}: {error}", path.display())))?;
+            let table = compact::decode(&bytes).map_err(|error| mismatch(&path, error))?;
             let ends = |nodes: &Vec<f64>| [nodes.first(), nodes.last()].map(|end| end.copied().unwrap_or_default());
             let PerAxis { alpha, ratio, theta, phi } = &table.axes;
             let range = PerAxis { alpha: ends(alpha), ratio: ends(ratio), theta: ends(theta), phi: ends(phi) };
@@ -82,10 +82,8 @@ impl AnyTable {
             let TableFile { table, recipe } = file;
             return Ok(Self { path, digest, table, origin: Origin::Recipe(recipe) });
         }
-        let NpyTable { table, range } = decode_npy(&bytes).map_err(|error| {
-            let reason = other_form(&bytes).unwrap_or_else(|| error.to_string());
-            CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display()))
-        })?;
+        let NpyTable { table, range } = decode_npy(&bytes)
+            .map_err(|error| mismatch(&path, other_form(&bytes).unwrap_or_else(|| error.to_string())))?;
         Ok(Self { path, digest: Digest::of(&bytes), table, origin: Origin::Range(range) })
     }
 
@@ -96,7 +94,7 @@ impl AnyTable {
     pub(super) fn with_ggx_terms(mut self) -> Result<Self, CommandFailure> {
         if self.table.brdf != BrdfKind::Ggx {
             let message = format!("--ggx-terms are of brdf ggx, and the table is of brdf {}", self.table.brdf);
-            return Err(CommandFailure::new(Exit::Usage, message));
+            return Err(usage(message));
         }
         self.table.terms = Some(ggx_terms(self.table.layout, &self.table.axes));
         Ok(self)
@@ -126,7 +124,7 @@ fn is_preset_name(name: &str) -> bool {
 mod tests {
     use std::fs;
 
-    use super::*;
+    use super::{super::Exit, *};
 
     #[test]
     fn a_bare_word_is_a_preset_and_anything_else_a_file() {

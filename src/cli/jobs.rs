@@ -3,61 +3,52 @@
 use super::{
     CommandFailure, Context, Exit,
     args::{JobsAction, JobsArgs},
-    input, print, progress, tabulated,
+    input, progress, tabulated,
 };
 use ltcforge_client::{Client, JobDocument, JobStatus};
 use ltcforge_files::job::{JobId, StateName};
 
 /// Runs an action on jobs.
-pub(super) fn run(
-    args: &JobsArgs,
-    json: bool,
-    client: &Client,
-    context: &mut Context<'_>,
-) -> Result<Exit, CommandFailure> {
+pub(super) fn run(args: &JobsArgs, client: &Client, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     match &args.action {
         JobsAction::Submit { recipe, watch } => {
             let document = input::recipe_document(recipe)?;
             let job = client.submit(&tabulated::uploaded(recipe, document, client)?)?;
-            if *watch { follow(job.status.id, json, client, context) } else { show(&job, json, context) }
+            if *watch { follow(job.status.id, client, context) } else { show(&job, context) }
         }
         JobsAction::List { state, limit } => {
             for job in client.jobs(*state, *limit)? {
-                show(&job, json, context)?;
+                show(&job, context)?;
             }
             Ok(Exit::Ok)
         }
-        JobsAction::Show { id } => show(&client.job(*id)?, json, context),
-        JobsAction::Watch { id } => follow(*id, json, client, context),
-        JobsAction::Cancel { id } => show(&client.cancel(*id)?, json, context),
+        JobsAction::Show { id } => show(&client.job(*id)?, context),
+        JobsAction::Watch { id } => follow(*id, client, context),
+        JobsAction::Cancel { id } => show(&client.cancel(*id)?, context),
     }
 }
 
-fn show(job: &JobDocument, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    print(context.stdout, json, &job.json, &line(&job.status))?;
-    Ok(Exit::Ok)
+fn show(job: &JobDocument, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    context.print(&job.json, &line(&job.status))
 }
 
 /// Follows a job to its end. Prints each update as JSON, or the table's digest at the end.
-fn follow(id: JobId, json: bool, client: &Client, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+fn follow(id: JobId, client: &Client, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let bar = progress::bar(context.draws_progress, 0);
-    let mut printed = Ok(());
+    let mut printed = Ok(Exit::Ok);
     let job = client.follow(id, &mut |update| {
         bar.set_length(update.status.progress.entries_total);
         bar.set_position(update.status.progress.entries_done);
-        if json && printed.is_ok() {
-            printed = print(context.stdout, true, &update.json, "");
+        if context.json && printed.is_ok() {
+            printed = context.print(&update.json, "");
         }
     })?;
     bar.finish_and_clear();
-    printed?;
-    let Some(table) = job.status.table else {
-        return Err(CommandFailure::new(Exit::JobFailed, line(&job.status)));
-    };
-    if !json {
-        print(context.stdout, false, &job.json, &table.to_string())?;
+    match job.status.table {
+        None => printed.and(Err(CommandFailure::new(Exit::JobFailed, line(&job.status)))),
+        Some(_) if context.json => printed,
+        Some(table) => context.print(&job.json, &table.to_string()),
     }
-    Ok(Exit::Ok)
 }
 
 /// A job on one line: its id, its state, and the progress, digest or error of that state.

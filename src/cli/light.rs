@@ -1,20 +1,17 @@
 //! `light`: the light that surfaces reflect from area lights.
 
-use std::{
-    collections::BTreeMap,
-    io::{self, BufWriter, Write},
-};
-
-use serde_json::json;
+use serde_json::{Map, Value, json};
 
 use super::{
     CommandFailure, Context, Exit,
     args::LightArgs,
-    csv::{CsvLines, LineFailure},
+    csv::{CsvLines, LineFailure, Rows},
+    exit::usage,
+    file_failure,
     input::AnyTable,
     light_case::CaseFormat,
     light_picture::Picture,
-    out_of_range::{Clamped, OutOfRangeCount, clamped},
+    out_of_range::clamped,
     tabulated,
 };
 use ltcforge_fit::{BrdfKind, Table, brdf::edge_factor};
@@ -25,109 +22,103 @@ use ltcforge_light::{
 };
 
 /// Prints the reflected light of each line as soon as it is read.
-pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let chosen = choose(args)?;
     let table = chosen.as_ref().map(|chosen| &chosen.table);
     let used = TableUse { blend: args.blend, cut: args.cut };
     let lighting = table.map(|table| Lighting::Table(table, used));
     let formula = args.model.closed_form(args.rule).map(Lighting::ClosedForm);
-    let lighting = lighting.or(formula).ok_or_else(|| CommandFailure::new(Exit::Usage, needs_table(args.model)))?;
+    let lighting = lighting.or(formula).ok_or_else(|| usage(needs_table(args.model)))?;
     let brdf = table.map_or(BrdfKind::Ggx.into(), |table| table.model().clone());
     let mut picture = Picture::of(args, &brdf)?;
     let lines = CsvLines::open(&args.cases, "lights")?;
-    let mut out = BufWriter::new(&mut *context.stdout);
-    let mut out_of_range = OutOfRangeCount::default();
     if let Some(material) = args.material
         && material != material.within_bounds()
     {
         eprintln!("material: alpha {} {} is taken as 1 where it is above", material.alpha_x, material.alpha_y);
     }
-    if !json {
-        writeln!(out, "{}", header(args)).map_err(|error| CommandFailure::stdout(&error))?;
-    }
+    let columns = columns(args);
+    let mut rows = Rows::new(context, &columns)?;
     let format = CaseFormat { shape: args.light, material: args.material.map(AnisotropicRoughness::within_bounds) };
-    let is_header = |line: &str| format.is_header(line);
-    lines.each(is_header, |line| {
-        let Some(case) = format.parse(line).map_err(LineFailure::Line)? else { return Ok(()) };
-        let (at, light) = (case.at, &case.light);
-        let refuse = |error: LightError| LineFailure::Line(error.to_string());
-        let edge_factor = |f0: f64| args.f82.map_or(0.0, |tint| edge_factor(f0, args.f90, tint));
-        let gain = |albedo: &dyn Fn() -> Result<f64, LightError>, f0: f64| {
-            if args.compensate { Ok(compensation(albedo()?, f0)) } else { Ok(1.0) }
-        };
-        let found = || -> Result<Printed, LightError> {
-            let edge = if args.f82.is_some() { lighting.edge(&at, light)? } else { 0.0 };
-            let of_model = |f0: f64| {
-                let reflected = lighting.of_material(&at, light, [f0, args.f90])? - edge_factor(f0) * edge;
-                Ok(gain(&|| lighting.albedo(&at), f0)? * reflected)
+    lines.each(
+        |line| format.is_header(line),
+        |line| {
+            let Some(case) = format.parse(line).map_err(LineFailure::Line)? else { return Ok(()) };
+            let (at, light) = (case.at, &case.light);
+            let mut numbers = || -> Result<Vec<f64>, LightError> {
+                let channels = picture.as_mut().map(|picture| picture.reflected(table, &at, light)).transpose()?;
+                let mut numbers = Of {
+                    args,
+                    light: lighting.reflected(&at, light)?,
+                    of_material: &|fresnel| lighting.of_material(&at, light, fresnel),
+                    edge: &|| lighting.edge(&at, light),
+                    albedo: &|| lighting.albedo(&at),
+                }
+                .numbers(channels)?;
+                if args.truth {
+                    let light_truth = truth_of(&brdf, TRUTH_TOLERANCE, &at, light)?;
+                    let truth = Of {
+                        args,
+                        of_material: &|[f0, f90]| Ok(light_truth.schlick(f0, f90)),
+                        edge: &|| edge_truth_of(&brdf, TRUTH_TOLERANCE, &at, light),
+                        albedo: &|| sampled(&brdf, &at),
+                        light: light_truth,
+                    };
+                    let channels = picture.as_ref().map(|picture| picture.truth(&at, light)).transpose()?;
+                    numbers.extend(truth.numbers(channels)?);
+                }
+                Ok(numbers)
             };
-            Ok(Printed {
-                light: lighting.reflected(&at, light)?,
-                of_material: args.f0.map(of_model).transpose()?,
-                of_picture: None,
-            })
-        };
-        let truth = || -> Result<Printed, LightError> {
-            let light_truth = truth_of(&brdf, TRUTH_TOLERANCE, &at, light)?;
-            let edge = if args.f82.is_some() { edge_truth_of(&brdf, TRUTH_TOLERANCE, &at, light)? } else { 0.0 };
-            let of_truth = |f0: f64| {
-                let reflected = light_truth.schlick(f0, args.f90) - edge_factor(f0) * edge;
-                Ok(gain(&|| sampled(&brdf, &at), f0)? * reflected)
-            };
-            Ok(Printed { light: light_truth, of_material: args.f0.map(of_truth).transpose()?, of_picture: None })
-        };
-        let mut found = found().map_err(refuse)?;
-        let mut truth = args.truth.then(truth).transpose().map_err(refuse)?;
-        if let Some(picture) = &mut picture {
-            let gained = |channels: [f64; 3], albedo: &dyn Fn() -> Result<f64, LightError>| {
-                let gain = args.f0.map_or(Ok(1.0), |f0| gain(albedo, f0))?;
-                Ok(channels.map(|channel| gain * channel))
-            };
-            let reflected = picture.reflected(table, &at, light).map_err(refuse)?;
-            found.of_picture = Some(gained(reflected, &|| lighting.albedo(&at)).map_err(refuse)?);
-            if let Some(truth) = &mut truth {
-                let reflected = picture.truth(&at, light).map_err(refuse)?;
-                truth.of_picture = Some(gained(reflected, &|| sampled(&brdf, &at)).map_err(refuse)?);
-            }
-        }
-        let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
-        out_of_range.count(clamped.as_deref().unwrap_or_default());
-        let written = if json {
-            write_json(&mut out, &found, truth.as_ref(), clamped.as_deref())
-        } else {
-            write_row(&mut out, &found, truth.as_ref())
-        };
-        written.map_err(|error| LineFailure::stdout(&error))
-    })?;
-    out.flush().map_err(|error| CommandFailure::stdout(&error))?;
-    // In JSON, each line lists the clamped axes.
-    if !json && !out_of_range.is_empty() {
-        eprintln!("{out_of_range}");
-    }
-    Ok(Exit::Ok)
+            let numbers = numbers().map_err(|error| LineFailure::Line(error.to_string()))?;
+            let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
+            // Numbers are the shortest that read back as the same f64.
+            let row = || numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+            let value = || columns.iter().cloned().zip(numbers.iter().map(|number| json!(number)));
+            rows.print(clamped.as_deref(), row, || Value::Object(value().collect::<Map<_, _>>()))
+        },
+    )?;
+    rows.end()
 }
 
 /// The columns of a row.
-fn header(args: &LightArgs) -> String {
-    let of = |prefix: &str| {
-        let reflected = if args.f0.is_some() { format!(",{prefix}reflected") } else { String::new() };
-        let channels = CHANNELS.map(|channel| format!(",{prefix}{channel}")).concat();
-        let channels = if args.texture.is_some() { channels } else { String::new() };
-        format!("{prefix}energy,{prefix}fresnel{reflected}{channels}")
-    };
-    if args.truth { format!("{},{}", of(""), of("true_")) } else { of("") }
+fn columns(args: &LightArgs) -> Vec<String> {
+    let reflected: &[_] = if args.f0.is_some() { &["reflected"] } else { &[] };
+    let channels: &[_] = if args.texture.is_some() { &["red", "green", "blue"] } else { &[] };
+    let names = [&["energy", "fresnel"], reflected, channels].concat();
+    let prefixes: &[_] = if args.truth { &["", "true_"] } else { &[""] };
+    prefixes.iter().flat_map(|prefix| names.iter().map(move |name| format!("{prefix}{name}"))).collect()
 }
 
-/// The columns of a picture.
-const CHANNELS: [&str; 3] = ["red", "green", "blue"];
-
-/// The numbers that are printed for a light.
-struct Printed {
+/// The functions that give the numbers of a light: of a model, or of the truth.
+struct Of<'a> {
+    args: &'a LightArgs,
     light: ReflectedLight,
-    /// What the material of `--f0` reflects, a metal with `--f82`, with `--compensate` more; `None` without the option.
-    of_material: Option<f64>,
-    /// What is reflected of each channel of the picture of `--texture`.
-    of_picture: Option<[f64; 3]>,
+    /// The part that a material with these reflectances at normal and at grazing incidence reflects.
+    of_material: &'a dyn Fn([f64; 2]) -> Result<f64, LightError>,
+    /// The part by which a metal of `--f82` reflects less, before its factor.
+    edge: &'a dyn Fn() -> Result<f64, LightError>,
+    albedo: &'a dyn Fn() -> Result<f64, LightError>,
+}
+
+impl Of<'_> {
+    /// The numbers of [`columns`]; `channels` are those of the picture of `--texture`.
+    fn numbers(&self, channels: Option<[f64; 3]>) -> Result<Vec<f64>, LightError> {
+        let LightArgs { f0, f82, f90, compensate, .. } = *self.args;
+        let mut numbers = vec![self.light.energy, self.light.fresnel];
+        let gain = match f0 {
+            Some(f0) if compensate => compensation((self.albedo)()?, f0),
+            _ => 1.0,
+        };
+        if let Some(f0) = f0 {
+            let edge = match f82 {
+                Some(tint) => edge_factor(f0, f90, tint) * (self.edge)()?,
+                None => 0.0,
+            };
+            numbers.push(gain * ((self.of_material)([f0, f90])? - edge));
+        }
+        numbers.extend(channels.into_iter().flatten().map(|channel| gain * channel));
+        Ok(numbers)
+    }
 }
 
 fn needs_table(model: LightModel) -> String {
@@ -136,24 +127,22 @@ fn needs_table(model: LightModel) -> String {
 
 /// The table that the model lights by; `None` for a model without one. All that stands against the options is told at once.
 fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
-    let usage = |faults: &[String]| CommandFailure::new(Exit::Usage, faults.join("; "));
     let faults = option_faults(args);
     if !faults.is_empty() {
-        return Err(usage(&faults));
+        return Err(usage(faults.join("; ")));
     }
     let Some(name) = &args.table else { return Ok(None) };
     let chosen = AnyTable::named(name, &args.folder)?;
     let AnyTable { path, table, .. } = &chosen;
     let faults = table_faults(args, table);
     if !faults.is_empty() {
-        return Err(usage(&[format!("{}: {}", path.display(), faults.join("; "))]));
+        return Err(usage(format!("{}: {}", path.display(), faults.join("; "))));
     }
     if args.truth {
         tabulated::check_complete(table, path)?;
     }
     if table.terms.is_none() {
-        let message = format!("{}: {}", path.display(), LightError::NoTerms);
-        return Err(CommandFailure::new(Exit::Failed, message));
+        return Err(file_failure(path, &LightError::NoTerms));
     }
     Ok(Some(chosen))
 }
@@ -201,43 +190,4 @@ fn table_faults(args: &LightArgs, table: &Table) -> Vec<String> {
         (args.f82.is_some() && lacks_edge).then(|| format!("--f82: {}", LightError::NoEdge)),
     ];
     found.into_iter().flatten().collect()
-}
-
-/// One line of CSV. Numbers are the shortest that read back as the same f64.
-fn write_row(out: &mut dyn Write, found: &Printed, truth: Option<&Printed>) -> io::Result<()> {
-    let mut numbers = Vec::with_capacity(12);
-    for Printed { light, of_material, of_picture } in [Some(found), truth].into_iter().flatten() {
-        numbers.extend([light.energy, light.fresnel]);
-        numbers.extend(of_material);
-        numbers.extend(of_picture.iter().flatten());
-    }
-    let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
-    writeln!(out, "{}", numbers.join(","))
-}
-
-/// One line of JSON. By a table, `clamped` holds the axes on which the surface and its view lie outside of it, with the
-/// value used instead.
-fn write_json(
-    out: &mut dyn Write,
-    found: &Printed,
-    truth: Option<&Printed>,
-    clamped: Option<&[Clamped]>,
-) -> io::Result<()> {
-    let mut line = json!({});
-    for (prefix, printed) in [("", Some(found)), ("true_", truth)] {
-        let Some(Printed { light, of_material, of_picture }) = printed else { continue };
-        line[format!("{prefix}energy")] = json!(light.energy);
-        line[format!("{prefix}fresnel")] = json!(light.fresnel);
-        if let Some(reflected) = of_material {
-            line[format!("{prefix}reflected")] = json!(reflected);
-        }
-        for (channel, value) in CHANNELS.iter().zip(of_picture.iter().flatten()) {
-            line[format!("{prefix}{channel}")] = json!(value);
-        }
-    }
-    if let Some(clamped) = clamped {
-        let clamped: BTreeMap<&str, f64> = clamped.iter().map(|clamped| (clamped.axis, clamped.to)).collect();
-        line["clamped"] = json!(clamped);
-    }
-    writeln!(out, "{line}")
 }

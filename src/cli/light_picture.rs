@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{CommandFailure, Exit, args::LightArgs, file_failure};
+use super::{CommandFailure, args::LightArgs, exit::usage, file_failure};
 use ltcforge_files::bounded::read_file;
 use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, Table};
 use ltcforge_light::{
@@ -12,7 +12,7 @@ use ltcforge_light::{
 use ltcforge_textures::LightPicture;
 
 /// The longest picture that is read.
-const PICTURE_LIMIT_BYTES: u64 = 1 << 28;
+pub(super) const PICTURE_LIMIT_BYTES: u64 = 1 << 28;
 /// How exact the truth is.
 const TRUTH_TOLERANCE: f64 = 1e-5;
 
@@ -46,7 +46,7 @@ impl Picture {
             faults.push(format!("--truth of a picture is that of brdf ggx, and the table is of {brdf}: leave it out"));
         }
         if !faults.is_empty() {
-            return Err(CommandFailure::new(Exit::Usage, format!("--texture: {}", faults.join("; "))));
+            return Err(usage(format!("--texture: {}", faults.join("; "))));
         }
         let number = args.readings.unwrap_or(Readings::ALL[0]);
         Ok(Some(Self {

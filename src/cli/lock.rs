@@ -10,15 +10,17 @@ use serde_json::json;
 use super::{
     CommandFailure, Context, Exit,
     args::LockArgs,
+    exit::usage,
     file_failure, input, lock_failure,
     output::check_output_folder,
     pins::{Fitting, asked_by, of_pin},
-    print, shown,
+    shown,
     sources::Sources,
     table_file::{self, check, table_path},
 };
 use ltcforge_client::{
-    self as client, Guard, LockFile, LockFileError, Pin, PinState, Source, check_pins, fetch, read_text, with_pins,
+    self as client, FilePin, Guard, LockFile, LockFileError, Pin, PinState, Source, Wanted, check_pins, fetch,
+    read_text, with_pins,
 };
 use ltcforge_files::{
     container::TableFile,
@@ -45,12 +47,7 @@ struct Found {
 
 /// Pins tables and the files that are made from them. Everything is made and checked before the first file is written.
 /// The lock file is written last.
-pub(super) fn run(
-    args: &LockArgs,
-    sources: &Sources,
-    json: bool,
-    context: &mut Context<'_>,
-) -> Result<Exit, CommandFailure> {
+pub(super) fn run(args: &LockArgs, sources: &Sources, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let path = &args.sources.lock;
     let refused = |error: LockFileError| {
         let is_shared = matches!(error, LockFileError::Twice { owners: "files", .. });
@@ -58,7 +55,9 @@ pub(super) fn run(
         CommandFailure { exit, message: message + if is_shared { ": choose another --out or --to" } else { "" } }
     };
     // Another `lock` would not see what this one writes, and would write the lock file without it.
-    check_folder_is_there(path)?;
+    if !folder_of(path).is_dir() {
+        return Err(file_failure(path, &format!("there is no folder {}", folder_of(path).display())));
+    }
     let wait = || tracing::warn!("another `ltcforge lock` is at work in {}; waiting", folder_of(path).display());
     let _guard = Guard::of(folder_of(path), wait).map_err(|error| file_failure(path, &error))?;
     let old = match read_text(path) {
@@ -101,45 +100,33 @@ pub(super) fn run(
     let text = with_pins(&old, &pins).map_err(refused)?;
     LockFile::parse(&text, path).map_err(refused)?;
     // All obstacles are found before the first file is written.
-    for Planned { path, digest, .. } in &planned {
-        client::target(path, &lock.folder)?;
-        client::check(path, *digest, None, &lock.folder)?;
-    }
+    let mut wrong = Vec::new();
     for Planned { path, digest, bytes } in &planned {
+        let target = client::target(path, &lock.folder)?;
         if client::check(path, *digest, None, &lock.folder)? != PinState::Right {
-            let target = client::target(path, &lock.folder)?;
-            replace_file(&target, bytes).map_err(|error| file_failure(&target, &error))?;
+            wrong.push((target, bytes));
         }
+    }
+    for (target, bytes) in wrong {
+        replace_file(&target, bytes).map_err(|error| file_failure(&target, &error))?;
     }
     if text != old {
         replace_file(path, text.as_bytes()).map_err(|error| file_failure(path, &error))?;
     }
     if args.remove {
-        print(
-            context.stdout,
-            json,
-            &json!({ "name": made[0], "outcome": "removed" }),
-            &format!("{} removed", made[0]),
-        )?;
+        context.print(&json!({ "name": made[0], "outcome": "removed" }), &format!("{} removed", made[0]))?;
     }
     for pin in pins.iter().filter(|pin| made.contains(&pin.name)) {
-        tell(pin, json, context)?;
+        print_pin(pin, context)?;
     }
     let files = planned.iter().map(|planned| (planned.path.as_path(), planned.bytes.as_slice()));
     let lines = client::missing_attributes(files, &lock.folder);
     if !lines.is_empty() {
         let advice = "add to .gitattributes, or Git may change the line ends of these files";
         let text = format!("{advice}:\n{}", lines.join("\n"));
-        print(context.stdout, json, &json!({ "gitattributes": lines, "detail": advice }), &text)?;
+        context.print(&json!({ "gitattributes": lines, "detail": advice }), &text)?;
     }
     Ok(Exit::Ok)
-}
-
-/// Checks that the folder of the lock file at `path` is there.
-fn check_folder_is_there(path: &Path) -> Result<(), CommandFailure> {
-    let folder = folder_of(path);
-    let missing = || file_failure(path, &format!("there is no folder {}", folder.display()));
-    folder.is_dir().then_some(()).ok_or_else(missing)
 }
 
 /// Checks that the lock file at `path` and the pinned files below its `folder` can be written.
@@ -157,24 +144,22 @@ fn check_places<'a>(path: &Path, folder: &Path, pins: impl Iterator<Item = &'a P
     Ok(())
 }
 
-fn tell(pin: &Pin, json: bool, context: &mut Context<'_>) -> Result<(), CommandFailure> {
+fn print_pin(pin: &Pin, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let Pin { name, path, digest, bytes, .. } = pin;
-    let files: Vec<_> = pin.exports.iter().flat_map(|export| &export.file).collect();
-    let list: Vec<_> = files
-        .iter()
-        .map(|file| json!({ "path": shown(&file.path), "bytes": file.bytes, "digest": file.digest }))
-        .collect();
+    let files = || pin.exports.iter().flat_map(|export| &export.file);
+    let listed = |file: &FilePin| json!({ "path": shown(&file.path), "bytes": file.bytes, "digest": file.digest });
     let value = json!({
-        "name": name, "path": shown(path), "digest": digest, "bytes": bytes, "outcome": "pinned", "exports": list,
+        "name": name, "path": shown(path), "digest": digest, "bytes": bytes, "outcome": "pinned",
+        "exports": files().map(listed).collect::<Vec<_>>(),
     });
-    let lines = files.iter().map(|file| format!("\n{name} pinned: {}", file.path.display()));
-    let text: String = std::iter::once(format!("{name} pinned: {}", path.display())).chain(lines).collect();
-    print(context.stdout, json, &value, &text)
+    let paths = std::iter::once(path).chain(files().map(|file| &file.path));
+    let lines: Vec<String> = paths.map(|path| format!("{name} pinned: {}", path.display())).collect();
+    context.print(&value, &lines.join("\n"))
 }
 
 fn unknown(name: &str, path: &Path) -> CommandFailure {
     let what = "no table of that name is pinned; name its file or its digest, or give --recipe";
-    CommandFailure::new(Exit::Usage, format!("{}: {}: {what}", path.display(), name.escape_debug()))
+    usage(format!("{}: {}: {what}", path.display(), name.escape_debug()))
 }
 
 /// The names of the pins that the command line names, after its changes: one, or one for each recipe of a plan. Their digests
@@ -209,7 +194,7 @@ fn asked_pin(args: &LockArgs, end: &str, pins: &mut Vec<Pin>, lock: &Path) -> Re
     // Files are made of the first one: engines read tables of one scattering model.
     if let Some(out) = args.out.as_ref().filter(|_| end.is_empty()) {
         if args.export.engine.is_none() && args.export.container.is_none() {
-            return Err(CommandFailure::new(Exit::Usage, "--out is the folder of an export: add --for or --container"));
+            return Err(usage("--out is the folder of an export: add --for or --container"));
         }
         let asked = asked_by(&args.export, out);
         if !pin.exports.iter().any(|export| export.requests_same_as(&asked)) {
@@ -221,10 +206,12 @@ fn asked_pin(args: &LockArgs, end: &str, pins: &mut Vec<Pin>, lock: &Path) -> Re
 
 /// A path whose name, before its extension, ends in `end`.
 fn ended(path: &Path, end: &str) -> PathBuf {
+    if end.is_empty() {
+        return path.to_owned();
+    }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let name =
-        path.extension().map_or_else(|| format!("{stem}{end}"), |of| format!("{stem}{end}.{}", of.to_string_lossy()));
-    if end.is_empty() { path.to_owned() } else { path.with_file_name(name) }
+    let extension = path.extension().map(|of| format!(".{}", of.to_string_lossy())).unwrap_or_default();
+    path.with_file_name(format!("{stem}{end}{extension}"))
 }
 
 struct Locking<'a, 'b> {
@@ -258,14 +245,13 @@ impl Locking<'_, '_> {
         }
         let measured = self.fitting().measure(file, digest)?;
         for export in &mut pin.exports {
-            let (made, files) = measured.export(export)?;
-            let of_file = made.file.iter().zip(files);
-            planned.extend(of_file.map(|(pin, file)| Planned {
+            let files;
+            (*export, files) = measured.export(export)?;
+            planned.extend(export.file.iter().zip(files).map(|(pin, file)| Planned {
                 path: pin.path.clone(),
                 digest: pin.digest,
                 bytes: file.bytes,
             }));
-            *export = made;
         }
         Ok(planned)
     }
@@ -314,14 +300,12 @@ impl Locking<'_, '_> {
         let old = self.lock.pins.iter().find(|old| old.name == pin.name).unwrap_or(pin);
         match client::check(&old.path, pin.digest, None, &self.lock.folder)? {
             PinState::Right => self.read(&self.lock.folder.join(&old.path), Some(pin.digest)),
-            _ => self.of_source(pin.digest, pin.bytes, pin).map_err(|failure| {
-                match client::change_of_git(&old.path, pin.digest, &self.lock.folder) {
-                    Some(cause) => CommandFailure::new(
-                        failure.exit,
-                        format!("{}\n{}: {cause}", failure.message, self.lock.folder.join(&old.path).display()),
-                    ),
-                    None => failure,
+            _ => self.of_source(pin.digest, pin.bytes, pin).map_err(|mut failure| {
+                if let Some(cause) = client::change_of_git(&old.path, pin.digest, &self.lock.folder) {
+                    let path = self.lock.folder.join(&old.path);
+                    failure.message = format!("{}\n{}: {cause}", failure.message, path.display());
                 }
+                failure
             }),
         }
     }
@@ -334,9 +318,8 @@ impl Locking<'_, '_> {
 
     fn of_source(&self, digest: Digest, stated_bytes: Option<u64>, pin: &Pin) -> Result<Found, CommandFailure> {
         let sources = self.sources.of(pin.sources.iter().chain(&self.lock.sources), &self.lock.folder);
-        let bytes = self
-            .sources
-            .with_access(&self.context.interrupt, |access| fetch(&sources, digest, stated_bytes, access))?;
+        let wanted = Wanted::table(digest, stated_bytes);
+        let bytes = self.sources.with_access(&self.context.interrupt, |access| fetch(&sources, &wanted, access))?;
         let (digest, file) = check(Path::new(&digest.to_string()), &bytes, Some(digest))?;
         Ok(Found { digest, file, bytes, from_source: true })
     }

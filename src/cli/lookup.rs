@@ -1,36 +1,24 @@
 //! `lookup`: the matrices that a shader would fetch from a table.
 
-use std::{
-    collections::BTreeMap,
-    io::{self, BufWriter, Write},
-};
-
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{
     CommandFailure, Context, Exit,
     args::LookupArgs,
-    csv::{CsvLines, LineFailure},
+    csv::{CsvLines, LineFailure, Rows},
+    exit::usage,
     input::AnyTable,
-    out_of_range::{Clamped, OutOfRangeCount, clamped},
+    out_of_range::clamped,
     points::{self, COLUMNS, Point},
 };
 use ltcforge_fit::{Layout, LookedUp, Table};
 
 /// Prints a matrix for each point as soon as it is read.
-pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+pub(super) fn run(args: &LookupArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let AnyTable { table, origin, .. } = AnyTable::read(&args.table)?;
     let points = CsvLines::open(&args.points, "points")?;
-    let mut out = BufWriter::new(&mut *context.stdout);
-    let mut out_of_range = OutOfRangeCount::default();
-    if !json {
-        writeln!(
-            out,
-            "{}",
-            header(table.second_matrices().is_some(), table.terms().is_some_and(|terms| terms.edge().is_some()))
-        )
-        .map_err(|error| CommandFailure::stdout(&error))?;
-    }
+    let has_edge = table.terms().is_some_and(|terms| terms.edge().is_some());
+    let mut rows = Rows::new(context, &columns(table.second_matrices().is_some(), has_edge))?;
     let material = args.material.map(|number| material(&table, number)).transpose()?;
     points.each(points::is_header, |line| {
         let line = match material {
@@ -41,17 +29,9 @@ pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> R
         let Some(point) = points::parse(&line).map_err(LineFailure::Line)? else { return Ok(()) };
         let found = table.lookup(&point.configuration);
         let clamped = clamped(&point.configuration, &table, origin.range());
-        out_of_range.count(&clamped);
-        let written =
-            if json { write_json(&mut out, &point, &found, &clamped) } else { write_row(&mut out, &point, &found) };
-        written.map_err(|error| LineFailure::stdout(&error))
+        rows.print(Some(&clamped), || row(&point, &found), || value(&point, &found))
     })?;
-    out.flush().map_err(|error| CommandFailure::stdout(&error))?;
-    // In JSON, each line lists the clamped axes of its point.
-    if !json && !out_of_range.is_empty() {
-        eprintln!("{out_of_range}");
-    }
-    Ok(Exit::Ok)
+    rows.end()
 }
 
 /// The roughnesses along x and y of a material of a table.
@@ -65,50 +45,36 @@ fn material(table: &Table, number: u32) -> Result<[f64; 2], CommandFailure> {
             0 => format!("--material is for tables of layout {}; this one is of {}", Layout::Materials, table.layout()),
             count => format!("--material {number}: the table has the materials 0 to {}", count - 1),
         };
-        CommandFailure::new(Exit::Usage, message)
+        usage(message)
     })
 }
 
 /// The columns; those of a second lobe and the term of F82 come last.
-fn header(has_second: bool, has_edge: bool) -> String {
-    let matrix = |name: &'static str| (0..9).map(move |i| format!("{name}{}{}", i / 3, i % 3));
-    let terms = ["amplitude", "fresnel"].map(str::to_owned);
-    let second = has_second.then(|| matrix("second"));
-    let columns =
-        COLUMNS.map(str::to_owned).into_iter().chain(matrix("m")).chain(terms).chain(second.into_iter().flatten());
-    let edge = has_edge.then(|| "edge".to_owned());
-    columns.chain(edge).collect::<Vec<_>>().join(",")
+fn columns(has_second: bool, has_edge: bool) -> Vec<String> {
+    let matrix = |name: &str| (0..9).map(|i| format!("{name}{}{}", i / 3, i % 3)).collect::<Vec<_>>();
+    let mut columns: Vec<String> = COLUMNS.map(str::to_owned).into();
+    columns.extend(matrix("m"));
+    columns.extend(["amplitude", "fresnel"].map(str::to_owned));
+    columns.extend(if has_second { matrix("second") } else { vec![] });
+    columns.extend(has_edge.then(|| "edge".to_owned()));
+    columns
 }
 
 /// One line of CSV. Numbers are the shortest that read back as the same f64; terms that the table lacks are empty.
-fn write_row(out: &mut dyn Write, point: &Point<'_>, found: &LookedUp) -> io::Result<()> {
-    write!(out, "{}", point.written.join(","))?;
-    for element in found.matrix {
-        write!(out, ",{element}")?;
-    }
-    for term in [found.amplitude, found.fresnel] {
-        match term {
-            Some(term) => write!(out, ",{term}")?,
-            None => write!(out, ",")?,
-        }
-    }
-    for element in found.second.iter().flatten() {
-        write!(out, ",{element}")?;
-    }
-    if let Some(edge) = found.edge {
-        write!(out, ",{edge}")?;
-    }
-    writeln!(out)
+fn row(point: &Point<'_>, found: &LookedUp) -> String {
+    let mut fields: Vec<String> = point.written.map(str::to_owned).into();
+    fields.extend(found.matrix.iter().map(f64::to_string));
+    fields.extend([found.amplitude, found.fresnel].map(|term| term.map(|term| term.to_string()).unwrap_or_default()));
+    fields.extend(found.second.iter().flatten().chain(&found.edge).map(f64::to_string));
+    fields.join(",")
 }
 
-/// One line of JSON. `clamped` holds the axes on which the point lies outside the table, with the value used instead.
-fn write_json(out: &mut dyn Write, point: &Point<'_>, found: &LookedUp, clamped: &[Clamped]) -> io::Result<()> {
+/// The same as JSON.
+fn value(point: &Point<'_>, found: &LookedUp) -> Value {
     let at = &point.configuration;
-    let clamped: BTreeMap<&str, f64> = clamped.iter().map(|clamped| (clamped.axis, clamped.to)).collect();
     let mut line = json!({
         "alpha_x": at.alpha_x, "alpha_y": at.alpha_y, "theta": at.theta, "phi": at.phi,
         "matrix": found.matrix, "amplitude": found.amplitude, "fresnel": found.fresnel,
-        "clamped": clamped,
     });
     if let Some(second) = found.second {
         line["second"] = json!(second);
@@ -116,7 +82,7 @@ fn write_json(out: &mut dyn Write, point: &Point<'_>, found: &LookedUp, clamped:
     if let Some(edge) = found.edge {
         line["edge"] = json!(edge);
     }
-    writeln!(out, "{line}")
+    line
 }
 
 #[cfg(test)]
@@ -124,26 +90,27 @@ mod tests {
     use super::*;
 
     fn row(found: &LookedUp) -> String {
-        let point = points::parse("0.10,1,0,7").expect("a point").expect("not empty");
-        let mut out = Vec::new();
-        write_row(&mut out, &point, found).expect("a line in memory");
-        String::from_utf8(out).expect("text")
+        super::row(&points::parse("0.10,1,0,7").expect("a point").expect("not empty"), found)
+    }
+
+    fn header(has_second: bool, has_edge: bool) -> String {
+        columns(has_second, has_edge).join(",")
     }
 
     #[test]
     fn a_row_echoes_the_point_and_rounds_nothing() {
         let matrix = [1.0, 0.0, 0.1 + 0.2, 1e-17, -2.5, 0.0, 0.0, 0.0, 1.0];
         let found = LookedUp { matrix, second: None, amplitude: Some(0.1), fresnel: Some(0.25), edge: None };
-        assert_eq!(row(&found), "0.10,1,0,7,1,0,0.30000000000000004,0.00000000000000001,-2.5,0,0,0,1,0.1,0.25\n");
+        assert_eq!(row(&found), "0.10,1,0,7,1,0,0.30000000000000004,0.00000000000000001,-2.5,0,0,0,1,0.1,0.25");
         let bare = LookedUp { amplitude: None, fresnel: None, ..found };
-        assert!(row(&bare).ends_with(",1,,\n"), "{}", row(&bare));
+        assert!(row(&bare).ends_with(",1,,"), "{}", row(&bare));
         assert_eq!(row(&bare).matches(',').count(), header(false, false).matches(',').count());
         let two = row(&LookedUp { second: Some(matrix), ..bare });
         assert_eq!(two.matches(',').count(), header(true, false).matches(',').count());
         let edged = row(&LookedUp { edge: Some(0.5), ..bare });
         assert_eq!(edged.matches(',').count(), header(false, true).matches(',').count());
-        assert!(edged.ends_with(",,,0.5\n") && header(false, true).ends_with(",edge"), "{edged}");
-        assert!(two.ends_with(",,,1,0,0.30000000000000004,0.00000000000000001,-2.5,0,0,0,1\n"), "{two}");
+        assert!(edged.ends_with(",,,0.5") && header(false, true).ends_with(",edge"), "{edged}");
+        assert!(two.ends_with(",,,1,0,0.30000000000000004,0.00000000000000001,-2.5,0,0,0,1"), "{two}");
     }
 
     #[test]

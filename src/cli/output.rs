@@ -6,8 +6,13 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{CommandFailure, file_failure};
-use ltcforge_files::replace::{check_folder, folder_of, replace_file};
+use serde_json::json;
+
+use super::{CommandFailure, file_failure, shown};
+use ltcforge_files::{
+    digest::Digest,
+    replace::{check_folder, folder_of, replace_file},
+};
 
 /// A file that a command will write.
 #[derive(Debug)]
@@ -67,6 +72,21 @@ impl OutputFile {
         };
         written.map_err(|error| file_failure(&self.path, &error))
     }
+}
+
+/// Writes the file `name` of `folder` as a whole, and returns its path.
+///
+/// # Errors
+/// When it cannot be written.
+pub(super) fn write_in(folder: &Path, name: impl AsRef<Path>, bytes: &[u8]) -> Result<PathBuf, CommandFailure> {
+    let path = folder.join(name);
+    replace_file(&path, bytes).map_err(|error| file_failure(&path, &error))?;
+    Ok(path)
+}
+
+/// A file as the JSON of a command lists it.
+pub(super) fn listed(path: &Path, bytes: &[u8]) -> serde_json::Value {
+    json!({ "file": shown(path), "bytes": bytes.len(), "sha256": Digest::of(bytes).hex() })
 }
 
 /// Checks that files can be made in `folder`, which is made later if it is missing. Changes nothing.

@@ -6,8 +6,9 @@ use std::{
 };
 
 use super::{
-    CommandFailure, Context, Exit, Interrupt,
+    CommandFailure, Context, Interrupt,
     args::{AnyContainer, ExportChoice, Threads},
+    exit::{failed, usage},
     export,
     fit::fit,
     progress, tabulated,
@@ -54,7 +55,7 @@ impl<'a> Fitting<'a> {
         let fitted = self.threads.pool()?.install(|| fit(&plan, &bar, self.interrupt));
         bar.finish_and_clear();
         let table = fitted.ok_or_else(CommandFailure::interrupted)?;
-        container::encode(recipe, &table).map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))
+        container::encode(recipe, &table).map_err(failed)
     }
 
     /// Measures a table, for exports.
@@ -126,7 +127,7 @@ pub(super) fn export_of(pin: &ExportPin) -> Result<Export, CommandFailure> {
 /// The choice that a pin makes.
 fn choice_of(pin: &ExportPin) -> Result<ExportChoice, CommandFailure> {
     let ExportPin { engine, layout, container, precision, to, .. } = pin;
-    let refused = |what: String| CommandFailure::new(Exit::Usage, format!("the export to {}: {what}", to.display()));
+    let refused = |what: String| usage(format!("the export to {}: {what}", to.display()));
     if engine.is_some() == container.is_some() || (engine.is_some() && (layout.is_some() || precision.is_some())) {
         return Err(refused(
             "it has «for», or «layout» and «container» and maybe «precision», or a compact «container» alone"
@@ -201,7 +202,7 @@ mod tests {
             (pin(None, Some("reflected"), None, None), "it has «for», or"),
         ] {
             let refused = choice_of(&asked).expect_err(said);
-            assert_eq!(refused.exit, Exit::Usage);
+            assert_eq!(refused.exit, super::super::Exit::Usage);
             assert!(refused.message.contains(said), "{}", refused.message);
         }
     }

@@ -5,17 +5,16 @@ use std::{ffi::OsStr, fs, io, path::Path};
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit, Interrupt, args::PlanArgs, export, file_failure, fit, input::AnyTable,
-    output::check_output_folder, print, progress, shown, tradeoff::processor_seconds,
+    CommandFailure, Context, Exit, Interrupt,
+    args::PlanArgs,
+    exit::usage,
+    export, file_failure, fit,
+    input::AnyTable,
+    output::{check_output_folder, write_in},
+    progress, shown,
+    tradeoff::processor_seconds,
 };
-use ltcforge_files::{
-    bounded::read_file,
-    compact, container,
-    digest::Digest,
-    manifest::{manifest_of, table_report},
-    recipe_document::canonical_json,
-    replace::{replace_file, replace_pair},
-};
+use ltcforge_files::{bounded::read_file, compact, digest::Digest, recipe_document::canonical_json};
 use ltcforge_fit::{GoOn, Layout, Plan, Recipe, Table};
 use ltcforge_plan::{
     Budget, Form, GpuLimit, Needs, Scene, SceneError, TablePlan, document, left_out, of_other_models,
@@ -27,13 +26,13 @@ use ltcforge_textures::{CompactContainer, Engine, Export, TextureLayout};
 const LIST_LIMIT_BYTES: u64 = 1 << 20;
 
 /// Reads a scene, plans its tables, writes the plan, and fits the tables if that is asked for.
-pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+pub(super) fn run(args: &PlanArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let interrupt = context.interrupt.clone();
     let go_on = || !interrupt.is_set();
     let pool = args.threads.pool()?;
     let mut scene = pool.install(|| read(&args.scene, &go_on))?;
     if let Some(table) = &args.table {
-        return check(&scene, &AnyTable::named(table, &args.folder)?, json, context);
+        return check(&scene, &AnyTable::named(table, &args.folder)?, context);
     }
     check_output_folder(&args.out)?;
     let layout = args.engine.and_then(engine_layout);
@@ -57,7 +56,7 @@ pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Res
             "{}: nothing but sheen, and files for {engine} are of none: plan without --for",
             args.scene.display()
         );
-        return Err(CommandFailure::new(Exit::Usage, why));
+        return Err(usage(why));
     }
     let mut tables = Vec::new();
     if args.fit {
@@ -77,9 +76,7 @@ pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Res
     }
     let mut files = Vec::new();
     let mut write = |name: &str, bytes: &[u8]| {
-        let path = args.out.join(name);
-        replace_file(&path, bytes).map_err(|error| file_failure(&path, &error))?;
-        files.push(shown(&path));
+        files.push(shown(&write_in(&args.out, name, bytes)?));
         Ok::<_, CommandFailure>(())
     };
     for (name, plan) in &plans {
@@ -96,7 +93,7 @@ pub(super) fn run(args: &PlanArgs, json: bool, context: &mut Context<'_>) -> Res
     }
     let lines = words(&scene, &plans);
     let value = json!({ "files": files, "tables": digests, "met": is_met, "plan": told });
-    print(context.stdout, json, &value, &[lines, files].concat().join("\n"))?;
+    context.print(&value, &[lines, files].concat().join("\n"))?;
     Ok(if is_met { Exit::Ok } else { Exit::Failed })
 }
 
@@ -161,31 +158,22 @@ fn write_table(
     table: &Table,
     files: &mut Vec<String>,
 ) -> Result<Digest, CommandFailure> {
-    let failed = |error: container::TableFileError| CommandFailure::new(Exit::Failed, error.to_string());
-    let file = container::encode(recipe, table).map_err(failed)?;
-    let (digest, report) = (Digest::of(&file), table_report(table, recipe));
-    let manifest = manifest_of(&file, table, recipe, &report).map_err(failed)?;
-    let [table_path, manifest_path] =
-        ["safetensors", "manifest.json"].map(|extension| args.out.join(format!("{}.{extension}", digest.hex())));
-    replace_pair((&table_path, &file), (&manifest_path, manifest.as_bytes()))
-        .map_err(|error| file_failure(&error.path, &error.source))?;
-    files.extend([&table_path, &manifest_path].map(|path| shown(path)));
+    let fit::Stored { digest, paths, .. } = fit::store(&args.out, recipe, table)?;
+    files.extend(paths.iter().map(|path| shown(path)));
     // Tables of sheen have no compact form.
     let shipped = args.ship && compact::check_lobes(table).is_ok();
     let compact = shipped.then_some(Export::Compact(CompactContainer::Bytes));
     if let Some(export) = args.engine.map(Export::Engine).or(compact) {
         let error = export::measured(table, Some(recipe));
         for file in export::bundle(export, table, digest, Some(recipe), error)?.files {
-            let path = args.out.join(&file.path);
-            replace_file(&path, &file.bytes).map_err(|error| file_failure(&path, &error))?;
-            files.push(shown(&path));
+            files.push(shown(&write_in(&args.out, &file.path, &file.bytes)?));
         }
     }
     Ok(digest)
 }
 
 /// Tells which materials lie outside of a table.
-fn check(scene: &Scene, of: &AnyTable, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+fn check(scene: &Scene, of: &AnyTable, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let outside = outside(scene, &of.table);
     let line = |material: &ltcforge_plan::Outside| {
         let axes = material.axes.iter().map(|axis| {
@@ -211,6 +199,6 @@ fn check(scene: &Scene, of: &AnyTable, json: bool, context: &mut Context<'_>) ->
     left.extend(left_out(scene));
     let value = json!({ "table": of.digest, "outside": outside, "not_checked": left });
     lines.extend(left);
-    print(context.stdout, json, &value, &lines.join("\n"))?;
+    context.print(&value, &lines.join("\n"))?;
     Ok(if outside.is_empty() { Exit::Ok } else { Exit::Mismatch })
 }

@@ -2,7 +2,7 @@
 
 use std::{
     io::{self, Write as _},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use serde_json::json;
@@ -10,13 +10,16 @@ use serde_json::json;
 use super::{
     CommandFailure, Context, Exit,
     args::PullArgs,
+    exit::{failed, mismatch, usage},
     file_failure, lock_failure,
     pins::{Fitting, Measured, export_of, of_pin},
-    print, shown,
+    shown,
     sources::Sources,
     table_file::check,
 };
-use ltcforge_client::{self as client, ExportPin, FilePin, LockFile, Pin, PinState, PullError, SourcesError};
+use ltcforge_client::{
+    self as client, ExportPin, FilePin, LockFile, Pin, PinState, PullError, Source, SourcesError, Wanted,
+};
 use ltcforge_files::{bounded::read_file, container::TableFile, digest::Digest, recipe_document, replace::Staged};
 
 /// A pinned file, and the outcome for it.
@@ -29,12 +32,7 @@ struct Done<'a> {
 /// Downloads every pinned table that is missing or differs, and makes the pinned files that do. The files are moved
 /// into place after all pins were processed. If a pin is wrong, or its table or files have other bytes, every file
 /// stays as it was. A pin that no source has does not stop the others. The first failure decides the exit code.
-pub(super) fn run(
-    args: &PullArgs,
-    sources: &Sources,
-    json: bool,
-    context: &mut Context<'_>,
-) -> Result<Exit, CommandFailure> {
+pub(super) fn run(args: &PullArgs, sources: &Sources, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let lock_path = &args.sources.lock;
     let lock = LockFile::read(lock_path).map_err(|error| lock_failure(lock_path, &error))?;
     let mut ends = Vec::new();
@@ -67,14 +65,14 @@ pub(super) fn run(
         let is_done = |done: &&Done<'_>| places && failure.is_none() || done.outcome == UNCHANGED;
         for Done { path, digest, outcome } in done.iter().filter(is_done) {
             let value = json!({ "name": pin.name, "path": shown(path), "digest": digest, "outcome": outcome });
-            print(context.stdout, json, &value, &format!("{} {outcome}: {}", pin.name, path.display()))?;
+            context.print(&value, &format!("{} {outcome}: {}", pin.name, path.display()))?;
         }
-        if let (Some(failure), true) = (failure, json) {
+        if let (Some(failure), true) = (failure, context.json) {
             let value = json!({
                 "name": pin.name, "path": shown(&pin.path), "digest": pin.digest, "outcome": "failed",
                 "detail": failure.message,
             });
-            print(context.stdout, true, &value, "")?;
+            context.print(&value, "")?;
         }
     }
     let told: Vec<String> =
@@ -105,7 +103,11 @@ impl Pulling<'_, '_> {
     fn pin<'p>(&mut self, pin: &'p Pin, done: &mut Vec<Done<'p>>) -> Result<(), CommandFailure> {
         let outcome = match self.state(&pin.path, pin.digest, pin.bytes)? {
             PinState::Right => UNCHANGED,
-            _ => self.table(pin)?,
+            state if self.stages(&Wanted::table(pin.digest, pin.bytes), &pin.path, pin)? => {
+                self.check_recipe(pin, &self.read(pin)?)?;
+                if state == PinState::Missing { "downloaded" } else { "replaced" }
+            }
+            _ => self.fit(pin)?,
         };
         done.push(Done { path: &pin.path, digest: pin.digest, outcome });
         // The table is read and measured at most once, and only if a file has to be made.
@@ -113,19 +115,19 @@ impl Pulling<'_, '_> {
         for export in &pin.exports {
             let mut states = Vec::new();
             for file in &export.file {
-                states.push(self.state(&file.path, file.digest, Some(file.bytes))?);
+                states.push((file, self.state(&file.path, file.digest, Some(file.bytes))?));
             }
-            let is_right = |state: &PinState| *state == PinState::Right;
-            let comes = !states.iter().all(is_right) && self.download(pin, export, &states)?;
-            if !comes && !states.iter().all(is_right) {
-                if read.is_none() {
-                    read = Some(self.fitting().measure(self.read(pin)?, pin.digest)?);
-                }
-                if let Some(table) = &read {
-                    self.export(export, table, &states)?;
-                }
+            let wrong = states.iter().filter(|(_, state)| *state != PinState::Right);
+            let wrong: Vec<&FilePin> = wrong.map(|(file, _)| *file).collect();
+            let comes = !wrong.is_empty() && self.download(pin, export, &wrong)?;
+            if !comes && !wrong.is_empty() {
+                let table = match read.take() {
+                    Some(table) => table,
+                    None => self.fitting().measure(self.read(pin)?, pin.digest)?,
+                };
+                self.export(export, read.insert(table), &wrong)?;
             }
-            for (FilePin { path, digest, .. }, state) in export.file.iter().zip(states) {
+            for (FilePin { path, digest, .. }, state) in states {
                 let outcome = match state {
                     PinState::Right => UNCHANGED,
                     PinState::Missing if comes => "downloaded",
@@ -141,7 +143,7 @@ impl Pulling<'_, '_> {
     /// The state of a pinned file. With `--locked` it must be right.
     fn state(&self, path: &Path, digest: Digest, bytes: Option<u64>) -> Result<PinState, CommandFailure> {
         let state = client::check(path, digest, bytes, &self.lock.folder)?;
-        let drift = |reason: String| Err(mismatch(&self.lock.folder.join(path), &reason));
+        let drift = |reason: String| Err(mismatch(&self.lock.folder.join(path), reason));
         match state {
             PinState::Missing if self.args.locked => drift("the file is missing".to_owned()),
             PinState::Different { actual } if self.args.locked => {
@@ -153,21 +155,21 @@ impl Pulling<'_, '_> {
         }
     }
 
-    /// Pulls a table that is missing or differs, and returns the outcome.
-    fn table(&mut self, pin: &Pin) -> Result<&'static str, CommandFailure> {
+    /// Stages a file of a pin from its sources. `false` if none has it and it can be made here instead: a file of an export,
+    /// or with `--fit` a table.
+    fn stages(&mut self, wanted: &Wanted, path: &Path, pin: &Pin) -> Result<bool, CommandFailure> {
         let folder = &self.lock.folder;
-        let sources = self.sources.of(pin.sources.iter().chain(&self.lock.sources), folder);
+        let is_table = path == pin.path;
+        let mut sources = self.sources.of(pin.sources.iter().chain(&self.lock.sources), folder);
+        // Folders have tables only.
+        sources.retain(|source| is_table || matches!(source, Source::Server(_)));
         let staged = &mut self.staged;
-        let pulled = self
-            .sources
-            .with_access(&self.context.interrupt, |access| client::pull(pin, (folder, &sources), access, staged));
-        match pulled {
-            Ok(PinState::Right) => Ok(UNCHANGED),
-            Ok(before) => {
-                self.check_recipe(pin, &self.read(pin)?)?;
-                Ok(if before == PinState::Missing { "downloaded" } else { "replaced" })
-            }
-            Err(PullError::Sources(SourcesError::NoneHasIt(_))) if self.args.fit => self.fit(pin),
+        let found = self.sources.with_access(&self.context.interrupt, |access| {
+            client::stage(wanted, (folder, path), &sources, access, staged)
+        });
+        match found {
+            Ok(()) => Ok(true),
+            Err(PullError::Sources(SourcesError::NoneHasIt(_))) if self.args.fit || !is_table => Ok(false),
             Err(error) => Err(error.into()),
         }
     }
@@ -176,26 +178,26 @@ impl Pulling<'_, '_> {
     fn check_recipe(&self, pin: &Pin, file: &TableFile) -> Result<(), CommandFailure> {
         let Some(pinned) = &pin.recipe else { return Ok(()) };
         let place = self.lock.folder.join(&pin.path);
-        let pinned = recipe_document::parse_stored(pinned.as_bytes()).map_err(|error| mismatch(&place, &error))?;
+        let pinned = recipe_document::parse_stored(pinned.as_bytes()).map_err(|error| mismatch(&place, error))?;
         let [pinned, actual] = [&pinned, &file.recipe].map(recipe_document::digest);
         if actual == pinned {
             return Ok(());
         }
-        Err(mismatch(&place, &format!("the table's recipe hashes to {actual}, {pinned} is pinned")))
+        Err(mismatch(&place, format!("the table's recipe hashes to {actual}, {pinned} is pinned")))
     }
 
     /// Fits a pinned recipe again. The table must have the pinned bytes.
     fn fit(&mut self, pin: &Pin) -> Result<&'static str, CommandFailure> {
         let Some(document) = &pin.recipe else {
             let reason = "no source has the table, and the lock file has no recipe of it: `ltcforge lock` writes it";
-            return Err(CommandFailure::new(Exit::Failed, reason));
+            return Err(failed(reason));
         };
         let (place, target) = (self.lock.folder.join(&pin.path), client::target(&pin.path, &self.lock.folder)?);
         let bytes = self.fitting().fit(&self.fitting().recipe(Path::new("recipe"), document.as_bytes())?)?;
         let actual = Digest::of(&bytes);
         if actual != pin.digest {
             let reason = format!("the recipe gives a table that hashes to {actual}, {} is pinned", pin.digest);
-            return Err(mismatch(&place, &reason));
+            return Err(mismatch(&place, reason));
         }
         client::check_size(place, bytes.len() as u64, pin.bytes)?;
         self.stage(&target, &bytes)?;
@@ -207,88 +209,73 @@ impl Pulling<'_, '_> {
         staged.map_err(|error| file_failure(target, &error))
     }
 
-    /// The table of a pin, from its file if that is right, or else from the staged one.
-    fn read(&self, pin: &Pin) -> Result<TableFile, CommandFailure> {
-        let place = self.lock.folder.join(&pin.path);
-        let target = client::target(&pin.path, &self.lock.folder)?;
-        let path = self.staged.path_of(&target).unwrap_or(&place);
-        let limit = pin.bytes.unwrap_or(self.args.sources.limit.table_limit);
-        let bytes = read_file(path, limit).map_err(|error| file_failure(path, &error))?;
-        Ok(check(&place, &bytes, Some(pin.digest))?.1)
+    /// The path of a pinned file, from which it is read: its own, or that of the staged file.
+    fn found(&self, path: &Path) -> Result<PathBuf, CommandFailure> {
+        let target = client::target(path, &self.lock.folder)?;
+        Ok(self.staged.path_of(&target).map_or_else(|| self.lock.folder.join(path), Path::to_owned))
     }
 
-    /// Downloads those files of an export that are not right, if services have all of them, and checks that they are
-    /// files of such an export.
-    fn download(&mut self, pin: &Pin, export: &ExportPin, states: &[PinState]) -> Result<bool, CommandFailure> {
+    /// The table of a pin.
+    fn read(&self, pin: &Pin) -> Result<TableFile, CommandFailure> {
+        let path = self.found(&pin.path)?;
+        let limit = pin.bytes.unwrap_or(self.args.sources.limit.table_limit);
+        let bytes = read_file(&path, limit).map_err(|error| file_failure(&path, &error))?;
+        Ok(check(&self.lock.folder.join(&pin.path), &bytes, Some(pin.digest))?.1)
+    }
+
+    /// Downloads the `wrong` files of an export, if services have all of them, and checks that they are files of such an
+    /// export.
+    fn download(&mut self, pin: &Pin, export: &ExportPin, wrong: &[&FilePin]) -> Result<bool, CommandFailure> {
         // An export that this program does not know is an error without a request, and so are other files than it has.
         let asked = export_of(export)?;
-        let table = self.read(pin)?.table;
-        let forms = asked.forms(&table).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
+        let forms = asked.forms(&self.read(pin)?.table).map_err(usage)?;
         let form_of = |file: &FilePin| forms.iter().find(|form| export.to.join(&form.path) == file.path);
+        let place = |file: &FilePin| self.lock.folder.join(&file.path);
         if let Some(file) = export.file.iter().find(|file| form_of(file).is_none()) {
-            return Err(mismatch(
-                &self.lock.folder.join(&file.path),
-                &format!("this program makes no such file; {ADVICE}"),
-            ));
+            return Err(mismatch(&place(file), format!("this program makes no such file; {ADVICE}")));
         }
-        let folder = &self.lock.folder;
-        let sources = self.sources.of(pin.sources.iter().chain(&self.lock.sources), folder);
-        let wrong = export.file.iter().zip(states).filter(|(_, state)| **state != PinState::Right);
-        let wrong: Vec<&FilePin> = wrong.map(|(file, _)| file).collect();
-        let interrupt = &self.context.interrupt;
-        let staged = &mut self.staged;
-        let pulled = self.sources.with_access(interrupt, |access| {
-            client::pull_export(pin.digest, export, &wrong, (folder, &sources), access, staged)
-        });
-        match pulled {
-            Ok(()) => {
-                for file in wrong {
-                    let place = self.lock.folder.join(&file.path);
-                    let target = client::target(&file.path, &self.lock.folder)?;
-                    let path = self.staged.path_of(&target).unwrap_or(&place);
-                    let bytes = read_file(path, file.bytes).map_err(|error| file_failure(&place, &error))?;
-                    if !form_of(file).is_some_and(|form| form.resembles(&bytes)) {
-                        return Err(mismatch(
-                            &place,
-                            &format!("the pinned bytes are not those of export {asked}; {ADVICE}"),
-                        ));
-                    }
-                }
-                Ok(true)
+        for file in wrong {
+            let Some(wanted) = export.wanted(pin.digest, file) else { return Ok(false) };
+            if !self.stages(&wanted, &file.path, pin)? {
+                return Ok(false);
             }
-            Err(PullError::Sources(SourcesError::NoneHasIt(_))) => Ok(false),
-            Err(error) => Err(error.into()),
+            let bytes =
+                read_file(&self.found(&file.path)?, file.bytes).map_err(|error| file_failure(&place(file), &error))?;
+            if !form_of(file).is_some_and(|form| form.resembles(&bytes)) {
+                let reason = format!("the pinned bytes are not those of export {asked}; {ADVICE}");
+                return Err(mismatch(&place(file), reason));
+            }
         }
+        Ok(true)
     }
 
-    /// Stages those files of an export that are not right. If one does not have its pinned hash, none is staged.
-    fn export(&mut self, export: &ExportPin, table: &Measured, states: &[PinState]) -> Result<(), CommandFailure> {
+    /// Stages the `wrong` files of an export. If a file does not have its pinned hash, none is staged.
+    fn export(&mut self, export: &ExportPin, table: &Measured, wrong: &[&FilePin]) -> Result<(), CommandFailure> {
         let (made, files) = table.export(export)?;
+        let refused =
+            |path: &Path, what: String| Err(mismatch(&self.lock.folder.join(path), format!("{what}; {ADVICE}")));
         for FilePin { path, digest, bytes } in &export.file {
-            let place = self.lock.folder.join(path);
             match made.file.iter().find(|file| file.path == *path) {
-                Some(file) if file.digest == *digest => client::check_size(place, file.bytes, Some(*bytes))?,
-                Some(FilePin { digest: actual, .. }) => {
-                    let reason =
-                        format!("this program makes a file that hashes to {actual}, {digest} is pinned; {ADVICE}");
-                    return Err(mismatch(&place, &reason));
+                Some(file) if file.digest == *digest => {
+                    client::check_size(self.lock.folder.join(path), file.bytes, Some(*bytes))?;
                 }
-                None => return Err(mismatch(&place, &format!("this program makes no such file; {ADVICE}"))),
+                Some(FilePin { digest: actual, .. }) => {
+                    return refused(
+                        path,
+                        format!("this program makes a file that hashes to {actual}, {digest} is pinned"),
+                    );
+                }
+                None => return refused(path, "this program makes no such file".to_owned()),
             }
         }
         if let Some(file) = made.file.iter().find(|made| export.file.iter().all(|pinned| pinned.path != made.path)) {
-            let target = self.lock.folder.join(&file.path);
-            return Err(mismatch(
-                &target,
-                &format!("this program makes this file too, and it is not pinned; {ADVICE}"),
-            ));
+            return refused(&file.path, "this program makes this file too, and it is not pinned".to_owned());
         }
-        for (FilePin { path, .. }, _) in export.file.iter().zip(states).filter(|(_, state)| **state != PinState::Right)
+        for (made, file) in
+            made.file.iter().zip(&files).filter(|(made, _)| wrong.iter().any(|file| file.path == made.path))
         {
-            if let Some((_, file)) = made.file.iter().zip(&files).find(|(made, _)| made.path == *path) {
-                let target = client::target(path, &self.lock.folder)?;
-                self.stage(&target, &file.bytes)?;
-            }
+            let target = client::target(&made.path, &self.lock.folder)?;
+            self.stage(&target, &file.bytes)?;
         }
         Ok(())
     }
@@ -296,7 +283,3 @@ impl Pulling<'_, '_> {
 
 /// What to do when a pinned file is not one that this program makes.
 const ADVICE: &str = "`ltcforge lock` pins what this program makes";
-
-fn mismatch(path: &Path, reason: &dyn std::fmt::Display) -> CommandFailure {
-    CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display()))
-}

@@ -6,7 +6,9 @@ use serde_json::json;
 use super::{
     Cli, Command, CommandFailure, Context, Exit,
     config_file::{ConfigFile, DEFAULT_SERVER},
-    diff, export, fit, jobs, light, light_texture, lock, lookup, plan, plot, preview, print, pull, report, shader,
+    diff,
+    exit::usage,
+    export, fit, jobs, light, light_texture, lock, lookup, plan, plot, preview, pull, report, shader,
     sources::Sources,
     tabulated, tradeoff, verify,
 };
@@ -19,45 +21,38 @@ use ltcforge_client::{Client, ServerTokens, ServerTokensError};
 pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let file = ConfigFile::load(cli.config.as_deref())?;
     let Cli { command, server, token, json, .. } = cli;
-    let tokens = || match &token {
-        Some(text) => {
-            text.parse().map_err(|error: ServerTokensError| CommandFailure::new(Exit::Usage, error.to_string()))
-        }
-        None => Ok(ServerTokens::NONE),
-    };
-    let connect = || Ok::<_, CommandFailure>(client(server.as_deref(), &file)?.with_tokens(&tokens()?));
+    context.json = json;
+    let tokens =
+        || token.as_ref().map_or(Ok(ServerTokens::NONE), |text| text.parse().map_err(usage::<ServerTokensError>));
     let sources = |args| Sources::new(args, server.as_deref(), &file, tokens()?);
     match command {
         #[cfg(unix)]
         Command::Service(command) => super::service::run(command, file.serve, json, context),
-        Command::Fit(args) => fit::run(&args, json, context),
-        Command::Lookup(args) => lookup::run(&args, json, context),
-        Command::Light(args) => light::run(&args, json, context),
-        Command::LightTexture(args) => light_texture::run(&args, json, context),
+        Command::Fit(args) => fit::run(&args, context),
+        Command::Lookup(args) => lookup::run(&args, context),
+        Command::Light(args) => light::run(&args, context),
+        Command::LightTexture(args) => light_texture::run(&args, context),
         Command::Report(args) => report::run(&args, json, context),
         Command::Preview(args) => preview::run(&args, json, context),
         Command::Plot(args) => plot::run(&args, json, context),
         Command::Tradeoff(args) => tradeoff::run(&args, json, context),
-        Command::Plan(args) => plan::run(&args, json, context),
-        Command::Shader(args) => shader::run(&args, json, context),
-        Command::Tabulate(args) => tabulated::run(&args, json, context),
-        Command::Export(args) => export::run(&args, json, context),
-        Command::Jobs(args) => jobs::run(&args, json, &connect()?, context),
-        Command::Lock(args) => lock::run(&args, &sources(&args.sources)?, json, context),
-        Command::Pull(args) => pull::run(&args, &sources(&args.sources)?, json, context),
-        Command::Verify(args) => verify::run(&args, &tokens()?, json, context),
-        Command::Diff(args) => diff::run(&args, json, context),
+        Command::Plan(args) => plan::run(&args, context),
+        Command::Shader(args) => shader::run(&args, context),
+        Command::Tabulate(args) => tabulated::run(&args, context),
+        Command::Export(args) => export::run(&args, context),
+        Command::Jobs(args) => {
+            let server = server.as_deref().or(file.server.as_deref()).unwrap_or(DEFAULT_SERVER);
+            jobs::run(&args, &Client::new(server, &tokens()?)?, context)
+        }
+        Command::Lock(args) => lock::run(&args, &sources(&args.sources)?, context),
+        Command::Pull(args) => pull::run(&args, &sources(&args.sources)?, context),
+        Command::Verify(args) => verify::run(&args, &tokens()?, context),
+        Command::Diff(args) => diff::run(&args, context),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "ltcforge", &mut script);
             let script = String::from_utf8_lossy(&script);
-            let value = json!({ "shell": shell.to_string(), "script": script });
-            print(context.stdout, json, &value, script.trim_end())?;
-            Ok(Exit::Ok)
+            context.print(&json!({ "shell": shell.to_string(), "script": script }), script.trim_end())
         }
     }
-}
-
-fn client(flag: Option<&str>, file: &ConfigFile) -> Result<Client, CommandFailure> {
-    Ok(Client::new(flag.or(file.server.as_deref()).unwrap_or(DEFAULT_SERVER))?)
 }

@@ -3,16 +3,15 @@
 use std::path::Path;
 
 use super::{CommandFailure, Interrupt, args::SourceArgs, config_file::ConfigFile, config_file::DEFAULT_SERVER};
-use ltcforge_client::{Access, Limits, ServerTokens, Source};
+use ltcforge_client::{Access, ServerTokens, Source};
 
 /// The sources of tables besides those that the lock file names.
-#[derive(Debug)]
 pub(super) struct Sources {
     /// From the command line or the environment. If there are any, no others are used.
     chosen: Vec<Source>,
     /// From the configuration file. They come after those of the lock file.
     usual: Vec<Source>,
-    limits: Limits,
+    table_bytes: u64,
     offline: bool,
     tokens: ServerTokens,
 }
@@ -34,8 +33,7 @@ impl Sources {
         let from: Vec<Source> = args.from.iter().cloned().map(Source::try_from).collect::<Result<_, _>>()?;
         let chosen = if from.is_empty() { server.into_iter().collect() } else { from };
         let usual = file.sources.iter().cloned().chain(usual_server).collect();
-        let limits = Limits { table_bytes: args.limit.table_limit, ..Limits::USUAL };
-        Ok(Self { chosen, usual, limits, offline: args.offline, tokens })
+        Ok(Self { chosen, usual, table_bytes: args.limit.table_limit, offline: args.offline, tokens })
     }
 
     /// The sources of a pin, in order. `own` are those of the pin and then of the lock file, whose folder is `folder`.
@@ -55,8 +53,8 @@ impl Sources {
 
     /// Calls `work` with the access to sources.
     pub(super) fn with_access<T>(&self, interrupt: &Interrupt, work: impl FnOnce(&Access<'_>) -> T) -> T {
-        let Self { limits, offline, ref tokens, .. } = *self;
-        work(&Access { limits, offline, tokens, should_stop: &|| interrupt.is_set() })
+        let Self { table_bytes, offline, ref tokens, .. } = *self;
+        work(&Access { table_bytes, offline, tokens, should_stop: &|| interrupt.is_set() })
     }
 }
 
@@ -71,8 +69,7 @@ mod tests {
     #[test]
     fn the_command_line_goes_before_the_pin_before_the_configuration() {
         let usual = vec![source("cache"), source("http://usual")];
-        let mut sources =
-            Sources { chosen: vec![], usual, limits: Limits::USUAL, offline: false, tokens: ServerTokens::NONE };
+        let mut sources = Sources { chosen: vec![], usual, table_bytes: 9, offline: false, tokens: ServerTokens::NONE };
         let named = |sources: &Sources, own: &[Source]| {
             sources.of(own, Path::new("project")).iter().map(ToString::to_string).collect::<Vec<_>>()
         };

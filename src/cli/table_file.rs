@@ -7,7 +7,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{CommandFailure, Exit, file_failure};
+use super::{
+    CommandFailure,
+    exit::{failed, mismatch, usage},
+    file_failure,
+};
 use ltcforge_files::{
     bounded::{read_stream, too_long},
     container::{self, TableFile},
@@ -55,13 +59,10 @@ pub(super) fn table_path(name: &Path, folder: Option<&Path>) -> Result<PathBuf, 
         (looked_in.join(" and "), if folder.is_none() { "; --tables names another folder" } else { "" });
     match found.into_values().next() {
         Some(path) if count == 1 => Ok(path),
-        Some(_) => {
-            Err(CommandFailure::new(Exit::Usage, format!("{beginning}: {count} tables in {places} begin with this")))
+        Some(_) => Err(usage(format!("{beginning}: {count} tables in {places} begin with this"))),
+        None => {
+            Err(failed(format!("{text}: there is no such file, and no {beginning}*.safetensors in {places}{other}")))
         }
-        None => Err(CommandFailure::new(
-            Exit::Failed,
-            format!("{text}: there is no such file, and no {beginning}*.safetensors in {places}{other}"),
-        )),
     }
 }
 
@@ -83,8 +84,7 @@ pub(super) fn read(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, CommandFail
     let mut bytes = Vec::new();
     file.by_ref().take(beginning).read_to_end(&mut bytes).map_err(failed)?;
     let limit_bytes = if bytes.len() as u64 == BEGINNING {
-        let mismatch = |reason: String| CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display()));
-        container::stated_length(&bytes).map_err(|error| mismatch(error.to_string()))?.clamp(beginning, limit_bytes)
+        container::stated_length(&bytes).map_err(|error| mismatch(path, error))?.clamp(beginning, limit_bytes)
     } else {
         limit_bytes
     };
@@ -102,14 +102,13 @@ pub(super) fn check(
     expected: Option<Digest>,
 ) -> Result<(Digest, TableFile), CommandFailure> {
     let actual = Digest::of(bytes);
-    let mismatch = |reason: String| CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display()));
     if let Some(expected) = expected.or_else(|| digest_in_name(path))
         && actual != expected
     {
         let reason = || format!("the file hashes to {actual}, not to {expected}");
-        return Err(mismatch(other_form(bytes).unwrap_or_else(reason)));
+        return Err(mismatch(path, other_form(bytes).unwrap_or_else(reason)));
     }
-    let file = container::decode(bytes).map_err(|error| mismatch(error.to_string()))?;
+    let file = container::decode(bytes).map_err(|error| mismatch(path, error))?;
     Ok((actual, file))
 }
 
@@ -120,7 +119,7 @@ fn digest_in_name(path: &Path) -> Option<Digest> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::Exit, *};
 
     #[test]
     fn a_digest_is_found_by_a_unique_beginning() {

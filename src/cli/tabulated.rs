@@ -9,7 +9,12 @@ use std::{
 use serde_json::{Value, json};
 
 use super::{
-    CommandFailure, Context, Exit, args::TabulateArgs, exit::bad_recipe, output::OutputFile, print, shown,
+    CommandFailure, Context, Exit,
+    args::TabulateArgs,
+    exit::{bad_recipe, usage},
+    file_failure,
+    output::OutputFile,
+    shown,
     table_file::TABLE_FOLDERS,
 };
 use ltcforge_client::Client;
@@ -84,37 +89,33 @@ pub(super) fn check_complete(table: &Table, path: &Path) -> Result<(), CommandFa
     let Some(file) = table.model().file().filter(|_| !table.model().is_complete()) else { return Ok(()) };
     let (kept, folders) = (kept_name(file.digest()), folders(path));
     let faults = locate(&folders, &file.to_string()).err().unwrap_or_default().join("; ");
-    Err(CommandFailure::new(
-        Exit::Failed,
-        format!(
-            "{}: the table is of a tabulated BRDF, and its errors are measured with that: {faults}; put the file there, \
-             under the name {kept}",
-            path.display()
-        ),
-    ))
+    let reason = format!(
+        "the table is of a tabulated BRDF, and its errors are measured with that: {faults}; put the file there, under \
+         the name {kept}"
+    );
+    Err(file_failure(path, &reason))
 }
 
 /// Writes a model that has formulas as a tabulated BRDF.
-pub(super) fn run(args: &TabulateArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+pub(super) fn run(args: &TabulateArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let out = OutputFile::check(&args.out)?;
-    let refused = |faults: Vec<String>| CommandFailure::new(Exit::Usage, faults.join("\n"));
     let axes = TabulatedAxes::spread(args.alpha.clone(), args.theta, args.phi);
     let axes = match &*args.ratio {
         [] => axes,
         _ if args.brdf.is_isotropic() => {
-            return Err(refused(vec![format!("--ratio: brdf {} is isotropic: leave it out", args.brdf)]));
+            return Err(usage(format!("--ratio: brdf {} is isotropic: leave it out", args.brdf)));
         }
         ratio => axes.with_azimuths(ratio.to_vec(), args.phi_o),
     };
-    let brdf = TabulatedBrdf::tabulate(args.brdf, axes)
-        .map_err(|faults| refused(faults.iter().map(|fault| format!("{}: {fault}", args.brdf)).collect()))?;
-    let bytes = encode(&brdf).map_err(|error| refused(error.0))?;
+    let brdf = TabulatedBrdf::tabulate(args.brdf, axes).map_err(|faults| {
+        usage(faults.iter().map(|fault| format!("{}: {fault}", args.brdf)).collect::<Vec<_>>().join("\n"))
+    })?;
+    let bytes = encode(&brdf).map_err(|error| usage(error.0.join("\n")))?;
     out.write(&bytes)?;
     let digest = Digest::of(&bytes);
     let most = brdf.albedos().iter().copied().fold(0.0, f64::max);
     let value = json!({
         "file": shown(&args.out), "digest": digest, "bytes": bytes.len(), "shape": brdf.axes().shape(), "albedo": most,
     });
-    print(context.stdout, json, &value, &format!("{}\n{digest}", shown(&args.out)))?;
-    Ok(Exit::Ok)
+    context.print(&value, &format!("{}\n{digest}", shown(&args.out)))
 }

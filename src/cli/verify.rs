@@ -1,165 +1,198 @@
-//! `verify`: checks that files are tables and have the right digests, and that they are what their recipes give.
+//! `verify`: checks that files are tables and have the right digests, and that they are what their recipes give; and
+//! folders of files that are named by their digests.
 
 use std::{
-    fs,
+    fs, io,
     path::{Path, PathBuf},
 };
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{
-    CommandFailure, Context, Exit, Interrupt,
+    CommandFailure, Context, Exit,
     args::VerifyArgs,
+    exit::{failed, mismatch, usage},
     file_failure,
     pins::Fitting,
-    print, shown,
+    shown,
     table_file::{self, check, table_path},
     verify_export::{self, manifest_of},
 };
-use ltcforge_client::{Client, Download, DownloadError, Limits, ServerTokens};
+use ltcforge_client::{Access, ServerTokens, Source, Wanted, digest_of_file, fetch};
 use ltcforge_files::{container::TableFile, digest::Digest, recipe_document, tabulated::kept_name};
 
-/// Checks every file. The first that fails decides the exit code.
-pub(super) fn run(
-    args: &VerifyArgs,
-    tokens: &ServerTokens,
-    json: bool,
-    context: &mut Context<'_>,
-) -> Result<Exit, CommandFailure> {
+/// Checks everything that is named. The first that fails decides the exit code.
+pub(super) fn run(args: &VerifyArgs, tokens: &ServerTokens, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let mut failures: Vec<CommandFailure> = Vec::new();
     for name in &args.files {
         let fitting = Fitting::new(args.threads, args.entry_limit, context);
-        let Checked { path, digest: checked } = check_one(name, args, tokens, &fitting, &context.interrupt);
-        match checked {
-            Ok(digest) => {
+        let interrupt = &context.interrupt;
+        let table_bytes = args.folder.limit.table_limit;
+        let access = Access { table_bytes, offline: false, tokens, should_stop: &|| interrupt.is_set() };
+        let Checked { path, found } = check_one(name, args, &access, args.refit.then_some(&fitting));
+        match found {
+            Ok(Found::Table(digest)) => {
                 let value = json!({ "file": shown(&path), "digest": digest, "ok": true, "refitted": args.refit });
                 let refitted = if args.refit { ", and so is the table that its recipe gives" } else { "" };
-                print(context.stdout, json, &value, &format!("{}: ok, {digest}{refitted}", path.display()))?;
+                context.print(&value, &format!("{}: ok, {digest}{refitted}", path.display()))?;
+            }
+            Ok(Found::Blobs(count)) => {
+                let value = json!({ "file": shown(&path), "blobs": count, "ok": true });
+                context.print(&value, &format!("{}: ok, {count} files have their digests", path.display()))?;
             }
             Err(failure) if failure.exit == Exit::Interrupted => return Err(failure),
             Err(failure) => {
-                if json {
-                    let value = json!({ "file": shown(&path), "ok": false, "detail": failure.message });
-                    print(context.stdout, true, &value, "")?;
+                if context.json {
+                    let value: Value = json!({ "file": shown(&path), "ok": false, "detail": failure.message });
+                    context.print(&value, "")?;
                 }
                 failures.push(failure);
             }
         }
     }
-    match failures.first().map(|first| first.exit) {
-        None => Ok(Exit::Ok),
-        Some(exit) => {
-            let lines: Vec<String> = failures.into_iter().map(|failure| failure.message).collect();
-            Err(CommandFailure::new(exit, lines.join("\n")))
-        }
-    }
+    all_of(failures).map(|()| Exit::Ok)
 }
 
-/// The name under which something was checked, and the digest of its table.
+/// One failure of several, with the exit code of the first.
+fn all_of(failures: Vec<CommandFailure>) -> Result<(), CommandFailure> {
+    let Some(exit) = failures.first().map(|first| first.exit) else { return Ok(()) };
+    let lines: Vec<String> = failures.into_iter().map(|failure| failure.message).collect();
+    Err(CommandFailure::new(exit, lines.join("\n")))
+}
+
+/// The name under which something was checked, and the result.
 struct Checked {
     path: PathBuf,
-    digest: Result<Digest, CommandFailure>,
+    found: Result<Found, CommandFailure>,
 }
 
-/// Checks the table of a URL, the files of an export, or a table's file.
-fn check_one(
-    name: &Path,
-    args: &VerifyArgs,
-    tokens: &ServerTokens,
-    fitting: &Fitting<'_>,
-    interrupt: &Interrupt,
-) -> Checked {
-    let limit = args.folder.limit.table_limit;
-    let fitting = args.refit.then_some(fitting);
-    let checked = |path: &Path, digest| Checked { path: path.to_owned(), digest };
-    let refitted = |path: &Path, (digest, file): (Digest, TableFile)| {
-        fitting.map_or(Ok(()), |fitting| refit(path, path, (digest, &file), fitting)).map(|()| digest)
+enum Found {
+    /// A table, or files of one.
+    Table(Digest),
+    /// So many files that are named by their digests.
+    Blobs(u64),
+}
+
+/// Checks the table of a URL, the files of an export, a folder of blobs, or a table's file.
+fn check_one(name: &Path, args: &VerifyArgs, access: &Access<'_>, fitting: Option<&Fitting<'_>>) -> Checked {
+    let checked = |path: &Path, table: Result<Digest, _>| {
+        let expected = |table| match args.digest {
+            Some(expected) if expected != table => Err(mismatch(path, format!("the table is {table}, not {expected}"))),
+            _ => Ok(Found::Table(table)),
+        };
+        Checked { path: path.to_owned(), found: table.and_then(expected) }
     };
     if let Some(url) = name.to_str().filter(|name| name.contains("://")) {
-        let limits = Limits { table_bytes: limit, ..Limits::USUAL };
-        return checked(name, served(url, args.digest, (limits, tokens, interrupt), fitting));
+        return checked(name, served(url, access, fitting));
     }
-    if let Some(manifest) = manifest_of(name) {
-        let table = verify_export::check(&manifest, limit, fitting);
-        return checked(&manifest, table.and_then(|table| expect(&manifest, table, args.digest)));
-    }
-    match table_path(name, args.folder.tables.as_deref()) {
-        Ok(path) => {
-            let table = read(&path, args.digest, limit).and_then(|table| refitted(&path, table));
-            checked(&path, table)
+    match manifest_of(name) {
+        Some(manifest) if name.is_dir() && !manifest.exists() => {
+            let found = match fitting {
+                None if args.digest.is_none() => blobs(name, access).map(Found::Blobs),
+                _ => Err(usage(format!(
+                    "{}: --digest and --refit are for tables, not for folders of blobs",
+                    shown(name)
+                ))),
+            };
+            Checked { path: name.to_owned(), found }
         }
-        Err(failure) => checked(name, Err(failure)),
+        Some(manifest) => checked(&manifest, verify_export::check(&manifest, access.table_bytes, fitting)),
+        None => match table_path(name, args.folder.tables.as_deref()) {
+            Ok(path) => {
+                let table = read(&path, args.digest, access.table_bytes);
+                checked(&path, table.and_then(|table| refitted(&path, &path, table, fitting)))
+            }
+            Err(failure) => checked(name, Err(failure)),
+        },
     }
+}
+
+/// Checks that each blob in the data folder of a service, or in a copy of its `blobs`, hashes to its name. A blob is
+/// `ab/ab12...`; other names are ignored. Returns the number of blobs.
+///
+/// # Errors
+/// Every file that has other bytes or cannot be read, and a folder without any blob.
+fn blobs(folder: &Path, access: &Access<'_>) -> Result<u64, CommandFailure> {
+    let inside = folder.join("blobs");
+    let folder = if inside.is_dir() { &inside } else { folder };
+    let (mut count, mut failures) = (0, Vec::new());
+    let read_folder = |folder: &Path| -> io::Result<Vec<PathBuf>> {
+        let mut paths = fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<io::Result<Vec<_>>>()?;
+        paths.sort();
+        Ok(paths)
+    };
+    let text = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    for beginning in read_folder(folder).map_err(|error| file_failure(folder, &error))? {
+        if text(&beginning).len() != 2 || !beginning.is_dir() {
+            continue;
+        }
+        for path in read_folder(&beginning).map_err(|error| file_failure(&beginning, &error))? {
+            let name = text(&path);
+            let digest = name.parse::<Digest>().ok();
+            let Some(expected) = digest.filter(|digest| digest.hex() == name) else { continue };
+            if (access.should_stop)() {
+                return Err(CommandFailure::interrupted());
+            }
+            count += 1;
+            match digest_of_file(&path) {
+                Ok((actual, _)) if actual != expected => {
+                    failures.push(mismatch(&path, format!("the file hashes to {actual}, not to its name")));
+                }
+                Ok(_) if name.starts_with(&text(&beginning)) => {}
+                Ok(_) => failures.push(mismatch(&path, format!("the file belongs into the folder {}", &name[..2]))),
+                Err(error) => failures.push(file_failure(&path, &error)),
+            }
+        }
+    }
+    all_of(failures)?;
+    if count == 0 {
+        return Err(file_failure(
+            folder,
+            &"the folder has neither ltcforge.json nor files ab/ab12... named by digests",
+        ));
+    }
+    Ok(count)
 }
 
 /// Checks the table at a URL of a service, `http://HOST/v1/tables/sha256:DIGEST`: the bytes must be those of the digest. A
 /// tabulated BRDF that a refit needs comes from there too.
-fn served(
-    url: &str,
-    expected: Option<Digest>,
-    (limits, tokens, interrupt): (Limits, &ServerTokens, &Interrupt),
-    fitting: Option<&Fitting<'_>>,
-) -> Result<Digest, CommandFailure> {
+fn served(url: &str, access: &Access<'_>, fitting: Option<&Fitting<'_>>) -> Result<Digest, CommandFailure> {
     let parts = url.split_once("/v1/tables/").and_then(|(base, digest)| Some((base, digest.parse::<Digest>().ok()?)));
     let Some((base, digest)) = parts else {
         let what = "the address of a table is http://HOST/v1/tables/sha256:DIGEST";
-        return Err(CommandFailure::new(Exit::Usage, format!("{}: {what}", url.escape_debug())));
+        return Err(usage(format!("{}: {what}", url.escape_debug())));
     };
-    expect(Path::new(url), digest, expected)?;
-    let client = Client::with_limits(base, limits)?.with_tokens(tokens);
-    let name = Path::new(url);
-    let (digest, file) = check(name, &received(client.table(digest)?, interrupt)?, Some(digest))?;
-    let Some(fitting) = fitting else { return Ok(digest) };
-    let folder = tempfile::tempdir().map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
-    if let Some(brdf) = file.table.model().file() {
-        let bytes = received(client.brdf(Digest::from_bytes(*brdf.digest()))?, interrupt)?;
+    let (name, source) = (Path::new(url), [Source::server(base)?]);
+    let table = check(name, &fetch(&source, &Wanted::table(digest, None), access)?, Some(digest))?;
+    let folder = tempfile::tempdir().map_err(failed)?;
+    if let Some(brdf) = table.1.table.model().file().filter(|_| fitting.is_some()) {
+        let digest = Digest::from_bytes(*brdf.digest());
+        let wanted = Wanted { digest, stated_bytes: None, path: format!("/v1/brdfs/{digest}") };
         let path = folder.path().join(kept_name(brdf.digest()));
-        fs::write(&path, bytes).map_err(|error| file_failure(&path, &error))?;
+        fs::write(&path, fetch(&source, &wanted, access)?).map_err(|error| file_failure(&path, &error))?;
     }
-    refit(name, &folder.path().join("table"), (digest, &file), fitting).map(|()| digest)
+    refitted(name, &folder.path().join("table"), table, fitting)
 }
 
-/// The bytes of a download.
-fn received(download: Download, interrupt: &Interrupt) -> Result<Vec<u8>, CommandFailure> {
-    let mut bytes = Vec::new();
-    match download.write_to(None, &|| interrupt.is_set(), &mut bytes) {
-        Ok(()) => Ok(bytes),
-        Err(DownloadError::Client(error)) => Err(error.into()),
-        Err(DownloadError::Stopped) => Err(CommandFailure::interrupted()),
-        Err(error @ DownloadError::Write(_)) => Err(CommandFailure::new(Exit::Failed, error.to_string())),
-    }
-}
-
-/// The digest `actual`, which must be the expected one if there is one.
-fn expect(name: &Path, actual: Digest, expected: Option<Digest>) -> Result<Digest, CommandFailure> {
-    match expected {
-        Some(expected) if expected != actual => {
-            let reason = format!("the table is {actual}, not {expected}");
-            Err(CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", name.display())))
-        }
-        _ => Ok(actual),
-    }
-}
-
-/// Fits the recipe of a table again; what it needs lies in the folder of `beside`. The result must have the table's bytes.
-fn refit(
+/// The digest of a table. With `fitting`, its recipe is fitted again and must give the table's bytes; what it needs lies in
+/// the folder of `beside`.
+fn refitted(
     path: &Path,
     beside: &Path,
-    (digest, file): (Digest, &TableFile),
-    fitting: &Fitting<'_>,
-) -> Result<(), CommandFailure> {
+    (digest, file): (Digest, TableFile),
+    fitting: Option<&Fitting<'_>>,
+) -> Result<Digest, CommandFailure> {
+    let Some(fitting) = fitting else { return Ok(digest) };
     let recipe = fitting.recipe(beside, recipe_document::canonical_json(&file.recipe).as_bytes())?;
     let actual = Digest::of(&fitting.fit(&recipe)?);
     if actual == digest {
-        return Ok(());
+        return Ok(digest);
     }
-    let reason = format!("the file hashes to {digest}, the table that its recipe gives to {actual}");
-    Err(CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display())))
+    Err(mismatch(path, format!("the file hashes to {digest}, the table that its recipe gives to {actual}")))
 }
 
 fn read(path: &Path, expected: Option<Digest>, limit_bytes: u64) -> Result<(Digest, TableFile), CommandFailure> {
-    let bytes = table_file::read(path, limit_bytes)?;
-    check(path, &bytes, expected)
+    check(path, &table_file::read(path, limit_bytes)?, expected)
 }
 
 #[cfg(test)]

@@ -5,9 +5,9 @@ use std::path::{Component, Path, PathBuf};
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
-use super::{CommandFailure, Exit, file_failure, pins::Fitting};
+use super::{CommandFailure, exit, file_failure, pins::Fitting};
 use ltcforge_files::{bounded::read_file, container::TableFile, digest::Digest};
-use ltcforge_textures::{Export, MANIFEST};
+use ltcforge_textures::{Export, MANIFEST, UnknownExport};
 
 /// The longest manifest that is read.
 const MANIFEST_LIMIT: u64 = 4 << 20;
@@ -48,55 +48,50 @@ pub(super) fn check(
     limit_bytes: u64,
     fitting: Option<&Fitting<'_>>,
 ) -> Result<Digest, CommandFailure> {
-    let mismatch = |reason: String| CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", manifest.display()));
+    let mismatch = |reason: &str| exit::mismatch(manifest, reason);
     let text = read_file(manifest, MANIFEST_LIMIT).map_err(|error| file_failure(manifest, &error))?;
     let read: Manifest = serde_json::from_slice(&text)
-        .map_err(|error| mismatch(format!("this is no manifest of an export: {error}")))?;
+        .map_err(|error| mismatch(&format!("this is no manifest of an export: {error}")))?;
     let table = read.about.iter().find_map(|line| line.strip_prefix("table ")?.parse::<Digest>().ok());
-    let table = table.ok_or_else(|| mismatch("it names no table".to_owned()))?;
+    let table = table.ok_or_else(|| mismatch("it names no table"))?;
     let folder = manifest.parent().unwrap_or(Path::new(""));
     let mut here = vec![(PathBuf::from(MANIFEST), text)];
     for Listed { path, bytes, sha256 } in &read.files {
         let is_below = path.components().all(|part| matches!(part, Component::Normal(_)));
         if !is_below {
-            return Err(mismatch(format!("the file «{}» is not below the manifest's folder", path.display())));
+            return Err(mismatch(&format!("the file «{}» is not below the manifest's folder", path.display())));
         }
         let file = folder.join(path);
         let found = read_file(&file, limit_bytes).map_err(|error| file_failure(&file, &error))?;
         if found.len() as u64 != *bytes || Digest::of(&found).hex() != *sha256 {
             let (found, actual) = (found.len(), Digest::of(&found).hex());
             let reason = format!("the manifest has {bytes} bytes of sha256 {sha256}, the file {found} of {actual}");
-            return Err(CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", file.display())));
+            return Err(exit::mismatch(&file, reason));
         }
         here.push((path.clone(), found));
     }
     let Some(fitting) = fitting else { return Ok(table) };
-    let Some(recipe) = &read.recipe else {
-        return Err(mismatch(
-            "it has no recipe to fit: files made by ltcforge since it tells recipes have one".to_owned(),
-        ));
-    };
+    let recipe = read.recipe.as_ref().ok_or_else(|| mismatch("it has no recipe to fit: export the table again"))?;
     let bytes = fitting.fit(&fitting.recipe(manifest, recipe.get().as_bytes())?)?;
     let fitted = Digest::of(&bytes);
     if fitted != table {
-        return Err(mismatch(format!("the files are of table {table}, and their recipe gives {fitted}")));
+        return Err(mismatch(&format!("the files are of table {table}, and their recipe gives {fitted}")));
     }
-    let name = read.engine.or(read.export).ok_or_else(|| mismatch("it names no export".to_owned()))?;
-    let export: Export = name.parse().map_err(|error: ltcforge_textures::UnknownExport| mismatch(error.to_string()))?;
-    let file = TableFile::from_bytes(&bytes).map_err(|error| mismatch(error.to_string()))?;
-    let made = fitting.measure(file, table)?.files(export)?;
+    let name = read.engine.or(read.export).ok_or_else(|| mismatch("it names no export"))?;
+    let export: Export = name.parse().map_err(|error: UnknownExport| mismatch(&error.to_string()))?;
+    let file = TableFile::from_bytes(&bytes).map_err(|error| mismatch(&error.to_string()))?;
     let made_by = read.about.first().map(String::as_str).unwrap_or_default();
-    for file in &made {
-        let same = here.iter().find(|(path, _)| *path == Path::new(&file.path)).map(|(_, bytes)| *bytes == file.bytes);
-        if same != Some(true) {
-            let what = if same.is_none() { "is not among them" } else { "has other bytes" };
-            let version = concat!("ltcforge ", env!("CARGO_PKG_VERSION"));
-            let why = format!(
-                "made anew from the table, {} {what}; they were made by {made_by}, this is {version}",
-                file.path
-            );
-            return Err(mismatch(why));
-        }
+    for made in &fitting.measure(file, table)?.files(export)? {
+        let found = here.iter().find(|(path, _)| *path == Path::new(&made.path));
+        let what = match found {
+            Some((_, bytes)) if *bytes == made.bytes => continue,
+            Some(_) => "has other bytes",
+            None => "is not among them",
+        };
+        let version = concat!("ltcforge ", env!("CARGO_PKG_VERSION"));
+        let path = &made.path;
+        let why = format!("made anew from the table, {path} {what}; they were made by {made_by}, this is {version}");
+        return Err(mismatch(&why));
     }
     Ok(table)
 }

@@ -4,23 +4,26 @@ use std::net::IpAddr;
 
 use ureq::http::Uri;
 
-use super::{ClientError, error::shown};
+use super::{ClientError, error::bad_url};
 
 /// The URL of a server.
 pub(super) fn parse_base(base: &str) -> Result<Uri, ClientError> {
     // A password may have a slash that should be encoded, so an @ in what looks like the path counts too.
     if base.contains("://") && base.contains('@') {
-        return Err(ClientError::Credentials { url: shown(base) });
+        let reason = "the URL has a user or a password, and the client sends neither: leave them out";
+        return Err(bad_url(base, reason));
     }
-    let is_server = |uri: &Uri| matches!(uri.scheme_str(), Some("http" | "https")) && uri.query().is_none();
-    let uri: Option<Uri> = base.parse().ok().filter(is_server);
-    let Some((authority, uri)) = uri.and_then(|uri| Some((uri.authority()?.as_str().to_owned(), uri))) else {
-        return Err(ClientError::BadUrl { url: shown(base) });
+    let is_server = |uri: &Uri| {
+        matches!(uri.scheme_str(), Some("http" | "https")) && uri.authority().is_some() && uri.query().is_none()
     };
-    // A port that is no number of 16 bits would be read as none.
+    let Some(uri) = base.parse().ok().filter(is_server) else {
+        return Err(bad_url(base, "this is not the URL of a server, such as http://127.0.0.1:8317"));
+    };
+    // `Uri` reads a port beyond 16 bits as no port.
+    let authority = uri.authority().map_or("", ureq::http::uri::Authority::as_str);
     match authority.strip_prefix(uri.host().unwrap_or_default()).and_then(|rest| rest.strip_prefix(':')) {
         Some(port) if !port.is_empty() && !port.parse::<u16>().is_ok_and(|port| port > 0) => {
-            Err(ClientError::BadPort { url: shown(base), port: port.to_owned() })
+            Err(bad_url(base, "a port is a number from 1 to 65535"))
         }
         _ => Ok(uri),
     }
@@ -36,7 +39,6 @@ pub(super) fn is_this_machine(uri: &Uri) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Client;
 
     #[test]
     fn servers_on_this_machine_are_recognised() {
@@ -57,11 +59,14 @@ mod tests {
     fn a_port_is_a_number_of_16_bits_and_never_another() {
         for host in ["127.0.0.1", "[::1]", "h"] {
             for port in ["0", "65536", "99999", "4294967376", "18446744073709551696"] {
-                let refused = Client::new(&format!("http://{host}:{port}/ltc")).expect_err(port);
-                assert!(matches!(&refused, ClientError::BadPort { port: named, .. } if named == port), "{refused}");
+                let refused = parse_base(&format!("http://{host}:{port}/ltc")).expect_err(port);
+                assert!(
+                    refused.to_string().ends_with(&format!(":{port}/ltc: a port is a number from 1 to 65535")),
+                    "{refused}"
+                );
             }
             for port in ["", ":1", ":80", ":65535"] {
-                Client::new(&format!("http://{host}{port}/ltc")).unwrap_or_else(|error| panic!("{error}"));
+                parse_base(&format!("http://{host}{port}/ltc")).unwrap_or_else(|error| panic!("{error}"));
             }
         }
     }
@@ -79,7 +84,7 @@ mod tests {
             "http://user:secret@h/?a=b",
             "ftp://user:secret@h",
         ] {
-            let refused = Client::new(url).expect_err(url);
+            let refused = parse_base(url).expect_err(url);
             assert!(!format!("{refused} {refused:?}").contains("secret"), "{refused:?}");
             let refused = url.parse::<crate::Source>().expect_err(url);
             assert!(!format!("{refused} {refused:?}").contains("secret"), "{refused:?}");
@@ -89,7 +94,8 @@ mod tests {
     #[test]
     fn anything_but_a_url_is_refused() {
         for base in ["", "localhost:8317", "ftp://host", "http://", "http://host/?a=b"] {
-            assert!(matches!(Client::new(base), Err(ClientError::BadUrl { .. })), "{base}");
+            let refused = parse_base(base).expect_err(base).to_string();
+            assert!(refused.contains("this is not the URL of a server"), "{refused}");
         }
     }
 }

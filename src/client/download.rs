@@ -1,108 +1,112 @@
-//! The download of a table from a server.
+//! Files from servers and folders, checked as they arrive.
 
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 
-use ureq::{Body, http::Response};
-
-use super::{
-    ClientError, Limits,
-    answer::{self, CopyError, SizeLimit},
-    limits::SizeOrigin,
-};
+use super::{ClientError, ServerTokens};
 use ltcforge_files::digest::{Digest, Hasher};
 
-/// The answer to a request for a table. Its body is not read yet.
-#[derive(Debug)]
-pub struct Download {
-    url: String,
-    response: Response<Body>,
-    digest: Digest,
-    limits: Limits,
+/// The longest table of unknown size, unless the user sets another limit.
+pub const TABLE_BYTES: u64 = 1 << 30;
+
+/// A file to request from sources.
+#[derive(Debug, Clone)]
+pub struct Wanted {
+    /// Its digest.
+    pub digest: Digest,
+    /// Its size, if the lock file states it.
+    pub stated_bytes: Option<u64>,
+    /// Its path on a server.
+    pub path: String,
 }
 
-/// The reason that a table was not downloaded.
+impl Wanted {
+    /// The canonical file of a table.
+    #[must_use]
+    pub fn table(digest: Digest, stated_bytes: Option<u64>) -> Self {
+        Self { digest, stated_bytes, path: format!("/v1/tables/{digest}") }
+    }
+}
+
+/// How sources are accessed.
+#[derive(Clone, Copy)]
+pub struct Access<'a> {
+    /// The longest file whose size is not stated.
+    pub table_bytes: u64,
+    /// Send no request to a server.
+    pub offline: bool,
+    /// Tokens of servers.
+    pub tokens: &'a ServerTokens,
+    /// Called repeatedly while a file arrives.
+    pub should_stop: &'a dyn Fn() -> bool,
+}
+
+/// The reason that no source delivered a file.
 #[derive(Debug, thiserror::Error)]
-pub enum DownloadError {
-    /// The server's answer is not the table.
-    #[error(transparent)]
-    Client(#[from] ClientError),
-    /// The table could not be written.
+pub enum SourcesError {
+    /// None of them has it. The errors are in the order of the sources.
+    #[error("{}", list(.0))]
+    NoneHasIt(Vec<ClientError>),
+    /// The file could not be written.
     #[error(transparent)]
     Write(#[from] io::Error),
-    /// The user stopped the download.
-    #[error("the download was stopped")]
+    /// The user stopped it.
+    #[error("it was stopped")]
     Stopped,
 }
 
-impl Download {
-    pub(super) fn new(url: String, response: Response<Body>, digest: Digest, limits: Limits) -> Self {
-        Self { url, response, digest, limits }
-    }
-
-    /// Writes the table to `sink` as it arrives, and checks its hash. Its length must be `stated_bytes`, which comes
-    /// from the lock file, or else within the limit of the client. `should_stop` is called after each part.
-    ///
-    /// # Errors
-    /// See [`DownloadError`]. The bytes that are in `sink` by then must not be used.
-    pub fn write_to(
-        self,
-        stated_bytes: Option<u64>,
-        should_stop: &dyn Fn() -> bool,
-        sink: &mut dyn Write,
-    ) -> Result<(), DownloadError> {
-        let Self { url, response, digest: expected, limits } = self;
-        let size = size_limit(stated_bytes, limits);
-        let mut sink = HashingWriter::new(sink);
-        answer::copy(&url, response, (size, limits.table_time, limits), should_stop, &mut sink)?;
-        let actual = sink.digest();
-        if actual == expected { Ok(()) } else { Err(ClientError::Mismatch { url, expected, actual }.into()) }
+impl From<ClientError> for SourcesError {
+    fn from(error: ClientError) -> Self {
+        Self::NoneHasIt(vec![error])
     }
 }
 
-impl From<CopyError> for DownloadError {
-    fn from(error: CopyError) -> Self {
-        match error {
-            CopyError::Client(error) => Self::Client(error),
-            CopyError::Write(error) => Self::Write(error),
-            CopyError::Stopped => Self::Stopped,
+fn list(errors: &[ClientError]) -> String {
+    if errors.is_empty() {
+        return "there is no source to get it from".to_owned();
+    }
+    errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+}
+
+/// Copies the wanted file, which `from` reads at `place`, to `sink`, and checks its size and its hash. `failed` makes
+/// the error of a read.
+///
+/// # Errors
+/// The bytes that are in `sink` by then must not be used.
+pub(super) fn copy(
+    (place, mut from): (&str, impl Read),
+    Wanted { digest: expected, stated_bytes, .. }: &Wanted,
+    access: &Access<'_>,
+    failed: impl Fn(io::Error) -> ClientError,
+    sink: &mut dyn Write,
+) -> Result<(), SourcesError> {
+    let url = place.to_owned();
+    let limit_bytes = stated_bytes.unwrap_or(access.table_bytes);
+    let (mut hasher, mut bytes, mut chunk) = (Hasher::default(), 0, vec![0; 1 << 16]);
+    loop {
+        if (access.should_stop)() {
+            return Err(SourcesError::Stopped);
         }
+        let read = match from.read(&mut chunk) {
+            Ok(0) => break,
+            Ok(read) => read,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+            Err(error) => return Err(failed(error).into()),
+        };
+        bytes += read as u64;
+        if bytes > limit_bytes {
+            return Err(match stated_bytes {
+                Some(stated_bytes) => ClientError::LongerThanStated { url, stated_bytes: *stated_bytes },
+                None => ClientError::TooLong { url, limit_bytes },
+            }
+            .into());
+        }
+        hasher.update(&chunk[..read]);
+        sink.write_all(&chunk[..read])?;
     }
-}
-
-/// The length of a table: the one that the lock file states, or else at most the limit for tables.
-pub(super) fn size_limit(stated_bytes: Option<u64>, limits: Limits) -> SizeLimit {
-    match stated_bytes {
-        Some(bytes) => SizeLimit { bytes, origin: SizeOrigin::LockFile },
-        None => SizeLimit { bytes: limits.table_bytes, origin: SizeOrigin::Tables },
-    }
-}
-
-/// A writer that hashes all bytes that it passes on.
-pub(super) struct HashingWriter<'a> {
-    sink: &'a mut dyn Write,
-    hasher: Hasher,
-}
-
-impl<'a> HashingWriter<'a> {
-    /// A writer that passes bytes on to `sink`.
-    pub(super) fn new(sink: &'a mut dyn Write) -> Self {
-        Self { sink, hasher: Hasher::default() }
-    }
-
-    /// The digest of all bytes that were passed on.
-    pub(super) fn digest(self) -> Digest {
-        self.hasher.digest()
-    }
-}
-
-impl Write for HashingWriter<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.sink.write(bytes)?;
-        self.hasher.update(&bytes[..written]);
-        Ok(written)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.sink.flush()
+    let actual = hasher.digest();
+    match *stated_bytes {
+        Some(stated_bytes) if bytes < stated_bytes => Err(ClientError::TooShort { url, bytes, stated_bytes }.into()),
+        _ if actual != *expected => Err(ClientError::Mismatch { url, expected: *expected, actual }.into()),
+        _ => Ok(()),
     }
 }

@@ -2,37 +2,18 @@
 
 use serde::{Deserialize, Deserializer};
 
-use super::limits::SizeOrigin;
 use ltcforge_files::{digest::Digest, recipe_document::Fault};
 
 /// A failed request. Every variant names the URL, or the file in a folder of tables.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
-    /// The server URL is invalid.
-    #[error("{url}: this is not the URL of a server, such as http://127.0.0.1:8317")]
+    /// The text is not the URL of a server, or not a source.
+    #[error("{text}: {reason}")]
     BadUrl {
-        /// The text in its place.
-        url: String,
-    },
-    /// The server URL has a port that no server has.
-    #[error("{url}: «{port}» is no port: a port is a number from 1 to 65535")]
-    BadPort {
-        /// The text in its place.
-        url: String,
-        /// The port.
-        port: String,
-    },
-    /// The server URL has a user or a password.
-    #[error("{url}: the URL has a user or a password, and the client sends neither: leave them out")]
-    Credentials {
-        /// The URL without them.
-        url: String,
-    },
-    /// The name of a source is neither the URL of a server nor a folder's path.
-    #[error("«{source_name}» is not a source of tables: a source is the URL of a server or the path of a folder")]
-    BadSource {
-        /// The text in its place.
-        source_name: String,
+        /// The text, without a password.
+        text: String,
+        /// What is wrong with it.
+        reason: &'static str,
     },
     /// A file in a folder of tables cannot be read.
     #[error("{place}: {reason}")]
@@ -70,17 +51,23 @@ pub enum ClientError {
         /// The fault of the response.
         reason: String,
     },
-    /// The response is longer than a limit.
-    #[error("{url}: the answer is longer than {limit_bytes} bytes, {origin}")]
+    /// The file is longer than the client's limit.
+    #[error("{url}: the file is longer than {limit_bytes} bytes, the limit for tables; --table-limit sets another")]
     TooLong {
         /// The requested URL.
         url: String,
         /// The limit.
         limit_bytes: u64,
-        /// The origin of the limit.
-        origin: SizeOrigin,
     },
-    /// The response is shorter than the lock file states.
+    /// The file is longer than the lock file states.
+    #[error("{url}: the file is longer than {stated_bytes} bytes, the size that the lock file states")]
+    LongerThanStated {
+        /// The requested URL.
+        url: String,
+        /// The pinned length.
+        stated_bytes: u64,
+    },
+    /// The file is shorter than the lock file states.
     #[error("{url}: it has {bytes} bytes, the lock file states {stated_bytes}")]
     TooShort {
         /// The requested URL.
@@ -128,9 +115,9 @@ pub fn without_passwords(text: &str) -> String {
     shown
 }
 
-/// The text in the place of a URL or a source, as errors show it.
-pub(super) fn shown(text: &str) -> String {
-    without_passwords(&text.escape_debug().to_string())
+/// The error of a text that is not a URL or a source. It shows no password.
+pub(super) fn bad_url(text: &str, reason: &'static str) -> ClientError {
+    ClientError::BadUrl { text: without_passwords(&text.escape_debug().to_string()), reason }
 }
 
 /// Whether a character prints nothing or changes the text around it: control characters, marks of a text's direction,
@@ -161,6 +148,9 @@ impl ClientError {
         // The error may name a proxy.
         let (url, reason) = (url.to_owned(), without_passwords(&error.to_string()));
         match error {
+            ureq::Error::Io(error) if error.kind() == std::io::ErrorKind::FileTooLarge => {
+                Self::Unexpected { url, reason }
+            }
             ureq::Error::Io(_)
             | ureq::Error::Timeout(_)
             | ureq::Error::HostNotFound

@@ -3,15 +3,12 @@
 //! Invariant: `client` fits nothing and opens no store, and uses a download only after checking its hash. It reads no
 //! answer beyond a limit of bytes and time, and writes nothing outside the lock file's folder.
 
-mod answer;
 mod base;
 mod download;
 mod error;
-mod events;
 mod git;
 mod guard;
 mod job;
-mod limits;
 mod lock_error;
 mod lock_file;
 mod lock_text;
@@ -23,17 +20,16 @@ mod source;
 #[cfg(test)]
 mod tests;
 
-pub use download::{Download, DownloadError};
+pub use download::{Access, SourcesError, TABLE_BYTES, Wanted};
 pub use error::{ClientError, without_passwords};
 pub use git::{change_of_git, missing_attributes};
 pub use guard::Guard;
 pub use job::{JobDocument, JobProgress, JobStatus};
-pub use limits::{Limits, SizeOrigin};
 pub use lock_error::LockFileError;
 pub use lock_file::{LockFile, read_text};
 pub use lock_text::with_pins;
 pub use pin::{ExportPin, FilePin, Pin, check_pins};
-pub use pull::{PinState, PullError, check, check_size, place, pull, pull_export, target};
+pub use pull::{PinState, PullError, check, check_size, digest_of_file, place, stage, target};
 pub use rest::Client;
 pub use server_tokens::{ServerTokens, ServerTokensError};
-pub use source::{Access, Source, SourcesError, fetch};
+pub use source::{Source, fetch};

@@ -61,40 +61,30 @@ struct Head {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Document<T> {
-    #[serde(rename = "version")]
-    _version: i64,
+struct Document {
+    version: i64,
     #[serde(default)]
     sources: Vec<Source>,
-    #[serde(default = "Vec::new")]
-    table: Vec<T>,
+    #[serde(default)]
+    table: Vec<Table>,
 }
 
+/// A table of either version.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct OldTable {
+struct Table {
     name: String,
-    digest: Digest,
     path: PathBuf,
-    #[serde(default)]
+    digest: Digest,
     bytes: Option<u64>,
-    #[serde(default)]
-    server: Option<String>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct NewTable {
-    name: String,
-    path: PathBuf,
-    digest: Digest,
-    bytes: u64,
-    recipe_digest: Digest,
-    recipe: String,
+    recipe_digest: Option<Digest>,
+    recipe: Option<String>,
     #[serde(default)]
     sources: Vec<Source>,
     #[serde(default)]
     export: Vec<ExportPin>,
+    /// In version 1.
+    server: Option<String>,
 }
 
 impl LockFile {
@@ -139,35 +129,41 @@ pub(super) fn parse(text: &str) -> Result<(Vec<Pin>, Vec<Source>), LockFileError
     // The version is read first, because the fields of another version would look like faults.
     let Head { version } = toml_edit::de::from_str(text)
         .map_err(|error| other_form(text.as_bytes()).map_or_else(|| syntax(error), LockFileError::Syntax))?;
-    let (pins, sources): (Vec<Pin>, _) = match version {
-        1 => {
-            let Document::<OldTable> { table, sources, .. } = toml_edit::de::from_str(text).map_err(syntax)?;
-            (table.into_iter().map(old_pin).collect::<Result<_, _>>()?, sources)
-        }
-        version if version == i64::from(VERSION) => {
-            let Document::<NewTable> { table, sources, .. } = toml_edit::de::from_str(text).map_err(syntax)?;
-            (table.into_iter().map(new_pin).collect::<Result<_, _>>()?, sources)
-        }
-        other => return Err(LockFileError::Version(other)),
-    };
+    if !(1..=i64::from(VERSION)).contains(&version) {
+        return Err(LockFileError::Version(version));
+    }
+    let Document { version, sources, table } = toml_edit::de::from_str(text).map_err(syntax)?;
+    let pins = table.into_iter().map(|table| pin_of(table, version == 1)).collect::<Result<Vec<_>, _>>()?;
     check_pins(&pins)?;
     Ok((pins, sources))
 }
 
-fn old_pin(OldTable { name, digest, path, bytes, server }: OldTable) -> Result<Pin, LockFileError> {
-    let sources = server.as_deref().map(Source::server).transpose().map_err(syntax)?;
-    Ok(Pin { name, path, digest, bytes, recipe: None, sources: sources.into_iter().collect(), exports: vec![] })
-}
-
-fn new_pin(table: NewTable) -> Result<Pin, LockFileError> {
-    let NewTable { name, path, digest, bytes, recipe_digest: stated, recipe, sources, export } = table;
-    let read = recipe_document::parse_stored(recipe.as_bytes())
-        .map_err(|source| LockFileError::Recipe { name: name.clone(), source })?;
-    let actual = recipe_document::digest(&read);
-    if actual != stated {
-        return Err(LockFileError::RecipeDigest { name, stated, actual });
+fn pin_of(table: Table, is_old: bool) -> Result<Pin, LockFileError> {
+    let Table { name, path, digest, bytes, recipe_digest, recipe, mut sources, export: exports, server } = table;
+    if let Some(server) = &server {
+        if !is_old {
+            return Err(syntax("tables have sources in place of a server since version 2"));
+        }
+        sources.push(Source::server(server).map_err(syntax)?);
     }
-    Ok(Pin { name, path, digest, bytes: Some(bytes), recipe: Some(recipe), sources, exports: export })
+    let incomplete = |field| LockFileError::Incomplete { name: name.clone(), field };
+    match (&recipe, recipe_digest) {
+        (Some(recipe), Some(stated)) => {
+            let read = recipe_document::parse_stored(recipe.as_bytes())
+                .map_err(|source| LockFileError::Recipe { name: name.clone(), source })?;
+            let actual = recipe_document::digest(&read);
+            if actual != stated {
+                return Err(LockFileError::RecipeDigest { name, stated, actual });
+            }
+        }
+        (None, None) if is_old => {}
+        (None, _) => return Err(incomplete("recipe")),
+        (_, None) => return Err(incomplete("recipe_digest")),
+    }
+    if bytes.is_none() && !is_old {
+        return Err(incomplete("bytes"));
+    }
+    Ok(Pin { name, path, digest, bytes, recipe, sources, exports })
 }
 
 #[cfg(test)]

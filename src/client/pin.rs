@@ -9,7 +9,7 @@ use std::{
 use serde::Deserialize;
 use unicode_normalization::UnicodeNormalization as _;
 
-use super::{Source, error::is_hidden, lock_error::LockFileError};
+use super::{Source, Wanted, error::is_hidden, lock_error::LockFileError};
 use ltcforge_files::digest::Digest;
 
 /// One table that a project uses.
@@ -85,21 +85,24 @@ impl ExportPin {
     }
 
     /// The path of one of the files within the export, with `/` between names; `None` for a path that no export has.
-    #[must_use]
-    pub fn path_of(&self, file: &FilePin) -> Option<String> {
+    fn path_of(&self, file: &FilePin) -> Option<String> {
         let names = file.path.strip_prefix(&self.to).ok()?.iter();
         let names: Option<Vec<&str>> = names.map(|name| name.to_str().filter(|name| is_plain(name))).collect();
         names.filter(|names| !names.is_empty()).map(|names| names.join("/"))
     }
 
+    /// How a file of this export of `table` is requested; `None` for an export or a path that no service has.
+    #[must_use]
+    pub fn wanted(&self, table: Digest, file: &FilePin) -> Option<Wanted> {
+        let FilePin { digest, bytes, .. } = *file;
+        let path = format!("/v1/tables/{table}/exports/{}/{}?digest={digest}", self.name()?, self.path_of(file)?);
+        Some(Wanted { digest, stated_bytes: Some(bytes), path })
+    }
+
     /// Whether `other` requests the same files.
     #[must_use]
     pub fn requests_same_as(&self, other: &Self) -> bool {
-        let request = |pin: &Self| {
-            let Self { engine, layout, container, precision, to, .. } = pin.clone();
-            (engine, layout, container, precision, to)
-        };
-        request(self) == request(other)
+        Self { file: vec![], ..self.clone() } == Self { file: vec![], ..other.clone() }
     }
 }
 

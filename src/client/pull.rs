@@ -7,8 +7,9 @@ use std::{
 };
 
 use super::{
-    pin::{ExportPin, FilePin, KEPT, Pin, is_kept},
-    source::{Access, Exported, Source, SourcesError, Wanted, from_first},
+    Access, Source, SourcesError, Wanted,
+    pin::{KEPT, is_kept},
+    source::from_first,
 };
 use ltcforge_files::{
     digest::Digest,
@@ -53,15 +54,9 @@ pub enum PullError {
         /// The pinned length.
         stated_bytes: u64,
     },
-    /// Its folder is a link that leads out of the lock file's folder.
-    #[error("{}: the folder is a link that leads out of the lock file's folder", .path.display())]
-    LeadsOut {
-        /// The file.
-        path: PathBuf,
-    },
-    /// Its folder is one of version control, of an editor or of a tool. A link may lead there.
+    /// Its folder is really one that no pinned file may be in. A link may lead there.
     #[error("{}: the folder is really {}; {reason}", .path.display(), .real.display())]
-    Kept {
+    Place {
         /// The file.
         path: PathBuf,
         /// Its folder, without links.
@@ -70,6 +65,8 @@ pub enum PullError {
         reason: &'static str,
     },
 }
+
+const LEADS_OUT: &str = "a link leads out of the lock file's folder";
 
 /// The state of the file at `path` below `folder`, which should have this digest, and this size if one is stated. It
 /// writes nothing, and reads the file part by part.
@@ -97,14 +94,22 @@ pub fn check_size(path: PathBuf, bytes: u64, stated_bytes: Option<u64>) -> Resul
     }
 }
 
-/// The digest of a file, and its length in bytes.
-fn digest_of_file(path: &Path) -> io::Result<(Digest, u64)> {
-    // Pipes and devices may have no end, and opening a pipe may block.
-    let metadata = path.metadata()?;
-    if !metadata.is_file() {
+/// The digest of a regular file, and its length in bytes.
+///
+/// # Errors
+/// The system's, and that it is not a regular file.
+pub fn digest_of_file(path: &Path) -> io::Result<(Digest, u64)> {
+    let file = open_regular(path)?;
+    let bytes = file.metadata()?.len();
+    Ok((Digest::of_stream(file)?, bytes))
+}
+
+/// Opens a file that is not a pipe or a device: these may have no end, and opening a pipe may block.
+pub(super) fn open_regular(path: &Path) -> io::Result<File> {
+    if !path.metadata()?.is_file() {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is not a regular file"));
     }
-    Ok((Digest::of_stream(File::open(path)?)?, metadata.len()))
+    File::open(path)
 }
 
 /// The path to which the file at `path` below `folder` is written, without links. A checkout may hold links, and none
@@ -130,17 +135,17 @@ pub fn target(path: &Path, folder: &Path) -> Result<PathBuf, PullError> {
         }
     };
     real.extend(missing.iter().rev());
-    let Ok(below) = real.strip_prefix(&root) else { return Err(PullError::LeadsOut { path: named }) };
-    let kept = |reason| Err(PullError::Kept { path: named.clone(), real: real.clone(), reason });
+    let refused = |reason| Err(PullError::Place { path: named.clone(), real: real.clone(), reason });
+    let Ok(below) = real.strip_prefix(&root) else { return refused(LEADS_OUT) };
     if below.iter().any(is_kept) {
-        return kept(KEPT);
+        return refused(KEPT);
     }
     // The folder of a repository may have any name.
     let is_repository = |folder: &Path| {
         folder.join("HEAD").is_file() && ["objects", "refs"].iter().all(|name| folder.join(name).is_dir())
     };
     if real.ancestors().take_while(|folder| folder.starts_with(&root)).any(is_repository) {
-        return kept("this is a repository of Git, which keeps its own files there");
+        return refused("this is a repository of Git, which keeps its own files there");
     }
     let name =
         named.file_name().ok_or_else(|| failed(io::Error::new(io::ErrorKind::InvalidInput, "it names no file")))?;
@@ -153,41 +158,27 @@ pub fn target(path: &Path, folder: &Path) -> Result<PathBuf, PullError> {
 /// When a folder became a link since. Nothing is moved then. When a file cannot be moved.
 pub fn place(staged: Staged) -> Result<(), PullError> {
     for path in staged.places() {
-        let real = fs::canonicalize(folder_of(path));
-        if real.map_err(|source| PullError::File { path: path.to_owned(), source })? != folder_of(path) {
-            return Err(PullError::LeadsOut { path: path.to_owned() });
+        let named = || path.to_owned();
+        let real = fs::canonicalize(folder_of(path)).map_err(|source| PullError::File { path: named(), source })?;
+        if real != folder_of(path) {
+            return Err(PullError::Place { path: named(), real, reason: LEADS_OUT });
         }
     }
     staged.place().map_err(|PairError { path, source }| PullError::File { path, source })
 }
 
-/// Stages the table of `pin` for its path below `folder`, from the first of `sources` that has it, unless the file is
-/// there. Returns the state before.
+/// Stages the wanted file for `path` below `folder`, from the first of `sources` that has it.
 ///
 /// # Errors
-/// When no source has the pinned bytes, or they cannot be written. Nothing is staged then.
-pub fn pull(
-    pin: &Pin,
-    (folder, sources): (&Path, &[Source]),
-    access: &Access<'_>,
-    staged: &mut Staged,
-) -> Result<PinState, PullError> {
-    let before = check(&pin.path, pin.digest, pin.bytes, folder)?;
-    if before != PinState::Right {
-        let wanted = Wanted { digest: pin.digest, stated_bytes: pin.bytes, of: None };
-        stage(&wanted, target(&pin.path, folder)?, sources, access, staged)?;
-    }
-    Ok(before)
-}
-
-/// Stages the wanted file for `path`, once it has arrived whole and with the right hash.
-fn stage(
-    wanted: &Wanted<'_>,
-    path: PathBuf,
+/// When no source has the wanted bytes, or they cannot be written. Nothing is staged then.
+pub fn stage(
+    wanted: &Wanted,
+    (folder, path): (&Path, &Path),
     sources: &[Source],
     access: &Access<'_>,
     staged: &mut Staged,
 ) -> Result<(), PullError> {
+    let path = target(path, folder)?;
     let staged = from_first(sources, wanted, access, &mut |write| staged.write(&path, |file| write(file)));
     staged.map_err(|error| match error {
         SourcesError::Write(source) => PullError::File { path, source },
@@ -195,53 +186,16 @@ fn stage(
     })
 }
 
-/// Stages `files` of an export of `table` for their paths below `folder`, each from the first of `sources` that is a
-/// service and has it.
-///
-/// # Errors
-/// When no service has the pinned bytes of a file, or they cannot be written. Files before it are staged by then.
-pub fn pull_export(
-    table: Digest,
-    pin: &ExportPin,
-    files: &[&FilePin],
-    (folder, sources): (&Path, &[Source]),
-    access: &Access<'_>,
-    staged: &mut Staged,
-) -> Result<(), PullError> {
-    let servers: Vec<Source> = sources.iter().filter(|source| matches!(source, Source::Server(_))).cloned().collect();
-    let nobody = || SourcesError::NoneHasIt(vec![]);
-    let export = pin.name().ok_or_else(nobody)?;
-    for file in files {
-        let path = pin.path_of(file).ok_or_else(nobody)?;
-        let of = Exported { table, export: &export, path: &path };
-        let wanted = Wanted { digest: file.digest, stated_bytes: Some(file.bytes), of: Some(of) };
-        stage(&wanted, target(&file.path, folder)?, &servers, access, staged)?;
-    }
-    Ok(())
-}
-
 #[cfg(all(test, unix))]
 mod tests {
     use std::{fs, os::unix::fs::symlink};
 
     use super::*;
-    use crate::{Limits, ServerTokens};
+    use crate::{ServerTokens, TABLE_BYTES};
     use ltcforge_files::replace::replace_file;
 
     const OFFLINE: Access<'static> =
-        Access { limits: Limits::USUAL, offline: true, tokens: &ServerTokens::NONE, should_stop: &|| false };
-
-    fn right(path: &str) -> Pin {
-        Pin {
-            name: "a".into(),
-            digest: Digest::of(b"right"),
-            path: path.into(),
-            bytes: None,
-            recipe: None,
-            sources: vec![],
-            exports: vec![],
-        }
-    }
+        Access { table_bytes: TABLE_BYTES, offline: true, tokens: &ServerTokens::NONE, should_stop: &|| false };
 
     #[test]
     fn the_state_of_a_pin_is_that_of_its_bytes() {
@@ -261,19 +215,6 @@ mod tests {
     }
 
     #[test]
-    fn a_right_file_is_neither_brought_in_nor_touched() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("a");
-        replace_file(&path, b"right").expect("a file");
-        let modified = || fs::metadata(&path).and_then(|data| data.modified()).expect("a time");
-        let before = modified();
-        // There is no source, so a request would fail.
-        let mut staged = Staged::default();
-        let pulled = pull(&right("a"), (folder.path(), &[]), &OFFLINE, &mut staged).expect("nothing to do");
-        assert_eq!((pulled, staged.is_empty(), modified()), (PinState::Right, true, before));
-    }
-
-    #[test]
     fn no_link_leads_a_write_out_of_the_project() {
         let folder = tempfile::tempdir().expect("a folder");
         let (project, outside) = (folder.path().join("project"), folder.path().join("outside"));
@@ -284,16 +225,16 @@ mod tests {
         fs::write(tables.join(format!("{}.safetensors", Digest::of(b"right").hex())), "right").expect("a table");
         symlink(&outside, project.join("out")).expect("a link");
         symlink("inside", project.join("in")).expect("a link");
-        let sources = [Source::Folder(tables)];
+        let (sources, wanted) = ([Source::Folder(tables)], Wanted::table(Digest::of(b"right"), None));
         let mut staged = Staged::default();
         for path in ["out/a", "out/new/a"] {
-            let refused = pull(&right(path), (&project, &sources), &OFFLINE, &mut staged).expect_err(path);
-            assert!(matches!(refused, PullError::LeadsOut { .. }), "{refused}");
+            let refused = stage(&wanted, (&project, Path::new(path)), &sources, &OFFLINE, &mut staged).expect_err(path);
+            assert!(refused.to_string().ends_with(LEADS_OUT), "{refused}");
         }
         assert_eq!(fs::read_dir(&outside).expect("the folder").count(), 0);
         for path in ["in/new/a", "a"] {
-            let pulled = pull(&right(path), (&project, &sources), &OFFLINE, &mut staged).expect(path);
-            assert!(pulled == PinState::Missing && !project.join(path).exists());
+            stage(&wanted, (&project, Path::new(path)), &sources, &OFFLINE, &mut staged).expect(path);
+            assert!(!project.join(path).exists());
         }
         place(staged).expect("both placed");
         for path in ["in/new/a", "a"] {
@@ -337,7 +278,7 @@ mod tests {
             "bare/hooks/x",
         ] {
             let refused = target(Path::new(path), &project).expect_err(path);
-            assert!(matches!(refused, PullError::Kept { .. }), "{path}: {refused}");
+            assert!(matches!(refused, PullError::Place { .. }), "{path}: {refused}");
             assert!(refused.to_string().contains(path) && refused.to_string().contains("really"), "{refused}");
         }
         assert!(matches!(target(Path::new("nowhere/config"), &project), Err(PullError::File { .. })));
@@ -362,7 +303,7 @@ mod tests {
         }
         fs::rename(project.join("assets"), outside.join("assets")).expect("a folder");
         symlink(outside.join("assets"), project.join("assets")).expect("a link");
-        assert!(matches!(place(staged), Err(PullError::LeadsOut { .. })));
+        assert!(matches!(place(staged), Err(PullError::Place { reason: LEADS_OUT, .. })));
         assert!(!outside.join("assets/b").exists() && !project.join("a").exists());
     }
 }

@@ -3,8 +3,7 @@
 use std::{
     ffi::OsString,
     fmt,
-    fs::File,
-    io::{self, Read as _, Write},
+    io::{self, Write},
     path::{Path, PathBuf},
     str::FromStr,
 };
@@ -12,11 +11,12 @@ use std::{
 use serde::Deserialize;
 
 use super::{
-    Client, ClientError, DownloadError, Limits, ServerTokens,
-    download::{HashingWriter, size_limit},
-    error::{is_hidden, shown},
+    Access, Client, ClientError, SourcesError, Wanted,
+    base::parse_base,
+    download::copy,
+    error::{bad_url, is_hidden},
+    pull::open_regular,
 };
-use ltcforge_files::digest::Digest;
 
 /// A place that may have a table. Written as a URL, or as the path of a folder.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
@@ -37,26 +37,27 @@ impl FromStr for Source {
             return Self::server(text);
         }
         if text.is_empty() || text.contains(is_hidden) {
-            return Err(ClientError::BadSource { source_name: shown(text) });
+            return Err(bad_url(text, NO_SOURCE));
         }
         Ok(Self::Folder(text.into()))
     }
 }
+
+const NO_SOURCE: &str = "a source is the URL of a server or the path of a folder";
 
 impl TryFrom<OsString> for Source {
     type Error = ClientError;
 
     /// A name that is not UTF-8 is the path of a folder.
     fn try_from(name: OsString) -> Result<Self, ClientError> {
-        let name = match name.into_string() {
-            Ok(text) => return text.parse(),
-            Err(name) => name,
-        };
         let text = name.to_string_lossy();
-        if text.contains("://") || text.contains(is_hidden) {
-            return Err(ClientError::BadSource { source_name: shown(&text) });
+        if name.to_str().is_some() {
+            text.parse()
+        } else if text.contains("://") || text.contains(is_hidden) {
+            Err(bad_url(&text, NO_SOURCE))
+        } else {
+            Ok(Self::Folder(name.into()))
         }
-        Ok(Self::Folder(name.into()))
     }
 }
 
@@ -83,7 +84,7 @@ impl Source {
     /// # Errors
     /// [`ClientError::BadUrl`] when that is not an http or https URL.
     pub fn server(url: &str) -> Result<Self, ClientError> {
-        Client::new(url)?;
+        parse_base(url.trim_end_matches('/'))?;
         Ok(Self::Server(url.to_owned()))
     }
 
@@ -96,140 +97,27 @@ impl Source {
         }
     }
 
-    /// Writes the wanted file to `sink` as it arrives, and checks its hash. Its greatest length is the one that the
-    /// lock file states, or else the limit of `access`.
-    ///
-    /// # Errors
-    /// See [`DownloadError`]. The bytes that are in `sink` by then must not be used.
-    fn write_to(&self, wanted: &Wanted<'_>, access: &Access<'_>, sink: &mut dyn Write) -> Result<(), DownloadError> {
-        let Wanted { digest, stated_bytes, of } = *wanted;
+    /// Writes the wanted file to `sink` as it arrives, and checks its size and hash.
+    fn write_to(&self, wanted: &Wanted, access: &Access<'_>, sink: &mut dyn Write) -> Result<(), SourcesError> {
         match self {
             Self::Server(url) if access.offline => {
                 let reason = "--offline sends no request to a server".to_owned();
                 Err(ClientError::Unavailable { url: url.clone(), reason }.into())
             }
-            Self::Server(url) => {
-                let client = Client::with_limits(url, access.limits)?.with_tokens(access.tokens);
-                let download = match of {
-                    None => client.table(digest)?,
-                    Some(Exported { table, export, path }) => client.exported(table, export, path, digest)?,
-                };
-                download.write_to(stated_bytes, access.should_stop, sink)
-            }
+            Self::Server(url) => Client::new(url, access.tokens)?.download(wanted, access, sink),
             Self::Folder(folder) => {
-                let path = folder.join(format!("{}.safetensors", digest.hex()));
-                copy_file(&path, digest, stated_bytes, access, sink)
+                let path = folder.join(format!("{}.safetensors", wanted.digest.hex()));
+                let place = path.display().to_string();
+                let failed =
+                    |error: io::Error| ClientError::Unreadable { place: place.clone(), reason: error.to_string() };
+                copy((&place, open_regular(&path).map_err(failed)?), wanted, access, failed, sink)
             }
         }
     }
 }
 
-/// A file to request from sources.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Wanted<'a> {
-    /// Its digest.
-    pub(super) digest: Digest,
-    /// Its size, as the lock file says.
-    pub(super) stated_bytes: Option<u64>,
-    /// The export that it belongs to; `None` for a table.
-    pub(super) of: Option<Exported<'a>>,
-}
-
-/// A file that a service makes from a table.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Exported<'a> {
-    /// The table.
-    pub(super) table: Digest,
-    /// The name of the export.
-    pub(super) export: &'a str,
-    /// The file's path in it.
-    pub(super) path: &'a str,
-}
-
-/// How sources are accessed.
-#[derive(Clone, Copy)]
-pub struct Access<'a> {
-    /// Limits on their answers.
-    pub limits: Limits,
-    /// Send no request to a server.
-    pub offline: bool,
-    /// Tokens of servers.
-    pub tokens: &'a ServerTokens,
-    /// Called repeatedly while a table arrives.
-    pub should_stop: &'a dyn Fn() -> bool,
-}
-
-impl fmt::Debug for Access<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Access").field("limits", &self.limits).field("offline", &self.offline).finish_non_exhaustive()
-    }
-}
-
-/// Copies the file of a table that is named after its digest.
-fn copy_file(
-    path: &Path,
-    expected: Digest,
-    stated_bytes: Option<u64>,
-    access: &Access<'_>,
-    sink: &mut dyn Write,
-) -> Result<(), DownloadError> {
-    let place = || path.display().to_string();
-    let refused = |error: io::Error| ClientError::Unreadable { place: place(), reason: error.to_string() };
-    let size = size_limit(stated_bytes, access.limits);
-    // Pipes and devices may have no end, and opening a pipe may block.
-    if !path.metadata().map_err(refused)?.is_file() {
-        return Err(refused(io::Error::new(io::ErrorKind::InvalidInput, "this is not a regular file")).into());
-    }
-    let mut file = File::open(path).map_err(refused)?;
-    let mut sink = HashingWriter::new(sink);
-    let mut chunk = vec![0; 1 << 16];
-    let mut total = 0;
-    loop {
-        if (access.should_stop)() {
-            return Err(DownloadError::Stopped);
-        }
-        match file.read(&mut chunk) {
-            Ok(0) => break size.check(&place(), total)?,
-            Ok(read) => {
-                total += read as u64;
-                if total > size.bytes {
-                    return Err(
-                        ClientError::TooLong { url: place(), limit_bytes: size.bytes, origin: size.origin }.into()
-                    );
-                }
-                sink.write_all(&chunk[..read])?;
-            }
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(refused(error).into()),
-        }
-    }
-    let actual = sink.digest();
-    if actual == expected { Ok(()) } else { Err(ClientError::Mismatch { url: place(), expected, actual }.into()) }
-}
-
-/// The reason that no source delivered a table.
-#[derive(Debug, thiserror::Error)]
-pub enum SourcesError {
-    /// None of them has it. The errors are in the order of the sources.
-    #[error("{}", list(.0))]
-    NoneHasIt(Vec<ClientError>),
-    /// The table could not be written.
-    #[error(transparent)]
-    Write(#[from] io::Error),
-    /// The user stopped it.
-    #[error("it was stopped")]
-    Stopped,
-}
-
-fn list(errors: &[ClientError]) -> String {
-    if errors.is_empty() {
-        return "there is no source to get it from".to_owned();
-    }
-    errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
-}
-
-/// Writes a table to a sink.
-type Download<'a> = dyn FnMut(&mut dyn Write) -> Result<(), DownloadError> + 'a;
+/// Writes a file to a sink.
+type Download<'a> = dyn FnMut(&mut dyn Write) -> Result<(), SourcesError> + 'a;
 
 /// Tries `sources` in order until one delivers the wanted file. `attempt` is called once for each source that is tried,
 /// with a function that writes the file to a sink, and begins with an empty sink each time.
@@ -238,33 +126,26 @@ type Download<'a> = dyn FnMut(&mut dyn Write) -> Result<(), DownloadError> + 'a;
 /// When no source has it, `attempt` fails to write it, or the user stopped it.
 pub(super) fn from_first<T>(
     sources: &[Source],
-    wanted: &Wanted<'_>,
+    wanted: &Wanted,
     access: &Access<'_>,
-    attempt: &mut dyn FnMut(&mut Download<'_>) -> Result<T, DownloadError>,
+    attempt: &mut dyn FnMut(&mut Download<'_>) -> Result<T, SourcesError>,
 ) -> Result<T, SourcesError> {
     let mut failures = Vec::new();
     for source in sources {
         match attempt(&mut |sink: &mut dyn Write| source.write_to(wanted, access, sink)) {
-            Ok(done) => return Ok(done),
-            Err(DownloadError::Client(error)) => failures.push(error),
-            Err(DownloadError::Write(error)) => return Err(SourcesError::Write(error)),
-            Err(DownloadError::Stopped) => return Err(SourcesError::Stopped),
+            Err(SourcesError::NoneHasIt(errors)) => failures.extend(errors),
+            ended => return ended,
         }
     }
     Err(SourcesError::NoneHasIt(failures))
 }
 
-/// The bytes of the table `digest`, from the first of `sources` that has it.
+/// The bytes of the wanted file, from the first of `sources` that has it.
 ///
 /// # Errors
-/// As `from_first`.
-pub fn fetch(
-    sources: &[Source],
-    digest: Digest,
-    stated_bytes: Option<u64>,
-    access: &Access<'_>,
-) -> Result<Vec<u8>, SourcesError> {
-    from_first(sources, &Wanted { digest, stated_bytes, of: None }, access, &mut |write| {
+/// When none has it, or the user stopped it.
+pub fn fetch(sources: &[Source], wanted: &Wanted, access: &Access<'_>) -> Result<Vec<u8>, SourcesError> {
+    from_first(sources, wanted, access, &mut |write| {
         let mut bytes = Vec::new();
         write(&mut bytes)?;
         Ok(bytes)
@@ -276,10 +157,14 @@ mod tests {
     use std::fs;
 
     use super::*;
+    use crate::{ServerTokens, TABLE_BYTES};
+    use ltcforge_files::digest::Digest;
 
-    fn access() -> Access<'static> {
-        static NONE: ServerTokens = ServerTokens::NONE;
-        Access { limits: Limits::USUAL, offline: false, tokens: &NONE, should_stop: &|| false }
+    const ACCESS: Access<'static> =
+        Access { table_bytes: TABLE_BYTES, offline: false, tokens: &ServerTokens::NONE, should_stop: &|| false };
+
+    fn fetched(sources: &[Source], digest: Digest, stated_bytes: Option<u64>) -> Result<Vec<u8>, SourcesError> {
+        fetch(sources, &Wanted::table(digest, stated_bytes), &ACCESS)
     }
 
     #[test]
@@ -303,14 +188,14 @@ mod tests {
             fs::create_dir(folder.path().join(name)).expect("a folder");
             fs::write(folder.path().join(name).join(format!("{}.safetensors", digest.hex())), bytes).expect("a file");
         }
-        assert_eq!(fetch(&sources, digest, None, &access()).expect("the third"), b"right");
-        let refused = fetch(&sources[..2], digest, None, &access()).expect_err("none of two");
+        assert_eq!(fetched(&sources, digest, None).expect("the third"), b"right");
+        let refused = fetched(&sources[..2], digest, None).expect_err("none of two");
         let SourcesError::NoneHasIt(said) = refused else { panic!("{refused}") };
         assert!(matches!(said[..], [ClientError::Unreadable { .. }, ClientError::Mismatch { .. }]), "{said:?}");
-        assert_eq!(fetch(&sources, digest, Some(5), &access()).expect("the third"), b"right");
-        let long = fetch(&sources[2..], digest, Some(6), &access()).expect_err("too short");
+        assert_eq!(fetched(&sources, digest, Some(5)).expect("the third"), b"right");
+        let long = fetched(&sources[2..], digest, Some(6)).expect_err("too short");
         assert!(long.to_string().contains("has 5 bytes, the lock file states 6"), "{long}");
-        let short = fetch(&sources[2..], digest, Some(4), &access()).expect_err("too long");
+        let short = fetched(&sources[2..], digest, Some(4)).expect_err("too long");
         assert!(short.to_string().contains("longer than 4 bytes, the size that the lock file states"), "{short}");
     }
 
@@ -322,10 +207,11 @@ mod tests {
         std::os::unix::fs::symlink("/dev/zero", folder.path().join(format!("{}.safetensors", digest.hex())))
             .expect("a link");
         let endless = Source::Folder(folder.path().into());
-        let refused = fetch(&[endless], digest, None, &access()).expect_err("a device");
+        let refused = fetched(&[endless], digest, None).expect_err("a device");
         assert!(refused.to_string().contains("not a regular file"), "{refused}");
         let server = [Source::Server("http://127.0.0.1:9".into())];
-        let refused = fetch(&server, digest, None, &Access { offline: true, ..access() }).expect_err("offline");
+        let refused =
+            fetch(&server, &Wanted::table(digest, None), &Access { offline: true, ..ACCESS }).expect_err("offline");
         assert!(refused.to_string().contains("--offline"), "{refused}");
     }
 }

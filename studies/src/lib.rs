@@ -16,6 +16,7 @@ pub mod glass;
 pub mod gpu_costs;
 pub mod gpu_times;
 pub mod l3;
+pub mod light_errors;
 pub mod lights;
 pub mod linear;
 pub mod markdown;

@@ -9,7 +9,7 @@ use std::{
 
 use clap::{Parser, Subcommand};
 use ltcforge::{
-    Preset,
+    LightModel, Preset,
     light::NormalsRule,
     view::preview::{Adapter, Preview},
 };
@@ -17,7 +17,7 @@ use ltcforge_driver::FAMILY_VARIABLE;
 use ltcforge_studies::{
     albedo, arcs, below, best, costs, expected,
     figures::Figure,
-    glass, gpu_costs, gpu_times, l3, minimax, models,
+    glass, gpu_costs, gpu_times, l3, light_errors, minimax, models,
     networks::{self, Asked, Numbers},
     prefilter, tabulated, textured,
 };
@@ -67,6 +67,19 @@ enum Study {
     Costs,
     /// The tables of docs/normals.md and docs/light.md: model `normals` over random lights
     Models,
+    /// How far a table's light is off, or that of closed forms: docs/accuracy.md, gaussians.md and recipe.md
+    Errors {
+        /// A table's file, as `ltcforge fit` writes it
+        table: Option<PathBuf>,
+        /// The model whose closed forms are measured by the same lights
+        #[arg(long, value_parser = model, default_value = "ltc")]
+        model: LightModel,
+        /// Random lights
+        #[arg(long, default_value_t = 2000)]
+        lights: usize,
+    },
+    /// How far the light of engines is off: rows of docs/tradeoff.md and README.md
+    Engines,
     /// The table of README.md: tables beside the best LTCs
     Best {
         /// A table as KT et al. published theirs, .npy
@@ -118,7 +131,7 @@ enum Study {
     Glass,
     /// The table of docs/tabulated.md: what it costs to have a BRDF as numbers
     Tabulated,
-    /// The figures of docs/figures.md
+    /// The figures of docs/figures.md, gaussians.md and refraction.md
     Figures {
         /// Only this one, once or several times [default: all]
         #[arg(value_name = "NAME", value_parser = figure)]
@@ -138,6 +151,10 @@ fn figure(name: &str) -> Result<Figure, String> {
 
 fn adapter(name: &str) -> Result<Adapter, String> {
     Adapter::from_name(name).ok_or_else(|| format!("a renderer is {}", names(Adapter::ALL)))
+}
+
+fn model(name: &str) -> Result<LightModel, String> {
+    LightModel::from_name(name).ok_or_else(|| format!("a model is {}", names(LightModel::ALL)))
 }
 
 fn names<T: ToString>(all: &[T]) -> String {
@@ -164,6 +181,8 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::Expected => expected::tell(|line| println!("{line}"))?,
         Study::Costs => print!("{}", costs::text(&costs::Efforts::WHOLE)?),
         Study::Models => print!("{}", models::tables(1.0)?),
+        Study::Errors { table, model, lights } => print!("{}", light_errors::rows(table.as_deref(), model, lights)?),
+        Study::Engines => print!("{}", light_errors::engines(Preset::Paper)?),
         Study::Albedo => print!("{}", albedo::told(albedo::PLACES)),
         Study::Prefilter => print!("{}", prefilter::told(prefilter::POINTS)),
         Study::Below => print!("{}", below::tables(1.0)?),

@@ -8,6 +8,7 @@ const EXAMPLE_ERRORS: [(&str, [f64; 2]); 3] =
     [("fast", [0.0005, 0.0009]), ("balanced", [0.0004, 0.0007]), ("fine", [0.00025, 0.00045])];
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn the_example_is_nearer_to_the_truth_than_babylon() {
     hold_errors("babylon", &EXAMPLE_ERRORS);
 }
@@ -27,6 +28,7 @@ const REFUSALS: [(&str, &str); 10] = [
 ];
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn the_package_patches_materials_of_babylon_and_takes_the_patch_off() {
     let Some(report) = package("babylon", &REFUSALS) else { return };
     report.same_as_ours(&[

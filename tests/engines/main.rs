@@ -2,7 +2,7 @@
 //!
 //! `node` runs the engines in Chromium, see `run.js` and `example.js`; here their errors are judged. `make test`
 //! installs what this needs; where it cannot, the tests say that they are skipped.
-//! `UPDATE_GOLDEN=three cargo test --test engines` writes `examples/three/table` anew; `UPDATE_PICTURES=1 cargo test --test engines` writes the pictures in
+//! `UPDATE_GOLDEN=three cargo test --test engines -- --ignored` writes `examples/three/table` anew; `UPDATE_PICTURES=1 cargo test --test engines -- --ignored` writes the pictures in
 //! `docs/engines/`.
 
 mod babylon;
@@ -170,6 +170,7 @@ fn exported(folder: &Path, fields: &str, engines: &[&str]) -> String {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn engines_draw_what_their_tables_say() {
     let folder = tempfile::tempdir().expect("a folder");
     // Other tables to judge: a file as `tables.js` reads it.

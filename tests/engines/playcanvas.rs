@@ -8,6 +8,7 @@ const EXAMPLE_ERRORS: [(&str, [f64; 2]); 3] =
     [("fast", [0.0005, 0.0009]), ("balanced", [0.0004, 0.0007]), ("fine", [0.00025, 0.00045])];
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn the_example_is_nearer_to_the_truth_than_playcanvas() {
     hold_errors("playcanvas", &EXAMPLE_ERRORS);
 }
@@ -31,6 +32,7 @@ const WAYS_DIFFER: f64 = 0.0001;
 const COAT_DIFFERS: f64 = 0.000_005;
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn the_package_patches_materials_of_playcanvas_and_takes_the_patch_off() {
     let Some(report) = package("playcanvas", &REFUSALS) else { return };
     report.same_as_ours(&["patched anew", "clone", "clone of the clone", "patched after a draw", "moved"]);

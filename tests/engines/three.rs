@@ -11,6 +11,7 @@ const EXAMPLE_ERRORS: [(&str, [f64; 2]); 4] =
     [("fast", [0.0005, 0.0009]), ("balanced", [0.0004, 0.0007]), ("fine", [0.00015, 0.0003]), ("table", [0.011, 0.02])];
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn the_example_is_nearer_to_the_truth_than_three() {
     let Some(errors) = hold_errors("three", &EXAMPLE_ERRORS) else { return };
     assert!(errors["stock"] > 5.0 * errors["table"]);
@@ -123,6 +124,7 @@ const PICTURE_REFUSALS: [(&str, &str); 6] = [
 ];
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn the_example_shows_pictures_and_videos_on_lights() {
     let Some(report) = script::<Textured>("textured.js", &[]) else { return };
     let Textured { errors, changes, refusals, moves, faults } = report;
@@ -163,6 +165,7 @@ const WEBGPU_ERRORS: [(&str, f64); 5] =
     [("fast", 0.001), ("balanced", 0.0009), ("fine", 0.0007), ("node", 0.0009), ("clone", 0.0009)];
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn the_example_lights_webgpu_renderer() {
     let Some(backends) = script::<BTreeMap<String, Backend>>("webgpu.js", &[]) else { return };
     if !backends.contains_key("WebGPUBackend") {
@@ -182,6 +185,7 @@ fn the_example_lights_webgpu_renderer() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn the_example_s_table_is_what_the_command_writes_and_ships_in_few_bytes() {
     let folder = tempfile::tempdir().expect("a folder");
     let fitted = run(folder.path(), ["fit", "standard", "-o", "."]).exited(0);

@@ -30,7 +30,7 @@ await withWorld( async ( { service, open } ) => {
 	};
 
 	const table = await saved( page.getByRole( 'link', { name: /Download/ } ) );
-	await page.getByText( 'wgpu, your own renderer' ).click();
+	await page.getByText( 'wgpu', { exact: true } ).click();
 	const file = page.locator( '.files tr' ).first();
 	const exported = { saved: await saved( file.getByRole( 'link' ) ), told: await file.locator( 'code' ).getAttribute( 'title' ) };
 

@@ -113,7 +113,7 @@ await withWorld( async ( { service, open } ) => {
 
 	const proxy = await below( '/tools/ltc', service );
 	const behind = await open( `tables/${ digests[ 0 ] }`, {}, `http://127.0.0.1:${ proxy.address().port }/tools/ltc` );
-	await behind.getByText( 'wgpu, your own renderer' ).click();
+	await behind.getByText( 'wgpu', { exact: true } ).click();
 	const link = await behind.locator( '.files a' ).first().evaluate( ( a ) => a.href );
 	const { status } = await fetch( link );
 	await behind.waitForLoadState( 'networkidle' );

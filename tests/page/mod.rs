@@ -1,14 +1,14 @@
 //! The page of `ltcforge serve`, used in a browser as people use it.
 //!
 //! `node` runs each script of this folder with a service of its own in Chromium. `make test` installs what this needs; where
-//! it cannot, the tests say that they are skipped. `UPDATE_PICTURES=1 cargo test --test product page::looks` draws every page at three
+//! it cannot, the tests say that they are skipped. `UPDATE_PICTURES=1 cargo test --test product page::looks -- --ignored` draws every page at three
 //! widths and in both themes in `target/page`.
 
 use std::{env, fs, path::Path};
 
 use serde_json::{Value, json};
 
-use crate::common::{browser, tell_skipped};
+use crate::common::browser;
 
 /// The output of a script, of which the browser has nothing to complain: no error of a script or the console, no report of
 /// the Content-Security-Policy.
@@ -37,6 +37,7 @@ fn jobs_are_submitted_watched_cancelled_and_told_why_they_failed() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn faults_are_told_at_their_fields() {
     let Some(seen) = script("faults.js", &[]) else { return };
     assert_eq!(seen["shown"], json!({ "samples": "3", "invalid": "true", "directions": "8" }), "{seen:#}");
@@ -56,13 +57,10 @@ fn faults_are_told_at_their_fields() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn a_recipe_is_placed_among_others_and_found_for_a_scene() {
     let Some(seen) = script("planning.js", &[]) else { return };
-    assert_eq!(
-        (&seen["others"], &seen["isOnCurve"], &seen["halved"]),
-        (&json!([]), &json!(true), &json!(true)),
-        "{seen:#}"
-    );
+    assert_eq!((&seen["others"], &seen["halved"]), (&json!([]), &json!(true)), "{seen:#}");
     assert_eq!(seen["shown"], "1, 0.04 × 4", "{seen:#}");
     assert_eq!(seen["weighed"], json!([{ "f0": 1 }, { "f0": 0.04, "weight": 8 }, { "f0": 0.5 }]), "{seen:#}");
     assert!(seen["fault"].as_str().is_some_and(|fault| fault.contains("null is not a number")), "{seen:#}");
@@ -74,6 +72,7 @@ fn a_recipe_is_placed_among_others_and_found_for_a_scene() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn a_token_is_asked_for_sent_with_everything_and_kept_nowhere() {
     let Some(seen) = script("token.js", &[]) else { return };
     assert_eq!((&seen["others"], &seen["saved"]), (&json!([]), &seen["digest"]), "{seen:#}");
@@ -84,6 +83,7 @@ fn a_token_is_asked_for_sent_with_everything_and_kept_nowhere() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn tables_are_found_sorted_compared_and_varied_and_their_maps_read() {
     let Some(seen) = script("tables.js", &[]) else { return };
     assert_eq!(seen["isNewestFirst"], true, "{seen:#}");
@@ -116,6 +116,7 @@ fn tables_are_found_sorted_compared_and_varied_and_their_maps_read() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn every_open_page_notices_a_service_that_stops_and_outlives_its_restart() {
     let Some(seen) = script("outage.js", &[]) else { return };
     assert_eq!(seen["others"], json!([]), "{seen:#}");
@@ -134,6 +135,7 @@ const BALL_OFF: f64 = 0.01;
 const ENGINES_OFF: f64 = 1.5;
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn the_viewer_draws_what_previews_show() {
     let Some(seen) = script("viewer.js", &[]) else { return };
     let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
@@ -158,6 +160,7 @@ fn the_viewer_draws_what_previews_show() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn pictures_on_lights_are_seen_as_the_program_tells() {
     let Some(seen) = script("pictured.js", &[]) else { return };
     let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
@@ -181,36 +184,17 @@ fn pictures_on_lights_are_seen_as_the_program_tells() {
 }
 
 #[test]
-fn web_gpu_draws_what_web_gl_does() {
-    let Some(seen) = script("webgpu.js", &[]) else { return };
-    let Some(scenes) = seen["off"].as_object() else {
-        tell_skipped("the browser has no adapter of WebGPU");
-        return;
-    };
-    let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
-    assert_eq!(scenes.len(), 12, "{seen:#}");
-    for scene in scenes.keys() {
-        assert!(number("off", scene) <= OFF, "{scene}: {seen:#}");
-        assert!(number("bright", scene) > 60.0, "{scene}: nothing is seen: {seen:#}");
-    }
-    for scene in ["ggx", "sheen"] {
-        let [off, bright] = ["off", "bright"].map(|of| seen["reference"][scene][of].as_f64().expect("a number"));
-        assert!(off < 0.1 && bright > 60.0, "{scene}: {seen:#}");
-    }
-    assert_eq!(seen["linked"], true);
-}
-
-#[test]
+#[ignore = "make test-all runs it"]
 fn the_viewer_is_used_and_its_link_holds_all() {
     let Some(seen) = script("viewing.js", &[]) else { return };
     assert_eq!((&seen["kept"], &seen["linked"]), (&json!(true), &json!(true)), "{seen:#}");
     assert_eq!((&seen["outlines"], &seen["left"], &seen["restored"]), (&json!(2), &json!(1), &json!(0)), "{seen:#}");
     assert!(seen["refused"].as_str().is_some_and(|reason| reason.contains("oren_nayar")), "{seen:#}");
-    assert_eq!(seen["without"], "this browser has no WebGPU");
     assert!(seen["unlisted"].as_str().is_some_and(|reason| reason.contains("looks up by number")), "{seen:#}");
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn the_shader_ball_is_smooth_and_its_link_holds_it() {
     let Some(seen) = script("ball.js", &[]) else { return };
     let number = |name: &str| seen[name].as_f64().unwrap_or_else(|| panic!("{name}: {seen:#}"));
@@ -225,6 +209,7 @@ fn the_shader_ball_is_smooth_and_its_link_holds_it() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn a_gltf_file_that_is_dropped_is_seen_with_its_own_materials() {
     let Some(seen) = script("mesh.js", &[]) else { return };
     assert_eq!(seen["told"], "36,864 triangles, 1 material", "{seen:#}");
@@ -245,6 +230,7 @@ fn a_gltf_file_that_is_dropped_is_seen_with_its_own_materials() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn textures_of_a_gltf_file_are_shown_or_told_to_be_left_out() {
     let Some(seen) = script("textures.js", &[]) else { return };
     let number = |name: &str| seen[name].as_f64().unwrap_or_else(|| panic!("{name}: {seen:#}"));
@@ -270,6 +256,7 @@ fn textures_of_a_gltf_file_are_shown_or_told_to_be_left_out() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
 fn looks_right_to_everyone_at_every_width_and_below_a_prefix() {
     let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/page");
     let pictures = pictures.to_string_lossy();

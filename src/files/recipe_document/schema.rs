@@ -1,98 +1,103 @@
-//! The fields of a recipe for programs that show a form: their names, defaults and bounds.
+//! The fields of a document in JSON Schema, for forms: names to choose from, and bounds that no other field changes.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::{
-    Preset,
     axes::{DOMAIN, MOST_NODES},
     document::{DIRECTIONS, MOST_SEED, SAMPLES, STEPS},
+    preset::Preset,
 };
 use ltcforge_fit::{BrdfKind, Layout, LobeModel, Metric, Precision, SecondLobe, Shear, Solver, Start, StoredTerms};
 
-/// The fields by their JSON pointers: `choices`, or `minimum` and `maximum`, and the `default`. Fields whose default depends
-/// on others have none here. `presets` are the members of `/fit` that each preset stands for. Names of BRDFs that need a file
-/// are in `tabulated`.
+/// The schema of a recipe document: an object with `properties`, each with `enum`, or with `type` and its bounds.
 #[must_use]
 pub fn schema() -> Value {
-    let presets: Map<String, Value> =
-        Preset::ALL.into_iter().map(|preset| (preset.name().to_owned(), json!(preset.fit()))).collect();
-    let fit = Preset::Standard.fit();
-    let mut fields = Map::new();
-    let mut choice = |pointer: &str, choices: Value, default: Value| {
-        fields.insert(pointer.to_owned(), json!({ "choices": choices, "default": default }));
+    let integer = |low: u32, high: u64| json!({ "type": "integer", "minimum": low, "maximum": high });
+    let bounded = |[low, high]: [u32; 2]| integer(low, high.into());
+    let nodes = integer(1, MOST_NODES.into());
+    let interval = |[low, high]: [f64; 2]| {
+        json!({ "type": "array", "items": { "type": "number", "minimum": low, "maximum": high } })
     };
-    choice("/preset", json!(Preset::ALL.map(Preset::name)), json!(Preset::Standard.name()));
-    choice("/brdf", json!(BrdfKind::ALL), json!(BrdfKind::ALL[0]));
-    let second = SecondLobe::ALL.map(SecondLobe::name);
-    choice("/fresnel", json!(["one", second[0], second[1]]), json!("one"));
-    choice("/lobe", json!(LobeModel::ALL), json!(LobeModel::ALL[0]));
-    choice("/layout", json!(Layout::ALL), json!(Layout::ALL[0]));
-    choice("/precision", json!(Precision::ALL), json!(Precision::ALL[0]));
-    choice("/terms", json!([true, false, StoredTerms::F82_NAME]), json!(true));
-    choice("/fit/metric", json!(Metric::ALL), json!(fit.metric));
-    choice("/fit/solver", json!(Solver::ALL), json!(fit.solver));
-    choice("/fit/shear", json!(Shear::ALL), json!(Shear::ALL[0]));
-    choice("/fit/start", json!(Start::ALL), json!(Start::ALL[0]));
-    let mut bounds = |pointer: String, [minimum, maximum]: [Value; 2], default: Option<Value>| {
-        let mut field = json!({ "minimum": minimum, "maximum": maximum });
-        if let Some(default) = default {
-            field["default"] = default;
-        }
-        fields.insert(pointer, field);
-    };
-    for (axis, range) in DOMAIN.named() {
-        bounds(format!("/resolution/{axis}"), [json!(1), json!(MOST_NODES)], None);
-        bounds(format!("/range/{axis}"), range.map(|end| json!(end)), Some(json!(range)));
-    }
-    for (name, ends, default) in
-        [("samples", SAMPLES, fit.samples), ("directions", DIRECTIONS, fit.directions), ("steps", STEPS, fit.steps)]
-    {
-        bounds(format!("/fit/{name}"), ends.map(|end| json!(end)), Some(json!(default)));
-    }
-    bounds("/fit/seed".to_owned(), [json!(0), json!(MOST_SEED)], Some(json!(fit.seed)));
-    let tabulated: Vec<BrdfKind> = BrdfKind::ALL.iter().copied().filter(|kind| kind.needs_file()).collect();
-    json!({ "fields": fields, "presets": presets, "tabulated": tabulated })
+    let mut fresnel = vec!["one"];
+    fresnel.extend(SecondLobe::ALL.map(SecondLobe::name));
+    json!({
+        "type": "object",
+        "properties": {
+            "preset": { "enum": Preset::ALL.map(Preset::name) },
+            "brdf": { "enum": BrdfKind::ALL },
+            "fresnel": { "anyOf": [{ "enum": fresnel }, { "type": "array", "items": { "type": "object" } }] },
+            "lobe": { "enum": LobeModel::ALL },
+            "layout": { "enum": Layout::ALL },
+            "materials": { "type": "array", "items": { "type": "object" } },
+            "resolution": {
+                "type": "object",
+                "properties": { "alpha": nodes, "ratio": nodes, "theta": nodes, "phi": nodes },
+            },
+            "range": {
+                "type": "object",
+                "properties": {
+                    "alpha": interval(DOMAIN.alpha), "ratio": interval(DOMAIN.ratio),
+                    "theta": interval(DOMAIN.theta), "phi": interval(DOMAIN.phi),
+                },
+            },
+            "fit": {
+                "type": "object",
+                "properties": {
+                    "metric": { "enum": Metric::ALL },
+                    "solver": { "enum": Solver::ALL },
+                    "samples": bounded(SAMPLES),
+                    "directions": bounded(DIRECTIONS),
+                    "steps": bounded(STEPS),
+                    "seed": integer(0, MOST_SEED),
+                    "shear": { "enum": Shear::ALL },
+                    "start": { "enum": Start::ALL },
+                },
+            },
+            "terms": { "enum": [true, false, StoredTerms::F82_NAME] },
+            "precision": { "enum": Precision::ALL },
+        },
+    })
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::{DEFAULT_ENTRY_LIMIT, RecipeError, parse};
     use super::*;
-    use crate::recipe_document::{DEFAULT_ENTRY_LIMIT, canonical_json, parse};
 
-    /// A recipe of `{}` with `value` at a pointer of one or two names.
-    fn recipe(pointer: &str, value: &Value) -> Vec<u8> {
-        let value = pointer
-            .rsplit('/')
-            .filter(|name| !name.is_empty())
-            .fold(value.clone(), |value, name| json!({ name: value }));
-        value.to_string().into_bytes()
+    /// The faults of one member of a document.
+    fn faults(group: &str, field: &str, value: &Value) -> String {
+        let own = json!({ field: value });
+        let document = if group.is_empty() { own } else { json!({ group: own }) };
+        match parse(document.to_string().as_bytes(), DEFAULT_ENTRY_LIMIT) {
+            Ok(_) => String::new(),
+            Err(RecipeError::Faults(faults)) => format!("{faults:?}"),
+            Err(error) => panic!("{document}: {error}"),
+        }
     }
 
     #[test]
-    fn defaults_change_nothing_and_bounds_are_the_ends() {
-        let plain = canonical_json(&parse(b"{}", DEFAULT_ENTRY_LIMIT).expect("a recipe"));
+    fn documents_take_every_name_and_bound_of_the_schema_and_no_other() {
         let schema = schema();
-        let fields = schema["fields"].as_object().expect("fields");
-        assert!(fields.len() > 20, "{fields:#?}");
-        for (pointer, field) in fields {
-            if let Some(default) = field.get("default").filter(|_| !["/fit/shear", "/fit/start"].contains(&&**pointer))
-            {
-                let given = parse(&recipe(pointer, default), DEFAULT_ENTRY_LIMIT).expect("a default");
-                assert_eq!(canonical_json(&given), plain, "{pointer}");
-            }
-            // A single node is not enough for every axis; more than the bound is never allowed.
-            for (end, step) in [("minimum", -1.0), ("maximum", 1.0)] {
-                let Some(number) = field.get(end).and_then(Value::as_f64).filter(|_| !pointer.starts_with("/range"))
-                else {
-                    continue;
-                };
-                let beyond = json!((number + step) as i64);
-                assert!(parse(&recipe(pointer, &beyond), u64::MAX).is_err(), "{pointer}: {beyond}");
-                if pointer.starts_with("/fit") {
-                    let number = json!(number as i64);
-                    assert!(parse(&recipe(pointer, &number), u64::MAX).is_ok(), "{pointer}: {number}");
+        let properties = &schema["properties"];
+        let mut names = 0;
+        for (group, fields) in [("", properties), ("fit", &properties["fit"]["properties"])] {
+            for (field, of_field) in fields.as_object().expect("fields") {
+                let choices = if field == "fresnel" { &of_field["anyOf"][0] } else { of_field };
+                for name in choices["enum"].as_array().into_iter().flatten() {
+                    let faults = faults(group, field, name);
+                    assert!(!faults.contains("is not one of") && !faults.contains("is neither"), "{field}: {faults}");
+                    names += 1;
+                }
+                if of_field["type"] == "integer" {
+                    let [low, high] = ["minimum", "maximum"].map(|end| of_field[end].as_u64().expect("a number"));
+                    for (value, is_taken) in [(low, true), (high, true), (high + 1, false)] {
+                        let faults = faults(group, field, &json!(value));
+                        assert_eq!(!faults.contains("is not a whole number"), is_taken, "{field} {value}: {faults}");
+                    }
                 }
             }
         }
+        assert!(names > 30, "{names}");
+        assert!(faults("", "layout", &json!("none")).contains("is not one of"));
     }
 }

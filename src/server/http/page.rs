@@ -45,6 +45,7 @@ macro_rules! page_files {
 page_files![
     "elements/dom.js",
     "elements/format.js",
+    "elements/recipe.js",
     "form/document.js",
     "form/fields.js",
     "form/inputs.js",
@@ -54,8 +55,6 @@ page_files![
     "gltf/textures.js",
     "icon.svg",
     "index.html",
-    "jobs/follow.js",
-    "jobs/progress.js",
     "main.js",
     "pages/compare.js",
     "pages/job.js",
@@ -73,31 +72,23 @@ page_files![
     "report/errors.js",
     "report/quality.js",
     "service/api.js",
+    "service/jobs.js",
     "service/pictures.js",
     "service/token.js",
     "style.css",
-    "viewer/backend.js",
     "viewer/controls.js",
     "viewer/lights.js",
     "viewer/models.js",
     "viewer/scene.js",
     "viewer/screens.js",
     "viewer/shader_ball.js",
+    "webgl/context.js",
     "webgl/device.js",
     "webgl/lights.js",
     "webgl/models.js",
     "webgl/pictures.js",
     "webgl/reference.js",
     "webgl/surface.js",
-    "webgpu/bind.js",
-    "webgpu/device.js",
-    "webgpu/images.js",
-    "webgpu/lights.js",
-    "webgpu/models.js",
-    "webgpu/pictures.js",
-    "webgpu/reference.js",
-    "webgpu/scene.js",
-    "webgpu/surface.js",
 ];
 
 /// What the viewer asks for by a name without the end of its language: `normals`, or `ltc-kt2022` by a table's layout, with the
@@ -122,18 +113,14 @@ fn page_file(name: &'static str, bytes: &'static [u8]) -> PageFile {
     (name, Bytes::from_static(bytes), Digest::of(bytes))
 }
 
-/// The text to include that `ltcforge shader --language glsl-es` or `wgsl` writes, or that of the prefilter of pictures.
+/// The text to include that `ltcforge shader --language glsl-es` writes, or that of the prefilter of pictures.
 fn shader_text(file: &str) -> Result<String, Problem> {
-    let (name, language) = match file.rsplit_once('.') {
-        Some((name, "glsl")) => (name, Language::GlslEs),
-        Some((name, "wgsl")) => (name, Language::Wgsl),
-        _ => return Err(no_file(file)),
-    };
+    let name = file.strip_suffix(".glsl").ok_or_else(|| no_file(file))?;
     let text = if name == "prefilter" {
-        include_prefilter(language)
+        include_prefilter(Language::GlslEs)
     } else {
         let (lit_by, reading) = lit_by(name).ok_or_else(|| no_file(file))?;
-        include(language, lit_by, reading, Lights::All, &Namespace::default())
+        include(Language::GlslEs, lit_by, reading, Lights::All, &Namespace::default())
     };
     text.map_err(|error| error::internal(&error))
 }
@@ -219,8 +206,7 @@ mod tests {
     }
 
     /// Folders of modules, those above before those that they use; `docs/architecture.md` says what each has.
-    const FOLDERS: [&str; 10] =
-        ["pages", "form", "report", "jobs", "viewer", "webgl", "webgpu", "gltf", "service", "elements"];
+    const FOLDERS: [&str; 8] = ["pages", "form", "report", "viewer", "webgl", "gltf", "service", "elements"];
 
     #[test]
     fn modules_import_from_folders_below_their_own() {
@@ -243,12 +229,10 @@ mod tests {
         let models =
             layouts.chain(["normals".to_owned()]).flat_map(|of| ["", "-textured"].map(|end| format!("{of}{end}")));
         for name in models.chain(["prefilter".to_owned()]) {
-            for name in ["glsl", "wgsl"].map(|language| format!("{name}.{language}")) {
-                let answer = respond(&name, &Method::GET, &HeaderMap::new()).expect(&name);
-                assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; charset=utf-8", "{name}");
-            }
+            let answer = respond(&format!("{name}.glsl"), &Method::GET, &HeaderMap::new()).expect(&name);
+            assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; charset=utf-8", "{name}");
         }
-        for name in ["ltc-none.glsl", "normals", "normals.hlsl", "-textured.wgsl"] {
+        for name in ["ltc-none.glsl", "normals", "normals.hlsl", "-textured.glsl"] {
             assert_eq!(respond(name, &Method::GET, &HeaderMap::new()).expect_err(name).status(), 404);
         }
     }

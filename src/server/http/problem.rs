@@ -75,7 +75,7 @@ impl Problem {
 
     /// The same with a recipe whose table would serve, a document as it is submitted.
     pub(super) fn with_recipe(self, recipe: Value) -> Self {
-        Self { recipe: Some(recipe), ..self }
+        Self { recipe: Some(Box::new(recipe)), ..self }
     }
 
     /// The same with a `Retry-After` field.

@@ -21,7 +21,6 @@ use ltcforge_files::{
     digest::Digest,
     recipe_document::{RecipeError, schema},
 };
-use ltcforge_textures::{Engine, Export};
 
 /// `POST /v1/recipes`. The faults of a recipe are the answer that was asked for, and no error.
 pub(super) async fn foresee(
@@ -55,10 +54,7 @@ pub(super) async fn show(
     Ok(Json(RecipeView::new(digest, &recipe, table)?))
 }
 
-/// `GET /v1/recipes/schema`: the names, defaults and bounds of a recipe's fields, and the names of exports.
+/// `GET /v1/recipes/schema`: the fields of a recipe in JSON Schema.
 pub(super) async fn describe(_: NoQuery, method: Method, headers: HeaderMap) -> Result<Response, Problem> {
-    let mut document = schema();
-    document["engines"] = Engine::ALL.iter().map(ToString::to_string).collect();
-    document["exports"] = Export::all().map(|export| export.to_string()).collect();
-    File { caching: REVALIDATE, ..File::json(&document)? }.respond(&method, &headers)
+    File { caching: REVALIDATE, ..File::json(&schema())? }.respond(&method, &headers)
 }

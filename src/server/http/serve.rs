@@ -107,7 +107,9 @@ pub async fn serve(
             let (tokens, certificate) = (Arc::clone(&tokens), certificate.clone());
             let look = move || {
                 tokens.look();
-                certificate.iter().for_each(|certificate| certificate.look());
+                if let Some(certificate) = &certificate {
+                    certificate.look();
+                }
             };
             // A look that fails is followed by another.
             let _ = tokio::task::spawn_blocking(look).await;

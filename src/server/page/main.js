@@ -1,12 +1,12 @@
-// Which page is shown, by the part of the address behind `#`, and whether the service answers.
+// Shows the page that the part of the address behind `#` names, and whether the service answers.
 
 import { el, fill, notice } from './elements/dom.js';
 import { call, watchService } from './service/api.js';
 
-/** Modules of the pages, by what follows their name. Each exports `show( main, rest, parameters, signal )`, and may return a function that asks anew. */
+/** Modules of the pages, by what follows their name. Each exports `show( main, rest, parameters, signal )`, and may return a function that asks again. */
 const PAGES = {
 	tables: ( rest ) => rest ? import( './pages/table.js' ) : import( './pages/tables.js' ),
-	jobs: () => import( './pages/jobs.js' ),
+	jobs: ( rest ) => rest ? import( './pages/job.js' ) : import( './pages/jobs.js' ),
 	new: () => import( './pages/new.js' ),
 	compare: () => import( './pages/compare.js' ),
 	viewer: () => import( './pages/viewer.js' ),
@@ -32,26 +32,19 @@ function decoded( text ) {
 
 }
 
-/** The name of a page, what follows it, and the parameters. */
-function place() {
-
-	const [ path, query = '' ] = location.hash.replace( /^#\/?/, '' ).split( /\?(.*)/s );
-	const [ name, ...rest ] = path.split( '/' );
-	return { name: name || 'tables', rest: decoded( rest.join( '/' ) ), parameters: new URLSearchParams( query ) };
-
-}
-
 async function show() {
 
-	const { name, rest, parameters } = place();
+	const [ path, query = '' ] = location.hash.replace( /^#\/?/, '' ).split( /\?(.*)/s );
+	const [ name = '', ...parts ] = ( path || 'tables' ).split( '/' );
+	const rest = decoded( parts.join( '/' ) );
 	leave.abort();
 	leave = new AbortController();
 	const { signal } = leave;
 	refresh = null;
 	for ( const link of document.querySelectorAll( 'nav a' ) ) {
 
+		link.removeAttribute( 'aria-current' );
 		if ( link.hash === `#/${ name }` ) link.setAttribute( 'aria-current', 'page' );
-		else link.removeAttribute( 'aria-current' );
 
 	}
 
@@ -59,16 +52,16 @@ async function show() {
 	fill( main, root );
 	try {
 
-		if ( ! PAGES[ name ] ) throw new Error( `there is no page «${ name }»` );
+		if ( ! Object.hasOwn( PAGES, name ) ) throw new Error( `there is no page «${ name }»` );
 		const page = await PAGES[ name ]( rest );
 		if ( signal.aborted ) return;
-		const again = await page.show( root, rest, parameters, signal );
-		if ( ! signal.aborted ) refresh = again || null;
+		const again = await page.show( root, rest, new URLSearchParams( query ), signal );
+		if ( ! signal.aborted ) refresh = again;
 
 	} catch ( error ) {
 
 		if ( signal.aborted ) return;
-		// Once the service is back, the page is shown anew.
+		// Once the service is back, the page is shown again.
 		fill( root, el( 'h1', {}, 'Not shown' ), notice( error.message ) );
 
 	}
@@ -110,8 +103,7 @@ window.addEventListener( 'servicelost', () => {
 window.addEventListener( 'serviceback', () => {
 
 	tellVersion();
-	if ( refresh ) refresh();
-	else show();
+	( refresh || show )();
 
 } );
 

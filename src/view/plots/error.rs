@@ -4,19 +4,14 @@ use serde_json::json;
 
 use super::{ErrorSlice, chart::Chart};
 use crate::picture::{Panel, Picture, bar, colour, grid, headed, number};
-use ltcforge_fit::{ErrorMap, GoOn, Table, error_map, error_map_while};
+use ltcforge_fit::{ErrorMap, GoOn, Table, error_map_while};
 
 /// Configurations measured a side: about four to a cell of the default table.
 pub(super) const CELLS: usize = 40;
 /// The errors at the ends of the colours.
 const ENDS: [f64; 2] = [1e-3, 1.0];
 
-/// Both errors side by side.
-pub(super) fn draw(table: &Table, name: &str, slice: ErrorSlice) -> Picture {
-    shown(&error_map(table, slice.ratio, slice.phi, CELLS), table, name)
-}
-
-/// The same; `None` as soon as `go_on` says no.
+/// Both errors side by side; `None` as soon as `go_on` says no.
 pub(super) fn draw_while(go_on: &GoOn, table: &Table, name: &str, slice: ErrorSlice) -> Option<Picture> {
     Some(shown(&error_map_while(go_on, table, slice.ratio, slice.phi, CELLS)?, table, name))
 }

@@ -1,7 +1,8 @@
 //! All numbers of a table: a panel for each, in it a tile for each ratio and phi, in that a cell for each alpha and
 //! theta.
 
-use crate::picture::{GROUND, Panel, Picture, bar, caption, colour, grid, headed, number, signed_colour};
+use super::Scale;
+use crate::picture::{GROUND, Panel, Picture, bar, caption, grid, headed, number};
 use ltcforge_fit::{PerAxis, Table};
 
 /// The least width and height of a panel in pixels, as far as the largest cell allows.
@@ -10,11 +11,6 @@ const SIDE: usize = 240;
 const LARGEST_CELL: usize = 24;
 /// Most cells along a panel's side. A table with more is shown without some of its nodes.
 const MOST_CELLS: usize = 512;
-/// The part of the numbers at each end that the colours do not cover, since one outlier would take them all.
-const BEYOND: f64 = 0.01;
-/// Colours of values below and above the scale, which contains neither.
-const BELOW: [u8; 3] = [0, 220, 230];
-const ABOVE: [u8; 3] = [60, 220, 90];
 /// Pixels between tiles.
 const GAP: usize = 2;
 /// The panels' names, row by row: the matrix, beside it the other numbers of an entry, and the matrix of a second lobe where
@@ -40,7 +36,7 @@ pub(super) fn draw(table: &Table, name: &str) -> Picture {
             if let Some(numbers) = numbers(table, place) {
                 let scale = Scale::of(&numbers, is_off_diagonal(place));
                 let picture = tiling.panel(width, &numbers, &scale);
-                let [low, high] = [number(scale.low), number(scale.high)];
+                let [low, high] = scale.ends().map(number);
                 return Panel { title, picture, foot: bar(width, scale.colours(), [&low, &high], &scale.middle()) };
             }
             let picture = Picture::filled(width, tiling.height() as u32, GROUND);
@@ -70,57 +66,6 @@ fn numbers(table: &Table, [row, column]: [usize; 2]) -> Option<Vec<f32>> {
 /// Whether a panel shows a number of the matrix beside its diagonal: such may have either sign.
 fn is_off_diagonal([row, column]: [usize; 2]) -> bool {
     column != OF_ONE_LOBE - 1 && row != column % OF_ONE_LOBE
-}
-
-/// The colours of a panel.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Scale {
-    low: f32,
-    high: f32,
-    /// From minus to plus the same number, with zero in the neutral colour.
-    is_signed: bool,
-}
-
-impl Scale {
-    /// A scale that holds all numbers but the few least and greatest. It is signed where the numbers may be by nature,
-    /// or some of those that it holds are below zero.
-    pub(super) fn of(numbers: &[f32], may_be_signed: bool) -> Self {
-        let mut sorted = numbers.to_vec();
-        sorted.sort_by(f32::total_cmp);
-        let beyond = (sorted.len() as f64 * BEYOND) as usize;
-        let (low, high) = (sorted[beyond], sorted[sorted.len() - 1 - beyond]);
-        if !may_be_signed && low >= 0.0 {
-            return Self { low, high, is_signed: false };
-        }
-        let most = low.abs().max(high.abs());
-        Self { low: -most, high: most, is_signed: true }
-    }
-
-    /// The least and the greatest number that have colours.
-    pub(super) fn ends(&self) -> [f32; 2] {
-        [self.low, self.high]
-    }
-
-    pub(super) fn colour(&self, value: f32) -> [u8; 3] {
-        let span = self.high - self.low;
-        match value {
-            _ if value < self.low => BELOW,
-            _ if value > self.high => ABOVE,
-            _ if span > 0.0 => self.colours()((value - self.low) / span),
-            _ if self.is_signed => signed_colour(0.0),
-            _ => colour(0.0),
-        }
-    }
-
-    /// The colours of 0 to 1, the part of the way from the lower to the upper end.
-    pub(super) fn colours(&self) -> fn(f32) -> [u8; 3] {
-        if self.is_signed { |part| signed_colour(2.0 * part - 1.0) } else { colour }
-    }
-
-    /// The label under the middle of the colour bar.
-    pub(super) fn middle(&self) -> Vec<&'static str> {
-        if self.is_signed { vec!["0"] } else { Vec::new() }
-    }
 }
 
 /// Where entries lie in a panel.
@@ -231,30 +176,17 @@ mod tests {
         let scale = Scale::of(&numbers, false);
         let picture = tiling.panel(tiling.width() as u32, &numbers, &scale);
         // The least and the greatest of 120 numbers are beyond the colours.
-        assert_eq!(scale, Scale { low: 1.0, high: 118.0, is_signed: false });
+        assert_eq!(scale.ends(), [1.0, 118.0]);
         let cells = tiling.cell * tiling.cell;
         let covered = picture.rgb.iter().filter(|pixel| **pixel != GROUND).count();
         assert_eq!(covered, 120 * cells);
         // Entry (0, 0, 0, 0) is below on the left; the last is above on the right.
         let (width, height) = (picture.width as usize, picture.height as usize);
-        assert_eq!(picture.rgb[(height - 1) * width], BELOW);
-        assert_eq!(picture.rgb[width - 1], ABOVE);
+        assert_eq!(picture.rgb[(height - 1) * width], scale.colour(0.0));
+        assert_eq!(picture.rgb[width - 1], scale.colour(119.0));
         // (alpha 0, ratio 1, theta 2, phi 3) lies in the upper row of tiles, in the fourth tile from the left.
         let value = numbers[(4 + 2) * 5 + 3];
         let (left, up) = (3 * (4 * tiling.cell + GAP) + 2 * tiling.cell, 3 * tiling.cell + GAP);
-        assert_eq!(picture.rgb[(height - 1 - up) * width + left], colour((value - 1.0) / 117.0));
-    }
-
-    #[test]
-    fn zero_has_one_colour_on_every_signed_scale() {
-        let grey = signed_colour(0.0);
-        let lopsided = Scale::of(&[-0.5, 0.0, 0.1, 3.0], false);
-        assert_eq!(lopsided, Scale { low: -3.0, high: 3.0, is_signed: true });
-        for scale in [lopsided, Scale::of(&[0.0, 2.0], true), Scale::of(&[0.0; 4], true)] {
-            assert_eq!(scale.colour(0.0), grey, "{scale:?}");
-        }
-        assert_eq!([lopsided.colour(-3.1), lopsided.colour(3.1)], [BELOW, ABOVE]);
-        assert_ne!(lopsided.colour(-0.5), lopsided.colour(0.5));
-        assert_eq!(Scale::of(&[2.0; 3], false).colour(2.0), colour(0.0));
+        assert_eq!(picture.rgb[(height - 1 - up) * width + left], scale.colour(value));
     }
 }

@@ -29,11 +29,7 @@ impl Plot {
     /// Draws it for the table whose file has this digest, in hexadecimal. Measures on the current rayon pool.
     #[must_use]
     pub fn draw(&self, table: &Table, digest: &str) -> Picture {
-        let name = format!("table {}", short_digest(digest));
-        match self {
-            Self::Error(slice) => error::draw(table, &name, *slice),
-            Self::Matrix => matrix::draw(table, &name),
-        }
+        self.draw_while(&|| true, table, digest).expect("nothing stops it")
     }
 
     /// The same; `None` as soon as `go_on`, which is asked before each configuration, says no.

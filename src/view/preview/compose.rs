@@ -59,24 +59,6 @@ fn names(material: &Material) -> Vec<String> {
     vec![alphas.clone(), alphas.clone(), alphas, bare_alphas(material)]
 }
 
-/// Writes one of its wordings into the corner of each material's cell, in all cells the first one for which all have
-/// room, so that they can be compared. A cell without wordings stays as it is.
-fn tag_cells(picture: &mut Picture, scene: &Scene, wordings: impl Fn(usize, &Material) -> Vec<String>) {
-    let cells = if scene.materials.len() == 1 { 1 } else { 2 };
-    let side = picture.width / cells;
-    let tags: Vec<Vec<String>> =
-        scene.materials.iter().enumerate().map(|(i, material)| wordings(i, material)).collect();
-    let fits = |wording: &usize| tags.iter().filter_map(|tag| tag.get(*wording)).all(|text| tag_fits(text, side));
-    let most = tags.iter().map(Vec::len).max().unwrap_or_default();
-    let Some(chosen) = (0..most).find(fits) else { return };
-    for (index, wordings) in (0_u32..).zip(&tags) {
-        let (column, row) = (index % cells, index / cells);
-        if let Some(text) = wordings.get(chosen) {
-            tag(picture, text, [column * side, (row + 1) * side], side);
-        }
-    }
-}
-
 /// The wordings of a material's label, the longest first, where the table does not cover it.
 fn warnings(material: &Material) -> Vec<String> {
     let alphas = alphas(material);
@@ -88,98 +70,150 @@ fn warnings(material: &Material) -> Vec<String> {
     ]
 }
 
-/// The picture of mode `ltc`: materials that the table does not cover are marked.
-pub(super) fn warned(mut picture: Picture, scene: &Scene, out_of_range: &[Material]) -> Picture {
-    tag_cells(
-        &mut picture,
-        scene,
-        |_, material| {
-            if out_of_range.contains(material) { warnings(material) } else { Vec::new() }
-        },
-    );
-    picture
+/// What a picture is composed of: a scene, and the materials that the table does not cover.
+pub(super) struct Composer<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) table: &'a ShaderTable,
+    pub(super) out_of_range: &'a [Material],
 }
 
-/// The picture of mode `difference` or `strip`.
-pub(super) fn compared(
-    scene: &Scene,
-    table: &ShaderTable,
-    out_of_range: &[Material],
-    [ltc, reference]: [&Radiances; 2],
-    errors: &[PanelError],
-) -> Picture {
-    let exposure = scene.exposure as f32;
-    let scale = scene.difference_scale as f32;
-    let mut apart = differences(ltc, reference, scale);
-    let width = apart.width;
-    tag_cells(&mut apart, scene, |index, material| mean_tags(&errors[index], material));
-    let foot = scale_bar(width, scale);
-    let short = short_title(scene.model, table);
-    if scene.mode == Mode::Difference {
-        let ltc = model_title(scene.model, table, width / 2);
-        let titles = [format!("|{ltc} - reference|"), format!("|{short} - reference|"), "difference".to_owned()];
+/// A panel that owns its title.
+struct Titled {
+    title: String,
+    picture: Picture,
+    foot: Picture,
+}
+
+fn grid_of(panels: Vec<Titled>, columns: u32) -> Picture {
+    let (titles, parts): (Vec<String>, Vec<_>) =
+        panels.into_iter().map(|Titled { title, picture, foot }| (title, (picture, foot))).unzip();
+    let panels = titles.iter().zip(parts).map(|(title, (picture, foot))| Panel { title, picture, foot });
+    grid(&panels.collect::<Vec<_>>(), columns)
+}
+
+impl Composer<'_> {
+    /// The picture of mode `ltc`: materials that the table does not cover are marked.
+    pub(super) fn warned(&self, mut picture: Picture) -> Picture {
+        self.tag_cells(&mut picture, |_, m| if self.out_of_range.contains(m) { warnings(m) } else { Vec::new() });
+        picture
+    }
+
+    /// The picture of mode `difference` or `strip`.
+    pub(super) fn compared(&self, lit: &Radiances, reference: &Radiances, errors: &[PanelError]) -> Picture {
+        let model = self.scene.model;
+        let apart = self.apart(model, lit, reference, errors);
+        if self.scene.mode == Mode::Difference {
+            return grid_of(vec![apart], 1);
+        }
+        grid_of(vec![self.truth(reference), self.lit(model, lit, errors), apart], 3)
+    }
+
+    /// The picture of mode `models`: the reference and each model above how far it is from the reference.
+    pub(super) fn models(
+        &self,
+        lit: &[(LightModel, Radiances)],
+        reference: &Radiances,
+        errors: &[PanelError],
+    ) -> Picture {
+        let mut columns = vec![grid_of(vec![self.truth(reference)], 1)];
+        for (model, radiances) in lit {
+            let own: Vec<PanelError> = errors.iter().filter(|error| error.model == *model).copied().collect();
+            let shown = self.lit(*model, radiances, &own);
+            columns.push(grid_of(vec![shown, self.apart(*model, radiances, reference, &own)], 1));
+        }
+        beside(&columns)
+    }
+
+    fn truth(&self, reference: &Radiances) -> Titled {
+        let width = reference.width;
+        let mut picture = tone::displayed(self.scene.exposure as f32, reference);
+        self.tag_cells(&mut picture, |_, material| names(material));
+        let title = format!("{} reference", self.table.brdf_title());
+        Titled {
+            title: fitting(&[&title, "reference"], width).to_owned(),
+            picture,
+            foot: caption(width, &[&format!("{} samples a pixel", self.scene.spp), &format!("{} spp", self.scene.spp)]),
+        }
+    }
+
+    fn lit(&self, model: LightModel, radiances: &Radiances, errors: &[PanelError]) -> Titled {
+        let mut picture = tone::displayed(self.scene.exposure as f32, radiances);
+        let warns = |material: &Material| model.needs_table() && self.out_of_range.contains(material);
+        self.tag_cells(&mut picture, |_, m| if warns(m) { warnings(m) } else { names(m) });
+        let title = model_title(model, self.table, radiances.width);
+        Titled { title, picture, foot: mean_error(errors, radiances.width) }
+    }
+
+    /// How far a model is from the reference. Alone, it names the table.
+    fn apart(&self, model: LightModel, radiances: &Radiances, reference: &Radiances, errors: &[PanelError]) -> Titled {
+        let (width, scale) = (reference.width, self.scene.difference_scale as f32);
+        let mut picture = differences(radiances, reference, scale);
+        self.tag_cells(&mut picture, |index, material| mean_tags(&errors[index], material));
+        let short = short_title(model, self.table);
+        let is_alone = self.scene.mode == Mode::Difference;
+        let long = if is_alone { model_title(model, self.table, width / 2) } else { short.clone() };
+        let titles = [format!("|{long} - reference|"), format!("|{short} - reference|"), "difference".to_owned()];
         let title = fitting(&titles.each_ref().map(String::as_str), width).to_owned();
-        return grid(&[Panel { title: &title, picture: apart, foot }], 1);
+        let foot = bar(width, colour, ["0", &number(scale)], &["|difference| of radiance", "radiance"]);
+        Titled { title, picture, foot }
     }
-    let mut ltc = tone::displayed(exposure, ltc);
-    let mut reference = tone::displayed(exposure, reference);
-    tag_cells(&mut reference, scene, |_, material| names(material));
-    tag_cells(
-        &mut ltc,
-        scene,
-        |_, material| {
-            if out_of_range.contains(material) { warnings(material) } else { names(material) }
-        },
-    );
-    let title = format!("|{short} - reference|");
-    let panels = [
-        Panel { title: &reference_title(table, width), picture: reference, foot: samples(scene, width) },
-        Panel { title: &model_title(scene.model, table, width), picture: ltc, foot: mean_error(errors, width) },
-        Panel { title: fitting(&[&title, "difference"], width), picture: apart, foot },
-    ];
-    grid(&panels, 3)
-}
 
-/// The picture of mode `models`: the reference and each model above how far it is from the reference.
-pub(super) fn models(
-    scene: &Scene,
-    table: &ShaderTable,
-    out_of_range: &[Material],
-    lit: &[(LightModel, Radiances)],
-    reference: &Radiances,
-    errors: &[PanelError],
-) -> Picture {
-    let (exposure, scale) = (scene.exposure as f32, scene.difference_scale as f32);
-    let width = reference.width;
-    let mut truth = tone::displayed(exposure, reference);
-    tag_cells(&mut truth, scene, |_, material| names(material));
-    let mut columns =
-        vec![grid(&[Panel { title: &reference_title(table, width), picture: truth, foot: samples(scene, width) }], 1)];
-    for (model, radiances) in lit {
-        let own: Vec<PanelError> = errors.iter().filter(|error| error.model == *model).copied().collect();
-        let mut shown = tone::displayed(exposure, radiances);
-        let warns = |material: &Material| *model == LightModel::Ltc && out_of_range.contains(material);
-        tag_cells(&mut shown, scene, |_, m| if warns(m) { warnings(m) } else { names(m) });
-        let mut apart = differences(radiances, reference, scale);
-        tag_cells(&mut apart, scene, |index, material| mean_tags(&own[index], material));
-        let title = format!("|{} - reference|", short_title(*model, table));
-        let panels = [
-            Panel { title: &model_title(*model, table, width), picture: shown, foot: mean_error(&own, width) },
-            Panel { title: fitting(&[&title, "difference"], width), picture: apart, foot: scale_bar(width, scale) },
-        ];
-        columns.push(grid(&panels, 1));
+    /// Writes one of its wordings into the corner of each material's cell, in all cells the first one for which all have
+    /// room, so that they can be compared. A cell without wordings stays as it is.
+    fn tag_cells(&self, picture: &mut Picture, wordings: impl Fn(usize, &Material) -> Vec<String>) {
+        let materials = &self.scene.materials;
+        let cells = if materials.len() == 1 { 1 } else { 2 };
+        let side = picture.width / cells;
+        let tags: Vec<Vec<String>> = materials.iter().enumerate().map(|(i, material)| wordings(i, material)).collect();
+        let fits = |wording: &usize| tags.iter().filter_map(|tag| tag.get(*wording)).all(|text| tag_fits(text, side));
+        let most = tags.iter().map(Vec::len).max().unwrap_or_default();
+        let Some(chosen) = (0..most).find(fits) else { return };
+        for (index, wordings) in (0_u32..).zip(&tags) {
+            let (column, row) = (index % cells, index / cells);
+            if let Some(text) = wordings.get(chosen) {
+                tag(picture, text, [column * side, (row + 1) * side], side);
+            }
+        }
     }
-    beside(&columns)
-}
 
-/// The colours of differences.
-fn scale_bar(width: u32, scale: f32) -> Picture {
-    bar(width, colour, ["0", &number(scale)], &["|difference| of radiance", "radiance"])
-}
-
-/// How many samples the reference took.
-fn samples(scene: &Scene, width: u32) -> Picture {
-    caption(width, &[&format!("{} samples a pixel", scene.spp), &format!("{} spp", scene.spp)])
+    /// The picture of mode `lobe`: densities over directions, both on the scale of the reference, with the view direction
+    /// and its mirror direction marked.
+    pub(super) fn lobes(&self, frame: &Frame, ltc: &Radiances, reference: &Radiances) -> Picture {
+        let peak = reference.pixels.iter().map(|pixel| pixel[0]).fold(1e-9_f32, f32::max);
+        let wo = frame.lobe_wo;
+        let mirror = glam::Vec3::new(-wo.x, -wo.y, wo.z);
+        let panel = |title: String, lobe: &Radiances| {
+            let mut picture = false_colours(lobe.width, lobe.pixels.iter().map(|pixel| pixel[0]), peak);
+            let radius = (picture.width as f32 / MARK).max(3.0);
+            if let Some(at) = cpu::place_of_direction(frame, mirror) {
+                cross(&mut picture, at, radius);
+            }
+            if let Some(at) = cpu::place_of_direction(frame, wo) {
+                ring(&mut picture, at, radius);
+            }
+            let foot = bar(picture.width, colour, ["0", &number(peak)], &["per steradian"]);
+            Titled { title, picture, foot }
+        };
+        let title = self.table.brdf_title().to_owned();
+        let panels = vec![panel(title, reference), panel(table_title(self.table, ltc.width), ltc)];
+        let panels = grid_of(panels, 2);
+        let (Material { alpha_x, alpha_y, .. }, view) = (self.scene.materials[0], self.scene.lobe);
+        let [alpha_x, alpha_y, theta, phi] = [alpha_x, alpha_y, view.theta, view.phi].map(|x| number(x as f32));
+        let (alphas, angles) = (format!("alpha {alpha_x}, {alpha_y}"), format!("theta {theta}, phi {phi}"));
+        let (long, short) = (format!("{alphas}; view direction: {angles} rad"), format!("{alphas}; {angles}"));
+        let configuration = [long.as_str(), &short];
+        let apart = [[alphas.as_str()], [angles.as_str()]];
+        let mut lines: Vec<&[&str]> = if fitting(&configuration, panels.width).is_empty() {
+            apart.iter().map(<[&str; 1]>::as_slice).collect()
+        } else {
+            vec![&configuration]
+        };
+        lines.push(&["ring: view direction; cross: its mirror direction", "ring: view; cross: mirror"]);
+        if !self.out_of_range.is_empty() {
+            lines.push(&["alpha is outside the table: its nearest entry is shown", "outside the table"]);
+        }
+        headed(&lines, &panels)
+    }
 }
 
 /// The mean error over all materials.
@@ -205,10 +239,6 @@ fn model_title(model: LightModel, table: &ShaderTable, width: u32) -> String {
     fitting(&[&format!("{short}, no table"), &short], width).to_owned()
 }
 
-fn reference_title(table: &ShaderTable, width: u32) -> String {
-    fitting(&[&format!("{} reference", table.brdf_title()), "reference"], width).to_owned()
-}
-
 fn short_title(model: LightModel, table: &ShaderTable) -> String {
     match model.lobe() {
         Some(_) if model.needs_table() => table.lobe_title(),
@@ -222,57 +252,4 @@ fn table_title(table: &ShaderTable, width: u32) -> String {
     let lobe = table.lobe_title();
     let Some(label) = &table.label else { return lobe };
     fitting(&[&format!("{lobe}, table {label}"), &format!("{lobe} {label}"), &lobe], width).to_owned()
-}
-
-/// The picture of mode `lobe`: densities over directions, both on the scale of the reference, with the view direction
-/// and its mirror direction marked.
-pub(super) fn lobes(
-    scene: &Scene,
-    table: &ShaderTable,
-    out_of_range: &[Material],
-    frame: &Frame,
-    [ltc, reference]: [&Radiances; 2],
-) -> Picture {
-    let peak = reference.pixels.iter().map(|pixel| pixel[0]).fold(1e-9_f32, f32::max);
-    let wo = frame.lobe_wo;
-    let mirror = glam::Vec3::new(-wo.x, -wo.y, wo.z);
-    let panel = |lobe: &Radiances| {
-        let mut picture = false_colours(lobe.width, lobe.pixels.iter().map(|pixel| pixel[0]), peak);
-        let radius = (picture.width as f32 / MARK).max(3.0);
-        if let Some(at) = cpu::place_of_direction(frame, mirror) {
-            cross(&mut picture, at, radius);
-        }
-        if let Some(at) = cpu::place_of_direction(frame, wo) {
-            ring(&mut picture, at, radius);
-        }
-        picture
-    };
-    let (ltc, reference) = (panel(ltc), panel(reference));
-    let title = table_title(table, ltc.width);
-    let panels = [(table.brdf_title(), reference), (title.as_str(), ltc)].map(|(title, picture)| {
-        let foot = bar(picture.width, colour, ["0", &number(peak)], &["per steradian"]);
-        Panel { title, picture, foot }
-    });
-    let Material { alpha_x, alpha_y, .. } = scene.materials[0];
-    let [alpha_x, alpha_y, theta, phi] = [alpha_x, alpha_y, scene.lobe.theta, scene.lobe.phi].map(|x| number(x as f32));
-    let configuration = [
-        format!("alpha {alpha_x}, {alpha_y}; view direction: theta {theta}, phi {phi} rad"),
-        format!("alpha {alpha_x}, {alpha_y}; theta {theta}, phi {phi}"),
-    ];
-    let panels = grid(&panels, 2);
-    let mut lines = if fitting(&configuration.each_ref().map(String::as_str), panels.width).is_empty() {
-        [format!("alpha {alpha_x}, {alpha_y}"), format!("theta {theta}, phi {phi}")]
-            .map(|line| [line.clone(), line])
-            .to_vec()
-    } else {
-        vec![configuration]
-    };
-    lines.push(["ring: view direction; cross: its mirror direction", "ring: view; cross: mirror"].map(str::to_owned));
-    if !out_of_range.is_empty() {
-        let warning = "alpha is outside the table: its nearest entry is shown";
-        lines.push([warning.to_owned(), "outside the table".to_owned()]);
-    }
-    let lines: Vec<[&str; 2]> = lines.iter().map(|line| line.each_ref().map(String::as_str)).collect();
-    let lines: Vec<&[&str]> = lines.iter().map(<[&str; 2]>::as_slice).collect();
-    headed(&lines, &panels)
 }

@@ -25,14 +25,6 @@ pub enum Estimator {
 }
 
 impl Estimator {
-    /// Every estimator.
-    pub fn all() -> impl Iterator<Item = Self> {
-        let tables = LobeModel::ALL.iter().map(|lobe| Self::Table(*lobe));
-        let formulas = LightModel::ALL.iter().flat_map(|model| model.closed_forms()).map(Self::ClosedForm);
-        let tables = tables.chain(SecondLobe::ALL.map(Self::TwoLobes));
-        tables.chain(formulas).chain([Self::Reference, Self::TableLobe, Self::ReferenceLobe])
-    }
-
     /// That of light by a model, by a rule where it has several; by a table as by its lobes.
     #[must_use]
     pub fn of(model: LightModel, rule: NormalsRule, table: &ShaderTable) -> Self {
@@ -59,11 +51,6 @@ impl Estimator {
             Self::Table(lobe) => lobe.gaussian().is_some(),
             other => matches!(other, Self::ClosedForm(_)),
         }
-    }
-
-    /// Whether it estimates the scattering model itself, not an approximation of it.
-    pub(super) fn is_reference(self) -> bool {
-        matches!(self, Self::Reference | Self::ReferenceLobe)
     }
 
     /// Whether it estimates a lobe, not radiance.

@@ -102,8 +102,6 @@ pub(super) struct Part {
     pub(super) tiles: u32,
     pub(super) first_sample: u32,
     pub(super) samples: u32,
-    /// To display, or as radiance.
-    pub(super) as_bytes: bool,
 }
 
 impl Frame {
@@ -176,7 +174,7 @@ impl Frame {
             Surface::Floor => 1,
         };
         words.0.extend([self.size, self.cells, surface, self.spp]);
-        words.0.extend([u32::from(part.as_bytes), part.first_sample, part.samples, part.first_tile]);
+        words.0.extend([part.first_tile, part.first_sample, part.samples, 0]);
         words.0
     }
 

@@ -32,9 +32,9 @@ pub use bounds::{PictureFault, SceneFault};
 pub use choices::Choices;
 pub use error::{PreviewError, TableFault};
 pub use estimator::{Estimator, Stop};
+pub use gpu::Weights;
 #[cfg(test)]
 pub(super) use gpu::{GpuFailure, tests::decoder::run as run_decoder};
-pub use gpu::{Variant, Weights};
 pub use named::NamedScene;
 pub use panel_error::PanelError;
 pub use parameter::{Parameter, ParameterForm, Value};

@@ -19,52 +19,44 @@ const FARTHEST_TARGET: f64 = 0.45;
 const TURN: [f64; 2] = [-TAU, TAU];
 const QUARTER: f64 = TAU / 4.0;
 
+/// A parameter that is one of the names of a list.
+macro_rules! listed {
+    ($name:literal, $help:literal, $kind:ident::$list:ident, $field:ident) => {
+        name(
+            $name,
+            $help,
+            || $kind::$list.iter().map(|known| known.name()).collect(),
+            |s| $kind::$list.iter().position(|known| *known == s.$field),
+            |s, i| s.$field = $kind::$list[i],
+        )
+    };
+}
+
 /// Every parameter. They are set in this order: the named scene first, then the parameters that differ from it.
 pub static PARAMETERS: [Parameter; 30] = [
     name(
         "scene",
         "Named set-up",
-        || names(NamedScene::ALL, NamedScene::name),
+        || NamedScene::ALL.iter().map(|named| named.name()).collect(),
         |_| Some(0),
-        |s, i| {
-            *s = NamedScene::ALL[i].scene();
-        },
+        |s, i| *s = NamedScene::ALL[i].scene(),
     ),
-    name(
-        "mode",
-        "What to show of it",
-        || names(Mode::ALL, Mode::name),
-        |s| Mode::ALL.iter().position(|mode| *mode == s.mode),
-        |s, i| s.mode = Mode::ALL[i],
-    ),
-    name(
-        "model",
-        "What stands for GGX where it is lit",
-        || names(LightModel::ALL, LightModel::name),
-        |s| LightModel::ALL.iter().position(|model| *model == s.model),
-        |s, i| s.model = LightModel::ALL[i],
-    ),
-    name(
+    listed!("mode", "What to show of it", Mode::ALL, mode),
+    listed!("model", "What stands for GGX where it is lit", LightModel::ALL, model),
+    listed!(
         "rule",
         "The rule of model normals: how much it costs and how near to the truth it is",
-        || names(&NormalsRule::SHADED, NormalsRule::name),
-        |s| NormalsRule::SHADED.iter().position(|rule| *rule == s.rule),
-        |s, i| s.rule = NormalsRule::SHADED[i],
+        NormalsRule::SHADED,
+        rule
     ),
-    Parameter {
-        name: "cut",
-        help: "Whether light and lobe of model ltc end at the surface: nothing shines through from below",
-        value_name: "BOOL",
-        unit: None,
-        form: ParameterForm::Flag(|s| &mut s.cut),
-    },
-    Parameter {
-        name: "compensate",
-        help: "Whether what the facets of a metal lose to each other is given back, in reference and models",
-        value_name: "BOOL",
-        unit: None,
-        form: ParameterForm::Flag(|s| &mut s.compensate),
-    },
+    flag("cut", "Whether light and lobe of model ltc end at the surface: nothing shines through from below", |s| {
+        &mut s.cut
+    }),
+    flag(
+        "compensate",
+        "Whether what the facets of a metal lose to each other is given back, in reference and models",
+        |s| &mut s.compensate,
+    ),
     whole("size", "Pixels a side of each panel", [64, 2048], |s| &mut s.size),
     whole("spp", "Samples a pixel of the reference", [1, 4096], |s| &mut s.spp),
     Parameter {
@@ -104,13 +96,7 @@ pub static PARAMETERS: [Parameter; 30] = [
         &mut s.light.rotation
     }),
     number("light_intensity", "Radiance of the light", None, [0.0, 1e4], |s| one(&mut s.light.intensity)),
-    Parameter {
-        name: "light_two_sided",
-        help: "Whether the back of a flat light emits too",
-        value_name: "BOOL",
-        unit: None,
-        form: ParameterForm::Flag(|s| &mut s.light.two_sided),
-    },
+    flag("light_two_sided", "Whether the back of a flat light emits too", |s| &mut s.light.two_sided),
     name(
         "light_picture",
         "Picture on a rectangle light, which is then drawn too",
@@ -118,13 +104,7 @@ pub static PARAMETERS: [Parameter; 30] = [
         |s| ScenePicture::NAMED.iter().position(|(_, picture)| *picture == s.picture),
         |s, i| s.picture = ScenePicture::NAMED[i].1.clone(),
     ),
-    name(
-        "light_readings",
-        "How often models read the picture for a point",
-        || names(Readings::ALL, Readings::name),
-        |s| Readings::ALL.iter().position(|readings| *readings == s.readings),
-        |s, i| s.readings = Readings::ALL[i],
-    ),
+    listed!("light_readings", "How often models read the picture for a point", Readings::ALL, readings),
     number("camera_distance", "Distance of the camera from its target", RADII, [NEAREST, PLACE], |s| {
         one(&mut s.camera.distance)
     }),
@@ -166,6 +146,10 @@ const fn name(
     Parameter { name, help, value_name: "NAME", unit: None, form: ParameterForm::Name { names, get, set } }
 }
 
+const fn flag(name: &'static str, help: &'static str, field: fn(&mut Scene) -> &mut bool) -> Parameter {
+    Parameter { name, help, value_name: "BOOL", unit: None, form: ParameterForm::Flag(field) }
+}
+
 const fn whole(
     name: &'static str,
     help: &'static str,
@@ -202,10 +186,6 @@ const fn numbers(
 
 fn one(number: &mut f64) -> &mut [f64] {
     slice::from_mut(number)
-}
-
-fn names<T: Copy>(all: &[T], name: fn(T) -> &'static str) -> Vec<&'static str> {
-    all.iter().map(|value| name(*value)).collect()
 }
 
 #[cfg(test)]

@@ -3,10 +3,12 @@
 use std::{borrow::Cow, sync::Arc};
 
 use super::{
-    Material, Mode, PreviewError, Radiances, Scene, ScenePicture, ShaderTable, TableFault, compose, cpu,
+    Material, Mode, PreviewError, Radiances, Scene, ScenePicture, ShaderTable, TableFault,
+    compose::Composer,
+    cpu,
     estimator::{Estimator, Stop},
     frame::Frame,
-    gpu::{Gpu, GpuFailure, RenderTask, Variant},
+    gpu::{Gpu, GpuFailure, RenderTask, Weights},
     panel_error::{PanelError, panel_errors},
     scene::COMPARED,
     tone,
@@ -62,33 +64,27 @@ pub struct Preview {
     had_gpu: bool,
     /// Pictures in a row at which the GPU hung.
     hangs: u32,
-    drawn_by: DrawnBy,
 }
 
-/// The device that has rendered a picture so far, which may take several passes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum DrawnBy {
-    /// Nothing is rendered yet.
-    Nobody,
-    /// The GPU has rendered all there is.
-    OnGpu,
-    /// The GPU failed before it had rendered anything; the CPU renders all.
-    OnCpu,
-    /// The GPU failed after it had rendered part.
-    Mixed,
+/// What renders the parts of a picture: the GPU, or the CPU.
+struct Pass<'a> {
+    gpu: Option<&'a mut Gpu>,
+    table: &'a Arc<ShaderTable>,
+    frame: &'a Frame,
+    stop: Stop<'a>,
 }
 
 impl Preview {
     /// A renderer that has opened nothing yet.
     #[must_use]
     pub fn new(adapter: Adapter) -> Self {
-        Self::with_variant(adapter, Variant::default())
+        Self::with_weights(adapter, Weights::default())
     }
 
-    /// A renderer whose shaders are compiled in another way. The CPU has no variants.
+    /// A renderer whose shaders interpolate in another way. The CPU interpolates in one.
     #[must_use]
-    pub fn with_variant(adapter: Adapter, variant: Variant) -> Self {
-        Self { adapter, gpu: Gpu::new(variant), has_no_gpu: false, had_gpu: false, hangs: 0, drawn_by: DrawnBy::Nobody }
+    pub fn with_weights(adapter: Adapter, weights: Weights) -> Self {
+        Self { adapter, gpu: Gpu::new(weights), has_no_gpu: false, had_gpu: false, hangs: 0 }
     }
 
     /// Renders a scene.
@@ -108,75 +104,29 @@ impl Preview {
         if !of_scene.is_empty() {
             return Err(PreviewError::Scene(of_scene, faults));
         }
-        self.begin(table, scene, faults)?;
+        let is_for_cpu = self.check(table, scene, faults)?;
         let scene = &*material_shown(&table.brdf, scene);
-        let rendered = self.attempt(table, scene, stop)?;
-        if self.drawn_by == DrawnBy::Mixed {
-            // A picture comes from one renderer: the CPU renders all of it.
-            return self.attempt(table, scene, stop);
+        let by_gpu = |gpu: &mut Gpu| attempt(Some(gpu), table, scene, stop);
+        // A picture comes from one renderer: if the GPU fails in the middle, the CPU renders all of it.
+        if let Some(rendered) = if is_for_cpu { None } else { self.on_gpu(by_gpu)? } {
+            return Ok(rendered);
         }
-        self.end();
-        Ok(rendered)
+        attempt(None, table, scene, stop).map_err(|_| PreviewError::Stopped)
     }
 
-    /// Nothing of a picture is rendered yet; one whose reference shaders do not know is the CPU's.
-    fn begin(&mut self, table: &ShaderTable, scene: &Scene, faults: Vec<TableFault>) -> Result<(), PreviewError> {
+    /// Whether only the CPU can render a scene, since shaders do not know its reference.
+    fn check(&self, table: &ShaderTable, scene: &Scene, faults: Vec<TableFault>) -> Result<bool, PreviewError> {
         if !faults.is_empty() {
             return Err(PreviewError::Table(faults));
         }
-        self.drawn_by = DrawnBy::Nobody;
-        if table.has_reference_on_cpu_only(scene) {
-            if let Some(file) = table.brdf.file().filter(|_| !table.brdf.is_complete()) {
-                return Err(PreviewError::NoBrdfFile(file.to_string()));
-            }
-            if self.adapter == Adapter::Gpu {
-                return Err(PreviewError::CpuOnly(table.brdf.kind()));
-            }
-            self.drawn_by = DrawnBy::OnCpu;
+        let is_for_cpu = table.has_reference_on_cpu_only(scene);
+        if let Some(file) = table.brdf.file().filter(|_| is_for_cpu && !table.brdf.is_complete()) {
+            return Err(PreviewError::NoBrdfFile(file.to_string()));
         }
-        Ok(())
-    }
-
-    /// A picture that the GPU rendered resets the count of pictures at which it hung.
-    fn end(&mut self) {
-        if self.drawn_by == DrawnBy::OnGpu {
-            self.hangs = 0;
+        if is_for_cpu && self.adapter == Adapter::Gpu {
+            return Err(PreviewError::CpuOnly(table.brdf.kind()));
         }
-    }
-
-    fn attempt(&mut self, table: &Arc<ShaderTable>, scene: &Scene, stop: Stop<'_>) -> Result<Rendered, PreviewError> {
-        let frame = Frame::new(scene, scene.mode == Mode::Lobe);
-        let out_of_range = out_of_range(table, scene);
-        let mut errors = Vec::new();
-        let picture = match scene.mode {
-            Mode::Ltc => {
-                let picture = self.picture(table, &frame, Estimator::of(scene.model, scene.rule, table), stop)?;
-                compose::warned(picture, scene, &out_of_range)
-            }
-            Mode::Reference => self.picture(table, &frame, Estimator::Reference, stop)?,
-            Mode::Difference | Mode::Strip => {
-                let lit = self.radiances(table, &frame, Estimator::of(scene.model, scene.rule, table), stop)?;
-                let reference = self.radiances(table, &frame, Estimator::Reference, stop)?;
-                errors = panel_errors(scene, &frame, scene.model, &lit, &reference);
-                compose::compared(scene, table, &out_of_range, [&lit, &reference], &errors)
-            }
-            Mode::Models => {
-                let reference = self.radiances(table, &frame, Estimator::Reference, stop)?;
-                let mut lit = Vec::new();
-                for model in COMPARED {
-                    let radiances = self.radiances(table, &frame, Estimator::of(model, scene.rule, table), stop)?;
-                    errors.extend(panel_errors(scene, &frame, model, &radiances, &reference));
-                    lit.push((model, radiances));
-                }
-                compose::models(scene, table, &out_of_range, &lit, &reference, &errors)
-            }
-            Mode::Lobe => {
-                let ltc = self.radiances(table, &frame, Estimator::TableLobe, stop)?;
-                let reference = self.radiances(table, &frame, Estimator::ReferenceLobe, stop)?;
-                compose::lobes(scene, table, &out_of_range, &frame, [&ltc, &reference])
-            }
-        };
-        Ok(Rendered { picture, adapter: self.adapter_name()?, errors, out_of_range })
+        Ok(is_for_cpu)
     }
 
     /// The device that renders: an adapter's name, or `cpu`.
@@ -188,95 +138,14 @@ impl Preview {
         Ok(name.unwrap_or_else(|| CPU.to_owned()))
     }
 
-    /// Whether pictures are rendered on the processor, by this program or by a driver.
-    ///
-    /// # Errors
-    /// No GPU where one was asked for.
-    pub fn is_software(&mut self) -> Result<bool, PreviewError> {
-        Ok(self.on_gpu(Gpu::is_software)?.unwrap_or(true))
-    }
-
-    /// Radiances of the part of the picture from `corner` of `extent`.
-    ///
-    /// # Errors
-    /// As [`Preview::render`].
-    pub fn part(
-        &mut self,
-        table: &Arc<ShaderTable>,
-        scene: &Scene,
-        estimator: Estimator,
-        corner: [u32; 2],
-        extent: [u32; 2],
-    ) -> Result<Radiances, PreviewError> {
-        let mode = if estimator.is_lobe() { Mode::Lobe } else { Mode::Reference };
-        let mode = if estimator.is_reference() { mode } else { Mode::Ltc };
-        // Of a part f0 is a factor, whatever the model.
-        let scene_of_part = Scene { mode, ..scene.clone() };
-        self.begin(table, &scene_of_part, faults_of_table(table, &scene_of_part))?;
-        let frame = Frame::new(scene, estimator.is_lobe());
-        let task = RenderTask { frame: &frame, estimator, corner, extent, as_bytes: false };
-        let Some(words) = self.on_gpu(|gpu| gpu.render(table, &task, &|| false))? else {
-            return Ok(cpu::render(&frame, table, estimator, corner, extent));
-        };
-        let all = radiances(&frame, &words);
-        let pixels = (corner[1]..corner[1] + extent[1])
-            .flat_map(|y| (corner[0]..corner[0] + extent[0]).map(move |x| (y * frame.size + x) as usize))
-            .map(|index| all.pixels[index])
-            .collect();
-        Ok(Radiances { width: extent[0], pixels })
-    }
-
-    /// A whole frame, to display.
-    fn picture(
-        &mut self,
-        table: &Arc<ShaderTable>,
-        frame: &Frame,
-        estimator: Estimator,
-        stop: Stop<'_>,
-    ) -> Result<Picture, PreviewError> {
-        if !RenderTask::is_one_pass(frame, estimator) {
-            return Ok(tone::displayed(frame.exposure, &self.radiances(table, frame, estimator, stop)?));
-        }
-        let task = RenderTask::whole(frame, estimator, true);
-        match self.on_gpu(|gpu| gpu.render(table, &task, stop))? {
-            Some(words) => {
-                self.drawn_by = DrawnBy::OnGpu;
-                let rgb = words.into_iter().map(|word| [word as u8, (word >> 8) as u8, (word >> 16) as u8]).collect();
-                Ok(Picture { width: frame.size, height: frame.size, rgb })
-            }
-            None => Ok(tone::displayed(frame.exposure, &on_cpu(table, frame, estimator, stop)?)),
-        }
-    }
-
-    /// A whole frame, as radiance.
-    fn radiances(
-        &mut self,
-        table: &Arc<ShaderTable>,
-        frame: &Frame,
-        estimator: Estimator,
-        stop: Stop<'_>,
-    ) -> Result<Radiances, PreviewError> {
-        let task = RenderTask::whole(frame, estimator, false);
-        match self.on_gpu(|gpu| gpu.render(table, &task, stop))? {
-            Some(words) => {
-                self.drawn_by = DrawnBy::OnGpu;
-                Ok(radiances(frame, &words))
-            }
-            None => on_cpu(table, frame, estimator, stop),
-        }
-    }
-
     /// The result of `work` on the GPU; `None` where the CPU has to do it.
     fn on_gpu<T>(&mut self, work: impl FnOnce(&mut Gpu) -> Result<T, GpuFailure>) -> Result<Option<T>, PreviewError> {
-        if self.adapter == Adapter::Cpu
-            || matches!(self.drawn_by, DrawnBy::OnCpu | DrawnBy::Mixed)
-            || (self.adapter == Adapter::Any && self.has_no_gpu)
-        {
+        if self.adapter == Adapter::Cpu || (self.adapter == Adapter::Any && self.has_no_gpu) {
             return Ok(None);
         }
         let failure = match work(&mut self.gpu) {
             Ok(done) => {
-                self.had_gpu = true;
+                (self.had_gpu, self.hangs) = (true, 0);
                 return Ok(Some(done));
             }
             Err(GpuFailure::Stopped) => return Err(PreviewError::Stopped),
@@ -284,7 +153,6 @@ impl Preview {
         };
         if self.adapter == Adapter::Any {
             tracing::warn!("the CPU renders: {failure}");
-            self.drawn_by = if self.drawn_by == DrawnBy::OnGpu { DrawnBy::Mixed } else { DrawnBy::OnCpu };
             self.hangs += u32::from(matches!(failure, GpuFailure::Hangs(_)));
             // A lost GPU may come back. A GPU that hangs is abandoned, and each one costs the time that it is waited
             // for.
@@ -306,6 +174,62 @@ impl Preview {
     #[cfg(test)]
     pub(super) fn fail_after(&mut self, times: u32) {
         self.gpu.fail_after(times);
+    }
+}
+
+/// Renders a picture on the GPU, or on the CPU, which fails only where it is told to stop.
+fn attempt(
+    gpu: Option<&mut Gpu>,
+    table: &Arc<ShaderTable>,
+    scene: &Scene,
+    stop: Stop<'_>,
+) -> Result<Rendered, GpuFailure> {
+    let frame = Frame::new(scene, scene.mode == Mode::Lobe);
+    let mut pass = Pass { gpu, table, frame: &frame, stop };
+    let out_of_range = out_of_range(table, scene);
+    let composer = Composer { scene, table, out_of_range: &out_of_range };
+    let mut errors = Vec::new();
+    let picture = match scene.mode {
+        Mode::Ltc => composer.warned(pass.picture(Estimator::of(scene.model, scene.rule, table))?),
+        Mode::Reference => pass.picture(Estimator::Reference)?,
+        Mode::Difference | Mode::Strip => {
+            let lit = pass.radiances(Estimator::of(scene.model, scene.rule, table))?;
+            let reference = pass.radiances(Estimator::Reference)?;
+            errors = panel_errors(scene, &frame, scene.model, &lit, &reference);
+            composer.compared(&lit, &reference, &errors)
+        }
+        Mode::Models => {
+            let reference = pass.radiances(Estimator::Reference)?;
+            let mut lit = Vec::new();
+            for model in COMPARED {
+                let radiances = pass.radiances(Estimator::of(model, scene.rule, table))?;
+                errors.extend(panel_errors(scene, &frame, model, &radiances, &reference));
+                lit.push((model, radiances));
+            }
+            composer.models(&lit, &reference, &errors)
+        }
+        Mode::Lobe => {
+            let ltc = pass.radiances(Estimator::TableLobe)?;
+            let reference = pass.radiances(Estimator::ReferenceLobe)?;
+            composer.lobes(&frame, &ltc, &reference)
+        }
+    };
+    let adapter = pass.gpu.map_or_else(|| Ok(CPU.to_owned()), Gpu::name)?;
+    Ok(Rendered { picture, adapter, errors, out_of_range })
+}
+
+impl Pass<'_> {
+    /// A whole frame, to display.
+    fn picture(&mut self, estimator: Estimator) -> Result<Picture, GpuFailure> {
+        Ok(tone::displayed(self.frame.exposure, &self.radiances(estimator)?))
+    }
+
+    /// A whole frame, as radiance.
+    fn radiances(&mut self, estimator: Estimator) -> Result<Radiances, GpuFailure> {
+        let Self { table, frame, stop, .. } = *self;
+        let Some(gpu) = &mut self.gpu else { return on_cpu(table, frame, estimator, stop) };
+        let pixels = gpu.render(table, &RenderTask::whole(frame, estimator), stop)?;
+        Ok(Radiances { width: frame.size, pixels })
     }
 }
 
@@ -354,11 +278,11 @@ fn out_of_range(table: &ShaderTable, scene: &Scene) -> Vec<Material> {
 }
 
 /// A whole frame, as radiance, on the CPU.
-fn on_cpu(table: &ShaderTable, frame: &Frame, estimator: Estimator, stop: Stop<'_>) -> Result<Radiances, PreviewError> {
+fn on_cpu(table: &ShaderTable, frame: &Frame, estimator: Estimator, stop: Stop<'_>) -> Result<Radiances, GpuFailure> {
     let mut pixels = Vec::with_capacity((frame.size * frame.size) as usize);
     for (corner, extent) in cpu_parts(frame.size, estimator.cost(frame.spp)) {
         if stop() {
-            return Err(PreviewError::Stopped);
+            return Err(GpuFailure::Stopped);
         }
         pixels.extend(cpu::render(frame, table, estimator, corner, extent).pixels);
     }
@@ -374,12 +298,6 @@ fn cpu_parts(size: u32, samples: u32) -> impl Iterator<Item = ([u32; 2], [u32; 2
         let extent = move |left: u32| [width.min(size - left), height.min(size - top)];
         (0..size).step_by(width as usize).map(move |left| ([left, top], extent(left)))
     })
-}
-
-/// Three words a pixel.
-fn radiances(frame: &Frame, words: &[u32]) -> Radiances {
-    let (pixels, _) = words.as_chunks::<3>();
-    Radiances { width: frame.size, pixels: pixels.iter().map(|words| words.map(f32::from_bits)).collect() }
 }
 
 #[cfg(test)]

@@ -11,44 +11,17 @@ pub(super) struct LogAxis {
 
 /// The margin at both ends, as a part of the axis.
 const MARGIN: f64 = 0.05;
-/// Values are outliers if the axis without them is at most this part as long, and if they are at most this part of all.
-const OUTLIER_SPAN: f64 = 0.5;
-const OUTLIER_SHARE: f64 = 0.1;
-/// Values whose greatest is less than this times their least have no outliers: they are told apart anyway.
-const OUTLIER_FACTOR: f64 = 4.0;
 
 impl LogAxis {
-    /// An axis that shows all positive `values` but outliers, between the coordinates `ends`. Without any, from 1
-    /// to 10.
+    /// An axis that shows all positive `values`, between the coordinates `ends`. Without any, from 1 to 10.
     pub(super) fn over(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
-        let mut values: Vec<f64> = values.filter(|value| *value > 0.0 && value.is_finite()).collect();
-        values.sort_by(f64::total_cmp);
-        Self::between(without_outliers(&values), ends)
-    }
-
-    /// An axis that shows all positive `values`.
-    pub(super) fn over_all(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
-        let mut values: Vec<f64> = values.filter(|value| *value > 0.0 && value.is_finite()).collect();
-        values.sort_by(f64::total_cmp);
-        Self::between(&values, ends)
-    }
-
-    /// An axis over ascending values.
-    fn between(values: &[f64], ends: [f64; 2]) -> Self {
-        let (low, high) = match values {
-            [] => (1.0, 10.0),
-            [low, .., high] => (*low, *high),
-            [lone] => (*lone, *lone),
-        };
+        let shown = values.filter(|value| *value > 0.0 && value.is_finite());
+        let [low, high] = shown.fold([f64::INFINITY, 0.0_f64], |[low, high], value| [low.min(value), high.max(value)]);
+        let [low, high] = if low > high { [1.0, 10.0] } else { [low, high] };
         // A lone value stands in the middle of a factor of two.
         let span = (high / low).ln().max(std::f64::consts::LN_2 * 0.5);
         let margin = (MARGIN * span).exp();
         Self { low: low / margin, high: (low * span.exp()).max(high) * margin, ends }
-    }
-
-    /// Whether `value` lies beyond the axis, and is drawn at its end.
-    pub(super) fn is_beyond(&self, value: f64) -> bool {
-        !(self.low..=self.high).contains(&value)
     }
 
     /// Where `value` is drawn; values beyond the axis are drawn at its end.
@@ -81,25 +54,6 @@ impl LogAxis {
     }
 }
 
-/// Ascending values without the few at either end that would take most of the axis.
-fn without_outliers(values: &[f64]) -> &[f64] {
-    let most = ((values.len() as f64 * OUTLIER_SHARE) as usize).max(1);
-    let span = |values: &[f64]| match values {
-        [low, .., high] => (high / low).ln(),
-        _ => 0.0,
-    };
-    if span(values) < OUTLIER_FACTOR.ln() {
-        return values;
-    }
-    // Two values have no common scale that either could be off.
-    let is_shorter = |rest: &[f64]| rest.len() > 2 && span(rest) <= OUTLIER_SPAN * span(values);
-    // The fewest that do, counted over both ends.
-    let mut dropped = (1..=most).flat_map(|all| (0..=all).map(move |below| [below, all - below]));
-    let rest = |[below, above]: [usize; 2]| values.get(below..values.len().saturating_sub(above)).unwrap_or_default();
-    let found = dropped.find(|ends| is_shorter(rest(*ends)));
-    found.map_or(values, rest)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,26 +78,10 @@ mod tests {
     }
 
     #[test]
-    fn an_axis_of_all_values_has_no_outliers_and_its_ticks_leave_room() {
+    fn ticks_leave_room() {
         let values = [3e-4, 0.02, 0.021, 0.022, 0.023, 0.024, 0.025, 0.026, 0.027, 0.028, 0.029];
-        let axis = LogAxis::over_all(values.into_iter(), [0.0, 100.0]);
-        assert!(values.iter().all(|value| !axis.is_beyond(*value)));
+        let axis = LogAxis::over(values.into_iter(), [0.0, 100.0]);
         assert_eq!(axis.ticks_apart(1.0), axis.ticks());
         assert_eq!(axis.ticks_apart(30.0), [1e-3, 1e-2]);
-    }
-
-    #[test]
-    fn outliers_leave_the_axis_to_the_others() {
-        let axis = |values: &[f64]| LogAxis::over(values.iter().copied(), [0.0, 100.0]);
-        let crowd = [0.05, 0.051, 0.055, 0.06, 0.08, 0.1];
-        for outlier in [1e-4, 9.0] {
-            let axis = axis(&[&crowd[..], &[outlier]].concat());
-            assert!(axis.is_beyond(outlier) && crowd.iter().all(|value| !axis.is_beyond(*value)), "{outlier}");
-            assert!(axis.at(0.1) - axis.at(0.05) > 80.0, "{outlier}");
-            assert_eq!(axis.at(outlier), if outlier > 1.0 { 100.0 } else { 0.0 });
-        }
-        // A wide range that is filled has none.
-        let filled: Vec<f64> = (0..12).map(|i| 2_f64.powi(i)).collect();
-        assert!(filled.iter().all(|value| !axis(&filled).is_beyond(*value)));
     }
 }

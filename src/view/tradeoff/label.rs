@@ -32,37 +32,20 @@ impl Area {
     fn distance2(&self, [x, y]: [f64; 2]) -> f64 {
         (self.left + 0.5 * self.width - x).powi(2) + (self.top + 0.5 * self.height - y).powi(2)
     }
-
-    fn is_inside(&self, frame: &Self) -> bool {
-        self.left >= frame.left
-            && self.top >= frame.top
-            && self.left + self.width <= frame.left + frame.width
-            && self.top + self.height <= frame.top + frame.height
-    }
 }
 
-/// Distances and directions from a point at which its name may stand, best first.
-const DISTANCES: [f64; 6] = [12.0, 20.0, 30.0, 44.0, 60.0, 80.0];
-/// Around the circle, the upper right first; y grows downwards.
-const DIRECTIONS: [[f64; 2]; 8] =
-    [[0.7, -0.7], [0.7, 0.7], [-0.7, -0.7], [-0.7, 0.7], [1.0, 0.0], [-1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
-
-/// How far apart the places are that are tried all over the frame, when none beside the point is free.
+/// How far apart the places are that are tried.
 const STEP: f64 = 5.0;
 
-/// A place of `size` for each point's name, inside `frame`: the first beside the point that hides neither a mark in
-/// `taken` nor another name, else the nearest such place in the frame. `None` for a name for which there is none.
+/// A place of `size` for each point's name, inside `frame`: the nearest to the point that hides neither a mark in
+/// `taken` nor another name. `None` for a name for which there is none.
 pub(super) fn places(points: &[[f64; 2]], sizes: &[[f64; 2]], taken: &[Area], frame: &Area) -> Vec<Option<Area>> {
     let mut names: Vec<Area> = Vec::new();
     let found = points.iter().zip(sizes).map(|(point, size)| {
-        let is_free =
-            |area: &Area| area.is_inside(frame) && names.iter().chain(taken).all(|other| area.overlap(other) == 0.0);
-        let beside = DISTANCES.iter().flat_map(|r| DIRECTIONS.iter().map(move |to| beside(*point, *to, *r, *size)));
-        let place = beside.into_iter().find(|area| is_free(area)).or_else(|| {
-            let free = everywhere(frame, *size).filter(|area| is_free(area));
-            // `min_by` keeps the first of equals.
-            free.min_by(|a, b| a.distance2(*point).total_cmp(&b.distance2(*point)))
-        });
+        let is_free = |area: &Area| names.iter().chain(taken).all(|other| area.overlap(other) == 0.0);
+        let free = everywhere(frame, *size).filter(is_free);
+        // `min_by` keeps the first of equals.
+        let place = free.min_by(|a, b| a.distance2(*point).total_cmp(&b.distance2(*point)));
         names.extend(place);
         place
     });
@@ -81,16 +64,6 @@ fn everywhere(frame: &Area, [width, height]: [f64; 2]) -> impl Iterator<Item = A
             height,
         })
     })
-}
-
-/// The box of `size` whose nearest point lies `distance` from `point` towards `to`.
-fn beside([x, y]: [f64; 2], [dx, dy]: [f64; 2], distance: f64, [width, height]: [f64; 2]) -> Area {
-    let anchor = |d: f64, size: f64| match d {
-        d if d > 0.1 => 0.0,
-        d if d < -0.1 => size,
-        _ => 0.5 * size,
-    };
-    Area { left: x + dx * distance - anchor(dx, width), top: y + dy * distance - anchor(dy, height), width, height }
 }
 
 #[cfg(test)]
@@ -112,7 +85,9 @@ mod tests {
         let found: Vec<Area> = found.iter().flatten().copied().collect();
         assert_eq!(found.len(), count);
         for (i, area) in found.iter().enumerate() {
-            assert!(area.is_inside(frame), "{area:?}");
+            assert!(area.left >= frame.left && area.top >= frame.top, "{area:?}");
+            assert!(area.left + area.width <= frame.left + frame.width, "{area:?}");
+            assert!(area.top + area.height <= frame.top + frame.height, "{area:?}");
             assert!(found[..i].iter().chain(taken).all(|other| area.overlap(other) == 0.0), "{found:?}");
         }
     }

@@ -4,14 +4,13 @@
 //! Invariant: no clock and no file here. Callers measure and hand the results in.
 
 mod axis;
+mod chart;
 mod family;
 mod fitted_recipe;
 mod front;
 mod label;
 mod mark;
 mod model;
-mod model_panels;
-mod model_table;
 mod number;
 mod picture;
 mod prediction;
@@ -20,9 +19,7 @@ mod table;
 pub use family::{Size, family};
 pub use fitted_recipe::{FittedRecipe, Measurement, POINTS, rows};
 pub use front::{Fronts, front};
-pub use model::{
-    EngineRow, FRAME_SIZE, GPU_FRAME_SIZE, LIGHTS, ModelRow, ModelRows, fitted_gaussians, median, stands_for_ltc,
-};
+pub use model::{LIGHTS, ModelRow, ModelRows, fitted_gaussians, stands_for_ltc};
 pub use picture::picture;
 pub use prediction::{OffBy, off_by};
 pub use table::{csv, json};

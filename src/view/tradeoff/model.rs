@@ -1,20 +1,14 @@
 //! The models that light a surface, each with its error and its costs.
 
-use std::fmt::Write as _;
-
 use serde::Serialize;
 
 use ltcforge_files::{digest::Digest, recipe_document::Preset};
 use ltcforge_fit::{FitSettings, Layout, LobeModel, Recipe, Spread, StoredTerms};
-use ltcforge_light::{LightModel, engines::EngineWay, normals::NormalsRule};
+use ltcforge_light::{LightModel, normals::NormalsRule};
 use ltcforge_shaders::GpuCost;
 
 /// Random lights by which every model is measured, the same for all.
 pub const LIGHTS: usize = 2048;
-/// Pixels a side of the frame that every model renders on the processor.
-pub const FRAME_SIZE: u32 = 512;
-/// The same on a GPU: as many pixels as 1920 x 1080.
-pub const GPU_FRAME_SIZE: u32 = 1440;
 
 /// A model that lights a surface, its cost and its error.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -31,8 +25,6 @@ pub struct ModelRow {
     pub light_error: Spread,
     /// What its text costs a GPU.
     pub gpu_cost: Option<GpuCost>,
-    /// Median time of a frame, milliseconds.
-    pub frame_milliseconds: f64,
     /// Bytes that the shader reads on the GPU.
     pub gpu_bytes: u64,
     /// Bytes of the file that ships with a renderer.
@@ -43,19 +35,6 @@ pub struct ModelRow {
     pub fit_seconds: f64,
 }
 
-/// A way in which engines and papers light, its cost and its error.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct EngineRow {
-    /// The way.
-    pub way: EngineWay,
-    /// The recipe of its table.
-    pub recipe_digest: Option<Digest>,
-    /// Absolute error of the reflected energy of the same lights.
-    pub light_error: Spread,
-    /// What its text costs a GPU.
-    pub gpu_cost: Option<GpuCost>,
-}
-
 /// The models, and how they were measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModelRows {
@@ -63,16 +42,10 @@ pub struct ModelRows {
     pub lights: usize,
     /// The mean energy that a surface reflects of them.
     pub mean_energy: f64,
-    /// Pixels a side of the frame: [`FRAME_SIZE`], or [`GPU_FRAME_SIZE`].
-    pub frame_size: u32,
-    /// The renderer: an adapter's name, or `cpu`.
-    pub adapter: String,
     /// The compiler that tells what texts cost a GPU, [`COMPILER`](ltcforge_shaders::COMPILER).
     pub compiler: &'static str,
     /// The models.
     pub rows: Vec<ModelRow>,
-    /// The ways of engines.
-    pub engines: Vec<EngineRow>,
 }
 
 impl ModelRow {
@@ -87,53 +60,34 @@ impl ModelRow {
 }
 
 impl ModelRows {
-    /// The models and the ways of engines as a table of text, a line for each.
+    /// The models as a table of text, a line for each.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut out = format!(
-            "{:22}{:>10}{:>10}{:>11}{:>14}{:>10}{:>12}{:>12}{:>12}{:>10}\n",
-            "model",
-            "error",
-            "p95",
-            "registers",
-            "instructions",
-            "frame ms",
-            "GPU bytes",
-            "file bytes",
-            "WGSL bytes",
-            "seconds"
-        );
+        let heads = ["error", "p95", "registers", "instructions", "GPU bytes", "file bytes", "WGSL bytes", "seconds"];
+        let mut out = line("model", heads.map(str::to_owned));
         for row in &self.rows {
-            // Writing to a String cannot fail.
-            let _ = writeln!(
-                out,
-                "{}{:>10.2}{:>12}{:>12}{:>12}{:>10.2}",
-                start(&row.name(), &row.light_error, row.gpu_cost),
-                row.frame_milliseconds,
-                row.gpu_bytes,
-                row.file_bytes,
-                row.shader_bytes,
-                row.fit_seconds
-            );
+            let cost = |of: fn(GpuCost) -> u32| row.gpu_cost.map_or_else(String::new, |cost| of(cost).to_string());
+            let cells = [
+                format!("{:.5}", row.light_error.mean),
+                format!("{:.5}", row.light_error.p95),
+                cost(|cost| cost.registers),
+                cost(|cost| cost.instructions),
+                row.gpu_bytes.to_string(),
+                row.file_bytes.to_string(),
+                row.shader_bytes.to_string(),
+                format!("{:.2}", row.fit_seconds),
+            ];
+            out += &line(&row.name(), cells);
         }
-        for row in &self.engines {
-            let _ = writeln!(out, "{}", start(row.way.name(), &row.light_error, row.gpu_cost));
-        }
-        let Self { lights, mean_energy, frame_size, adapter, compiler, .. } = self;
-        let _ = write!(
-            out,
-            "{lights} lights of mean energy {mean_energy:.3}; frames of {frame_size} x {frame_size} by {adapter}; \
-             registers and instructions of one rectangle by {compiler}"
-        );
-        out
+        let Self { lights, mean_energy, compiler, .. } = self;
+        out + &format!(
+            "{lights} lights of mean energy {mean_energy:.3}; registers and instructions of one rectangle by {compiler}"
+        )
     }
 }
 
-/// The start of a line of text.
-fn start(name: &str, error: &Spread, cost: Option<GpuCost>) -> String {
-    let told = |of: fn(GpuCost) -> u32| cost.map_or_else(String::new, |cost| of(cost).to_string());
-    let (registers, instructions) = (told(|cost| cost.registers), told(|cost| cost.instructions));
-    format!("{name:22}{:>10.5}{:>10.5}{registers:>11}{instructions:>14}", error.mean, error.p95)
+fn line(name: &str, cells: [String; 8]) -> String {
+    format!("{name:22}{}\n", cells.map(|cell| format!("{cell:>13}")).concat())
 }
 
 /// Whether a recipe's table stands for model `ltc`: it has the base's resolution and precision and the effort of preset
@@ -157,13 +111,6 @@ pub fn fitted_gaussians(base: &Recipe) -> Vec<Recipe> {
         ..base.clone()
     };
     lobes.map(fit).collect()
-}
-
-/// The middle of several durations. Domain: at least one.
-#[must_use]
-pub fn median(mut durations: Vec<f64>) -> f64 {
-    durations.sort_by(f64::total_cmp);
-    durations[durations.len() / 2]
 }
 
 #[cfg(test)]
@@ -210,7 +157,6 @@ pub(super) mod tests {
                 instructions: (1.0 / mean) as u32,
                 inverse_throughput: (2.0 / mean) as u32,
             }),
-            frame_milliseconds: 0.02 / mean,
             gpu_bytes: bytes,
             file_bytes: bytes,
             shader_bytes: 20_000,
@@ -226,28 +172,14 @@ pub(super) mod tests {
             row(LightModel::Asg, None, None, 0.03, 0),
             row(LightModel::Asg, None, Some(Layout::Reflected), 0.02, 181_440),
         ];
-        let engine = |way: &EngineWay| EngineRow {
-            way: *way,
-            recipe_digest: way.layout().map(|_| Digest::of(b"")),
-            light_error: Spread { mean: 0.03, p95: 0.1, max: 0.4 },
-            gpu_cost: GpuCost::of(way.name()),
-        };
-        ModelRows {
-            lights: LIGHTS,
-            mean_energy: 0.3,
-            frame_size: FRAME_SIZE,
-            adapter: "cpu".to_owned(),
-            compiler: COMPILER,
-            rows,
-            engines: EngineWay::ALL.iter().map(engine).collect(),
-        }
+        ModelRows { lights: LIGHTS, mean_energy: 0.3, compiler: COMPILER, rows }
     }
 
     #[test]
     fn the_text_has_a_line_for_each_model() {
         let text = rows().text();
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 1 + 7 + 4 + 1, "{text}");
+        assert_eq!(lines.len(), 1 + 7 + 1, "{text}");
         let names =
             ["ltc reflected", "normals balanced", "normals fast", "normals fine", "sg ", "asg ", "asg reflected"];
         for (line, name) in lines[1..].iter().zip(names) {
@@ -255,16 +187,6 @@ pub(super) mod tests {
             assert_eq!(line.len(), lines[0].len(), "{line}");
         }
         assert!(lines[1].contains(" 181440 ") && lines[2].contains(" 0 "), "{text}");
-        for (line, way) in lines[8..].iter().zip(EngineWay::ALL) {
-            let cost = GpuCost::of(way.name()).expect("a cost");
-            assert!(line.starts_with(way.name()) && line.ends_with(&format!(" {}", cost.instructions)), "{line}");
-        }
-        assert!(lines[12].contains("512 x 512 by cpu") && lines[12].ends_with(COMPILER), "{text}");
-    }
-
-    #[test]
-    fn one_slow_frame_does_not_move_the_median() {
-        assert_eq!(median(vec![3.0, 1.0, 900.0, 2.0, 2.5]), 2.5);
-        assert_eq!(median(vec![7.0]), 7.0);
+        assert!(lines[8].ends_with(COMPILER), "{text}");
     }
 }

@@ -1,14 +1,5 @@
 //! Numbers as pictures write them.
 
-/// A number rounded to two digits, without the last digits of its binary form.
-pub(super) fn two_digits(x: f64) -> f64 {
-    if x == 0.0 {
-        return 0.0;
-    }
-    let scale = 10_f64.powi(1 - x.abs().max(f64::MIN_POSITIVE).log10().floor() as i32);
-    rounded((x * scale).round() / scale)
-}
-
 /// A tick without the last digits of its binary form. Domain: `tick > 0`.
 pub(super) fn rounded(tick: f64) -> f64 {
     let scale = 10_f64.powi(3 - tick.log10().floor() as i32);

@@ -3,6 +3,7 @@
 use std::{io, path::PathBuf};
 
 use ltcforge::{
+    LightError,
     files::recipe_document::RecipeError,
     textures::NoTextures,
     view::{picture::PngError, preview::PreviewError},
@@ -17,6 +18,9 @@ pub enum FigureError {
     /// The renderer's error.
     #[error(transparent)]
     Preview(#[from] PreviewError),
+    /// The light of a model.
+    #[error(transparent)]
+    Light(#[from] LightError),
     /// The textures of a table.
     #[error(transparent)]
     Textures(#[from] NoTextures),

@@ -1,14 +1,18 @@
-//! The figures of the paper that introduced anisotropic LTCs [KT et al. 2022] and those of the notes on the isotropic fit,
-//! made anew from our own fits.
+//! The figures of the documents: those of the paper that introduced anisotropic LTCs [KT et al. 2022] and of the notes on
+//! the isotropic fit, made anew from our own fits; Gaussians; rough glass.
 //!
 //! Invariant: equal calls give equal bytes on the same adapter; all but spheres do so on every machine.
 
 mod alignment;
 mod alignments;
+mod curves;
 mod error;
 mod fits;
+mod gaussians;
+mod glass;
 mod halfway;
 mod hemisphere;
+mod isotropic;
 mod lobes;
 mod metrics;
 mod nearest;
@@ -22,14 +26,14 @@ use std::path::{Path, PathBuf};
 
 use ltcforge::{
     files::replace::replace_file,
-    fit::named_list,
-    view::{picture::Picture, plots::IsotropicFigure, preview::Preview},
+    fit::{Shear, named_list},
+    view::{picture::Picture, preview::Preview},
 };
 
 pub use error::FigureError;
 
 named_list! {
-    /// One of the figures: of the paper in its order, and of the notes.
+    /// One of the figures: of the paper in its order, of the notes, and of other documents.
     pub enum Figure {
         /// Artefacts, each from leaving out one remedy.
         Figure3 = "figure_3",
@@ -55,8 +59,18 @@ named_list! {
         Notes4 = "notes_4",
         /// The notes' figure 5: the order in which searches start from each other.
         Notes5 = "notes_5",
+        /// docs/gaussians.md: GGX and the Gaussians that stand for it.
+        Gaussians = "gaussians",
+        /// docs/refraction.md: lamps behind rough glass, in closed form and by Monte Carlo integration.
+        Glass = "glass",
     }
 }
+
+/// Random lights for each point of a curve of the figure of Gaussians.
+const GAUSSIAN_LIGHTS: usize = 150;
+/// Pixels a side of each panel of glass, and visible normals a pixel of its reference.
+const GLASS_SIDE: u32 = 192;
+const GLASS_SAMPLES: usize = 610;
 
 /// What a figure is written as.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,7 +96,7 @@ impl Figure {
     /// Fits what it shows, on the current rayon pool, and draws it. Figure 12 takes a minute, the others seconds.
     ///
     /// # Errors
-    /// What the renderer of spheres reports.
+    /// Errors of the renderer of spheres.
     pub fn draw(self, preview: &mut Preview) -> Result<Drawn, FigureError> {
         let picture = match self {
             Self::Figure3 => remedies::draw(preview)?,
@@ -92,11 +106,13 @@ impl Figure {
             Self::Figure13 => lobes::draw()?,
             Self::Table1 => return Ok(Drawn::Table(sizes::table()?)),
             Self::Alignment => alignments::draw()?,
-            Self::Notes1 => IsotropicFigure::Numbers.draw(),
-            Self::Notes2 => IsotropicFigure::ShearX.draw(),
-            Self::Notes3 => IsotropicFigure::ShearZ.draw(),
-            Self::Notes4 => IsotropicFigure::Starts.draw(),
-            Self::Notes5 => IsotropicFigure::Order.draw(),
+            Self::Notes1 => isotropic::numbers(),
+            Self::Notes2 => isotropic::shears(Shear::X),
+            Self::Notes3 => isotropic::shears(Shear::Z),
+            Self::Notes4 => isotropic::starts(),
+            Self::Notes5 => isotropic::order(),
+            Self::Gaussians => gaussians::draw(GAUSSIAN_LIGHTS)?,
+            Self::Glass => glass::draw(GLASS_SIDE, GLASS_SAMPLES).picture,
         };
         Ok(Drawn::Picture(picture))
     }

@@ -64,10 +64,21 @@ fn table_1_is_the_one_of_the_documentation() {
 
 #[test]
 fn the_documentation_shows_every_figure() {
-    let text = include_str!("../../../docs/figures.md");
+    let pages = ["figures", "gaussians", "refraction"].map(|page| format!("../docs/{page}.md"));
+    let read = |page: &String| fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(page)).expect("a page");
+    let text = pages.iter().map(read).collect::<String>();
     for figure in Figure::ALL.iter().filter(|figure| **figure != Figure::Table1) {
         assert!(text.contains(&format!("(figures/{figure}.png)")), "{figure}");
     }
+}
+
+/// Those that fit no whole table.
+#[test]
+fn pictures_of_isotropic_fits_differ_and_come_again() {
+    let draw = || [isotropic::shears(Shear::X), isotropic::shears(Shear::Z), isotropic::order()];
+    let drawn = draw();
+    assert!(drawn == draw(), "not the same again");
+    assert!(drawn[0] != drawn[1] && drawn[0].rgb.len() > 100_000);
 }
 
 /// Those that fit next to nothing.

@@ -1,11 +1,4 @@
-// Numbers, times and recipes as people read them.
-
-/** JSON in lines, with lists of numbers in one. */
-export function json( value ) {
-
-	return JSON.stringify( value, null, 2 ).replace( /\[[^[\]{}]*\]/g, ( list ) => list.replace( /\s+/g, ' ' ) );
-
-}
+// Numbers, times and sizes as people read them.
 
 /** Three significant digits without an exponent, as far as that is short. */
 export function number( value ) {
@@ -16,12 +9,14 @@ export function number( value ) {
 
 }
 
+/** A whole number with its thousands apart. */
+export const whole = ( count ) => count.toLocaleString( 'en' );
+
 /** A part of a whole in percent. */
-export function percent( part, digits = 1 ) {
+export const percent = ( part, digits = 1 ) => `${ ( 100 * part ).toFixed( digits ) } %`;
 
-	return `${ ( 100 * part ).toFixed( digits ) } %`;
-
-}
+/** An angle in whole degrees. */
+export const degrees = ( radians ) => `${ Math.round( radians * 180 / Math.PI ) }°`;
 
 export function bytes( count ) {
 
@@ -42,43 +37,14 @@ export function span( seconds ) {
 
 }
 
-/** How long ago a time is, in its largest unit. */
+/** The time since a date, in its largest unit. */
 export function age( time ) {
 
 	const seconds = Math.max( 0, ( Date.now() - Date.parse( time ) ) / 1000 );
-	const units = [ [ 86_400, 'd' ], [ 3600, 'h' ], [ 60, 'min' ], [ 1, 's' ] ];
-	const [ size, name ] = units.find( ( [ size ] ) => seconds >= size ) || [ 1, 's' ];
+	const [ size, name ] = [ [ 86_400, 'd' ], [ 3600, 'h' ], [ 60, 'min' ] ].find( ( [ size ] ) => seconds >= size ) || [ 1, 's' ];
 	return `${ Math.floor( seconds / size ) } ${ name }`;
 
 }
 
 /** The first digits of a digest. */
-export function short( digest ) {
-
-	return digest.replace( 'sha256:', '' ).slice( 0, 10 );
-
-}
-
-/** Nodes along the axes that have more than one. */
-export function nodes( { resolution } ) {
-
-	const counts = [ 'alpha', 'ratio', 'theta', 'phi' ].map( ( axis ) => resolution[ axis ] ).filter( ( count ) => count > 1 );
-	return counts.join( ' × ' ) || '1';
-
-}
-
-/** What a recipe fits, in a few words. */
-export function title( recipe ) {
-
-	const materials = recipe.fresnel === undefined ? [] : [ Array.isArray( recipe.fresnel ) ? `F0 ${ recipe.fresnel.map( ( { f0 } ) => f0 ).join( ', ' ) }` : recipe.fresnel.replaceAll( '_', ' ' ) ];
-	const lobe = recipe.lobe === undefined ? [] : [ recipe.lobe ];
-	return [ recipe.brdf, recipe.layout, nodes( recipe ), recipe.precision, ...lobe, ...materials ].join( ' · ' );
-
-}
-
-/** Whether all surfaces of a recipe are isotropic. */
-export function isIsotropic( { range } ) {
-
-	return range.ratio[ 0 ] === 1;
-
-}
+export const short = ( digest ) => digest.replace( 'sha256:', '' ).slice( 0, 10 );

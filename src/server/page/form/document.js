@@ -1,49 +1,46 @@
 // The recipe as JSON, to be copied, edited, or replaced by another that is pasted: it says what the form has no field for.
 
 import { el } from '../elements/dom.js';
-import { json } from '../elements/format.js';
+import { json } from '../elements/recipe.js';
 
 /** Lines that are shown at most without scrolling. */
 const MOST_LINES = 24;
 
-/** Whether a value may be a recipe. */
-export function isDocument( value ) {
+/** Reads a document that may be a recipe. */
+export function parsed( text ) {
 
-	return typeof value === 'object' && value !== null && ! Array.isArray( value );
+	const value = JSON.parse( text );
+	if ( Object.prototype.toString.call( value ) !== '[object Object]' ) throw new Error( 'A recipe is an object: { … }' );
+	return value;
 
 }
 
-/** A field for the document; `take` gets what was entered, `refuse` is called where that is no document. */
+/** A field for the document; `take` gets the document that was entered, `refuse` is called where it is none. */
 export function documentField( take, refuse ) {
 
 	const fault = el( 'p', { class: 'fault', id: 'document-fault' } );
-	const field = el( 'textarea', { id: 'document', 'aria-label': 'Recipe as JSON', 'aria-describedby': fault.id, spellcheck: 'false', autocomplete: 'off', oninput: read } );
+	const field = el( 'textarea', { id: 'document', 'aria-label': 'Recipe as JSON', 'aria-describedby': fault.id, spellcheck: 'false', autocomplete: 'off', oninput: () => {
 
-	function read() {
-
-		let entered;
 		try {
 
-			entered = JSON.parse( field.value );
+			const entered = parsed( field.value );
+			blame( '' );
+			take( entered );
 
-		} catch ( error ) {
+		} catch ( { name, message } ) {
 
-			return blame( `This is not JSON: ${ error.message }` );
+			blame( name === 'SyntaxError' ? `This is not JSON: ${ message }` : message );
+			refuse();
 
 		}
 
-		if ( ! isDocument( entered ) ) return blame( 'A recipe is an object: { … }' );
-		blame( '' );
-		take( entered );
-
-	}
+	} } );
 
 	function blame( text ) {
 
 		fault.textContent = text;
 		field.setAttribute( 'aria-invalid', text !== '' );
 		field.rows = Math.min( field.value.split( '\n' ).length, MOST_LINES );
-		if ( text ) refuse();
 
 	}
 

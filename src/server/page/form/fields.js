@@ -1,42 +1,18 @@
-// The fields of a recipe as a form has them. What they mean and allow the service says: it fills in defaults and finds faults.
+// The fields of a recipe that the form has. The service says what they allow, fills in defaults and finds errors.
 
-const BRDFS = [ 'ggx', 'beckmann', 'charlie', 'charlie_neubelt', 'burley_diffuse', 'oren_nayar', 'fuzz' ];
-const LAYOUTS = [ 'reflected', 'kt2022', 'ltc2017', 'ltc2016', 'godot', 'hdrp', 'inverse', 'matrix33', 'materials' ];
-const HALF_TURN = 1.5707963267948966;
+const ALPHA_AND_RATIO = [ 'alpha', 'ratio' ];
+const AXES = Object.fromEntries( [ ...ALPHA_AND_RATIO, 'theta', 'phi' ].map( ( axis ) => [ axis, axis ] ) );
 
-const choice = ( pointer, label, options ) => ( { pointer, label, kind: 'choice', options } );
-const whole = ( pointer, label, min, max ) => ( { pointer, label, kind: 'whole', min, max } );
-const interval = ( pointer, label, max ) => ( { pointer, label, kind: 'interval', max } );
+/** Labels of the fields by their groups and pointers (RFC 6901). */
+const GROUPS = {
+	Surface: { brdf: 'Scattering model', fresnel: 'Materials', lobe: 'Lobe' },
+	Table: { layout: 'Layout', materials: 'Roughnesses', precision: 'Numbers', terms: 'Terms' },
+	Nodes: { resolution: AXES },
+	Ranges: { range: AXES },
+	Fit: { fit: { metric: 'Metric', solver: 'Solver', samples: 'Samples', directions: 'Directions', steps: 'Steps', seed: 'Seed' } },
+};
 
-/** Groups of fields, by their RFC 6901 pointers. A field of one layout tells it, and which others it decides, which a change of it leaves out. */
-export const GROUPS = [
-	{ name: 'Surface', fields: [
-		choice( '/brdf', 'Scattering model', BRDFS ),
-		{ pointer: '/fresnel', label: 'Materials', kind: 'materials' },
-		choice( '/lobe', 'Lobe', [ 'ltc', 'sg', 'asg' ] ),
-	] },
-	{ name: 'Table', fields: [
-		choice( '/layout', 'Layout', LAYOUTS ),
-		{ pointer: '/materials', label: 'Roughnesses', kind: 'roughnesses', layout: 'materials', decides: [ '/range', '/resolution' ].flatMap( ( of ) => [ `${ of }/alpha`, `${ of }/ratio` ] ) },
-		choice( '/precision', 'Numbers', [ 'f32', 'f16' ] ),
-		choice( '/terms', 'Terms', [ true, false, 'f82' ] ),
-	] },
-	{ name: 'Nodes', fields: [ 'alpha', 'ratio', 'theta', 'phi' ].map( ( axis ) => whole( `/resolution/${ axis }`, axis, 1, 16_384 ) ) },
-	{ name: 'Ranges', fields: [
-		interval( '/range/alpha', 'alpha', 1 ), interval( '/range/ratio', 'ratio', 1 ),
-		interval( '/range/theta', 'theta', HALF_TURN ), interval( '/range/phi', 'phi', HALF_TURN ),
-	] },
-	{ name: 'Fit', fields: [
-		choice( '/fit/metric', 'Metric', [ 'sw1', 'l3' ] ), choice( '/fit/solver', 'Solver', [ 'bfgs', 'sgd', 'nelder_mead' ] ),
-		whole( '/fit/samples', 'Samples', 32, 65_536 ), whole( '/fit/directions', 'Directions', 4, 1024 ),
-		whole( '/fit/steps', 'Steps', 1, 100_000 ), whole( '/fit/seed', 'Seed', 0, Number.MAX_SAFE_INTEGER ),
-	] },
-];
-
-/** Presets, from the quickest. */
-export const PRESETS = [ 'draft', 'standard', 'paper', 'best' ];
-
-/** Recipes to begin with, by what they are for. */
+/** Recipes to begin with, by their use. */
 export const STARTS = {
 	'metal and dielectrics, of any direction': { preset: 'standard', fresnel: 'two_lobes' },
 	'brushed metal on phones': { preset: 'paper', precision: 'f16', range: { alpha: [ 0.05, 0.4 ], ratio: [ 0.2, 1 ] }, resolution: { alpha: 7, ratio: 5, theta: 8, phi: 6 } },
@@ -45,8 +21,32 @@ export const STARTS = {
 	'sheen of glTF': { preset: 'paper', brdf: 'charlie_neubelt', range: { alpha: [ 0.0049, 1 ] }, resolution: { alpha: 24, theta: 32 }, precision: 'f16' },
 };
 
-/** Members that a canonical recipe leaves out, and what they are then. */
-export const LEFT_OUT = { '/lobe': 'ltc', '/fresnel': 'one' };
+/** The kind of input for a field by its JSON Schema. */
+function kindOf( { enum: options, anyOf, type, items } ) {
+
+	if ( options ) return 'choice';
+	if ( anyOf ) return 'materials';
+	if ( type === 'integer' ) return 'whole';
+	return items.type === 'number' ? 'interval' : 'roughnesses';
+
+}
+
+/**
+ * Groups of fields by the schema of recipes: each with its pointer, label, schema and kind. A list of roughnesses is of one
+ * layout, and a change of it leaves out the fields that it decides.
+ */
+export function groupsOf( schema ) {
+
+	const fields = ( labels, { properties }, above = '' ) => Object.entries( labels ).flatMap( ( [ name, label ] ) => {
+
+		const [ pointer, own ] = [ `${ above }/${ name }`, properties[ name ] ];
+		return typeof label === 'object' ? fields( label, own, pointer ) : { pointer, label, schema: own, kind: kindOf( own ) };
+
+	} );
+	const decided = [ '/range', '/resolution' ].flatMap( ( of ) => ALPHA_AND_RATIO.map( ( axis ) => `${ of }/${ axis }` ) );
+	return Object.entries( GROUPS ).map( ( [ name, labels ] ) => ( { name, fields: fields( labels, schema ).map( ( field ) => field.kind === 'roughnesses' ? { ...field, layout: 'materials', decided } : field ) } ) );
+
+}
 
 /** The member of a document at a pointer. */
 export function get( document, pointer ) {

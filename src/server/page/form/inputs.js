@@ -6,52 +6,51 @@ import { number } from '../elements/format.js';
 /** Positions of a slider: the top of a range is reached to the last digit. */
 const STEPS = 200;
 
-function choice( field, id, changed ) {
+/** A number from its text; the service refuses the others, which JSON has as null. */
+const numberOf = ( text ) => text.trim() === '' ? NaN : Number( text );
+/** Whether a member is being edited, so that it stays as it is written. */
+const isHeld = ( input ) => document.activeElement === input;
 
-	const select = el( 'select', { id, onchange: () => changed( field.options[ select.selectedIndex ] ) }, field.options.map( ( option ) => el( 'option', {}, String( option ) ) ) );
-	return { parts: [ select ], main: select, show: ( value ) => select.selectedIndex = field.options.indexOf( value ) };
+function choice( { schema: { enum: options } }, id, changed ) {
+
+	const main = el( 'select', { id, onchange: () => changed( options[ main.selectedIndex ] ) }, options.map( ( option ) => el( 'option', {}, String( option ) ) ) );
+	return { parts: [ main ], main, show: ( value ) => main.selectedIndex = options.indexOf( value ?? options[ 0 ] ) };
 
 }
 
-function whole( field, id, changed ) {
+function whole( { schema: { minimum: min, maximum: max } }, id, changed ) {
 
-	const input = el( 'input', { type: 'number', id, min: field.min, max: field.max, step: 1, inputmode: 'numeric', oninput: () => changed( read() ) } );
 	// An empty field is that of the preset.
-	const read = () => input.value === '' ? undefined : Number( input.value );
+	const main = el( 'input', { type: 'number', id, min, max, step: 1, inputmode: 'numeric', oninput: () => changed( main.value === '' ? undefined : Number( main.value ) ) } );
 	const show = ( value ) => {
 
-		if ( document.activeElement !== input && value !== undefined ) input.value = value;
+		if ( ! isHeld( main ) && value !== undefined ) main.value = value;
 
 	};
 
-	return { parts: [ input ], main: input, show };
+	return { parts: [ main ], main, show };
 
 }
 
-function interval( field, id, changed ) {
+function interval( { label, schema: { items: { maximum } } }, id, changed ) {
 
-	const names = [ 'from', 'to' ];
 	const output = el( 'output', { class: 'number' } );
-	const ends = names.map( ( name, i ) => el( 'input', { type: 'range', id: i ? `${ id }-to` : id, 'aria-label': `${ field.label }, ${ name }`, min: 0, max: STEPS, step: 1, oninput: () => changed( read() ) } ) );
+	const tell = ( values ) => output.textContent = values.map( number ).join( ' – ' );
 	const read = () => {
 
-		const values = ends.map( ( { value } ) => Number( value ) === STEPS ? field.max : Number( value ) / STEPS * field.max );
+		const values = ends.map( ( { value } ) => Number( value ) === STEPS ? maximum : Number( value ) / STEPS * maximum );
 		tell( values );
-		return values;
+		changed( values );
 
 	};
 
-	const tell = ( values ) => output.textContent = values.map( number ).join( ' – ' );
+	const ends = [ 'from', 'to' ].map( ( name, i ) => el( 'input', { type: 'range', id: i ? `${ id }-to` : id, 'aria-label': `${ label }, ${ name }`, min: 0, max: STEPS, step: 1, oninput: read } ) );
 	const show = ( values ) => {
 
 		if ( ! Array.isArray( values ) || values.length !== 2 || ! values.every( Number.isFinite ) ) return;
 		tell( values );
-		values.forEach( ( value, i ) => {
-
-			// A value between two positions stays what it is until the slider is moved.
-			if ( document.activeElement !== ends[ i ] ) ends[ i ].value = Math.round( value / field.max * STEPS );
-
-		} );
+		// A value between two positions stays what it is until the slider is moved.
+		ends.forEach( ( end, i ) => isHeld( end ) || ( end.value = Math.round( values[ i ] / maximum * STEPS ) ) );
 
 	};
 
@@ -59,63 +58,67 @@ function interval( field, id, changed ) {
 
 }
 
-/** A material from its text: an F0, or an F0 and its weight, `0.04 × 4`. */
-function material( text ) {
+/** An input of a list in text: items with commas between, which `parse` reads and `write` writes. */
+function list( attributes, parse, write, changed ) {
 
-	const [ f0, weight ] = text.split( /[×x*]/ ).map( ( part ) => part.trim() === '' ? null : Number( part ) );
-	return weight === undefined ? { f0 } : { f0, weight };
-
-}
-
-function materials( field, id, changed ) {
-
-	const named = [ 'one', 'two_lobes', 'blended_lobes' ];
-	const select = el( 'select', { id, onchange: () => changed( read() ) }, [ ...named, 'by F0' ].map( ( option ) => el( 'option', {}, option ) ) );
-	const list = el( 'input', { type: 'text', 'aria-label': 'F0 of the materials, each with its weight where it is not 1, with commas between', placeholder: '1, 0.04 × 4', value: '0.04', hidden: true, oninput: () => changed( read() ) } );
-	const read = () => {
-
-		const isList = select.selectedIndex === named.length;
-		list.hidden = ! isList;
-		return isList ? list.value.split( ',' ).map( material ) : named[ select.selectedIndex ];
-
-	};
-
+	const input = el( 'input', { type: 'text', ...attributes, oninput: () => changed() } );
+	const read = () => input.value.split( ',' ).map( parse );
 	const show = ( value ) => {
 
-		if ( list === document.activeElement ) return;
-		const isList = Array.isArray( value );
-		select.selectedIndex = isList ? named.length : named.indexOf( value );
-		list.hidden = ! isList;
-		if ( isList ) list.value = value.map( Object ).map( ( { f0, weight = 1 } ) => weight === 1 ? f0 : `${ f0 } × ${ weight }` ).join( ', ' );
+		if ( ! isHeld( input ) ) input.value = Array.isArray( value ) ? value.map( ( item ) => write( Object( item ) ) ).join( ', ' ) : '';
 
 	};
 
-	return { parts: [ select, list ], main: select, show };
+	return { input, read, show };
 
 }
 
-/** A surface from its text: alpha, `0.3`; alpha and ratio, `0.3 × 0.5`; or the roughness along and across, `0.4 / 0.1`. */
-function roughness( text ) {
+/** Materials by name, or by a list of F0, each with its weight where it is not 1: `1, 0.04 × 4`. */
+function materials( { schema: { anyOf: [ { enum: names } ] } }, id, changed ) {
 
-	const [ , first, sign, second ] = /^([^×x*/]*)([×x*/]?)(.*)$/s.exec( text );
-	const number = ( part ) => part.trim() === '' ? null : Number( part );
-	if ( sign === '/' ) return { alpha_x: number( first ), alpha_y: number( second ) };
-	return sign ? { alpha: number( first ), ratio: number( second ) } : { alpha: number( first ) };
+	const parse = ( text ) => {
+
+		const [ f0, weight ] = text.split( /[×x*]/ ).map( numberOf );
+		return weight === undefined ? { f0 } : { f0, weight };
+
+	};
+
+	const tell = () => changed( input.hidden ? names[ main.selectedIndex ] : read() );
+	const { input, read, show: showList } = list( { hidden: true, 'aria-label': 'F0 of the materials, each with its weight where it is not 1, with commas between', placeholder: '1, 0.04 × 4' }, parse, ( { f0, weight = 1 } ) => weight === 1 ? f0 : `${ f0 } × ${ weight }`, tell );
+	const main = el( 'select', { id, onchange: () => {
+
+		input.hidden = main.selectedIndex < names.length;
+		input.value ||= '0.04';
+		tell();
+
+	} }, [ ...names, 'by F0' ].map( ( option ) => el( 'option', {}, option ) ) );
+	const show = ( value = names[ 0 ] ) => {
+
+		if ( isHeld( input ) ) return;
+		input.hidden = ! Array.isArray( value );
+		main.selectedIndex = input.hidden ? names.indexOf( value ) : names.length;
+		if ( ! input.hidden ) showList( value );
+
+	};
+
+	return { parts: [ main, input ], main, show };
 
 }
 
+/** Surfaces in a list: alpha, `0.3`; alpha and ratio, `0.3 × 0.5`; or the roughness along and across, `0.4 / 0.1`. */
 function roughnesses( field, id, changed ) {
 
-	// No text is no list, which other layouts need.
-	const read = () => input.value.trim() === '' ? undefined : input.value.split( ',' ).map( roughness );
-	const input = el( 'input', { type: 'text', id, placeholder: '0.4 / 0.1, 0.3 × 0.5, 0.09', title: 'Each alpha, alpha × ratio, or alpha along / across, with commas between', oninput: () => changed( read() ) } );
-	const text = ( { alpha, ratio = 1, alpha_x: along, alpha_y: across } ) => along !== undefined ? `${ along } / ${ across }` : ratio === 1 ? alpha : `${ alpha } × ${ ratio }`;
-	const show = ( value ) => {
+	const parse = ( text ) => {
 
-		if ( document.activeElement !== input ) input.value = Array.isArray( value ) ? value.map( ( item ) => text( Object( item ) ) ).join( ', ' ) : '';
+		const [ , first, sign, second ] = /^([^×x*/]*)([×x*/]?)(.*)$/s.exec( text );
+		if ( sign === '/' ) return { alpha_x: numberOf( first ), alpha_y: numberOf( second ) };
+		return sign ? { alpha: numberOf( first ), ratio: numberOf( second ) } : { alpha: numberOf( first ) };
 
 	};
 
+	const write = ( { alpha, ratio = 1, alpha_x, alpha_y } ) => alpha_x !== undefined ? `${ alpha_x } / ${ alpha_y }` : ratio === 1 ? alpha : `${ alpha } × ${ ratio }`;
+	// No text is no list, which other layouts need.
+	const { input, read, show } = list( { id, placeholder: '0.4 / 0.1, 0.3 × 0.5, 0.09', title: 'Each alpha, alpha × ratio, or alpha along / across, with commas between' }, parse, write, () => changed( input.value.trim() === '' ? undefined : read() ) );
 	return { parts: [ input ], main: input, show };
 
 }
@@ -123,8 +126,8 @@ function roughnesses( field, id, changed ) {
 const KINDS = { choice, whole, interval, materials, roughnesses };
 
 /**
- * A field with its label and the place of its faults. `changed` gets the value that was entered; `show` takes the one that is
- * in force, `blame` its faults.
+ * A field with its label and the place of its errors. `changed` gets the value that was entered; `show` takes the one that is
+ * in force, `blame` its errors.
  */
 export function input( field, changed ) {
 

@@ -1,14 +1,15 @@
 // Two or three tables side by side: figures, with the best of each row, pictures and plots.
 
-import { el, fill } from '../elements/dom.js';
-import { bytes, isIsotropic, number, percent, short, title } from '../elements/format.js';
+import { bar, el, fill } from '../elements/dom.js';
+import { bytes, number, percent, short, whole } from '../elements/format.js';
+import { isIsotropic, title } from '../elements/recipe.js';
 import { call, manifest } from '../service/api.js';
 import { load, previewOf } from '../service/pictures.js';
 
 /** Most tables beside each other. */
 const MOST = 3;
 
-/** Figures of a table, of which less is better; the last part of each says how it is written. */
+/** Figures of a table, of which less is better: name, value and format. */
 const FIGURES = [
 	[ 'Error between nodes', ( { report } ) => report.between.width.mean, percent ],
 	[ 'One lobe in twenty exceeds', ( { report } ) => report.between.width.p95, percent ],
@@ -18,8 +19,18 @@ const FIGURES = [
 	[ 'Error of amplitude, mean', ( { report } ) => report.between.amplitude?.mean, number ],
 	[ 'Error at nodes', ( { report } ) => report.nodes.width.mean, percent ],
 	[ 'Size', ( table ) => table.bytes, bytes ],
-	[ 'Entries', ( table ) => table.entries, ( count ) => count.toLocaleString( 'en' ) ],
+	[ 'Entries', ( table ) => table.entries, whole ],
 ];
+
+/** A row of figures, the best of which is marked. */
+function figures( name, values, write ) {
+
+	const given = values.filter( ( value ) => value !== undefined );
+	const best = Math.max( ...given ) > Math.min( ...given ) ? Math.min( ...given ) : null;
+	return el( 'tr', {}, el( 'th', { scope: 'row' }, name ), values.map( ( value ) => el( 'td', { class: `number${ value === best ? ' best' : '' }` },
+		value === best ? el( 'span', { class: 'hidden' }, 'best: ' ) : null, value === undefined ? '–' : write( value ) ) ) );
+
+}
 
 export async function show( root, rest, parameters, signal ) {
 
@@ -28,17 +39,10 @@ export async function show( root, rest, parameters, signal ) {
 	const asked = ( parameters.get( 'tables' ) || '' ).split( ',' ).filter( Boolean ).slice( 0, MOST );
 	const digests = asked.length ? asked : known.slice( 0, 2 );
 	const tables = await Promise.all( digests.map( manifest ) );
-	const choices = Array.from( { length: Math.min( MOST, digests.length + 1 ) }, ( _, i ) => picker( i ) );
-	const [ shown, added ] = [ choices.slice( 0, digests.length ), choices.slice( digests.length ) ];
-
-	function picker( i ) {
-
-		const options = [ ...new Set( [ ...digests, ...known ] ) ];
-		const select = el( 'select', { 'aria-label': `Table ${ i + 1 }`, onchange: choose }, el( 'option', { value: '' }, i < digests.length ? 'remove' : 'add a table…' ),
-			options.map( ( digest ) => el( 'option', { value: digest, selected: digest === digests[ i ] }, short( digest ) ) ) );
-		return select;
-
-	}
+	const options = [ ...new Set( [ ...digests, ...known ] ) ];
+	const choices = Array.from( { length: Math.min( MOST, digests.length + 1 ) }, ( _, i ) => el( 'select', { 'aria-label': `Table ${ i + 1 }`, onchange: choose },
+		el( 'option', { value: '' }, i < digests.length ? 'remove' : 'add a table…' ),
+		options.map( ( digest ) => el( 'option', { value: digest, selected: digest === digests[ i ] }, short( digest ) ) ) ) );
 
 	function choose() {
 
@@ -47,7 +51,8 @@ export async function show( root, rest, parameters, signal ) {
 
 	}
 
-	fill( root, el( 'div', { class: 'bar' }, el( 'h1', {}, 'Compare' ), el( 'span', { class: 'muted' }, 'the best of each row is marked' ), el( 'span', { class: 'grow' } ), known.length > digests.length ? added : null ) );
+	const added = known.length > digests.length ? choices.slice( digests.length ) : null;
+	fill( root, bar( 'Compare', el( 'span', { class: 'muted' }, 'the best of each row is marked' ), added ) );
 	if ( ! known.length ) {
 
 		root.append( el( 'p', { class: 'empty' }, 'No table is stored yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to make one.' ) );
@@ -56,33 +61,22 @@ export async function show( root, rest, parameters, signal ) {
 	}
 
 	const later = [];
-	const picture = ( from, alt, size ) => {
+	const pictures = ( name, what, width, path ) => el( 'tr', {}, el( 'th', { scope: 'row' }, name ), tables.map( ( table, i ) => {
 
-		const image = el( 'img', { alt, width: size } );
-		later.push( [ image, from ] );
-		return image;
+		const image = el( 'img', { alt: `${ what } table ${ i + 1 }`, width } );
+		later.push( [ image, path( table ) ] );
+		return el( 'td', {}, image );
 
-	};
-
-	const cells = ( tag, make ) => tables.map( ( table, i ) => el( tag, {}, make( table, i ) ) );
-	const body = FIGURES.map( ( [ name, pick, write ] ) => {
-
-		const values = tables.map( pick );
-		const given = values.filter( ( value ) => value !== undefined );
-		const best = given.length > 1 && Math.max( ...given ) > Math.min( ...given ) ? Math.min( ...given ) : null;
-		return el( 'tr', {}, el( 'th', { scope: 'row' }, name ), values.map( ( value ) => el( 'td', { class: `number${ value === best ? ' best' : '' }` },
-			value === best ? el( 'span', { class: 'hidden' }, 'best: ' ) : null, value === undefined ? '–' : write( value ) ) ) );
-
-	} );
-	const at = ( { recipe } ) => isIsotropic( recipe ) ? '' : '?ratio=0.25&phi=0.7';
+	} ) );
+	const plot = ( { table }, file ) => `/v1/tables/${ table }/plots/${ file }`;
 	root.append( el( 'div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Comparison' }, el( 'table', { class: 'compare' },
 		el( 'thead', {},
-			el( 'tr', {}, el( 'th', { scope: 'col' }, 'Table' ), shown.map( ( select ) => el( 'th', { scope: 'col' }, select ) ) ),
-			el( 'tr', {}, el( 'td' ), cells( 'td', ( table ) => el( 'a', { href: `#/tables/${ table.table }` }, title( table.recipe ) ) ) ) ),
-		el( 'tbody', {}, body,
-			el( 'tr', {}, el( 'th', { scope: 'row' }, 'Picture' ), cells( 'td', ( table, i ) => picture( previewOf( table.recipe, table.table, 512 ), `A sphere lit by table ${ i + 1 }`, 256 ) ) ),
-			el( 'tr', {}, el( 'th', { scope: 'row' }, 'Errors' ), cells( 'td', ( table, i ) => picture( `/v1/tables/${ table.table }/plots/error.png${ at( table ) }`, `Errors of table ${ i + 1 }`, 320 ) ) ),
-			el( 'tr', {}, el( 'th', { scope: 'row' }, 'Numbers' ), cells( 'td', ( table, i ) => picture( `/v1/tables/${ table.table }/plots/matrix.png`, `Stored numbers of table ${ i + 1 }`, 320 ) ) ) ) ) ) );
+			el( 'tr', {}, el( 'th', { scope: 'col' }, 'Table' ), digests.map( ( _, i ) => el( 'th', { scope: 'col' }, choices[ i ] ) ) ),
+			el( 'tr', {}, el( 'td' ), tables.map( ( { table, recipe } ) => el( 'td', {}, el( 'a', { href: `#/tables/${ table }` }, title( recipe ) ) ) ) ) ),
+		el( 'tbody', {}, FIGURES.map( ( [ name, pick, write ] ) => figures( name, tables.map( pick ), ( value ) => write( value ) ) ),
+			pictures( 'Picture', 'A sphere lit by', 256, ( { recipe, table } ) => previewOf( recipe, table, 512 ) ),
+			pictures( 'Errors', 'Errors of', 320, ( table ) => plot( table, `error.png${ isIsotropic( table.recipe ) ? '' : '?ratio=0.25&phi=0.7' }` ) ),
+			pictures( 'Numbers', 'Stored numbers of', 320, ( table ) => plot( table, 'matrix.png' ) ) ) ) ) );
 	later.forEach( ( [ image, from ] ) => load( image, from, signal ) );
 	return () => {};
 

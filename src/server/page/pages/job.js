@@ -1,10 +1,42 @@
 // One job: its progress, its end, and its recipe.
 
-import { el, facts, fill, notice } from '../elements/dom.js';
-import { json, percent, span, title } from '../elements/format.js';
-import { follow, isActive } from '../jobs/follow.js';
-import { badge, bar, cancelButton } from '../jobs/progress.js';
+import { button, el, facts, fill, notice } from '../elements/dom.js';
+import { percent, span, whole } from '../elements/format.js';
+import { recipeSection, title, variation } from '../elements/recipe.js';
 import { call } from '../service/api.js';
+import { follow, isActive } from '../service/jobs.js';
+
+const MARKS = { queued: '○', running: '◐', done: '●', failed: '✕', cancelled: '–' };
+
+/** The state of a job as a word with a mark, which does not rest on colour. */
+export function badge( state ) {
+
+	return el( 'span', { class: `state ${ state }` }, el( 'span', { 'aria-hidden': 'true' }, MARKS[ state ] ), ` ${ state }` );
+
+}
+
+/** How far a job is. */
+export function bar( { progress: { entries_done, entries_total, seconds_left }, state } ) {
+
+	const left = state === 'running' && seconds_left !== null ? `${ span( seconds_left ) } left` : '';
+	return el( 'span', { class: 'progress' },
+		el( 'progress', { max: entries_total, value: entries_done, 'aria-label': 'Entries fitted' } ),
+		el( 'span', { class: 'number' }, percent( entries_done / entries_total, 0 ) ), el( 'span', { class: 'muted' }, left ) );
+
+}
+
+/** A button that cancels a job, and passes on the job as it is then. */
+export function cancelButton( id, onJob, onError ) {
+
+	const pressed = el( 'button', { type: 'button', class: 'quiet', onclick: () => {
+
+		pressed.disabled = true;
+		call( `/v1/jobs/${ id }`, { method: 'DELETE' } ).then( onJob, onError ).finally( () => pressed.disabled = false );
+
+	} }, 'Cancel' );
+	return pressed;
+
+}
 
 export async function show( root, id, parameters, signal ) {
 
@@ -12,55 +44,40 @@ export async function show( root, id, parameters, signal ) {
 	const state = el( 'div', { 'aria-live': 'polite' } );
 	const figures = el( 'div' );
 	const actions = el( 'p', { class: 'actions' } );
-
-	function failed( error ) {
-
-		if ( ! signal.aborted ) fill( fault, notice( error.message ) );
-
-	}
-
+	const failed = ( error ) => signal.aborted || fill( fault, notice( error.message ) );
+	const ask = () => call( `/v1/jobs/${ id }`, { signal } );
 	let shown = null;
+
 	function update( job ) {
 
 		if ( signal.aborted ) return;
-		fill( fault );
-		if ( job.state !== shown ) {
-
-			shown = job.state;
-			fill( state, badge( job.state ), job.error ? el( 'p', { class: 'notice' }, job.error.title, ': ', job.error.detail ) : null );
-			fill( actions,
-				isActive( job ) ? cancelButton( id, update, failed ) : null,
-				job.table ? el( 'a', { class: 'button primary', href: `#/tables/${ job.table }` }, 'Open the table' ) : null,
-				job.state === 'failed' || job.state === 'cancelled' ? el( 'button', { type: 'button', class: 'primary', onclick: again }, 'Submit again' ) : null,
-				el( 'a', { class: 'button', href: variation( job ) }, 'Fit a variation' ) );
-
-		}
-
 		const { progress, expected } = job;
+		fill( fault );
 		fill( figures, isActive( job ) ? bar( job ) : null, facts( [
-			[ 'Entries', `${ progress.entries_done.toLocaleString( 'en' ) } of ${ progress.entries_total.toLocaleString( 'en' ) }` ],
-			expected && [ 'Shards', expected.shards.toLocaleString( 'en' ) ],
+			[ 'Entries', `${ whole( progress.entries_done ) } of ${ whole( progress.entries_total ) }` ],
+			expected && [ 'Shards', whole( expected.shards ) ],
 			expected && [ 'Expected time', span( expected.seconds ) ],
 			expected && [ 'Expected error', percent( expected.error ) ],
 			job.started_at && job.finished_at && [ 'Took', span( ( Date.parse( job.finished_at ) - Date.parse( job.started_at ) ) / 1000 ) ],
 			[ 'Attempts', job.attempts ],
 			[ 'Submitted', new Date( job.created_at ).toLocaleString() ],
 		] ) );
+		// Buttons keep the focus while the state stays.
+		if ( job.state === shown ) return;
+		shown = job.state;
+		fill( state, badge( shown ), job.error ? el( 'p', { class: 'notice' }, job.error.title, ': ', job.error.detail ) : null );
+		fill( actions,
+			isActive( job ) ? cancelButton( id, update, failed ) : null,
+			job.table ? button( `#/tables/${ job.table }`, 'Open the table', 'button primary' ) : null,
+			shown === 'failed' || shown === 'cancelled' ? el( 'button', { type: 'button', class: 'primary', onclick: () => again( job ).catch( failed ) }, 'Submit again' ) : null,
+			variation( job.recipe ) );
 
-		async function again() {
+	}
 
-			try {
+	async function again( { recipe } ) {
 
-				await call( '/v1/jobs', { method: 'POST', body: job.recipe } );
-				watch( await call( `/v1/jobs/${ id }`, { signal } ) );
-
-			} catch ( error ) {
-
-				failed( error );
-
-			}
-
-		}
+		await call( '/v1/jobs', { method: 'POST', body: recipe } );
+		watch( await ask() );
 
 	}
 
@@ -71,20 +88,10 @@ export async function show( root, id, parameters, signal ) {
 
 	}
 
-	const job = await call( `/v1/jobs/${ id }`, { signal } );
-	fill( root, el( 'h1', {}, title( job.recipe ) ), fault, state, figures, actions,
-		el( 'section', { 'aria-labelledby': 'recipe' }, el( 'h2', { id: 'recipe' }, 'Recipe' ), el( 'pre', { tabindex: 0, role: 'region', 'aria-label': 'Recipe as JSON' }, json( job.recipe ) ) ) );
+	const job = await ask();
+	fill( root, el( 'h1', {}, title( job.recipe ) ), fault, state, figures, actions, recipeSection( job.recipe ) );
 	watch( job );
-	// The stream is opened anew by itself; this asks for what has happened meanwhile.
-	return () => call( `/v1/jobs/${ id }`, { signal } ).then( update, failed );
-
-}
-
-/** The form with a job's recipe in it. */
-function variation( { recipe } ) {
-
-	const document = { ...recipe };
-	delete document.fitter;
-	return `#/new?${ new URLSearchParams( { recipe: JSON.stringify( document ) } ) }`;
+	// The stream is opened again by itself; this asks for what has happened meanwhile.
+	return () => ask().then( update, failed );
 
 }

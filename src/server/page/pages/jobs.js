@@ -1,87 +1,61 @@
-// Jobs: those that run, live, and those that ended.
+// Jobs: those that run, and those that ended.
 
-import { el, fill, notice } from '../elements/dom.js';
-import { age, title } from '../elements/format.js';
-import { follow, isActive } from '../jobs/follow.js';
-import { badge, bar, cancelButton } from '../jobs/progress.js';
+import { bar as titled, button, el, fill, headings, notice } from '../elements/dom.js';
+import { age } from '../elements/format.js';
+import { title } from '../elements/recipe.js';
 import { call } from '../service/api.js';
+import { isActive } from '../service/jobs.js';
+import { badge, bar, cancelButton } from './job.js';
 
-/** Jobs that are followed at the same time. Streams take connections, of which a browser has six; others are asked for. */
-const FOLLOWED = 2;
 /** How often the list is asked for while jobs run, and while none does, in milliseconds. */
-const [ BUSY, IDLE ] = [ 2000, 10_000 ];
-/** Jobs of a page of the list. */
-const PAGE = 50;
+const [ BUSY, IDLE ] = [ 1500, 10_000 ];
+/** Jobs of a page of the list, and those that are asked for again at most. */
+const [ PAGE, MOST ] = [ 50, 1000 ];
 
-/** How a job ended or what is expected of it, in a few words. */
+/** The progress of a job, or how it ended. */
 function outcome( job, onJob, onError ) {
 
 	if ( isActive( job ) ) return [ bar( job ), cancelButton( job.id, onJob, onError ) ];
-	if ( job.state === 'done' ) return el( 'a', { href: `#/tables/${ job.table }` }, 'Table' );
-	return el( 'span', { class: 'reason' }, job.error ? job.error.detail : '' );
+	if ( job.table ) return el( 'a', { href: `#/tables/${ job.table }` }, 'Table' );
+	return el( 'span', { class: 'reason' }, job.error?.detail );
 
 }
 
 export async function show( root, rest, parameters, signal ) {
 
-	if ( rest ) return ( await import( './job.js' ) ).show( root, rest, parameters, signal );
 	const rows = new Map();
-	const followed = new Set();
 	let next = null;
 	const body = el( 'tbody' );
 	const count = el( 'span', { class: 'muted', role: 'status' } );
 	const fault = el( 'div' );
 	const more = el( 'button', { type: 'button', hidden: true, onclick: () => read( next ).catch( failed ) }, 'Older jobs' );
-	const list = el( 'table', { class: 'list jobs' }, el( 'caption', { class: 'hidden' }, 'Jobs' ),
-		el( 'thead', {}, el( 'tr', {}, [ 'State', 'Recipe', 'Progress' ].map( ( name ) => el( 'th', { scope: 'col' }, name ) ), el( 'th', { scope: 'col', class: 'number' }, 'Age' ) ) ), body );
+	const list = el( 'table', { class: 'list jobs' }, el( 'caption', { class: 'hidden' }, 'Jobs' ), el( 'thead', {}, headings( 'State', 'Recipe', 'Progress', 'Age' ) ), body );
 	const empty = el( 'p', { class: 'empty', hidden: true }, 'No job is known. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to begin one.' );
-	fill( root, el( 'div', { class: 'bar' }, el( 'h1', {}, 'Jobs' ), count, el( 'span', { class: 'grow' } ), el( 'a', { class: 'button', href: '#/new' }, 'New' ) ), fault, list, empty, more );
+	fill( root, titled( 'Jobs', count, button( '#/new', 'New' ) ), fault, list, empty, more );
 
-	function failed( error ) {
-
-		if ( ! signal.aborted ) fill( fault, notice( error.message ) );
-
-	}
+	const failed = ( error ) => signal.aborted || fill( fault, notice( error.message ) );
 
 	function update( job ) {
 
-		if ( signal.aborted ) return;
-		const known = rows.get( job.id );
-		const row = known ? known.row : el( 'tr' );
-		rows.set( job.id, { job, row } );
+		const { row = el( 'tr' ), text } = rows.get( job.id ) || {};
+		rows.set( job.id, { job, row, text: JSON.stringify( job ) } );
 		// A button that is pressed stays in its place.
-		if ( known && known.text === JSON.stringify( job ) ) return;
-		rows.get( job.id ).text = JSON.stringify( job );
+		if ( text === JSON.stringify( job ) ) return;
 		const held = row.contains( document.activeElement ) && document.activeElement.tagName;
 		fill( row,
 			el( 'td', {}, badge( job.state ) ),
 			el( 'th', { scope: 'row' }, el( 'a', { href: `#/jobs/${ job.id }` }, title( job.recipe ) ) ),
 			el( 'td', {}, outcome( job, update, failed ) ),
 			el( 'td', { class: 'number' }, el( 'time', { datetime: job.created_at, title: new Date( job.created_at ).toLocaleString() }, age( job.created_at ) ) ) );
-		if ( held ) row.querySelector( held.toLowerCase() )?.focus();
-		if ( ! isActive( job ) ) followed.delete( job.id );
-		tell();
+		if ( held ) row.querySelector( held )?.focus();
 
 	}
 
-	function tell() {
-
-		const jobs = [ ...rows.values() ].map( ( { job } ) => job );
-		const active = jobs.filter( isActive );
-		fill( count, active.length ? `${ active.length } under way` : 'none under way' );
-		for ( const { id } of active.filter( ( { state } ) => state === 'running' ) ) {
-
-			if ( followed.size >= FOLLOWED || followed.has( id ) ) continue;
-			followed.add( id );
-			follow( id, signal, update );
-
-		}
-
-	}
+	const active = () => [ ...rows.values() ].filter( ( { job } ) => isActive( job ) ).length;
 
 	async function read( cursor ) {
 
-		const page = await call( `/v1/jobs?limit=${ PAGE }${ cursor ? `&cursor=${ cursor }` : '' }`, { signal } );
+		const page = await call( cursor ? `/v1/jobs?limit=${ PAGE }&cursor=${ cursor }` : `/v1/jobs?limit=${ Math.min( MOST, Math.max( PAGE, rows.size ) ) }`, { signal } );
 		page.items.forEach( update );
 		if ( cursor || next === null ) next = page.next;
 		more.hidden = ! next;
@@ -90,7 +64,7 @@ export async function show( root, rest, parameters, signal ) {
 		empty.hidden = rows.size > 0;
 		list.hidden = rows.size === 0;
 		fill( fault );
-		tell();
+		fill( count, active() ? `${ active() } under way` : 'none under way' );
 
 	}
 
@@ -98,8 +72,7 @@ export async function show( root, rest, parameters, signal ) {
 
 		while ( ! signal.aborted ) {
 
-			const isBusy = [ ...rows.values() ].some( ( { job } ) => isActive( job ) );
-			await new Promise( ( done ) => setTimeout( done, isBusy ? BUSY : IDLE ) );
+			await new Promise( ( done ) => setTimeout( done, active() ? BUSY : IDLE ) );
 			if ( ! signal.aborted && ! document.hidden ) await read().catch( () => {} );
 
 		}

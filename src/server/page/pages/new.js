@@ -1,16 +1,17 @@
-// A recipe in a form, with what it would take and give.
+// A recipe in a form, with its forecast.
 //
-// The document is a preset and what was changed of it. The service fills in the rest and finds the faults, so that the form
-// knows no default.
+// The document is a preset and its changes. The service fills in the rest and finds the errors, so that the form knows no
+// default.
 
-import { copyButton, el, facts, fill, notice } from '../elements/dom.js';
-import { bytes, percent, short, span } from '../elements/format.js';
-import { documentField, isDocument } from '../form/document.js';
-import { get, GROUPS, LEFT_OUT, PRESETS, set, STARTS } from '../form/fields.js';
+import { copyButton, el, facts, fill, muted, notice } from '../elements/dom.js';
+import { bytes, percent, short, span, whole } from '../elements/format.js';
+import { formOf } from '../elements/recipe.js';
+import { documentField, parsed } from '../form/document.js';
+import { get, groupsOf, set, STARTS } from '../form/fields.js';
 import { input } from '../form/inputs.js';
 import { planner } from '../form/plan.js';
 import { tradeoff } from '../form/tradeoff.js';
-import { address, call } from '../service/api.js';
+import { address, call, constant } from '../service/api.js';
 import { hasToken } from '../service/token.js';
 
 /** How long a change waits for the next one before the service is asked, in milliseconds. */
@@ -19,45 +20,71 @@ const PAUSE = 120;
 /** A word of a shell's line, whatever is in it: recipes come from links of others too. */
 const quoted = ( text ) => `'${ text.replaceAll( "'", "'\\''" ) }'`;
 
+/** The call of a shell that submits a recipe. */
+function curlOf( recipe ) {
+
+	const token = hasToken() ? '  -H "authorization: Bearer $TOKEN" \\\n' : '';
+	return `curl -H 'content-type: application/json' \\\n${ token }  -d ${ quoted( JSON.stringify( recipe ) ) } \\\n  ${ quoted( address( '/v1/jobs' ) ) }`;
+
+}
+
+/** The recipe in the page's address, or the default. */
+function initial( parameters ) {
+
+	try {
+
+		return parsed( parameters.get( 'recipe' ) );
+
+	} catch {
+
+		// A link that was cut short shows the default.
+		return { preset: 'standard' };
+
+	}
+
+}
+
 export async function show( root, rest, parameters, signal ) {
 
+	const schema = await constant( '/v1/recipes/schema' );
 	let recipe = initial( parameters );
 	let timer = 0;
 	let asked = 0;
-	/** The last complete recipe, of which a document with faults lacks what it does not say. */
+	/** The last complete recipe, which has the values that a document with errors does not say. */
 	let filled = null;
-	const inputs = GROUPS.flatMap( ( { fields } ) => fields ).map( ( field ) => input( field, ( value ) => change( field, value ) ) );
+	const groups = groupsOf( schema ).map( ( { name, fields } ) => ( { name, inputs: fields.map( ( field ) => input( field, ( value ) => change( field, value ) ) ) } ) );
+	const inputs = groups.flatMap( ( { inputs } ) => inputs );
 	// Until the service has told the layout.
 	for ( const { field, row } of inputs ) row.hidden = Boolean( field.layout );
-	const presets = PRESETS.map( ( preset ) => el( 'label', {}, el( 'input', { type: 'radio', name: 'preset', value: preset, onchange: () => change( { pointer: '/preset' }, preset ) } ), preset ) );
+	const presets = schema.properties.preset.enum.map( ( value ) => el( 'label', {}, el( 'input', { type: 'radio', name: 'preset', value, onchange: () => change( { pointer: '/preset' }, value ) } ), value ) );
 	const expected = el( 'div', { 'aria-live': 'polite' } );
 	const others = el( 'div' );
 	const entered = documentField( take, () => submit.disabled = true );
 	const curl = el( 'pre', { tabindex: 0, role: 'region', 'aria-label': 'Call by curl' } );
 	const submit = el( 'button', { type: 'submit', class: 'primary' }, 'Submit' );
-	const reset = el( 'button', { type: 'button', class: 'quiet', onclick: clear }, 'Back to the preset' );
+	const reset = el( 'button', { type: 'button', class: 'quiet', onclick: () => take( { preset: recipe.preset || 'standard' } ) }, 'Back to the preset' );
 	const answer = el( 'div' );
-
 	const starts = el( 'select', { id: 'start', onchange: () => take( { ...STARTS[ starts.value ] } ) }, el( 'option', { value: '', disabled: true, selected: true }, 'Choose…' ), Object.keys( STARTS ).map( ( name ) => el( 'option', {}, name ) ) );
 	const chart = tradeoff( signal );
-
-	const groups = GROUPS.map( ( { name, fields } ) => el( 'fieldset', {}, el( 'legend', {}, name ), inputs.filter( ( { field } ) => fields.includes( field ) ).map( ( { row } ) => row ) ) );
+	const single = ( legend, content ) => el( 'fieldset', { class: 'single' }, el( 'legend', {}, legend ), content );
+	const copied = ( heading, read ) => el( 'div', { class: 'bar' }, el( 'h2', {}, heading ), copyButton( 'Copy', read ) );
 	fill( root,
 		el( 'h1', {}, 'New table' ),
 		el( 'div', { class: 'form' },
 			el( 'form', { novalidate: true, onsubmit: send },
-				el( 'fieldset', { class: 'single' }, el( 'legend', {}, 'From a scene' ), planner( signal, take ) ),
-				el( 'fieldset', { class: 'single' }, el( 'legend', {}, 'Preset' ), el( 'div', { class: 'presets' }, presets, el( 'label', { for: 'start', class: 'start' }, el( 'span', {}, 'or for' ), starts ) ) ), groups,
+				single( 'From a scene', planner( signal, take ) ),
+				single( 'Preset', el( 'div', { class: 'presets' }, presets, el( 'label', { for: 'start', class: 'start' }, el( 'span', {}, 'or for' ), starts ) ) ),
+				groups.map( ( { name, inputs } ) => el( 'fieldset', {}, el( 'legend', {}, name ), inputs.map( ( { row } ) => row ) ) ),
 				answer, el( 'p', { class: 'actions' }, submit, reset ) ),
-			el( 'aside', { 'aria-label': 'What it would take' },
-				el( 'h2', {}, 'Forecast' ), expected, others, el( 'div', { class: 'charts' }, chart.charts ),
-				el( 'div', { class: 'bar' }, el( 'h2', {}, 'Recipe' ), copyButton( 'Copy', entered.text ) ), el( 'p', { class: 'muted' }, 'Edit it, or paste another. It may say more than the form has fields for.' ), entered.root,
-				el( 'div', { class: 'bar' }, el( 'h2', {}, 'The same by curl' ), copyButton( 'Copy', () => curl.textContent ) ), curl ) ) );
+			el( 'aside', { 'aria-label': 'Forecast' },
+				el( 'h2', {}, 'Forecast' ), expected, others, chart.root,
+				copied( 'Recipe', entered.text ), muted( 'Edit it, or paste another. It may say more than the form has fields for.' ), entered.root,
+				copied( 'The same by curl', () => curl.textContent ), curl ) ) );
 
-	function change( { pointer, decides = [] }, value ) {
+	function change( { pointer, decided = [] }, value ) {
 
 		set( recipe, pointer, value );
-		for ( const decided of decides ) set( recipe, decided, undefined );
+		for ( const other of decided ) set( recipe, other, undefined );
 		changed();
 
 	}
@@ -70,20 +97,13 @@ export async function show( root, rest, parameters, signal ) {
 
 	}
 
-	function clear() {
-
-		recipe = { preset: recipe.preset || 'standard' };
-		changed();
-
-	}
-
 	function changed() {
 
 		entered.show( recipe );
 		for ( const radio of root.querySelectorAll( '[name=preset]' ) ) radio.checked = radio.value === ( recipe.preset ?? ( recipe.fit ? '' : 'standard' ) );
-		fill( curl, `curl -H 'content-type: application/json' \\\n${ hasToken() ? '  -H "authorization: Bearer $TOKEN" \\\n' : '' }  -d ${ quoted( JSON.stringify( recipe ) ) } \\\n  ${ quoted( address( '/v1/jobs' ) ) }` );
+		fill( curl, curlOf( recipe ) );
 		// A page that is loaded again has the same recipe.
-		history.replaceState( null, '', `#/new?${ new URLSearchParams( { recipe: JSON.stringify( recipe ) } ) }` );
+		history.replaceState( null, '', formOf( recipe ) );
 		clearTimeout( timer );
 		timer = setTimeout( foresee, PAUSE );
 
@@ -92,13 +112,14 @@ export async function show( root, rest, parameters, signal ) {
 	async function foresee() {
 
 		const turn = ++ asked;
+		const ask = ( body ) => call( '/v1/recipes', { method: 'POST', body, signal } );
 		try {
 
-			const foreseen = await call( '/v1/recipes', { method: 'POST', body: recipe, signal } );
+			const foreseen = await ask( recipe );
 			if ( turn !== asked ) return;
 			tell( foreseen );
-			// A link may bring a recipe with faults; all that it does not say is that of the preset.
-			if ( ! foreseen.recipe && ! filled ) fillIn( ( await call( '/v1/recipes', { method: 'POST', body: { preset: recipe.preset || 'standard' }, signal } ) ).recipe );
+			// A link may bring a recipe with errors; all that it does not say is that of the preset.
+			if ( ! foreseen.recipe && ! filled ) fillIn( ( await ask( { preset: recipe.preset || 'standard' } ) ).recipe );
 
 		} catch ( error ) {
 
@@ -112,28 +133,26 @@ export async function show( root, rest, parameters, signal ) {
 	function fillIn( complete ) {
 
 		filled = complete;
-		for ( const { field, show } of inputs ) show( get( recipe, field.pointer ) ?? get( complete, field.pointer ) ?? LEFT_OUT[ field.pointer ] );
+		for ( const { field: { pointer }, show } of inputs ) show( get( recipe, pointer ) ?? get( complete, pointer ) );
 
 	}
 
-	/** Shows the recipe in force, its forecast and its faults, each at its field. */
+	/** Shows the recipe in force, its forecast and its errors, each at its field. */
 	function tell( { recipe: complete, entries, expected: forecast, table, recipe_digest, problem } ) {
 
-		const faults = problem?.errors || [];
-		const placed = new Set();
-		for ( const { field, row, blame } of inputs ) {
+		const faults = new Set( problem?.errors );
+		for ( const { field: { pointer, layout }, row, blame } of inputs ) {
 
-			const own = faults.filter( ( { pointer } ) => pointer === field.pointer || pointer.startsWith( `${ field.pointer }/` ) );
-			own.forEach( ( fault ) => placed.add( fault ) );
+			const own = [ ...faults ].filter( ( fault ) => `${ fault.pointer }/`.startsWith( `${ pointer }/` ) );
+			own.forEach( ( fault ) => faults.delete( fault ) );
 			// Of a list, the item and its member too.
-			blame( own.map( ( { pointer, detail } ) => pointer === field.pointer ? detail : `${ pointer.slice( 1 ) }: ${ detail }` ) );
-			row.hidden = Boolean( field.layout ) && ! own.length && ( complete || recipe ).layout !== field.layout;
+			blame( own.map( ( fault ) => fault.pointer === pointer ? fault.detail : `${ fault.pointer.slice( 1 ) }: ${ fault.detail }` ) );
+			row.hidden = Boolean( layout ) && ! own.length && ( complete || recipe ).layout !== layout;
 
 		}
 
 		if ( complete || filled ) fillIn( complete || filled );
-		const rest = faults.filter( ( fault ) => ! placed.has( fault ) ).map( ( { pointer, detail } ) => `${ pointer || 'the document' }: ${ detail }` );
-		fill( others, problem && ! faults.length ? notice( problem.detail ) : null, rest.map( notice ) );
+		fill( others, problem && ! problem.errors?.length ? notice( problem.detail ) : null, [ ...faults ].map( ( { pointer, detail } ) => notice( `${ pointer || 'the document' }: ${ detail }` ) ) );
 		submit.disabled = Boolean( problem ) || entered.isRefused();
 		chart.show( forecast );
 		fill( submit, table ? 'Open the table' : 'Submit' );
@@ -141,9 +160,9 @@ export async function show( root, rest, parameters, signal ) {
 			[ 'Time', table ? 'fitted already' : forecast ? span( forecast.seconds ) : '–' ],
 			[ 'Error', forecast ? percent( forecast.error ) : '–' ],
 			[ 'Size', forecast ? bytes( forecast.bytes ) : '–' ],
-			[ 'Entries', entries.toLocaleString( 'en' ) ],
+			[ 'Entries', whole( entries ) ],
 			[ 'Digest', el( 'code', {}, short( recipe_digest ) ) ],
-		] ) : el( 'p', { class: 'muted' }, problem.detail ) );
+		] ) : muted( problem.detail ) );
 
 	}
 
@@ -167,23 +186,5 @@ export async function show( root, rest, parameters, signal ) {
 
 	changed();
 	return foresee;
-
-}
-
-/** The recipe in the page's address, or the default. */
-function initial( parameters ) {
-
-	try {
-
-		const recipe = JSON.parse( parameters.get( 'recipe' ) );
-		if ( isDocument( recipe ) ) return recipe;
-
-	} catch {
-
-		// A link that was cut short shows the default.
-
-	}
-
-	return { preset: 'standard' };
 
 }

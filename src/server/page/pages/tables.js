@@ -1,7 +1,8 @@
-// The list of tables: search, sort, and what to compare.
+// The list of tables: search, sort, and a choice of tables to compare.
 
-import { el, fill } from '../elements/dom.js';
-import { age, bytes, percent, short, title } from '../elements/format.js';
+import { bar, button, el, fill } from '../elements/dom.js';
+import { age, bytes, percent, short } from '../elements/format.js';
+import { title } from '../elements/recipe.js';
 import { call, each, manifest } from '../service/api.js';
 import { load, previewOf } from '../service/pictures.js';
 
@@ -12,38 +13,39 @@ const AT_ONCE = 4;
 /** Pixels of a picture, for screens of twice the density. */
 const PICTURE = 96;
 
-/** The columns that sort: their names, what they sort by, and whether the first click asks for the least. */
+/** The columns: their names, the values that they sort by, and their meaning. */
 const COLUMNS = [
-	[ 'Table', ( row ) => row.title || '', true ],
-	[ 'Error', ( row ) => row.error ?? Infinity, true ],
-	[ 'Light', ( row ) => row.light ?? Infinity, true ],
-	[ 'Size', ( row ) => row.bytes, true ],
-	[ 'Age', ( row ) => - Date.parse( row.created_at ), true ],
+	[ 'Table', ( row ) => row.title ],
+	[ 'Error', ( row ) => row.error, 'Mean error between nodes, as a part of the lobe’s width' ],
+	[ 'Light', ( row ) => row.light, 'Mean error of the light of square lights, as a part of the lobe’s energy' ],
+	[ 'Size', ( row ) => row.bytes ],
+	[ 'Age', ( row ) => - Date.parse( row.created_at ) ],
 ];
+
+const hidden = ( text, tag = 'span' ) => el( tag, { class: 'hidden' }, text );
 
 export async function show( root, rest, parameters, signal ) {
 
 	const rows = new Map();
 	const chosen = new Set();
-	let order = { column: 4, rising: true };
+	let order = { column: 4, sign: 1 };
 	let next = null;
 
 	const search = el( 'input', { type: 'search', id: 'search', placeholder: 'ggx, ltc2017, f16, 1f0c…', oninput: draw } );
 	const count = el( 'span', { class: 'muted', role: 'status' } );
-	const compare = el( 'a', { class: 'button', href: '#/compare', hidden: true }, 'Compare' );
+	const compare = button( '#/compare', 'Compare' );
+	compare.hidden = true;
 	const body = el( 'tbody' );
 	const more = el( 'button', { type: 'button', hidden: true, onclick: older }, 'Older tables' );
-	const headings = COLUMNS.map( ( [ name ], column ) => el( 'th', { scope: 'col', class: column ? 'number' : null }, el( 'button', { type: 'button', class: 'sort', onclick: () => sort( column ) }, name ) ) );
-	headings[ 1 ].firstChild.title = 'Mean error between nodes, as a part of the lobe’s width';
-	headings[ 2 ].firstChild.title = 'Mean error of the light of square lights, as a part of the lobe’s energy';
-	const list = el( 'table', { class: 'list' }, el( 'caption', { class: 'hidden' }, 'Tables' ),
-		el( 'thead', {}, el( 'tr', {}, el( 'th', { scope: 'col', class: 'picture' }, el( 'span', { class: 'hidden' }, 'Picture' ) ), headings, el( 'th', { scope: 'col', class: 'choose' }, el( 'span', { class: 'hidden' }, 'Compare' ) ) ) ), body );
+	const headings = COLUMNS.map( ( [ name, , title ], column ) => el( 'th', { scope: 'col', class: column ? 'number' : null }, el( 'button', { type: 'button', class: 'sort', title, onclick: () => sort( column ) }, name ) ) );
+	const ends = [ [ 'picture', 'Picture' ], [ 'choose', 'Compare' ] ].map( ( [ name, text ] ) => el( 'th', { scope: 'col', class: name }, hidden( text ) ) );
+	const list = el( 'table', { class: 'list' }, hidden( 'Tables', 'caption' ), el( 'thead', {}, el( 'tr', {}, ends[ 0 ], headings, ends[ 1 ] ) ), body );
 	const empty = el( 'p', { class: 'empty', hidden: true }, 'No table is stored yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to make one.' );
-	fill( root, el( 'div', { class: 'bar' }, el( 'h1', {}, 'Tables' ), count, el( 'span', { class: 'grow' } ), el( 'label', { for: 'search', class: 'hidden' }, 'Search' ), search, compare ), list, empty, more );
+	fill( root, bar( 'Tables', count, el( 'label', { for: 'search', class: 'hidden' }, 'Search' ), search, compare ), list, empty, more );
 
 	function sort( column ) {
 
-		order = { column, rising: order.column === column ? ! order.rising : COLUMNS[ column ][ 2 ] };
+		order = { column, sign: order.column === column ? - order.sign : 1 };
 		draw();
 
 	}
@@ -51,16 +53,18 @@ export async function show( root, rest, parameters, signal ) {
 	function add( item ) {
 
 		if ( rows.has( item.digest ) ) return;
-		const name = el( 'a', { href: `#/tables/${ item.digest }` }, short( item.digest ) );
+		const name = short( item.digest );
+		const link = el( 'a', { href: `#/tables/${ item.digest }` }, name );
 		const picture = el( 'img', { alt: '', width: 48, height: 48 } );
-		const [ error, light ] = [ el( 'td', { class: 'number', 'data-name': 'Error' }, '…' ), el( 'td', { class: 'number', 'data-name': 'Light' }, '…' ) ];
-		const choose = el( 'input', { type: 'checkbox', 'aria-label': `Compare ${ short( item.digest ) }`, onchange: () => pick( item.digest, choose.checked ) } );
-		const row = el( 'tr', {}, el( 'td', { class: 'picture' }, picture ),
-			el( 'th', { scope: 'row' }, name, el( 'code', { class: 'muted' }, short( item.digest ) ) ), error, light,
-			el( 'td', { class: 'number', 'data-name': 'Size' }, bytes( item.bytes ) ),
-			el( 'td', { class: 'number', 'data-name': 'Age' }, el( 'time', { datetime: item.created_at, title: new Date( item.created_at ).toLocaleString() }, age( item.created_at ) ) ),
+		const cell = ( column, ...content ) => el( 'td', { class: 'number', 'data-name': column }, content );
+		const [ error, light ] = [ cell( 'Error', '…' ), cell( 'Light', '…' ) ];
+		const choose = el( 'input', { type: 'checkbox', 'aria-label': `Compare ${ name }`, onchange: () => pick( item.digest, choose.checked ) } );
+		const row = el( 'tr', {}, el( 'td', { class: 'picture' }, picture ), el( 'th', { scope: 'row' }, link, el( 'code', { class: 'muted' }, name ) ), error, light,
+			cell( 'Size', bytes( item.bytes ) ),
+			cell( 'Age', el( 'time', { datetime: item.created_at, title: new Date( item.created_at ).toLocaleString() }, age( item.created_at ) ) ),
 			el( 'td', { class: 'choose' }, choose ) );
-		rows.set( item.digest, { ...item, row, name, picture, error: null, light: null, cells: [ error, light ] } );
+		// Until the manifest is there, a table is behind all others.
+		rows.set( item.digest, { ...item, row, link, picture, cells: [ error, light ], title: '', error: Infinity, light: Infinity } );
 
 	}
 
@@ -78,17 +82,12 @@ export async function show( root, rest, parameters, signal ) {
 
 		const words = search.value.toLowerCase().split( /\s+/ ).filter( Boolean );
 		const [ , key ] = COLUMNS[ order.column ];
-		const found = [ ...rows.values() ].filter( ( row ) => words.every( ( word ) => `${ row.title } ${ row.digest } ${ row.recipe_digest }`.toLowerCase().includes( word ) ) );
-		found.sort( ( a, b ) => {
-
-			const [ one, other ] = [ key( a ), key( b ) ];
-			return ( one < other ? - 1 : one > other ? 1 : 0 ) * ( order.rising ? 1 : - 1 );
-
-		} );
+		const found = [ ...rows.values() ].filter( ( { title, digest, recipe_digest } ) => words.every( ( word ) => `${ title } ${ digest } ${ recipe_digest }`.toLowerCase().includes( word ) ) );
+		found.sort( ( a, b ) => order.sign * ( ( key( a ) > key( b ) ) - ( key( a ) < key( b ) ) ) );
 		headings.forEach( ( heading, column ) => {
 
-			if ( column === order.column ) heading.setAttribute( 'aria-sort', order.rising ? 'ascending' : 'descending' );
-			else heading.removeAttribute( 'aria-sort' );
+			heading.removeAttribute( 'aria-sort' );
+			if ( column === order.column ) heading.setAttribute( 'aria-sort', order.sign > 0 ? 'ascending' : 'descending' );
 
 		} );
 		fill( body, found.map( ( { row } ) => row ) );
@@ -103,10 +102,9 @@ export async function show( root, rest, parameters, signal ) {
 
 		try {
 
-			const { recipe, report } = await manifest( row.digest );
-			if ( signal.aborted ) return;
-			Object.assign( row, { title: title( recipe ), error: report.between.width.mean, light: report.between.light.mean } );
-			fill( row.name, row.title );
+			const { recipe, report: { between } } = await manifest( row.digest );
+			Object.assign( row, { title: title( recipe ), error: between.width.mean, light: between.light.mean } );
+			fill( row.link, row.title );
 			fill( row.cells[ 0 ], percent( row.error ) );
 			fill( row.cells[ 1 ], percent( row.light, 2 ) );
 			load( row.picture, previewOf( recipe, row.digest, PICTURE ), signal );
@@ -126,16 +124,16 @@ export async function show( root, rest, parameters, signal ) {
 		const fresh = page.items.filter( ( { digest } ) => ! rows.has( digest ) );
 		page.items.forEach( add );
 		// The first page, asked for again, does not say where the oldest known table is followed by others.
-		if ( cursor !== undefined || next === null ) next = page.next;
+		if ( cursor || next === null ) next = page.next;
 		draw();
 		each( fresh.map( ( { digest } ) => rows.get( digest ) ), AT_ONCE, signal, detail ).then( () => signal.aborted || draw() );
 
 	}
 
-	async function older() {
+	function older() {
 
 		more.disabled = true;
-		await read( next ).finally( () => more.disabled = false );
+		read( next ).finally( () => more.disabled = false );
 
 	}
 

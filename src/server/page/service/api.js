@@ -4,18 +4,11 @@ import { anotherThan, authorization, hasToken } from './token.js';
 
 const BASE = new URL( '.', document.baseURI );
 
-/** How often a service that does not answer is asked again, in milliseconds. */
-const RETRY = 1500;
-
-/** How often it is asked while it answers and somebody sees the page. */
-const WATCH = 5000;
+/** How often a service that does not answer is asked again, and one that does while somebody sees the page, in milliseconds. */
+const [ RETRY, WATCH ] = [ 1500, 5000 ];
 
 /** The absolute address of a path of the service, such as `/v1/jobs`: below the path at which the page is. */
-export function address( path ) {
-
-	return new URL( path.replace( /^\//, '' ), BASE ).href;
-
-}
+export const address = ( path ) => new URL( path.replace( /^\//, '' ), BASE ).href;
 
 /** An answer of the service that is a problem document [RFC 9457]. */
 export class Problem extends Error {
@@ -36,8 +29,7 @@ export async function reach( path, { headers = {}, ...init } = {} ) {
 
 		const token = authorization();
 		const response = await fetch( address( path ), { ...init, headers: { ...headers, ...token } } );
-		if ( response.status !== 401 ) return response;
-		if ( ! await anotherThan( token ) ) return response;
+		if ( response.status !== 401 || ! await anotherThan( token ) ) return response;
 		init.signal?.throwIfAborted();
 
 	}
@@ -54,16 +46,16 @@ export async function pictureFrom( path ) {
 }
 
 /**
- * The JSON that a call answers with. `body` is sent as JSON, `raw` as it is under its media type. What only asks is asked again
- * once a service that went is back.
+ * The JSON answer to a call. `body` is sent as JSON, `raw` as it is under its media type. A GET is asked again once a service
+ * that went is back.
  */
 export async function call( path, { method = 'GET', body, raw, type = 'application/json', signal } = {} ) {
 
-	const sent = raw ?? ( body === undefined ? undefined : JSON.stringify( body ) );
+	const sent = raw ?? ( body && JSON.stringify( body ) );
 	let response;
 	try {
 
-		response = await reach( path, { method, headers: sent === undefined ? {} : { 'content-type': type }, signal, body: sent } );
+		response = await reach( path, { method, headers: sent ? { 'content-type': type } : {}, signal, body: sent } );
 
 	} catch ( error ) {
 
@@ -76,29 +68,31 @@ export async function call( path, { method = 'GET', body, raw, type = 'applicati
 
 	}
 
-	const isJson = /json/.test( response.headers.get( 'content-type' ) || '' );
-	const answer = isJson ? await response.json() : null;
+	const answer = /json/.test( response.headers.get( 'content-type' ) ) ? await response.json() : null;
 	if ( response.ok ) return answer;
 	throw new Problem( answer || { title: `the answer was ${ response.status }` } );
 
 }
 
-const manifests = new Map();
+const answers = new Map();
 
-/** The manifest of a table, which never changes. */
-export function manifest( digest ) {
+/** The answer at a path where it never changes. */
+export function constant( path ) {
 
-	if ( ! manifests.has( digest ) ) {
+	if ( ! answers.has( path ) ) {
 
-		const pending = call( `/v1/tables/${ digest }/manifest` );
-		manifests.set( digest, pending );
-		pending.catch( () => manifests.delete( digest ) );
+		const pending = call( path );
+		answers.set( path, pending );
+		pending.catch( () => answers.delete( path ) );
 
 	}
 
-	return manifests.get( digest );
+	return answers.get( path );
 
 }
+
+/** The manifest of a table. */
+export const manifest = ( digest ) => constant( `/v1/tables/${ digest }/manifest` );
 
 /** Runs `work` on items, a few at a time, until `signal` ends it. */
 export async function each( items, atOnce, signal, work ) {
@@ -115,8 +109,9 @@ export async function each( items, atOnce, signal, work ) {
 }
 
 let awaited = null;
+const isThere = () => fetch( address( '/healthz' ) ).then( ( { ok } ) => ok, () => false );
 
-/** Asks until the service answers again, which the window is told by an event `serviceback`. */
+/** Asks until the service answers again. The window gets the events `servicelost` and `serviceback`. */
 export function awaitService() {
 
 	awaited ??= untilItAnswers().finally( () => awaited = null );
@@ -128,23 +123,17 @@ async function untilItAnswers() {
 
 	window.dispatchEvent( new Event( 'servicelost' ) );
 	do await new Promise( ( done ) => setTimeout( done, RETRY ) );
-	while ( ! await answers() );
+	while ( ! await isThere() );
 	window.dispatchEvent( new Event( 'serviceback' ) );
 
 }
 
-function answers() {
-
-	return fetch( address( '/healthz' ) ).then( ( { ok } ) => ok, () => false );
-
-}
-
-/** Notices a service that goes while a page has nothing to ask. */
+/** Notices a service that stops while a page has nothing to ask. */
 export function watchService() {
 
 	const ask = async () => {
 
-		if ( ! document.hidden && ! awaited && ! await answers() ) awaitService();
+		if ( ! document.hidden && ! awaited && ! await isThere() ) awaitService();
 
 	};
 

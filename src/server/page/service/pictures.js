@@ -1,13 +1,10 @@
-// Pictures that the service renders. It renders one at a time and lets a few wait, so they are asked for in turn.
+// Pictures that the service renders, asked for two at a time: a browser has six connections to a service.
 
-import { isIsotropic } from '../elements/format.js';
+import { isIsotropic } from '../elements/recipe.js';
 import { pictureFrom } from './api.js';
 
-/** Pictures that are asked for at the same time. */
-const AT_ONCE = 2;
-
-const waiting = [];
-const failed = [];
+/** The last picture of each queue. */
+const queues = [ Promise.resolve(), Promise.resolve() ];
 let asked = 0;
 
 /** The address of a table's picture in a mode: its own kind of surface on a sphere under a rectangle. */
@@ -22,47 +19,25 @@ export function previewOf( recipe, table, size, mode = 'ltc' ) {
 /** Shows the picture at an address in an image element once its turn comes, unless the page was left by then; done when it is shown. */
 export function load( image, from, signal ) {
 
-	return new Promise( ( shown ) => {
-
-		waiting.push( { image, from, signal, shown } );
-		next();
-
-	} );
+	const queue = asked ++ % queues.length;
+	return queues[ queue ] = queues[ queue ].then( () => signal.aborted || shown( image, from, signal ) );
 
 }
 
-async function next() {
+async function shown( image, from, signal ) {
 
-	if ( asked >= AT_ONCE || ! waiting.length ) return;
-	const { image, from, signal, shown } = waiting.shift();
-	asked ++;
-	if ( ! signal.aborted ) {
+	try {
 
-		try {
+		image.src = await pictureFrom( from );
+		await image.decode();
 
-			image.src = await pictureFrom( from );
-			await image.decode();
+	} catch {
 
-		} catch {
-
-			// A picture that fails leaves its text in its place, and may only lack the service.
-			failed.push( { image, from, signal, shown } );
-
-		}
-
-		if ( image.src.startsWith( 'blob:' ) ) URL.revokeObjectURL( image.src );
+		// A picture that fails leaves its text in its place, and may only lack the service.
+		window.addEventListener( 'serviceback', () => load( image, from, signal ), { once: true, signal } );
 
 	}
 
-	asked --;
-	shown();
-	next();
+	if ( image.src.startsWith( 'blob:' ) ) URL.revokeObjectURL( image.src );
 
 }
-
-window.addEventListener( 'serviceback', () => {
-
-	waiting.push( ...failed.splice( 0 ) );
-	next();
-
-} );

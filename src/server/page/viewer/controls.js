@@ -30,13 +30,13 @@ export function choice( id, label, options, value, change ) {
 	const select = el( 'select', { id, onchange: () => change( select.value ) } );
 	const offer = ( options, value ) => {
 
-		fill( select, options.map( ( option ) => [ option ].flat() ).map( ( [ option, text = option ] ) => el( 'option', { value: option, selected: option === value }, text ) ) );
+		fill( select, options.map( ( option ) => [ option ].flat() ).map( ( [ option, text = option ] ) => el( 'option', { value: option }, text ) ) );
+		select.value = value;
 
 	};
 
 	offer( options, value );
-	const row = el( 'div', { class: 'field' }, el( 'label', { for: id }, label ), select );
-	return { row, select, offer, tell: ( value ) => select.value = value };
+	return { row: el( 'div', { class: 'field' }, el( 'label', { for: id }, label ), select ), offer };
 
 }
 
@@ -49,6 +49,7 @@ export function drag( element, onMove ) {
 		event.preventDefault();
 		element.setPointerCapture( event.pointerId );
 		const half = ( element.ownerSVGElement || element ).getBoundingClientRect().width / 2;
+		const ended = new AbortController();
 		let [ x, y ] = [ event.clientX, event.clientY ];
 		const move = ( to ) => {
 
@@ -57,10 +58,8 @@ export function drag( element, onMove ) {
 
 		};
 
-		const end = () => element.removeEventListener( 'pointermove', move );
-		element.addEventListener( 'pointermove', move );
-		element.addEventListener( 'pointerup', end, { once: true } );
-		element.addEventListener( 'pointercancel', end, { once: true } );
+		element.addEventListener( 'pointermove', move, { signal: ended.signal } );
+		element.addEventListener( 'lostpointercapture', () => ended.abort(), { once: true } );
 
 	} );
 

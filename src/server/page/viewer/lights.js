@@ -1,4 +1,4 @@
-// The viewer's lights in its form: which of them is changed, its shape and numbers, and whether there are more.
+// The viewer's lights in its form: the light to change, its shape and numbers, and whether there are more.
 
 import { el, fill } from '../elements/dom.js';
 import { choice, slider } from './controls.js';
@@ -9,6 +9,7 @@ import { screens } from './screens.js';
 export function lightsPanel( scene, changed, again ) {
 
 	let chosen = 0;
+	const shapes = Object.keys( LIGHT_SHAPES );
 	const change = ( name, value ) => {
 
 		scene.lights[ chosen ][ name ] = value;
@@ -16,47 +17,55 @@ export function lightsPanel( scene, changed, again ) {
 
 	};
 
-	const shape = choice( 'view-light_shape', 'Shape', Object.keys( LIGHT_SHAPES ), scene.lights[ 0 ].shape, ( value ) => change( 'shape', value ) );
+	const shape = choice( 'view-light_shape', 'Shape', shapes, scene.lights[ 0 ].shape, ( value ) => change( 'shape', value ) );
 	const shown = screens( ( value ) => change( 'picture', value ), again );
 	const sliders = OF_LIGHT.map( ( field ) => slider( field, 'light_', change ) );
-	const add = el( 'button', { type: 'button', class: 'quiet', onclick: () => {
+	const button = ( text, onclick ) => el( 'button', { type: 'button', class: 'quiet', onclick }, text );
+	const add = button( 'Add', () => {
 
 		chosen = scene.lights.length;
 		scene.lights.push( addedLight( chosen ) );
 		changed();
 
-	} }, 'Add' );
-	const remove = el( 'button', { type: 'button', class: 'quiet', onclick: () => {
+	} );
+	const remove = button( 'Remove', () => {
 
 		scene.lights.splice( chosen, 1 );
 		chosen = Math.min( chosen, scene.lights.length - 1 );
 		changed();
 
-	} }, 'Remove' );
+	} );
 	const numbers = el( 'span', { class: 'chosen', role: 'group', 'aria-label': 'Light to change' } );
 
 	function tell() {
 
 		const light = scene.lights[ chosen ];
-		const sizes = LIGHT_SHAPES[ light.shape ].sizes;
-		fill( numbers, scene.lights.map( ( _, i ) => el( 'button', { type: 'button', class: 'quiet', 'aria-pressed': String( i === chosen ), 'aria-label': `Light ${ i + 1 }`, onclick: () => choose( i, true ) }, String( i + 1 ) ) ) );
+		const [ width, height ] = LIGHT_SHAPES[ light.shape ].sizes;
+		fill( numbers, scene.lights.map( ( _, i ) => el( 'button', { type: 'button', class: 'quiet', 'aria-pressed': String( i === chosen ), 'aria-label': `Light ${ i + 1 }`, onclick: () => choose( i ) }, String( i + 1 ) ) ) );
 		add.disabled = scene.lights.length === MOST_LIGHTS;
 		remove.disabled = scene.lights.length === 1;
-		shape.tell( light.shape );
+		shape.offer( shapes, light.shape );
 		shown.tell( light );
-		for ( const control of sliders ) control.tell( light, { width: sizes[ 0 ], height: sizes[ 1 ] }[ control.name ] );
+		for ( const control of sliders ) control.tell( light, { width, height }[ control.name ] );
 
 	}
 
-	function choose( i, isTold = false ) {
+	function choose( i ) {
 
 		chosen = i;
-		// The button is made anew and keeps the focus.
-		if ( isTold ) changed();
-		if ( isTold ) numbers.children[ i ].focus();
+		changed();
+		// The button is a new one and keeps the focus.
+		numbers.children[ i ].focus();
 
 	}
 
-	return { row: [ el( 'div', { class: 'bar' }, numbers, el( 'span', { class: 'grow' } ), add, remove ), shape.row, shown.row, sliders.map( ( { row } ) => row ) ], tell, choose, chosen: () => chosen, layers: () => shown.layers( scene.lights ), release: shown.release };
+	return {
+		row: [ el( 'div', { class: 'bar' }, numbers, el( 'span', { class: 'grow' } ), add, remove ), shape.row, shown.row, sliders.map( ( { row } ) => row ) ],
+		tell,
+		take: ( i ) => chosen = i,
+		chosen: () => chosen,
+		layers: () => shown.layers( scene.lights ),
+		release: shown.release,
+	};
 
 }

@@ -81,10 +81,10 @@ async function found( name ) {
 
 }
 
-/** Such a model with the text of a language that knows pictures on lights or does not. */
-export async function modelOf( name, language, hasPictures ) {
+/** Such a model with its text, which knows pictures on lights or does not. */
+export async function modelOf( name, hasPictures ) {
 
 	const model = await once( `model ${ name }`, () => found( name ) );
-	return { ...model, text: model.source ? await textOf( `${ model.source }${ hasPictures ? '-textured' : '' }.${ language }` ) : '' };
+	return { ...model, text: model.source ? await textOf( `${ model.source }${ hasPictures ? '-textured' : '' }.glsl` ) : '' };
 
 }

@@ -40,8 +40,8 @@ export const LIGHT_SHAPES = {
 	hexagon: { sizes: [ 'Half width', 'Half height' ], corners: 6 },
 };
 
-/** What a rectangle may show in place of one colour, by its names in a link; `file` is one that was opened, of which a link knows nothing. */
-export const PICTURES = { '': 'one colour', signs: 'a picture', disc: 'a video', file: 'a file' };
+/** Pictures that a rectangle may show in place of one colour, by their names in a link; a file that was opened is none of them. */
+export const PICTURES = { '': 'one colour', signs: 'a picture', disc: 'a video' };
 
 /** Whether a light shows one. */
 export const isPictured = ( { shape, picture } ) => shape === 'rectangle' && picture !== '';
@@ -54,7 +54,6 @@ export const CHOICES = {
 	surface: [ 'sphere', 'floor', 'shader_ball' ],
 	metal: Object.keys( METALS ),
 	show: [ 'split', 'model', 'reference', 'difference' ],
-	drawn_by: [ 'automatic', 'webgl2', 'webgpu' ],
 };
 
 /** The whole angle of view, of scene `sphere`. */
@@ -102,7 +101,7 @@ export function read( parameters ) {
 		const shape = parameters.get( named( i, 'shape' ) );
 		if ( Object.hasOwn( LIGHT_SHAPES, shape || '' ) ) light.shape = shape;
 		const picture = parameters.get( named( i, 'picture' ) ) || '';
-		if ( Object.hasOwn( PICTURES, picture ) && picture !== 'file' ) light.picture = picture;
+		if ( Object.hasOwn( PICTURES, picture ) ) light.picture = picture;
 		return light;
 
 	} );

@@ -1,6 +1,6 @@
-// What lights show: pictures that are drawn here, a video that is, or a file of the visitor's, which stays in the browser.
+// Pictures on lights: a picture and a video that are drawn here, or a file of the visitor's, which stays in the browser.
 
-import { el, fill, notice } from '../elements/dom.js';
+import { el, fileField, fill, notice } from '../elements/dom.js';
 import { choice } from './controls.js';
 import { isPictured, PICTURES } from './scene.js';
 
@@ -44,21 +44,16 @@ function drawDisc( to, width, height, seconds ) {
 
 }
 
-/** An image or a video of a file, with its name. */
+/** An image or a video of a file. */
 async function read( file ) {
 
 	const address = URL.createObjectURL( file );
 	const isVideo = file.type.startsWith( 'video/' );
+	const shown = isVideo ? Object.assign( document.createElement( 'video' ), { loop: true, muted: true, playsInline: true } ) : new Image();
+	shown.src = address;
 	try {
 
-		const shown = Object.assign( document.createElement( isVideo ? 'video' : 'img' ), isVideo ? { loop: true, muted: true, playsInline: true } : {}, { src: address } );
-		await ( isVideo ? new Promise( ( done, failed ) => {
-
-			shown.addEventListener( 'loadeddata', done, { once: true } );
-			shown.addEventListener( 'error', failed, { once: true } );
-
-		} ) : shown.decode() );
-		return { name: file.name, shown, isVideo, address };
+		await ( isVideo ? new Promise( ( done, failed ) => Object.assign( shown, { onloadeddata: done, onerror: failed } ) ) : shown.decode() );
 
 	} catch {
 
@@ -66,6 +61,13 @@ async function read( file ) {
 		throw new Error( `${ file.name } is no picture or video that this browser shows` );
 
 	}
+
+	return { name: file.name, shown, isVideo, release() {
+
+		shown.removeAttribute( 'src' );
+		URL.revokeObjectURL( address );
+
+	} };
 
 }
 
@@ -76,43 +78,41 @@ async function read( file ) {
 export function screens( change, again ) {
 
 	let opened = null;
+	let chosen = null;
 	let isPlaying = ! matchMedia( '(prefers-reduced-motion: reduce)' ).matches;
 	/** Seconds of the video that is drawn here, and when they were counted. */
 	let [ seconds, since ] = [ 0, null ];
 	const shows = choice( 'view-light_picture', 'Shows', [], '', change );
-	const file = el( 'input', { type: 'file', id: 'picture', accept: 'image/*,video/*', class: 'hidden', onchange: () => open( file.files[ 0 ] ) } );
 	const play = el( 'button', { type: 'button', class: 'quiet', onclick: () => {
 
 		isPlaying = ! isPlaying;
 		since = null;
-		name();
+		follow();
 		again();
 
 	} } );
-	const name = () => {
+	const told = el( 'div', { role: 'status' } );
+	const small = el( 'canvas', { class: 'screen', role: 'img', 'aria-label': 'The picture on the light' } );
+	const openRow = el( 'div', { class: 'field' }, el( 'label', { for: 'picture' }, 'Picture or video' ), el( 'div', { class: 'file' }, fileField( 'picture', 'image/*,video/*', 'Open a file', open ), play, small ) );
+	const isMoving = ( { picture } ) => picture === 'disc' || picture === 'file' && opened.isVideo;
+
+	/** Lets the button and an opened video follow whether pictures move. */
+	function follow() {
 
 		play.textContent = isPlaying ? 'Pause' : 'Play';
 		if ( opened?.isVideo ) isPlaying ? opened.shown.play() : opened.shown.pause();
 
-	};
+	}
 
-	const told = el( 'div', { role: 'status' } );
-	const small = el( 'canvas', { class: 'screen', role: 'img', 'aria-label': 'What the light shows' } );
-	const openRow = el( 'div', { class: 'field' }, el( 'label', { for: 'picture' }, 'Picture or video' ), el( 'div', { class: 'file' }, file, el( 'label', { for: 'picture', class: 'button quiet' }, 'Open a file' ), play, small ) );
-	const isMoving = ( { picture } ) => picture === 'disc' || picture === 'file' && Boolean( opened?.isVideo );
-	let chosen = null;
+	async function open( file ) {
 
-	async function open( chosenFile ) {
-
-		if ( ! chosenFile ) return;
 		try {
 
-			const before = opened;
-			opened = await read( chosenFile );
-			if ( before ) before.shown.removeAttribute( 'src' );
-			if ( before ) URL.revokeObjectURL( before.address );
+			const next = await read( file );
+			opened?.release();
+			opened = next;
 			fill( told );
-			name();
+			follow();
 			change( 'file' );
 
 		} catch ( error ) {
@@ -127,28 +127,24 @@ export function screens( change, again ) {
 
 		const to = canvas.getContext( '2d', { willReadFrequently: true } );
 		const { width, height } = canvas;
-		if ( picture === 'signs' ) drawSigns( to, width, height );
-		else if ( picture === 'disc' ) drawDisc( to, width, height, seconds );
-		else if ( opened ) {
-
-			to.fillStyle = '#000000';
-			to.fillRect( 0, 0, width, height );
-			to.imageSmoothingQuality = 'high';
-			to.drawImage( opened.shown, 0, 0, width, height );
-
-		}
+		if ( picture === 'signs' ) return drawSigns( to, width, height );
+		if ( picture === 'disc' ) return drawDisc( to, width, height, seconds );
+		to.fillStyle = '#000000';
+		to.fillRect( 0, 0, width, height );
+		to.imageSmoothingQuality = 'high';
+		to.drawImage( opened.shown, 0, 0, width, height );
 
 	}
 
 	const canvases = [];
-	name();
+	follow();
 	return {
 		row: [ shows.row, openRow, told ],
 		/** Shows the inputs of a light, which only a rectangle has. */
 		tell( light ) {
 
 			chosen = light;
-			shows.offer( Object.entries( PICTURES ).filter( ( [ name ] ) => name !== 'file' || opened ).map( ( [ name, label ] ) => [ name, name === 'file' ? opened.name : label ] ), light.picture );
+			shows.offer( [ ...Object.entries( PICTURES ), ...( opened ? [ [ 'file', opened.name ] ] : [] ) ], light.picture );
 			shows.row.hidden = openRow.hidden = light.shape !== 'rectangle';
 			small.hidden = ! isPictured( light );
 			play.hidden = small.hidden || ! isMoving( light );
@@ -163,29 +159,24 @@ export function screens( change, again ) {
 			const pictured = lights.filter( isPictured );
 			if ( ! pictured.length ) return { layers: [], isMoving: false };
 			const now = performance.now() / 1000;
-			if ( isPlaying ) seconds += since === null ? 0 : now - since;
+			if ( isPlaying ) seconds += now - ( since ?? now );
 			since = now;
-			const [ { width, height } ] = pictured;
-			const texels = [ width, height ].map( ( side ) => Math.max( 1, Math.round( LONGER * side / Math.max( width, height ) ) ) );
-			while ( canvases.length < pictured.length ) canvases.push( document.createElement( 'canvas' ) );
+			const [ { width: half, height: other } ] = pictured;
+			const [ width, height ] = [ half, other ].map( ( side ) => Math.max( 1, Math.round( LONGER * side / Math.max( half, other ) ) ) );
 			const layers = pictured.map( ( light, i ) => {
 
-				if ( canvases[ i ].width !== texels[ 0 ] || canvases[ i ].height !== texels[ 1 ] ) Object.assign( canvases[ i ], { width: texels[ 0 ], height: texels[ 1 ] } );
-				paint( canvases[ i ], light );
-				if ( light === chosen ) Object.assign( small, { width: texels[ 0 ], height: texels[ 1 ] } ).getContext( '2d' ).drawImage( canvases[ i ], 0, 0 );
-				return canvases[ i ];
+				const canvas = canvases[ i ] ??= document.createElement( 'canvas' );
+				// A new size empties a canvas, which takes time.
+				if ( canvas.width !== width || canvas.height !== height ) Object.assign( canvas, { width, height } );
+				paint( canvas, light );
+				if ( light === chosen ) Object.assign( small, { width, height } ).getContext( '2d' ).drawImage( canvas, 0, 0 );
+				return canvas;
 
 			} );
 			return { layers, isMoving: isPlaying && pictured.some( isMoving ) };
 
 		},
-		release() {
-
-			if ( ! opened ) return;
-			if ( opened.isVideo ) opened.shown.pause();
-			URL.revokeObjectURL( opened.address );
-
-		},
+		release: () => opened?.release(),
 	};
 
 }

@@ -1,11 +1,9 @@
 // Lights of the scene in GLSL ES, as shaders/ggx_reference.wgsl and shaders/reference_solids.wgsl have one.
 
-/** What a light is in the shaders; a sphere is a tube whose ends are one. */
-export const SHAPES = { polygon: 0, ellipse: 1, tube: 2, line: 3 };
-
 /**
  * The lights. `SHAPES_USED` has a bit for each shape that the scene has, so that a program holds no others: software drivers run
- * both sides of a branch; the bit 16 is that of pictures. The vertices are those of a polygon, or of the one that stands for an
+ * both sides of a branch; the bit 16 is that of pictures. `light_shape` is 0 for a polygon, 1 for an ellipse, 2 for a tube (a sphere
+ * is a tube whose ends are one), 3 for a line. The vertices are those of a polygon, or of the one that stands for an
  * ellipse, clockwise as seen from the lit side; their fourth number is the area of the triangles (0, 1, 2) up to (0, i - 1, i) over that of all.
  */
 export const LIGHTS = `

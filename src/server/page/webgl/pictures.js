@@ -1,6 +1,8 @@
-// Pictures on lights in WebGL 2: the passes of `ltcforge shader --as prefilter`, each as often as a picture changes.
+// Pictures on lights: the passes of `ltcforge shader --as prefilter`, run each time a picture changes.
 
-/** What a pass writes at `texel`, by its name. `size` is that of the picture. */
+import { program, target, texture } from './context.js';
+
+/** The text that a pass writes at `texel`. `size` is that of the picture. */
 const PASSES = {
 	halved: 'prefilter_halved( texel, prefilter_size( size, level - 1u ), prefilter_size( size, level ) )',
 	row: 'prefilter_row( texel.y, size.x )',
@@ -19,91 +21,65 @@ void main() {
 }`;
 
 /**
- * Textures of so many pictures of a size: `shown` are the pictures, `pyramids` their levels; both are arrays with a layer for
- * each. `program` compiles a fragment shader, `run` draws it; `text` is the service's.
+ * Textures of so many pictures of a size: `shown` has the pictures, `pyramids` their levels; both are arrays with a layer for
+ * each. `run` draws a program; `text` is the service's.
  */
-export function glPictures( gl, program, run, text, [ width, height ], layers ) {
+export function pictures( gl, run, text, width, height, layers ) {
 
-	const count = 1 + Math.floor( Math.log2( Math.max( width, height ) ) );
-	const sides = ( level ) => [ Math.max( width >> level, 1 ), Math.max( height >> level, 1 ) ];
+	const last = Math.floor( Math.log2( Math.max( width, height ) ) );
+	const drawn = ( level ) => target( gl, [ gl.RGBA16F ], Math.max( width >> level, 1 ), Math.max( height >> level, 1 ) );
 	const passes = Object.fromEntries( Object.keys( PASSES ).map( ( pass ) => [ pass, program( gl, passShader( text, pass ) ) ] ) );
-	const owned = [];
-
-	function texture( target, levels, format, sides, filters ) {
-
-		const made = gl.createTexture();
-		owned.push( made );
-		gl.bindTexture( target, made );
-		gl[ sides.length === 3 ? 'texStorage3D' : 'texStorage2D' ]( target, levels, format, ...sides );
-		[ gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER ].forEach( ( filter, i ) => gl.texParameteri( target, filter, filters[ i ] ) );
-		for ( const wrap of [ gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T ] ) gl.texParameteri( target, wrap, gl.CLAMP_TO_EDGE );
-		return made;
-
-	}
-
-	const nearest = [ gl.NEAREST, gl.NEAREST ];
-	const framebuffers = [];
-
-	/** A texture that a pass draws to. */
-	function drawn( sides ) {
-
-		const made = texture( gl.TEXTURE_2D, 1, gl.RGBA16F, sides, nearest );
-		const framebuffer = gl.createFramebuffer();
-		framebuffers.push( framebuffer );
-		gl.bindFramebuffer( gl.FRAMEBUFFER, framebuffer );
-		gl.framebufferTexture2D( gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, made, 0 );
-		return { texture: made, framebuffer, sides };
-
-	}
-
+	const array = ( levels, format, ...filters ) => texture( gl, gl.TEXTURE_2D_ARRAY, () => gl.texStorage3D( gl.TEXTURE_2D_ARRAY, levels, format, width, height, layers ), ...filters );
+	const picture = texture( gl, gl.TEXTURE_2D, () => gl.texStorage2D( gl.TEXTURE_2D, 1, gl.SRGB8_ALPHA8, width, height ) );
 	// Level 0 of the chain is the picture.
-	const picture = { texture: texture( gl.TEXTURE_2D, 1, gl.SRGB8_ALPHA8, [ width, height ], nearest ) };
-	const chain = [ picture, ...Array.from( { length: Math.max( count - 2, 0 ) }, ( _, i ) => drawn( sides( i + 1 ) ) ) ];
-	const rows = drawn( [ 1, height ] );
-	const levels = Array.from( { length: count }, ( _, level ) => drawn( sides( level ) ) );
-	const shown = texture( gl.TEXTURE_2D_ARRAY, 1, gl.SRGB8_ALPHA8, [ width, height, layers ], nearest );
-	const pyramids = texture( gl.TEXTURE_2D_ARRAY, count, gl.RGBA16F, [ width, height, layers ], [ gl.LINEAR_MIPMAP_LINEAR, gl.LINEAR ] );
+	const chain = Array.from( { length: Math.max( last - 1, 0 ) }, ( _, i ) => drawn( i + 1 ) );
+	const levels = Array.from( { length: last + 1 }, ( _, level ) => drawn( level ) );
+	const rows = target( gl, [ gl.RGBA16F ], 1, height );
+	const shown = array( 1, gl.SRGB8_ALPHA8 );
+	const pyramids = array( last + 1, gl.RGBA16F, gl.LINEAR_MIPMAP_LINEAR, gl.LINEAR );
+	const halved = ( level ) => level ? chain[ level - 1 ].textures[ 0 ] : picture;
 
 	function pass( name, to, level, source, above = source ) {
 
-		gl.viewport( 0, 0, ...to.sides );
-		run( passes[ name ], to, { width, height, at_level: level }, [ { name: 'prefilter_source', texture: source.texture }, { name: 'prefilter_above', texture: above.texture } ] );
+		run( passes[ name ], to, { width, height, at_level: level }, [ { name: 'prefilter_source', texture: source }, { name: 'prefilter_above', texture: above } ] );
 
 	}
 
 	return {
-		shown, pyramids, layers, size: [ width, height ],
+		shown, pyramids,
 		/** What the texts of models ask of the first level. */
 		base: Math.log2( Math.sqrt( width * height ) ) - 1,
-		/** Prefilters the pixels of a canvas of this size as a layer; tells by how many calls. */
+		/** Prefilters the pixels of a canvas of this size as a layer. Returns the number of draw calls. */
 		update( canvas, layer ) {
 
-			gl.bindTexture( gl.TEXTURE_2D, picture.texture );
+			gl.bindTexture( gl.TEXTURE_2D, picture );
 			gl.texSubImage2D( gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, canvas );
 			gl.bindTexture( gl.TEXTURE_2D_ARRAY, shown );
 			gl.texSubImage3D( gl.TEXTURE_2D_ARRAY, 0, 0, 0, layer, width, height, 1, gl.RGBA, gl.UNSIGNED_BYTE, canvas );
-			const last = count - 1;
-			for ( let level = 1; level < last; level ++ ) pass( 'halved', chain[ level ], level, chain[ level - 1 ] );
+			chain.forEach( ( to, i ) => pass( 'halved', to, i + 1, halved( i ) ) );
 			pass( 'row', rows, 0, picture );
-			pass( 'mean', levels[ last ], last, rows );
-			for ( let level = last - 1; level >= 0; level -- ) pass( 'level', levels[ level ], level, chain[ level ], levels[ level + 1 ] );
-			gl.activeTexture( gl.TEXTURE0 );
+			pass( 'mean', levels[ last ], last, rows.textures[ 0 ] );
+			for ( let level = last - 1; level >= 0; level -- ) pass( 'level', levels[ level ], level, halved( level ), levels[ level + 1 ].textures[ 0 ] );
 			gl.bindTexture( gl.TEXTURE_2D_ARRAY, pyramids );
-			levels.forEach( ( { framebuffer, sides }, level ) => {
+			levels.forEach( ( { framebuffer, width, height }, level ) => {
 
 				gl.bindFramebuffer( gl.FRAMEBUFFER, framebuffer );
-				gl.copyTexSubImage3D( gl.TEXTURE_2D_ARRAY, level, 0, 0, layer, 0, 0, ...sides );
+				gl.copyTexSubImage3D( gl.TEXTURE_2D_ARRAY, level, 0, 0, layer, 0, 0, width, height );
 
 			} );
-			gl.viewport( 0, 0, gl.canvas.width, gl.canvas.height );
-			// Halvings, rows, their mean and the other levels.
-			return Math.max( count - 2, 0 ) + 1 + count;
+			return chain.length + levels.length + 1;
 
 		},
 		release() {
 
-			for ( const texture of owned ) gl.deleteTexture( texture );
-			for ( const framebuffer of framebuffers ) gl.deleteFramebuffer( framebuffer );
+			for ( const { framebuffer, textures } of [ ...chain, ...levels, rows ] ) {
+
+				gl.deleteFramebuffer( framebuffer );
+				gl.deleteTexture( textures[ 0 ] );
+
+			}
+
+			for ( const made of [ picture, shown, pyramids ] ) gl.deleteTexture( made );
 			for ( const { made } of Object.values( passes ) ) gl.deleteProgram( made );
 
 		},

@@ -1,14 +1,8 @@
-// What each pixel shows of the scene, in GLSL ES: a sphere or a floor as previews have them, or the triangles of a mesh.
+// The surface at each pixel, in GLSL ES: a sphere or a floor as previews have them, or the triangles of a mesh.
 //
 // Its place, tangent frame and material are written to textures, which all other programs of the viewer read.
 
 const HEAD = '#version 300 es\nprecision highp float;\nprecision highp int;\n';
-
-/** One triangle that covers the picture. */
-export const VERTEX = `#version 300 es
-void main() {
-	gl_Position = vec4( gl_VertexID == 1 ? 3.0 : - 1.0, gl_VertexID == 2 ? 3.0 : - 1.0, 0.0, 1.0 );
-}`;
 
 const TARGETS = `
 layout( location = 0 ) out vec4 out_place;
@@ -158,7 +152,7 @@ Shaded see() {
 export const DISPLAY_SHADER = `${ HEAD }
 uniform sampler2D seen_place, left_radiance, right_radiance;
 uniform int size, show;
-uniform float exposure, split, difference_scale, left_weight, right_weight;
+uniform float exposure, split, difference_scale, right_weight;
 out vec4 colour;
 const vec3 BACKGROUND = vec3( 0.02 );
 
@@ -171,7 +165,7 @@ vec3 false_colour( float t ) {
 void main() {
 	ivec2 texel = ivec2( gl_FragCoord.xy );
 	float coverage = texelFetch( seen_place, texel, 0 ).w;
-	vec3 left = mix( BACKGROUND, texelFetch( left_radiance, texel, 0 ).xyz * left_weight, coverage );
+	vec3 left = mix( BACKGROUND, texelFetch( left_radiance, texel, 0 ).xyz, coverage );
 	vec3 right = mix( BACKGROUND, texelFetch( right_radiance, texel, 0 ).xyz * right_weight, coverage );
 	if ( show == 3 ) {
 		float apart = dot( abs( left - right ), vec3( 1.0 / 3.0 ) );

@@ -14,11 +14,10 @@ use self::{
     rendered::{Apart, Sphere},
     shade::{TRUTH_TOLERANCE, Way},
 };
-use super::NamedTable;
 use crate::picture::{
     Anchor, GROUND, LINE, Picture, bar, beside, colour, fitting, headed, number, short_digest, write,
 };
-use ltcforge_fit::{BrdfKind, PerAxis, SecondLobe};
+use ltcforge_fit::{BrdfKind, PerAxis, SecondLobe, Table};
 use ltcforge_light::{LightError, LightModel, Lighting, NormalsRule, TableUse};
 
 /// What may be chosen of the picture.
@@ -32,6 +31,17 @@ pub struct MaterialChoices {
     pub cut: bool,
     /// The difference, in radiance, at the end of the colour bar.
     pub difference_scale: f64,
+}
+
+/// A table and its names: its file's digest in hexadecimal, and the range that it covers.
+#[derive(Debug, Clone, Copy)]
+pub struct NamedTable<'a> {
+    /// The table.
+    pub table: &'a Table,
+    /// The digest of its file, in hexadecimal.
+    pub digest: &'a str,
+    /// The ranges of its axes.
+    pub range: &'a PerAxis<[f64; 2]>,
 }
 
 /// The picture, and how far each model is from the truth.

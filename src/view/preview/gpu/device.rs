@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::{GpuFailure, Variant, Weights};
+use super::{GpuFailure, Weights};
 use crate::preview::{
     estimator::Estimator,
     frame::{Frame, FrameShape},
@@ -22,14 +22,11 @@ pub(super) struct Device {
     /// That of prefiltered pictures, which samplers filter.
     pub(super) picture_format: wgpu::TextureFormat,
     pub(super) name: String,
-    /// The driver renders on the processor, as lavapipe does.
-    pub(super) is_software: bool,
     pipeline_layout: wgpu::PipelineLayout,
     module: wgpu::ShaderModule,
     pipelines: Vec<(PipelineKey, wgpu::ComputePipeline)>,
     /// The sampler interpolates entries, not the shader.
     pub(super) samples_weighed: bool,
-    lookup_is_constant: bool,
     fault: FirstFault,
 }
 
@@ -80,7 +77,7 @@ impl FirstFault {
 
 impl Device {
     /// Opens it. Takes some 50 ms with lavapipe.
-    pub(super) fn open(variant: Variant) -> Result<Self, GpuFailure> {
+    pub(super) fn open(weights: Weights) -> Result<Self, GpuFailure> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
             backends: wgpu::Backends::VULKAN,
             ..wgpu::InstanceDescriptor::new_without_display_handle()
@@ -96,7 +93,7 @@ impl Device {
             request(false).or_else(|_| request(true)).map_err(|error| GpuFailure::Absent(error.to_string()))?;
         let filters = adapter.features() & wgpu::Features::FLOAT32_FILTERABLE;
         let info = adapter.get_info();
-        let samples_weighed = match variant.weights {
+        let samples_weighed = match weights {
             Weights::Exact => info.device_type == wgpu::DeviceType::Cpu && !filters.is_empty(),
             Weights::Shader => false,
             Weights::Sampler if filters.is_empty() => {
@@ -140,12 +137,10 @@ impl Device {
             picture_layout,
             picture_format,
             name,
-            is_software: info.device_type == wgpu::DeviceType::Cpu,
             pipeline_layout,
             module,
             pipelines: Vec::new(),
             samples_weighed,
-            lookup_is_constant: variant.lookup_is_constant,
             fault,
         };
         device.check()?;
@@ -162,7 +157,6 @@ impl Device {
         let flag = |is_so: bool| f64::from(u8::from(is_so));
         let constants = [
             ("ltc_hardware_filter", flag(self.samples_weighed)),
-            ("lookup_is_constant", flag(self.lookup_is_constant)),
             ("light_shape", f64::from(key.shape)),
             ("light_is_polygon", flag(key.is_polygon)),
             ("light_is_cut", flag(key.is_cut)),

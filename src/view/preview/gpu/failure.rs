@@ -6,19 +6,13 @@ pub(crate) enum GpuFailure {
     /// There is no GPU, or none that can be used.
     #[error("{0}")]
     Absent(String),
-    /// It cannot hold the table.
-    #[error("a table of {size:?} texels is larger than the {most} a side that textures may have")]
-    TableTooLarge {
+    /// It cannot hold a texture.
+    #[error("a {what} of {size:?} texels is larger than the {most} a side that textures may have")]
+    TooLarge {
+        /// What the texture is of.
+        what: &'static str,
         /// Texels a side.
-        size: [usize; 3],
-        /// Most texels a side.
-        most: u32,
-    },
-    /// It cannot hold the picture of the light.
-    #[error("a picture of {} x {} texels is larger than the {most} a side that textures may have", .size[0], .size[1])]
-    PictureTooLarge {
-        /// Texels a side.
-        size: [usize; 2],
+        size: Vec<usize>,
         /// Most texels a side.
         most: u32,
     },

@@ -10,9 +10,9 @@ mod task;
 #[cfg(test)]
 pub(super) mod tests;
 mod tiles;
-mod variant;
+mod weights;
 
 pub(crate) use failure::GpuFailure;
 pub(super) use session::Gpu;
 pub(super) use task::RenderTask;
-pub use variant::{Variant, Weights};
+pub use weights::Weights;

@@ -16,7 +16,7 @@ pub(super) fn upload(gpu: &Device, picture: Option<&LightPicture>) -> Result<wgp
     let most = gpu.wgpu.limits().max_texture_dimension_2d;
     let images = picture.iter().flat_map(|picture| [&*picture.image, &picture.pyramid.levels()[0]]);
     if let Some(image) = images.into_iter().find(|image| image.width().max(image.height()) > most as usize) {
-        return Err(GpuFailure::PictureTooLarge { size: [image.width(), image.height()], most });
+        return Err(GpuFailure::TooLarge { what: "picture", size: vec![image.width(), image.height()], most });
     }
     let image = picture.map_or(BLACK, |picture| Level::of(&picture.image));
     let levels = picture.map_or(vec![BLACK], |picture| picture.pyramid.levels().iter().map(Level::of).collect());

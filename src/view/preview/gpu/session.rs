@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use super::{GpuFailure, RenderTask, Variant, device::Device, picture, table, target::RenderTarget};
+use super::{GpuFailure, RenderTask, Weights, device::Device, picture, table, target::RenderTarget};
 use crate::preview::{ShaderTable, estimator::Stop, light_picture::LightPicture};
 
 /// A GPU that its first picture opens, and the next picture opens again after it was lost.
 #[derive(Debug, Default)]
 pub(in crate::preview) struct Gpu {
-    variant: Variant,
+    weights: Weights,
     open: Option<Open>,
     /// How many more pictures it renders before it fails.
     #[cfg(test)]
@@ -25,8 +25,8 @@ struct Open {
 }
 
 impl Gpu {
-    pub(in crate::preview) fn new(variant: Variant) -> Self {
-        Self { variant, ..Self::default() }
+    pub(in crate::preview) fn new(weights: Weights) -> Self {
+        Self { weights, ..Self::default() }
     }
 
     /// Opens the device if it is not, and returns its name.
@@ -34,19 +34,14 @@ impl Gpu {
         Ok(self.device()?.device.name.clone())
     }
 
-    /// Opens the device if it is not, and tells whether its driver renders on the processor.
-    pub(in crate::preview) fn is_software(&mut self) -> Result<bool, GpuFailure> {
-        Ok(self.device()?.device.is_software)
-    }
-
-    /// Renders part of a picture and returns the words of the whole picture. After a failure it tries once more on a
+    /// Renders part of a picture and returns the pixels of the whole picture. After a failure it tries once more on a
     /// new device.
     pub(in crate::preview) fn render(
         &mut self,
         table: &Arc<ShaderTable>,
         task: &RenderTask<'_>,
         stop: Stop<'_>,
-    ) -> Result<Vec<u32>, GpuFailure> {
+    ) -> Result<Vec<[f32; 3]>, GpuFailure> {
         #[cfg(test)]
         if let Some(times) = &mut self.fails_after {
             *times = times.checked_sub(1).ok_or_else(|| GpuFailure::Failed("told to fail".to_owned()))?;
@@ -71,7 +66,7 @@ impl Gpu {
         table: &Arc<ShaderTable>,
         task: &RenderTask<'_>,
         stop: Stop<'_>,
-    ) -> Result<Vec<u32>, GpuFailure> {
+    ) -> Result<Vec<[f32; 3]>, GpuFailure> {
         let Open { device, table: kept_table, picture: kept_picture, target: kept_target } = self.device()?;
         let bound = match kept_table.take() {
             Some((last, bound)) if Arc::ptr_eq(&last, table) => bound,
@@ -85,15 +80,15 @@ impl Gpu {
         };
         *kept_picture = Some((wanted.clone(), picture.clone()));
         let target = match kept_target.take() {
-            Some(last) if last.fits(task.frame, task.as_bytes) => last,
-            _ => RenderTarget::new(device, task.frame, task.as_bytes),
+            Some(last) if last.fits(task.frame) => last,
+            _ => RenderTarget::new(device, task.frame),
         };
         kept_target.insert(target).render(device, [&bound, &picture], task, stop)
     }
 
     fn device(&mut self) -> Result<&mut Open, GpuFailure> {
         if self.open.is_none() {
-            self.open = Some(Open { device: Device::open(self.variant)?, table: None, picture: None, target: None });
+            self.open = Some(Open { device: Device::open(self.weights)?, table: None, picture: None, target: None });
         }
         self.open.as_mut().ok_or_else(|| GpuFailure::Absent("not open".to_owned()))
     }

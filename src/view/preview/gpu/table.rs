@@ -13,7 +13,7 @@ pub(super) fn upload(gpu: &Device, table: &ShaderTable) -> Result<wgpu::BindGrou
     let size = [phi, ratio * theta, layers];
     let most = gpu.wgpu.limits().max_texture_dimension_3d;
     if size.iter().any(|n| *n > most as usize) {
-        return Err(GpuFailure::TableTooLarge { size, most });
+        return Err(GpuFailure::TooLarge { what: "table", size: size.to_vec(), most });
     }
     let views = table.texels.each_ref().map(|texels| texture(gpu, table, wgpu::TextureDimension::D3, texels));
     Ok(bound(gpu, table, &gpu.table_layout, &views))

@@ -12,7 +12,6 @@ use super::{
 use crate::preview::{
     estimator::Stop,
     frame::{Frame, Part},
-    tone,
 };
 
 /// A part takes up to half a second on a slow machine; one that takes longer than this hangs.
@@ -22,8 +21,6 @@ const PATIENCE: Duration = Duration::from_secs(10);
 #[derive(Debug)]
 pub(super) struct RenderTarget {
     size: u32,
-    /// 32-bit words a pixel: one to display, three of radiance.
-    words: u32,
     light: wgpu::Buffer,
     scene: wgpu::Buffer,
     pixels: wgpu::Buffer,
@@ -33,9 +30,8 @@ pub(super) struct RenderTarget {
 }
 
 impl RenderTarget {
-    pub(super) fn new(gpu: &Device, frame: &Frame, as_bytes: bool) -> Self {
-        let words = if as_bytes { 1 } else { 3 };
-        let bytes = u64::from(frame.size) * u64::from(frame.size) * u64::from(words) * 4;
+    pub(super) fn new(gpu: &Device, frame: &Frame) -> Self {
+        let bytes = u64::from(frame.size) * u64::from(frame.size) * size_of::<[f32; 3]>() as u64;
         let buffer = |size: u64, usage| {
             gpu.wgpu.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("frame"),
@@ -53,22 +49,22 @@ impl RenderTarget {
         let readback = buffer(bytes, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
         let resources = [&light, &scene, &pixels, &tiles].map(wgpu::Buffer::as_entire_binding);
         let group = bind(gpu, &gpu.frame_layout, &resources);
-        Self { size: frame.size, words, light, scene, pixels, tiles, readback, group }
+        Self { size: frame.size, light, scene, pixels, tiles, readback, group }
     }
 
     /// Whether frames like this fit.
-    pub(super) fn fits(&self, frame: &Frame, as_bytes: bool) -> bool {
-        self.size == frame.size && (self.words == 1) == as_bytes
+    pub(super) fn fits(&self, frame: &Frame) -> bool {
+        self.size == frame.size
     }
 
-    /// Renders the part of the task and returns the words of the whole picture.
+    /// Renders the part of the task and returns the pixels of the whole picture.
     pub(super) fn render(
         &self,
         gpu: &mut Device,
         [table, picture]: [&wgpu::BindGroup; 2],
         task: &RenderTask<'_>,
         stop: Stop<'_>,
-    ) -> Result<Vec<u32>, GpuFailure> {
+    ) -> Result<Vec<[f32; 3]>, GpuFailure> {
         let pipeline = gpu.pipeline(task.estimator, task.frame);
         gpu.check()?;
         let tiles = Tiles::of(task.frame, task.estimator, task.corner, task.extent);
@@ -96,29 +92,17 @@ impl RenderTarget {
             wait(gpu, gpu.queue.submit([encoder.finish()]))?;
             took = Some(start.elapsed());
         }
-        let mut words = self.read(gpu)?;
-        self.fill(&mut words, &tiles.unseen, task.frame);
-        Ok(words)
-    }
-
-    /// Writes the background into tiles.
-    fn fill(&self, words: &mut [u32], tiles: &[[u32; 2]], frame: &Frame) {
-        let background = frame.background.to_array();
-        let [red, green, blue] = background.map(|channel| u32::from(tone::display(frame.exposure, channel)));
-        let radiance = background.map(f32::to_bits);
-        let displayed = [red | (green << 8) | (blue << 16) | (255 << 24)];
-        let pixel: &[u32] = if self.words == 1 { &displayed } else { &radiance };
-        for [left, top] in tiles {
-            let width = SIDE.min(self.size - left);
-            for y in *top..(top + SIDE).min(self.size) {
-                let first = ((y * self.size + left) * self.words) as usize;
-                let row = &mut words[first..first + (width * self.words) as usize];
-                row.chunks_exact_mut(pixel.len()).for_each(|word| word.copy_from_slice(pixel));
+        let mut pixels = self.read(gpu)?;
+        for [left, top] in tiles.unseen {
+            for y in top..(top + SIDE).min(self.size) {
+                let row = (y * self.size + left)..(y * self.size + (left + SIDE).min(self.size));
+                pixels[row.start as usize..row.end as usize].fill(task.frame.background.to_array());
             }
         }
+        Ok(pixels)
     }
 
-    fn read(&self, gpu: &Device) -> Result<Vec<u32>, GpuFailure> {
+    fn read(&self, gpu: &Device) -> Result<Vec<[f32; 3]>, GpuFailure> {
         let mut encoder = gpu.wgpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(&self.pixels, 0, &self.readback, 0, self.readback.size());
         let submission = gpu.queue.submit([encoder.finish()]);
@@ -127,11 +111,11 @@ impl RenderTarget {
         wait(gpu, submission)?;
         let failed = |error: wgpu::MapRangeError| GpuFailure::Failed(error.to_string());
         let view = slice.get_mapped_range().map_err(failed)?;
-        let words = bytemuck::pod_collect_to_vec(&view[..]);
+        let pixels = bytemuck::pod_collect_to_vec(&view[..]);
         drop(view);
         self.readback.unmap();
         gpu.check()?;
-        Ok(words)
+        Ok(pixels)
     }
 }
 

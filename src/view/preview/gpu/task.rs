@@ -29,19 +29,12 @@ pub(in crate::preview) struct RenderTask<'a> {
     pub(in crate::preview) corner: [u32; 2],
     /// Its width and height.
     pub(in crate::preview) extent: [u32; 2],
-    /// To display, or as radiance.
-    pub(in crate::preview) as_bytes: bool,
 }
 
 impl<'a> RenderTask<'a> {
     /// A whole frame.
-    pub(in crate::preview) fn whole(frame: &'a Frame, estimator: Estimator, as_bytes: bool) -> Self {
-        Self { frame, estimator, corner: [0; 2], extent: [frame.size; 2], as_bytes }
-    }
-
-    /// Whether one pass is enough. Several passes add up radiances, which bytes to display cannot do.
-    pub(in crate::preview) fn is_one_pass(frame: &Frame, estimator: Estimator) -> bool {
-        estimator != Estimator::Reference || frame.spp <= SAMPLES_A_PASS
+    pub(in crate::preview) fn whole(frame: &'a Frame, estimator: Estimator) -> Self {
+        Self { frame, estimator, corner: [0; 2], extent: [frame.size; 2] }
     }
 
     /// The parts that are sent to the GPU one at a time: some of the tiles that are seen, and a range of their samples.
@@ -50,7 +43,7 @@ impl<'a> RenderTask<'a> {
         let samples = if is_sampled { self.frame.spp } else { 1 };
         let cost = if is_sampled { samples.min(SAMPLES_A_PASS) } else { most_cost() };
         let most = (SAMPLES_A_PART / cost / (tiles::SIDE * tiles::SIDE)).min(TILES_A_PART);
-        TaskParts { tiles, samples, as_bytes: self.as_bytes, most, now: most, first_tile: 0, first_sample: 0 }
+        TaskParts { tiles, samples, most, now: most, first_tile: 0, first_sample: 0 }
     }
 }
 
@@ -64,7 +57,6 @@ const FAST: Duration = Duration::from_millis(100);
 pub(super) struct TaskParts {
     tiles: u32,
     samples: u32,
-    as_bytes: bool,
     /// Most tiles of a part, and those of the current one.
     most: u32,
     now: u32,
@@ -75,7 +67,7 @@ pub(super) struct TaskParts {
 impl TaskParts {
     /// The next part. `took` is the time that the last one took, if there was one.
     pub(super) fn next(&mut self, took: Option<Duration>) -> Option<Part> {
-        let Self { tiles, samples, as_bytes, most, .. } = *self;
+        let Self { tiles, samples, most, .. } = *self;
         if self.first_sample >= samples {
             self.first_tile += self.now;
             self.first_sample = 0;
@@ -96,7 +88,6 @@ impl TaskParts {
             tiles: self.now.min(tiles - self.first_tile),
             first_sample,
             samples: SAMPLES_A_PASS.min(samples - first_sample),
-            as_bytes,
         })
     }
 }
@@ -112,7 +103,7 @@ mod tests {
         for ((tiles, spp), millis) in cases.into_iter().flat_map(|case| [(case, 0), (case, 200), (case, 900)]) {
             let frame = Frame::new(&Scene { spp, ..Scene::default() }, false);
             let mut taken = vec![0_u32; tiles as usize];
-            let mut parts = RenderTask::whole(&frame, Estimator::Reference, false).parts(tiles);
+            let mut parts = RenderTask::whole(&frame, Estimator::Reference).parts(tiles);
             let mut took = None;
             while let Some(part) = parts.next(took) {
                 took = Some(Duration::from_millis(millis));
@@ -130,7 +121,7 @@ mod tests {
     #[test]
     fn parts_are_halved_while_they_take_long_and_grow_again() {
         let frame = Frame::new(&Scene { spp: 64, ..Scene::default() }, false);
-        let mut parts = RenderTask::whole(&frame, Estimator::Reference, false).parts(1 << 16);
+        let mut parts = RenderTask::whole(&frame, Estimator::Reference).parts(1 << 16);
         let mut tiles = |took| parts.next(took).expect("more tiles").tiles;
         let (slow, usual, fast) = (Duration::from_secs(4), Duration::from_millis(200), Duration::ZERO);
         assert_eq!(tiles(None), 4096);

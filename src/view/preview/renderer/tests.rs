@@ -1,17 +1,41 @@
 use super::*;
 
+impl Preview {
+    /// Radiances of the part of the picture from `corner` of `extent`.
+    pub(in crate::preview) fn part(
+        &mut self,
+        table: &Arc<ShaderTable>,
+        scene: &Scene,
+        estimator: Estimator,
+        corner: [u32; 2],
+        extent: [u32; 2],
+    ) -> Result<Radiances, PreviewError> {
+        let mode = if estimator.is_lobe() { Mode::Lobe } else { Mode::Reference };
+        let mode = if matches!(estimator, Estimator::Reference | Estimator::ReferenceLobe) { mode } else { Mode::Ltc };
+        // Of a part f0 is a factor, whatever the model.
+        let scene_of_part = Scene { mode, ..scene.clone() };
+        let is_for_cpu = self.check(table, &scene_of_part, faults_of_table(table, &scene_of_part))?;
+        let frame = Frame::new(scene, estimator.is_lobe());
+        let task = RenderTask { frame: &frame, estimator, corner, extent };
+        let by_gpu = |gpu: &mut Gpu| gpu.render(table, &task, &|| false);
+        let Some(all) = (if is_for_cpu { None } else { self.on_gpu(by_gpu)? }) else {
+            return Ok(cpu::render(&frame, table, estimator, corner, extent));
+        };
+        let pixels = (corner[1]..corner[1] + extent[1])
+            .flat_map(|y| (corner[0]..corner[0] + extent[0]).map(move |x| (y * frame.size + x) as usize))
+            .map(|index| all[index])
+            .collect();
+        Ok(Radiances { width: extent[0], pixels })
+    }
+}
+
 /// Whether a GPU that answers so is asked at all.
 fn is_asked(preview: &mut Preview, answer: Result<(), GpuFailure>) -> bool {
     let mut asked = false;
-    preview.drawn_by = DrawnBy::Nobody;
     let done = preview.on_gpu(|_| {
         asked = true;
         answer
     });
-    if done == Ok(Some(())) {
-        preview.drawn_by = DrawnBy::OnGpu;
-    }
-    preview.end();
     assert!(done.is_ok(), "the CPU stands in: {done:?}");
     asked
 }

@@ -9,7 +9,7 @@ use super::{
 use crate::preview::{
     ShaderTable, TexelFormat,
     cpu::tests as cpu,
-    gpu::{GpuFailure, Variant, tests::example},
+    gpu::{GpuFailure, Weights, tests::example},
 };
 use ltcforge_files::recipe_document;
 use ltcforge_fit::{Configuration, Layout, Plan, Table, fit_plan};
@@ -58,7 +58,7 @@ fn materials_are_found_by_number_and_by_roughness() {
         let cases: Vec<Case> = places.iter().map(|(_, c)| Case::of(c)).collect();
         let twin = cases.iter().map(|case| cpu::looked_up(&shader_table, case.alpha, case.wo)).collect();
         let mut all = vec![("twin", twin)];
-        all.extend(by_shaders(&shader_table, &table, Variant::default(), "looked_up", &cases));
+        all.extend(by_shaders(&shader_table, &table, Weights::default(), "looked_up", &cases));
         for (who, found) in all {
             for (found, (_, at)) in found.iter().zip(&places) {
                 let off = error(found, &table.lookup(at));

@@ -10,7 +10,7 @@ use super::tell_skipped;
 use crate::preview::{
     ShaderTable, TexelFormat,
     cpu::tests as cpu,
-    gpu::{GpuFailure, Variant, Weights, tests::example},
+    gpu::{GpuFailure, Weights, tests::example},
 };
 use ltcforge_files::recipe_document;
 use ltcforge_fit::{
@@ -170,7 +170,7 @@ fn readers(table: &Table) -> [(&'static str, Bound, Vec<Layout>); 4] {
 pub(super) fn by_shaders(
     table: &ShaderTable,
     of: &Table,
-    variant: Variant,
+    weights: Weights,
     entry: &str,
     cases: &[Case],
 ) -> Vec<(&'static str, Vec<[f32; 12]>)> {
@@ -179,7 +179,7 @@ pub(super) fn by_shaders(
     let mut all = Vec::new();
     for (who, textures, layouts) in readers(of) {
         let source = table_reader(textures, &layouts) + ENTRY + SECOND_ENTRY;
-        match example::run_variant::<_, [[f32; 12]; 256]>(variant, &source, entry, Some((table, textures)), groups) {
+        match example::run_with::<_, [[f32; 12]; 256]>(weights, &source, entry, Some((table, textures)), groups) {
             Ok(found) => all.push((who, found.into_flattened())),
             Err(GpuFailure::Absent(reason)) => tell_skipped(&reason),
             Err(failure) => panic!("{failure}"),
@@ -195,7 +195,7 @@ fn compare(table: &Table, format: TexelFormat, name: &str) {
     let shader_table = ShaderTable::new(table, format);
     let twin: Vec<[f32; 12]> = cases.iter().map(|case| cpu::looked_up(&shader_table, case.alpha, case.wo)).collect();
     let mut all = vec![("twin", twin)];
-    all.extend(by_shaders(&shader_table, table, Variant::default(), "looked_up", &cases));
+    all.extend(by_shaders(&shader_table, table, Weights::default(), "looked_up", &cases));
     for (who, found) in all {
         for ((found, wanted), at) in found.iter().zip(&wanted).zip(&configurations) {
             let error = error(found, wanted);
@@ -214,7 +214,7 @@ fn both_lobes_are_read_from_any_textures() {
         let shader_table = ShaderTable::new(&table, TexelFormat::F32);
         let twin = cases.iter().map(|case| cpu::looked_up_second(&shader_table, case.alpha, case.wo)).collect();
         let mut all = vec![("twin", twin)];
-        all.extend(by_shaders(&shader_table, &table, Variant::default(), "looked_up_second", &cases));
+        all.extend(by_shaders(&shader_table, &table, Weights::default(), "looked_up_second", &cases));
         for (who, found) in all {
             for (found, at) in found.iter().zip(&configurations) {
                 let wanted = table.lookup(at);
@@ -244,15 +244,15 @@ fn both_lobes_are_read_from_any_textures() {
 /// A sampler of textures weighs entries as the shader does, in volumes and in arrays.
 #[test]
 fn samplers_weigh_entries_as_shaders_do() {
-    let by_sampler = Variant { weights: Weights::Sampler, ..Variant::default() };
+    let by_sampler = Weights::Sampler;
     for (layout, isotropic) in [(Layout::Reflected, false), (Layout::Ltc2017, true)] {
         let table = fitted_to("two_lobes", layout, Precision::F32, isotropic);
         let configurations = configurations();
         let cases: Vec<Case> = configurations.iter().map(Case::of).collect();
         let shader_table = ShaderTable::new(&table, TexelFormat::F32);
         for entry in ["looked_up", "looked_up_second"] {
-            let [exact, sampled] = [Variant::default(), by_sampler]
-                .map(|variant| by_shaders(&shader_table, &table, variant, entry, &cases));
+            let [exact, sampled] = [Weights::default(), by_sampler]
+                .map(|weights| by_shaders(&shader_table, &table, weights, entry, &cases));
             for ((who, exact), (_, sampled)) in exact.iter().zip(&sampled) {
                 for ((exact, sampled), at) in exact.iter().zip(sampled).zip(&configurations) {
                     let most = exact.iter().zip(sampled).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);

@@ -3,9 +3,7 @@
 use super::{lookups::fitted_to, *};
 use crate::{
     picture::Picture,
-    preview::{
-        Camera, Choices, Light, LightKind, Material, Mode, NamedScene, Rendered, Scene, ScenePicture, Variant, Weights,
-    },
+    preview::{Camera, Choices, Light, LightKind, Material, Mode, NamedScene, Rendered, Scene, ScenePicture, Weights},
 };
 use ltcforge_fit::{Layout, Precision};
 use ltcforge_light::{LightModel, NormalsRule, textured::Readings};
@@ -331,7 +329,7 @@ fn sampler_and_shader_weights_make_the_same_picture() {
     let mut renderers = renderers();
     let [_, cpu] = renderers.as_mut_slice() else { return };
     for weights in [Weights::Shader, Weights::Sampler] {
-        let mut gpu = Preview::with_variant(Adapter::Gpu, Variant { weights, ..Variant::default() });
+        let mut gpu = Preview::with_weights(Adapter::Gpu, weights);
         // Sampling tables of 32 bits is a feature that a GPU may lack.
         let is_software = match gpu.adapter_name() {
             Ok(name) => name.contains("llvmpipe"),

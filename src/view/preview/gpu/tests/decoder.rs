@@ -1,7 +1,7 @@
 //! Runs the decoder of a compact form: two passes over three storage buffers.
 
 use super::super::{
-    GpuFailure, Variant,
+    GpuFailure, Weights,
     device::{Device, buffer, layout},
     table::bind,
 };
@@ -15,7 +15,7 @@ pub(crate) fn run(
     [integers, texels]: [u64; 2],
     [reads, workgroups]: [u32; 2],
 ) -> Result<Vec<f32>, GpuFailure> {
-    let gpu = Device::open(Variant::default())?;
+    let gpu = Device::open(Weights::default())?;
     let module = gpu.wgpu.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
         source: wgpu::ShaderSource::Wgsl(source.into()),

@@ -3,7 +3,7 @@
 use bytemuck::Pod;
 
 use super::super::{
-    GpuFailure, Variant, Weights,
+    GpuFailure, Weights,
     device::{Device, buffer, layout, table_bindings},
     table::{self, bind, bound, texture},
 };
@@ -18,19 +18,19 @@ pub(in crate::preview) fn run<Case: Pod, Found: Pod>(
     table: Option<(&ShaderTable, Bound)>,
     cases: &[Case],
 ) -> Result<Vec<Found>, GpuFailure> {
-    run_variant(Variant::default(), source, entry_point, table, cases)
+    run_with(Weights::default(), source, entry_point, table, cases)
 }
 
 /// The same, compiled in some way.
-pub(in crate::preview) fn run_variant<Case: Pod, Found: Pod>(
-    variant: Variant,
+pub(in crate::preview) fn run_with<Case: Pod, Found: Pod>(
+    weights: Weights,
     source: &str,
     entry_point: &str,
     table: Option<(&ShaderTable, Bound)>,
     cases: &[Case],
 ) -> Result<Vec<Found>, GpuFailure> {
-    let by_sampler = variant.weights == Weights::Sampler;
-    run_on(&Device::open(variant)?, by_sampler, wgpu::ShaderSource::Wgsl(source.into()), entry_point, table, cases)
+    let by_sampler = weights == Weights::Sampler;
+    run_on(&Device::open(weights)?, by_sampler, wgpu::ShaderSource::Wgsl(source.into()), entry_point, table, cases)
 }
 
 /// The same in WGSL or SPIR-V.
@@ -40,7 +40,7 @@ pub(in crate::preview) fn run_source<Case: Pod, Found: Pod>(
     table: Option<(&ShaderTable, Bound)>,
     cases: &[Case],
 ) -> Result<Vec<Found>, GpuFailure> {
-    run_on(&Device::open(Variant::default())?, false, source, entry_point, table, cases)
+    run_on(&Device::open(Weights::default())?, false, source, entry_point, table, cases)
 }
 
 fn run_on<Case: Pod, Found: Pod>(

@@ -3,7 +3,7 @@
 use bytemuck::Pod;
 use wgpu::util::DeviceExt as _;
 
-use super::super::{GpuFailure, Variant, device::Device};
+use super::super::{GpuFailure, Weights, device::Device};
 use ltcforge_light::textured::{LightImage, LightPyramid};
 
 /// The results of groups of cases by an entry point of the WGSL `source`: in group 0 the picture and its sampler from binding
@@ -14,7 +14,7 @@ pub(in crate::preview) fn run<Case: Pod, Found: Pod>(
     (picture, first): (&LightPyramid, u32),
     cases: &[Case],
 ) -> Result<Vec<Found>, GpuFailure> {
-    let gpu = Device::open(Variant::default())?;
+    let gpu = Device::open(Weights::default())?;
     if !gpu.wgpu.features().contains(wgpu::Features::FLOAT32_FILTERABLE) {
         return Err(GpuFailure::Absent("the adapter filters no 32-bit textures".to_owned()));
     }

@@ -3,7 +3,7 @@
 use wgpu::util::DeviceExt as _;
 
 use super::super::{
-    GpuFailure, Variant,
+    GpuFailure, Weights,
     device::{Device, buffer},
 };
 use ltcforge_light::textured::LightImage;
@@ -60,7 +60,7 @@ struct Pass {
 
 /// The levels of a picture's pyramid, finest first: red, green, blue and one of each texel.
 pub(in crate::preview) fn run(image: &LightImage, passes: Passes) -> Result<Vec<Vec<[f32; 4]>>, GpuFailure> {
-    let runner = Runner::new(Device::open(Variant::default())?, passes);
+    let runner = Runner::new(Device::open(Weights::default())?, passes);
     let picture = [image.width() as u32, image.height() as u32];
     let count = picture[0].max(picture[1]).ilog2() + 1;
     let size = |level: u32| picture.map(|side| (side >> level).max(1));

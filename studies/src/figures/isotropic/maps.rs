@@ -1,11 +1,14 @@
 //! Numbers of every entry over roughness and view.
 
-use super::fits::{Fit, SIDE, table, table_from_cosine};
-use crate::{
-    picture::{Panel, Picture, bar, grid, headed, number},
-    plots::matrix::Scale,
+use ltcforge::{
+    fit::Start,
+    view::{
+        picture::{Panel, Picture, bar, grid, headed, number},
+        plots::Scale,
+    },
 };
-use ltcforge_fit::Start;
+
+use super::fits::{Fit, SIDE, table, table_from_cosine};
 
 /// Pixels a side of an entry.
 const CELL: u32 = 4;
@@ -37,7 +40,7 @@ fn inverse(fit: &Fit) -> glam::DMat3 {
 }
 
 /// The numbers of a table with warm starts.
-pub(super) fn numbers() -> Picture {
+pub(in crate::figures) fn numbers() -> Picture {
     let fits = table(Start::Warm);
     let panels: Vec<Drawn> = NUMBERS
         .iter()
@@ -52,7 +55,7 @@ pub(super) fn numbers() -> Picture {
 }
 
 /// The skew of every entry by searches from the cosine, and by either start of recipes.
-pub(super) fn starts() -> Picture {
+pub(in crate::figures) fn starts() -> Picture {
     let own = Start::ALL.iter().rev().map(|start| (start.name(), table(*start)));
     let tables: Vec<(&str, Vec<Fit>)> = std::iter::once(("from the cosine", table_from_cosine())).chain(own).collect();
     let skews: [Named; 2] = [("m13", true, |fit| fit.m13), ("m13 / m11", true, |fit| fit.m13 / fit.m11)];

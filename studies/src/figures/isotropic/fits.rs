@@ -5,9 +5,9 @@ use std::ops::ControlFlow;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
-use ltcforge_fit::{
-    BrdfKind, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Recipe, Shear,
-    Simplex, Solver, Start, StopCheck, StoredTerms,
+use ltcforge::fit::{
+    BrdfKind, FITTER_VERSION, FitSettings, Fitter, GivenNodes, Layout, LobeModel, Metric, PerAxis, Plan, Precision,
+    Recipe, Shear, Simplex, Solver, Start, StopCheck, StoredTerms,
     brdf::Ggx,
     fit_rows,
     math::{direction, from_row_major},
@@ -98,7 +98,7 @@ fn plan(start: Start) -> Plan {
         PerAxis { alpha: [0.0, 1.0], ratio: [1.0; 2], theta: [0.0, std::f64::consts::FRAC_PI_2], phi: [0.0; 2] };
     Plan::new(&Recipe {
         fitter: FITTER_VERSION,
-        given: ltcforge_fit::GivenNodes::default(),
+        given: GivenNodes::default(),
         brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout,

@@ -3,9 +3,11 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::picture::{Panel, Picture, bar, caption, grid, headed, number, signed_colour, srgb};
-use ltcforge_fit::Sides;
-use ltcforge_light::transmission::{sampled, transmitted};
+use ltcforge::{
+    Sides,
+    light::transmission::{sampled, transmitted},
+    view::picture::{Panel, Picture, bar, caption, grid, headed, number, signed_colour, srgb},
+};
 
 /// The glass over air.
 const ETA: f64 = 1.5;
@@ -41,30 +43,25 @@ const LAMPS: [Lamp; 3] = [
 
 /// The picture, and for each surface by how much the radiance of both is off on average.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FrostedGlass {
+pub(super) struct FrostedGlass {
     /// A row of panels for each surface.
-    pub picture: Picture,
-    /// Roughness along x and y, mean radiance, and mean absolute difference.
-    pub surfaces: Vec<GlassError>,
+    pub(super) picture: Picture,
+    /// The error of each surface.
+    pub(super) surfaces: Vec<GlassError>,
 }
 
 /// How far the closed form is from Monte Carlo integration for one surface.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct GlassError {
-    /// Roughness along x.
-    pub alpha_x: f64,
-    /// Roughness along y.
-    pub alpha_y: f64,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct GlassError {
     /// Mean over pixels and colours of the reference.
-    pub mean_radiance: f64,
+    pub(super) mean_radiance: f64,
     /// Mean of the absolute difference from it.
-    pub mean_absolute_error: f64,
+    pub(super) mean_absolute_error: f64,
 }
 
 /// Draws panels of `side` pixels, with `samples` visible normals a pixel in the reference. Runs on the current rayon pool;
 /// its size changes nothing.
-#[must_use]
-pub fn frosted_glass(side: u32, samples: usize) -> FrostedGlass {
+pub(super) fn draw(side: u32, samples: usize) -> FrostedGlass {
     let rows = SURFACES.map(|alpha| row(alpha, side, samples));
     let surfaces: Vec<GlassError> = rows.iter().map(|row| row.error).collect();
     let titles: Vec<String> = SURFACES
@@ -73,7 +70,7 @@ pub fn frosted_glass(side: u32, samples: usize) -> FrostedGlass {
         .collect();
     let mut panels = Vec::new();
     for (row, title) in rows.into_iter().zip(&titles) {
-        let GlassError { mean_radiance, mean_absolute_error, .. } = row.error;
+        let GlassError { mean_radiance, mean_absolute_error } = row.error;
         let told = [mean_absolute_error, mean_radiance].map(|x| number(x as f32));
         let [long, short] = [format!("mean {} of {}", told[0], told[1]), told[0].clone()];
         let [found, wanted, difference] = row.pictures;
@@ -108,8 +105,7 @@ fn row(alpha: [f64; 2], side: u32, samples: usize) -> Row {
         apart += difference.iter().map(|x| f64::from(x.abs())).sum::<f64>() / 3.0;
     }
     let count = pixels.len().max(1) as f64;
-    let [alpha_x, alpha_y] = alpha;
-    let error = GlassError { alpha_x, alpha_y, mean_radiance: radiance / count, mean_absolute_error: apart / count };
+    let error = GlassError { mean_radiance: radiance / count, mean_absolute_error: apart / count };
     Row { pictures, error }
 }
 
@@ -141,11 +137,11 @@ mod tests {
 
     #[test]
     fn the_closed_form_looks_like_the_reference() {
-        let drawn = frosted_glass(24, 2000);
+        let drawn = draw(24, 2000);
         assert_eq!(drawn.surfaces.len(), SURFACES.len());
-        for GlassError { mean_radiance, mean_absolute_error, .. } in &drawn.surfaces {
+        for GlassError { mean_radiance, mean_absolute_error } in &drawn.surfaces {
             assert!(*mean_radiance > 0.05 && *mean_absolute_error < 0.02 * mean_radiance, "{:?}", drawn.surfaces);
         }
-        assert!(drawn == frosted_glass(24, 2000), "not the same again");
+        assert!(drawn == draw(24, 2000), "not the same again");
     }
 }

@@ -1,9 +1,8 @@
 //! The order in which searches start from each other.
 
-use crate::{
-    picture::{Panel, Picture, grid, headed},
-    plots::curves::{Curve, Frame, legend},
-};
+use ltcforge::view::picture::{Panel, Picture, grid, headed};
+
+use crate::figures::curves::{Curve, Frame, legend};
 
 const DOWN_IN_ROUGHNESS: [u8; 3] = [235, 80, 70];
 const DOWN_IN_VIEW: [u8; 3] = [90, 150, 250];
@@ -14,7 +13,7 @@ const ROUGHNESSES: [f64; 3] = [0.15, 0.45, 0.8];
 const MARK: f64 = 0.008;
 
 /// Marks of some nodes, and the way to three rows of a table.
-pub(super) fn draw() -> Picture {
+pub(in crate::figures) fn draw() -> Picture {
     let mut curves = Vec::new();
     let steps = |count: u32| (0..=count).map(move |i| f64::from(i) / f64::from(count));
     for (u, v) in steps(16).flat_map(|u| steps(16).map(move |v| (u, v))) {

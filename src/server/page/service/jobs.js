@@ -1,13 +1,9 @@
 // A job as it changes, by Server-Sent Events.
 
-import { awaitService, reach } from '../service/api.js';
+import { awaitService, reach } from './api.js';
 
 /** Whether a job may still change. */
-export function isActive( { state } ) {
-
-	return state === 'queued' || state === 'running';
-
-}
+export const isActive = ( { state } ) => state === 'queued' || state === 'running';
 
 /** Calls `onEvent` with the type and the data of each event of a stream until its end. EventSource cannot send a token. */
 async function events( body, onEvent ) {
@@ -19,7 +15,7 @@ async function events( body, onEvent ) {
 		text = blocks.pop();
 		for ( const block of blocks ) {
 
-			const field = ( name ) => block.split( '\n' ).filter( ( line ) => line.startsWith( `${ name }:` ) ).map( ( line ) => line.slice( name.length + 1 ).trimStart() ).join( '\n' );
+			const field = ( name ) => new RegExp( `^${ name }: ?(.*)$`, 'm' ).exec( block )?.[ 1 ];
 			if ( field( 'data' ) ) onEvent( field( 'event' ), field( 'data' ) );
 
 		}
@@ -42,11 +38,12 @@ export function follow( id, signal, onJob ) {
 
 	};
 
-	const receive = ( data ) => {
+	const receive = ( type, data ) => {
 
+		if ( type !== 'state' && type !== 'progress' ) return;
 		const job = JSON.parse( data );
 		if ( ! isActive( job ) ) end();
-		// A fault of who is told is no end of the stream.
+		// An error of `onJob` is no end of the stream.
 		queueMicrotask( () => onJob( job ) );
 
 	};
@@ -58,7 +55,7 @@ export function follow( id, signal, onJob ) {
 		try {
 
 			const { body, ok } = await reach( `/v1/jobs/${ id }/events`, { signal: own.signal } );
-			if ( ok ) await events( body, ( type, data ) => own === stream && ( type === 'state' || type === 'progress' ) && receive( data ) );
+			if ( ok ) await events( body, ( ...event ) => own === stream && receive( ...event ) );
 
 		} catch {
 
@@ -67,23 +64,23 @@ export function follow( id, signal, onJob ) {
 		}
 
 		if ( own !== stream ) return;
-		// The service stopped, or a proxy did: the window is told once it answers.
+		// The service stopped, or a proxy did.
 		close();
 		awaitService();
 
 	}
 
 	const seen = () => document.hidden ? close() : open();
+	const ended = new AbortController();
 	function end() {
 
 		close();
-		document.removeEventListener( 'visibilitychange', seen );
-		window.removeEventListener( 'serviceback', open );
+		ended.abort();
 
 	}
 
-	document.addEventListener( 'visibilitychange', seen );
-	window.addEventListener( 'serviceback', open );
+	document.addEventListener( 'visibilitychange', seen, { signal: ended.signal } );
+	window.addEventListener( 'serviceback', open, { signal: ended.signal } );
 	signal.addEventListener( 'abort', end );
 	open();
 

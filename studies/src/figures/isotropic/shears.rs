@@ -4,16 +4,17 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 
+use ltcforge::{
+    fit::{
+        Ltc, Shear,
+        brdf::{Brdf, Ggx},
+        math::{direction, sin_cos},
+    },
+    view::picture::{Panel, Picture, grid, headed},
+};
+
 use super::fits::lobe;
-use crate::{
-    picture::{Panel, Picture, grid, headed},
-    plots::curves::{Curve, Frame, legend},
-};
-use ltcforge_fit::{
-    Ltc, Shear,
-    brdf::{Brdf, Ggx},
-    math::{direction, sin_cos},
-};
+use crate::figures::curves::{Curve, Frame, legend};
 
 /// Points of a curve.
 const POINTS: u32 = 720;
@@ -31,7 +32,7 @@ const LOBE_NAMES: [(&str, [u8; 3]); 2] = [("GGX", GGX), ("LTC", LTC)];
 const BACK: f64 = 0.02;
 
 /// The pictures of one shear.
-pub(super) fn draw(shear: Shear) -> Picture {
+pub(in crate::figures) fn draw(shear: Shear) -> Picture {
     let lobe = |(alpha, degrees): (f64, f64), part: f64| {
         let side = if part < 1.0 { "back" } else { "front" };
         let picture = lobes(shear, alpha, degrees.to_radians(), part);

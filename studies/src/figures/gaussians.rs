@@ -5,18 +5,21 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use ltcforge::{
+    BrdfKind, LightError, PerAxis,
+    fit::{
+        brdf::Ggx,
+        math::{cos, direction, exp, sin_cos},
+    },
+    light::{
+        Gaussian, RandomLights,
+        gaussians::{Lobe, Warp, by_warp},
+        light_error_by,
+    },
+    view::picture::{Panel, Picture, grid, headed},
+};
+
 use super::curves::{Curve, Frame, legend};
-use crate::picture::{Panel, Picture, grid, headed};
-use ltcforge_fit::{
-    BrdfKind, PerAxis,
-    brdf::Ggx,
-    math::{cos, direction, exp, sin_cos},
-};
-use ltcforge_light::{
-    Gaussian, LightError, RandomLights,
-    gaussians::{Lobe, Warp, by_warp},
-    light_error_by,
-};
 
 /// A row of panels each.
 const ROUGHNESSES: [f64; 2] = [0.25, 0.5];
@@ -54,8 +57,8 @@ const GAUSSIANS: [(Gaussian, Warp, [u8; 3]); 4] = [
 /// changes nothing.
 ///
 /// # Errors
-/// [`LightError`]: none of these surfaces has any.
-pub fn gaussian_plots(count: usize) -> Result<Picture, LightError> {
+/// None: all of these surfaces are of the model.
+pub(super) fn draw(count: usize) -> Result<Picture, LightError> {
     let errors = ROUGHNESSES.map(|alpha| errors(alpha, count));
     let mut graphs = Vec::new();
     for (alpha, errors) in ROUGHNESSES.into_iter().zip(errors) {
@@ -169,17 +172,17 @@ fn errors(alpha: f64, count: usize) -> Result<Picture, LightError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ltcforge_fit::brdf::Brdf;
+    use ltcforge::fit::brdf::Brdf;
 
     #[test]
     fn the_picture_shows_every_curve_and_comes_again() {
-        let drawn = gaussian_plots(2).expect("surfaces");
-        assert!(drawn == gaussian_plots(2).expect("surfaces"), "not the same again");
+        let drawn = draw(2).expect("surfaces");
+        assert!(drawn == draw(2).expect("surfaces"), "not the same again");
         let count = |colour: [u8; 3]| drawn.rgb.iter().filter(|pixel| **pixel == colour).count();
         for colour in [TRUE, SG, ASG, SG_WARP, ASG_WARP, VIEW] {
             assert!(count(colour) > 200, "{colour:?}: {}", count(colour));
         }
-        assert!(drawn != gaussian_plots(3).expect("surfaces"), "no error is measured");
+        assert!(drawn != draw(3).expect("surfaces"), "no error is measured");
     }
 
     /// The measurements on which the panels' scales rest.

@@ -1,13 +1,4 @@
-//! Ways to compile the shaders.
-
-/// Another way to compile the shaders, to be measured against the usual one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Variant {
-    /// How entries are interpolated.
-    pub weights: Weights,
-    /// A constant takes the place of the table.
-    pub lookup_is_constant: bool,
-}
+//! How entries of a table are interpolated.
 
 /// How entries are interpolated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

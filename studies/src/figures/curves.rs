@@ -1,9 +1,9 @@
 //! Curves in a frame: over two axes, or as distances from a point over the directions of a half plane.
 
-use crate::picture::{Anchor, GROUND, LINE, Picture, number, text_width, write};
+use ltcforge::view::picture::{Anchor, GROUND, LINE, Picture, number, text_width, write};
 
 /// Pixels a side of the area within the axes.
-pub(super) const SIDE: u32 = 288;
+const SIDE: u32 = 288;
 /// Room for the numbers on the left and below, and for a half of the last one.
 const LEFT: u32 = 56;
 const BELOW: u32 = LINE + 8;

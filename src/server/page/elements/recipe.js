@@ -1,0 +1,42 @@
+// Recipes as people read them, and in links to the form.
+
+import { button, el, section } from './dom.js';
+
+/** JSON in lines, with lists of numbers in one. */
+export function json( value ) {
+
+	return JSON.stringify( value, null, 2 ).replace( /\[[^[\]{}]*\]/g, ( list ) => list.replace( /\s+/g, ' ' ) );
+
+}
+
+/** A recipe in a few words. */
+export function title( { brdf, layout, resolution, precision, lobe, fresnel } ) {
+
+	const nodes = [ 'alpha', 'ratio', 'theta', 'phi' ].map( ( axis ) => resolution[ axis ] ).filter( ( count ) => count > 1 );
+	const materials = Array.isArray( fresnel ) ? `F0 ${ fresnel.map( ( { f0 } ) => f0 ).join( ', ' ) }` : fresnel?.replaceAll( '_', ' ' );
+	return [ brdf, layout, nodes.join( ' × ' ) || '1', precision, lobe, materials ].filter( Boolean ).join( ' · ' );
+
+}
+
+/** Whether all surfaces of a recipe are isotropic. */
+export const isIsotropic = ( { range } ) => range.ratio[ 0 ] === 1;
+
+/** A complete recipe without the version of the fitter, which the service fills in. */
+export function ownRecipe( { fitter, ...own } ) {
+
+	return own;
+
+}
+
+/** The address of the form with a recipe in it. */
+export const formOf = ( recipe ) => `#/new?${ new URLSearchParams( { recipe: JSON.stringify( recipe ) } ) }`;
+
+/** A link to the form with a complete recipe to change. */
+export const variation = ( recipe ) => button( formOf( ownRecipe( recipe ) ), 'Fit a variation' );
+
+/** A recipe in JSON. */
+export function recipeSection( recipe ) {
+
+	return section( 'recipe', 'Recipe', el( 'pre', { tabindex: 0, role: 'region', 'aria-label': 'Recipe as JSON' }, json( recipe ) ) );
+
+}
