@@ -1,28 +1,27 @@
-# What the parts of `make load` share; they source it and run in a folder of their own.
+# Common functions of the parts of `make load`. They source this file and then run in a temporary folder.
 # shellcheck shell=bash disable=SC2034 # The parts use variables that are set here.
 set -euo pipefail
 shopt -s inherit_errexit
 
 ltcforge=$(realpath "${LTCFORGE:?the path of the ltcforge binary}")
-# Of what is measured for a time: how long, and how often.
+# Length and number of timed measurements.
 seconds=${SECONDS_EACH:-2}
 rounds=${ROUNDS:-5}
 work=$(mktemp -d)
 pids=()
 trap 'kill -TERM "${pids[@]}" 2>/dev/null || true; wait || true; rm -rf "$work"' EXIT
 export no_proxy='*'
-# In a folder without a configuration file.
 cd "$work"
 missed=0
 
-# Ends the part well if a tool is missing.
+# Ends the part with success if a tool is missing.
 need() {
   for tool; do
     command -v "$tool" >/dev/null || { echo "*** SKIPPED: no $tool, and nothing was measured" >&2; exit 0; }
   done
 }
 
-# Starts a service on the folder `data`: its address in `service`, its process in `server`.
+# Starts a service on the folder `data`: its address is in `service`, its process in `server`.
 start_service() {
   rm -f listening
   mkfifo listening
@@ -32,9 +31,9 @@ start_service() {
 }
 
 get() { curl -sS --fail-with-body "$@"; }
-# Submits a recipe and prints the job's id.
+# Submits a recipe and prints the id of the job.
 submit() { get -d "$1" "$service/v1/jobs" | jq -r .id; }
-# Prints the table of a job once it is done.
+# Waits for a job and prints its table.
 table_of() {
   local job state
   while job=$(get "$service/v1/jobs/$1") && state=$(jq -r .state <<<"$job"); do
@@ -46,7 +45,7 @@ table_of() {
   done
 }
 
-# The output of wrk with 64 connections that stay open; all requests must have gone well.
+# Prints the output of wrk with 64 open connections. A failed request is an error.
 by_wrk() {
   local out
   out=$(wrk -t2 -c64 -d"$seconds" "$@")
@@ -54,10 +53,10 @@ by_wrk() {
   echo "$out"
 }
 
-# Prints the median of a number a line, in a format of printf.
+# Prints the median of one number per line in a format of printf.
 median() { sort -g | awk -v format="$1" '{ all[NR] = $1 } END { printf format, all[int((NR + 1) / 2)] }'; }
 
-# Prints a row: what, its figure, the greatest that is allowed, the unit.
+# Prints a row: name, figure, limit, unit.
 row() {
   printf '%-60s %9s %9s %s\n' "$@"
   awk -v figure="$2" -v most="$3" 'BEGIN { exit !(figure <= most) }' || missed=1

@@ -1,12 +1,11 @@
 #!/usr/bin/env bash
-# Two thousand small jobs, one after another: their time, what they leave in the data folder and take in memory, and how
-# long the service takes to start with them.
+# Measures 2,000 small jobs: their time, the data folder, the memory, and the next starts of the service.
 . "$(dirname "$0")/common.sh"
 need curl jq
 jobs=2000
 
 start_service
-# One connection. A service whose queue is full says in its answer when to come back, and curl does.
+# One connection. For a full queue, the answer says when to come back, and curl waits for as long.
 for seed in $(seq "$jobs"); do
   [ "$seed" = 1 ] || echo next
   cat <<CURL
@@ -22,13 +21,13 @@ CURL
 done >requests
 began=$EPOCHREALTIME
 curl -K requests >codes
-taken=$(grep -c 202 codes) || true
-[ "$taken" = "$jobs" ] || { echo "*** only $taken of $jobs jobs were taken" >&2; sort codes | uniq -c >&2; exit 1; }
-# Prints how many jobs are in the states of a pattern.
+accepted=$(grep -c 202 codes) || true
+[ "$accepted" = "$jobs" ] || { echo "*** only $accepted of $jobs jobs were accepted" >&2; sort codes | uniq -c >&2; exit 1; }
+# Prints the number of jobs in the states of a pattern.
 count() { get "$service/metrics" | awk -v states="^ltcforge_jobs{state=\"($1)\"}" '$1 ~ states { sum += $2 } END { print sum }'; }
 until [ "$(count 'queued|running')" = 0 ]; do sleep 0.1; done
 ended=$EPOCHREALTIME
-[ "$(count 'done')" = "$jobs" ] || { echo '*** not every job went well' >&2; get "$service/metrics" >&2; exit 1; }
+[ "$(count 'done')" = "$jobs" ] || { echo '*** some jobs failed' >&2; get "$service/metrics" >&2; exit 1; }
 memory=$(awk '$1 == "VmHWM:" { print $2 * 1024 / 1e6 }' "/proc/$server/status")
 
 for _ in $(seq 5); do
@@ -41,11 +40,11 @@ for _ in $(seq 5); do
   awk -v a="$start" -v b="$EPOCHREALTIME" 'BEGIN { print b - a }' >>starts
 done
 
-echo "$jobs jobs of 16 entries at preset draft, each with a seed of its own, by one connection and a queue of 64:"
+echo "$jobs jobs of 16 entries at preset draft, one connection, a queue of 64:"
 printf '%-60s %9s %9s\n' '' now 'at most'
 row 'from the first submission to the end of the last job' \
   "$(awk -v a="$began" -v b="$ended" 'BEGIN { printf "%.1f", b - a }')" 50 s
 row 'the data folder' "$(du -s --block-size=1 data | awk '{ printf "%.1f", $1 / 1e6 }')" 51 MB
-row "the service's memory at its peak" "$(printf %.1f "$memory")" 83 MB
+row 'peak memory of the service' "$(printf %.1f "$memory")" 83 MB
 row 'from a start until it is ready, median of 5' "$(median %.2f <starts)" 0.57 s
 exit $missed
