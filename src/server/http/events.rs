@@ -200,7 +200,7 @@ mod tests {
         assert!(next.is_none());
     }
 
-    #[tokio::test(start_paused = true)]
+    #[tokio::test]
     async fn a_revoked_token_ends_the_stream() {
         let (_publish, _stop, mut follower) = follower(snapshot(7, JobState::Running), Some(7));
         let (_, token) = Token::new("farm", Scope::Read, &[1; TOKEN_BYTES]).expect("a name");

@@ -11,7 +11,7 @@ use base64::{Engine as _, engine::general_purpose::STANDARD};
 use serde::Serialize;
 
 use super::{api::Api, error, etag::EntityTag, kind::ProblemKind, problem::Problem, tables};
-use crate::service::{FileKind, ServiceError};
+use crate::service::{FileKind, Service};
 use ltcforge_files::{digest::Digest, tabulated::kept_name};
 
 /// `Cache-Control` of bytes that never change under their address, because the address has their digest or that of
@@ -52,7 +52,7 @@ impl File {
         if tag.is_known_to(headers) {
             // An answer to `HEAD` without a length would say that the file is empty.
             let length = (method == Method::HEAD).then(|| [(header::CONTENT_LENGTH, length.to_string())]);
-            return Ok((StatusCode::NOT_MODIFIED, validators, length).into_response());
+            return Ok((StatusCode::NOT_MODIFIED, validators, length, ()).into_response());
         }
         // `Range` applies to GET only, and only if `If-Range` allows it.
         let field = headers.get(header::RANGE).and_then(|field| field.to_str().ok());
@@ -167,7 +167,7 @@ pub(super) async fn delete<E: Into<Problem> + Send + 'static>(
     api: &Api,
     digest: Digest,
     headers: &HeaderMap,
-    delete: impl FnOnce(&crate::service::Service) -> Result<(), E> + Send + 'static,
+    delete: impl FnOnce(&Service) -> Result<(), E> + Send + 'static,
 ) -> Result<Response, Problem> {
     let tag = EntityTag::strong(digest);
     tag.check_if_match(headers)?;

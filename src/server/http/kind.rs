@@ -1,45 +1,21 @@
 //! The types of problems: the one table from a type to its status and title.
 
 use axum::http::StatusCode;
-use serde::{Serialize, Serializer};
-
-/// A row of the table, as a problem's document shows it.
-#[derive(Serialize)]
-pub(super) struct KindRow {
-    /// A reference relative to the service, stable for the life of the interface.
-    r#type: &'static str,
-    title: &'static str,
-    #[serde(rename = "status")]
-    number: u16,
-    #[serde(skip)]
-    pub(super) status: StatusCode,
-}
-
-impl Serialize for ProblemKind {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        self.row().serialize(to)
-    }
-}
 
 /// Declares each type: its name, status, last segment of `type`, and title.
 macro_rules! problem_kinds {
     ($($name:ident: $status:ident, $slug:literal, $title:literal;)*) => {
-        /// The type of a problem: decides its status, its title and the `type` in its document.
+        /// The type of a problem.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub(super) enum ProblemKind {
             $($name,)*
         }
 
         impl ProblemKind {
-            /// The row of this type.
-            pub(super) const fn row(self) -> KindRow {
+            /// Status, `type` and title. The type is a reference relative to the service; it never changes.
+            pub(super) const fn row(self) -> (StatusCode, &'static str, &'static str) {
                 match self {
-                    $(Self::$name => KindRow {
-                        r#type: concat!("/problems/", $slug),
-                        title: $title,
-                        number: StatusCode::$status.as_u16(),
-                        status: StatusCode::$status,
-                    },)*
+                    $(Self::$name => (StatusCode::$status, concat!("/problems/", $slug), $title),)*
                 }
             }
         }

@@ -27,15 +27,17 @@ const LONGEST_WORD: usize = 200;
 /// An error as it is reported to a client, and the document that the client reads.
 #[derive(Debug, Serialize)]
 pub(super) struct Problem {
-    /// `type`, `title` and `status`.
-    #[serde(flatten)]
-    kind: ProblemKind,
+    r#type: &'static str,
+    title: &'static str,
+    status: u16,
     detail: String,
     /// The faults of the request: the place of each, and the fault.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     errors: Vec<Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
     recipe: Option<Value>,
+    #[serde(skip)]
+    kind: ProblemKind,
     /// Whole seconds for `Retry-After`.
     #[serde(skip)]
     retry_after: Option<u64>,
@@ -44,7 +46,9 @@ pub(super) struct Problem {
 impl Problem {
     /// A problem of `kind`; `detail` is one sentence on this occurrence.
     pub(super) fn new(kind: ProblemKind, detail: impl Into<String>) -> Self {
-        Self { kind, detail: bounded(&detail.into()), errors: Vec::new(), recipe: None, retry_after: None }
+        let (status, r#type, title) = kind.row();
+        let (status, detail) = (status.as_u16(), bounded(&detail.into()));
+        Self { r#type, title, status, detail, errors: Vec::new(), recipe: None, kind, retry_after: None }
     }
 
     /// The same with a list of the request's faults, the first [`MOST_FAULTS`] of them.
@@ -86,7 +90,7 @@ impl Problem {
 
     /// The status to answer with.
     pub(super) fn status(&self) -> StatusCode {
-        self.kind.row().status
+        self.kind.row().0
     }
 }
 
