@@ -80,47 +80,6 @@ fn a_slow_link_to_the_store_is_only_slow() {
 }
 
 #[test]
-fn downloads_can_be_redirected_to_the_store() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let Some((shared, _server, _link)) = shared_on_s3(folder.path()) else { return };
-    let args: Vec<&str> = shared.arguments().into_iter().chain(["--redirect", "--workers", "1"]).collect();
-    let replica = Server::start_in(&folder.path().join("one"), &args, &shared.environment);
-    let table = replica.fit(SMALL);
-    let path = format!("{}/v1/tables/{table}", replica.url);
-    let agent: Agent = Agent::config_builder().max_redirects(0).http_status_as_error(false).build().into();
-    let answer = agent.get(&path).call().expect("an answer");
-    assert_eq!(answer.status(), 307);
-    let location = answer.headers()["location"].to_str().expect("a URL").to_owned();
-    let bytes = agent.get(&location).call().expect("the object").body_mut().read_to_vec().expect("a whole body");
-    // Conditional requests are answered here; a request for a part of the table is redirected too.
-    let etag = format!("\"{table}\"");
-    let path = format!("/v1/tables/{table}");
-    replica.request("GET", &path, &[("if-none-match", &etag)], None).with_status(304);
-    replica.request("GET", &path, &[("if-match", "\"other\"")], None).with_status(412);
-    let part = agent.get(&location).header("range", "bytes=1-4").call().expect("a part");
-    assert_eq!((part.status().as_u16(), part.into_body().read_to_vec().expect("bytes")), (206, bytes[1..5].to_vec()));
-    // HEAD is answered here, with the table's size.
-    let head = replica.request("HEAD", &format!("/v1/tables/{table}"), &[], None).with_status(200);
-    assert_eq!(head.header("content-length"), Some(bytes.len().to_string().as_str()));
-    // So are requests for the table compressed, whose tag follows from all of its bytes.
-    let compressed = |method: &str, tag: &str| {
-        replica.request(method, &path, &[("accept-encoding", "zstd"), ("if-none-match", tag)], None)
-    };
-    let probe = compressed("HEAD", "\"other\"").with_status(200);
-    let tag = probe.header("etag").expect("a tag").to_owned();
-    assert_eq!((probe.header("content-encoding"), tag == etag), (Some("zstd"), false));
-    assert_eq!(
-        zstd::decode_all(compressed("GET", "\"other\"").with_status(200).body.as_slice()).expect("a frame"),
-        bytes
-    );
-    compressed("GET", &tag).with_status(304);
-    compressed("HEAD", &etag).with_status(304);
-    let file = folder.path().join(format!("{}.safetensors", table.trim_start_matches("sha256:")));
-    std::fs::write(&file, bytes).expect("a file");
-    run(folder.path(), ["verify", file.to_str().expect("a path in UTF-8")]).exited(0);
-}
-
-#[test]
 fn a_store_without_the_bucket_or_the_permission_is_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some((shared, _server, link)) = shared_on_s3(folder.path()) else { return };
