@@ -1,13 +1,9 @@
 //! An object store that is down, slow, full or broken, or sends other bytes.
 
-use ureq::Agent;
-
 use crate::{
     Shared, Worker,
     common::{
-        LARGE, SMALL,
-        command::run,
-        eventually,
+        LARGE, SMALL, eventually,
         server::{Server, text},
     },
     proxy::{Link, Proxy, Upstream},

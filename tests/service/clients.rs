@@ -78,7 +78,7 @@ fn another_name_is_refused_unless_it_is_allowed() {
         assert!(text(&refused["detail"]).contains("--allow-host"), "{refused:#}");
     }
     problem(&server, &request("GET /healthz", &[]), 400, "bad-request");
-    // A path that is not there tells a foreign page no more.
+    // A missing path gives a foreign page no other answer.
     problem(&server, &request("GET /nothing", &[("host", "attacker.example")]), 421, "wrong-host");
 }
 

@@ -20,7 +20,7 @@ use crate::common::{
     tell_skipped,
 };
 
-/// What the example leaves to the main file. One process is enough, and it may read the folder.
+/// The main file that includes the example. One process is enough.
 const MAIN: &str = "daemon off; master_process off; pid nginx.pid; error_log stderr; events {}
     http { access_log off; client_body_temp_path body; proxy_temp_path proxy; fastcgi_temp_path fastcgi;
     uwsgi_temp_path uwsgi; scgi_temp_path scgi; include site.conf; }";
@@ -97,7 +97,7 @@ fn nginx_passes_requests_and_events_and_cuts_slow_clients() {
     let mut rest = Vec::new();
     silent.read_to_end(&mut rest).expect("the end of the connection");
 
-    // An address that asks too often is told so; the service itself has no such limit.
+    // An address with too many requests gets 429. The service itself has no such limit.
     let limited = (0..400).any(|_| agent.get(url("/healthz")).call().expect("an answer").status() == 429);
     assert!(limited);
     assert!(host(&server).starts_with("127.0.0.1"));

@@ -94,7 +94,7 @@ impl Problem {
     }
 }
 
-/// A text without most of what a client sent, if that is long.
+/// A text with its long words and itself cut short: clients may have sent them.
 fn bounded(text: &str) -> String {
     let shown: String = text.split_inclusive(char::is_whitespace).map(|word| cut(word, LONGEST_WORD)).collect();
     cut(&shown, LONGEST_DETAIL)
