@@ -14,13 +14,10 @@
 //! job_days = 90
 //! adapter = "cpu"
 //! picture_seconds = 30
-//! picture_queue = 9
-//! picture_memory = 64
 //! allow_host = ["farm", "farm.example"]
 //! allow_origin = ["https://wiki.example"]
 //! tokens = "/etc/ltcforge/tokens"
-//! connections = 1024
-//! connections_per_address = 512
+//! requests = 256
 //! client_seconds = 30
 //! ```
 

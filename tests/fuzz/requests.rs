@@ -60,13 +60,6 @@ fn requests() {
         request("POST /v1/recipes", SMALL),
         request("POST /v1/plans?bytes=2000", r#"{"materials": [{"alpha_x": 0.2, "alpha_y": 0.2}]}"#),
         request("DELETE /v1/jobs/17ef825cea151d3d007a00aaeea2fd86", ""),
-        request(&format!("PUT /v1/tables/{table}/pins/film"), ""),
-        request(&format!("DELETE /v1/tables/{table}/pins/film"), ""),
-        request("PUT /v1/pins/film", "version = 2\nsources = []\n"),
-        request(
-            "POST /v1/light-textures?texels=rgba32f",
-            "IES:LM-63-2019\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 20\n0 90\n0\n9 0\n",
-        ),
         request(&format!("GET /v1/tables/{table}/plots/error.png?ratio=0.5&phi=0.3"), ""),
     ];
     Target { name: "requests", seeds, words: &WORDS, inputs: 300 }.survive(|bytes| {

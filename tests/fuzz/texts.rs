@@ -22,10 +22,10 @@ fn of_text(read: impl Fn(&str) -> String) -> impl Fn(&[u8]) -> String {
 fn token_files() {
     let hash = ltcforge::Digest::of(b"a");
     let seeds = vec![
-        format!("# farm\nfarm submit sha256:{hash}\n\nboss admin sha256:{hash} team=lighting share=3\n").into_bytes(),
-        format!("a read sha256:{hash} team=b priority=low\nb submit sha256:{hash} share=2 priority=high").into_bytes(),
+        format!("# farm\nfarm submit sha256:{hash}\n\nboss admin sha256:{hash}\n").into_bytes(),
+        format!("a read sha256:{hash}\nb submit sha256:{hash}").into_bytes(),
     ];
-    let words = ["\n", " ", "#", "read", "submit", "admin", "sha256:", "team=", "share=", "priority=", "normal"];
+    let words = ["\n", " ", "#", "read", "submit", "admin", "sha256:", "team="];
     Target { name: "tokens", seeds, words: &words, inputs: 3000 }.survive(of_text(|text| {
         match Tokens::of(&[("tokens", text)]) {
             Ok(tokens) => format!("tokens: {}", !tokens.is_empty()),

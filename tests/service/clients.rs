@@ -1,4 +1,4 @@
-//! Clients that mean harm or do not go on: foreign pages, other names, slow requests, idle connections.
+//! Foreign pages, other names, slow requests, too many requests.
 
 use std::{
     fmt::Write as _,
@@ -67,18 +67,18 @@ pub(super) fn host(server: &Server) -> &str {
 #[test]
 fn another_name_is_refused_unless_it_is_allowed() {
     let folder = tempfile::tempdir().expect("a folder");
-    let server = Server::start(folder.path(), &["--allow-host", "farm,other:80"]);
+    let server = Server::start(folder.path(), &["--allow-host", "farm,other:81"]);
     let port = host(&server).rsplit(':').next().expect("a port");
     let ask = |name: &str| request("GET /healthz", &[("host", name)]);
-    for own in [host(&server), &format!("localhost:{port}"), &format!("[::1]:{port}"), "farm", "FARM:1", "other"] {
+    for own in [host(&server), &format!("localhost:{port}"), "[::1]:1", "10.0.0.1", "farm", "FARM:1", "other:81"] {
         assert_eq!(answer(send(&server, &ask(own))).0, 200, "{own}");
     }
-    for foreign in ["attacker.example", &format!("attacker.example:{port}"), "localhost:1", "other:81", "10.0.0.1"] {
+    for foreign in ["attacker.example", &format!("attacker.example:{port}"), "localhost.example", "other", "other:80"] {
         let refused = problem(&server, &ask(foreign), 421, "wrong-host");
         assert!(text(&refused["detail"]).contains("--allow-host"), "{refused:#}");
     }
     problem(&server, &request("GET /healthz", &[]), 400, "bad-request");
-    // A path that is not there tells a foreign page no more.
+    // A missing path gives a foreign page no other answer.
     problem(&server, &request("GET /nothing", &[("host", "attacker.example")]), 421, "wrong-host");
 }
 
@@ -104,17 +104,32 @@ fn a_foreign_page_is_refused_unless_it_is_allowed() {
 }
 
 #[test]
-fn a_slow_request_is_told_so() {
+fn a_slow_body_is_told_so_and_a_slow_head_is_cut() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &["--client-seconds", "1"]);
-    let head = problem(&server, "GET /healthz HTTP/1.1\r\nhost:", 408, "slow-request");
-    assert!(text(&head["detail"]).contains("the head of the request was not complete within 1 s"), "{head:#}");
     let fields = [("host", host(&server)), ("content-length", "100")];
     let body = problem(&server, &(request("POST /v1/jobs", &fields) + "{"), 408, "slow-request");
     assert!(text(&body["detail"]).contains("the body of the request was not complete within 1 s"), "{body:#}");
-    let mut silent = Vec::new();
-    send(&server, "").read_to_end(&mut silent).expect("the end of the connection");
-    assert_eq!(silent, b"", "an idle connection is closed without a word");
+    for begun in ["", "GET /healthz HTTP/1.1\r\nhost:"] {
+        let mut silent = Vec::new();
+        send(&server, begun).read_to_end(&mut silent).expect("the end of the connection");
+        assert_eq!(silent, b"", "{begun}");
+    }
+}
+
+#[test]
+fn a_busy_service_refuses_requests_and_answers_probes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &["--requests", "2", "--client-seconds", "10"]);
+    let fields = [("host", host(&server)), ("content-length", "100")];
+    let slow = request("POST /v1/jobs", &fields) + "{";
+    let held = [(); 2].map(|()| send(&server, &slow));
+    let busy = eventually("a busy service", || Some(server.get("/v1/jobs")).filter(|answer| answer.status == 503));
+    assert_eq!((busy.header("retry-after"), &busy.json()["type"]), (Some("2"), &"/problems/busy".into()));
+    assert!(text(&busy.json()["detail"]).contains("--requests"), "{busy:?}");
+    server.get("/healthz").with_status(200);
+    drop(held);
+    eventually("room for a request", || (server.get("/v1/jobs").status == 200).then_some(()));
 }
 
 #[test]
@@ -133,25 +148,6 @@ fn a_body_that_says_it_is_too_long_is_refused_before_it_is_sent() {
     tcp.read_exact(&mut go_on).expect("an interim answer");
     assert_eq!(&go_on, b"HTTP/1.1 100 Continue\r\n\r\n");
     tcp.shutdown(Shutdown::Both).expect("an open connection");
-}
-
-#[test]
-fn idle_connections_leave_files_to_the_store() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let server = Server::start_within(128, folder.path(), &[]);
-    // The client keeps the connection of this request, so it has one when there are no more.
-    server.get("/healthz").with_status(200);
-    let idle: Vec<TcpStream> = (0..200).map(|_| send(&server, "")).collect();
-    let healthy = request("GET /healthz", &[("host", host(&server))]);
-    // Where many connections are refused at the same time, some are closed without an answer.
-    let (head, body) = eventually("a refusal", || {
-        let (status, head, body) = try_answer(send(&server, &healthy))?;
-        (status == 503).then_some((head, body))
-    });
-    assert!(head.contains("retry-after: ") && body.contains("--connections-per-address"), "{head}\n{body}");
-    server.fit(SMALL);
-    drop(idle);
-    eventually("room for a connection", || (try_answer(send(&server, &healthy))?.0 == 200).then_some(()));
 }
 
 #[test]

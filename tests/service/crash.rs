@@ -1,10 +1,9 @@
 //! A service that is killed in the middle of a job goes on where it was.
 
-use super::fsck::write;
 use crate::common::{
     LARGE,
     command::run_with_stdin,
-    folder::contents,
+    folder::{contents, write},
     seeded,
     server::{Server, text},
 };

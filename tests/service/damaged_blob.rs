@@ -5,12 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use ltcforge::Digest;
-
-use crate::common::{
-    SMALL,
-    server::{Server, text},
-};
+use crate::common::{SMALL, server::Server};
 
 /// Every file below `folder`.
 fn files(folder: &Path) -> Vec<PathBuf> {
@@ -107,26 +102,6 @@ fn a_damaged_table_has_no_picture() {
     server.get(&picture).with_status(200);
 }
 
-/// Without the database every job and table is still there: jobs from their journal, the catalogue from the blobs.
-#[test]
-fn a_zeroed_database_loses_neither_jobs_nor_tables() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let server = Server::start(folder.path(), &[]);
-    let digest = server.fit(SMALL);
-    let ids = |server: &Server| server.get("/v1/jobs").with_status(200).json()["items"][0]["id"].clone();
-    let id = ids(&server);
-    assert_eq!(server.stop("TERM").code, Some(0));
-    let database = folder.path().join("db/db");
-    let length = fs::metadata(&database).expect("the database").len();
-    fs::write(&database, vec![0; usize::try_from(length).expect("a length")]).expect("a damaged database");
-    let server = Server::start(folder.path(), &[]);
-    assert_eq!(ids(&server), id);
-    let job = server.get(&format!("/v1/jobs/{}", text(&id))).with_status(200).json();
-    assert_eq!((&job["state"], &job["table"]), (&"done".into(), &digest.as_str().into()));
-    assert_eq!(server.get("/v1/tables").with_status(200).json()["items"][0]["digest"], digest);
-    assert_eq!(server.stop("TERM").code, Some(0));
-}
-
 #[test]
 fn exports_are_made_of_no_damaged_table_and_those_in_memory_are_served() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -143,40 +118,4 @@ fn exports_are_made_of_no_damaged_table_and_those_in_memory_are_served() {
     let damaged = server.get(&path("reflected.npz.f32")).with_status(500).json();
     assert_eq!(damaged["type"], "/problems/damaged-blob");
     assert_eq!(server.get(&path("wgpu/ltc.json")).with_status(200).body, kept);
-}
-
-/// Whatever the fields of a request are: an answer that is the whole file is the file of its digest, small or large.
-#[test]
-fn no_request_gets_all_of_a_damaged_file() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let server = Server::start(folder.path(), &[]);
-    for (kind, tensor) in [("tables", "matrix"), ("brdfs", "value")] {
-        for numbers in [8, 1 << 20] {
-            let bytes = 4 * numbers;
-            let header = format!(r#"{{"{tensor}":{{"dtype":"F32","shape":[{numbers}],"data_offsets":[0,{bytes}]}}}}"#);
-            let file = [&(header.len() as u64).to_le_bytes(), header.as_bytes(), &vec![7; bytes]].concat();
-            let digest = Digest::of(&file);
-            let blob = folder.path().join("blobs").join(&digest.hex()[..2]).join(digest.hex());
-            fs::create_dir_all(blob.parent().expect("a folder")).expect("a folder");
-            let mut bad = file.clone();
-            bad[header.len() + 20] ^= 1;
-            for fields in [
-                &[][..],
-                &[("if-none-match", "\"x\"")],
-                &[("if-match", "*")],
-                &[("range", "bytes=0-1,3-4")],
-                &[("range", "nonsense")],
-                &[("range", "bytes=0-1"), ("if-range", "\"x\"")],
-            ] {
-                let path = format!("/v1/{kind}/{digest}");
-                fs::write(&blob, &file).expect("a blob");
-                let whole = server.request("GET", &path, fields, None).with_status(200);
-                assert!(whole.body == file, "{path} {fields:?}");
-                fs::write(&blob, &bad).expect("a damaged blob");
-                let refused = server.request("GET", &path, fields, None).with_status(500).json();
-                assert_eq!(refused["type"], "/problems/damaged-blob", "{path} {fields:?}");
-                server.request("GET", &path, fields, None).with_status(404);
-            }
-        }
-    }
 }

@@ -1,30 +1,23 @@
 //! The service, over HTTP and through what happens to its process and its disk.
 
 mod access;
-mod backup;
 mod bad_input;
 pub(crate) mod brdfs;
 mod clients;
 mod crash;
-mod crowds;
-mod damage;
 mod damaged_blob;
 mod disk_full;
 mod exports;
-mod fsck;
 mod jobs;
 mod kills;
-mod light_textures;
-mod limits;
 mod materials;
 mod memory;
 mod openapi;
 mod page;
-mod pins;
 mod plans;
 mod power_cut;
+mod proxy;
 mod recipes;
 mod schemathesis;
 mod stopping;
 mod tls;
-mod zstd_coding;

@@ -240,11 +240,9 @@ mod tests {
             "ltcforge verify --digest 12 file",
             "ltcforge serve --allow-host http://farm",
             "ltcforge serve --allow-origin farm",
-            "ltcforge serve --connections 0",
+            "ltcforge serve --requests 0",
             "ltcforge serve --client-seconds 0",
             "ltcforge serve --picture-seconds 0",
-            "ltcforge serve --picture-queue 0",
-            "ltcforge serve --picture-memory -1",
             "ltcforge serve --client-seconds 18446744073709551615",
         ];
         for line in lines {

@@ -12,11 +12,11 @@ use ltcforge_server::http::{Scope, TOKEN_BYTES, Token};
 /// The commands on tokens.
 #[derive(Debug, Subcommand)]
 pub enum TokenCommand {
-    /// Print a new token, and its line for the service's file of tokens
+    /// Print a new token and its line for the file of tokens
     New {
-        /// Who gets it, in up to 64 letters, digits and -_.@; jobs show who submitted and who cancelled them
+        /// Owner: up to 64 letters, digits and -_.@; jobs show it
         name: String,
-        /// What it allows: to read; to submit too, and cancel; to do everything
+        /// Scope: read, submit (and cancel), or admin (and delete)
         #[arg(long, value_parser = named(&Scope::ALL, Scope::name))]
         scope: Scope,
     },

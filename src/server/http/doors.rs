@@ -59,7 +59,7 @@ const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
 /// The longest request id that a client or proxy may send.
 const LONGEST_ID: usize = 64;
 
-/// What a request may be refused for.
+/// The checks that may refuse a request.
 #[derive(Debug)]
 pub(super) struct Doors {
     pub(super) origins: Origins,

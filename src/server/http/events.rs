@@ -2,8 +2,8 @@
 //!
 //! The first event is the job as it is now, unless `Last-Event-ID` says that the client has seen it. An event is named
 //! `state` if the state changed and `progress` otherwise; its id is the snapshot's sequence number, its data the job.
-//! The stream ends after a final state, when the server stops, and when the client's token is revoked. A client that has seen the final state gets 204,
-//! which tells an `EventSource` not to reconnect.
+//! The stream ends after a final state, when the server stops, and when the client's token is revoked. A client that has
+//! seen the final state gets 204: an `EventSource` then does not reconnect.
 
 use std::{convert::Infallible, sync::Arc, time::Duration};
 
@@ -37,7 +37,7 @@ use crate::{
     service::JobSnapshot,
 };
 
-/// How often a comment tells proxies that the stream is alive.
+/// Interval of the comments that keep the stream alive in proxies.
 const HEARTBEAT: Duration = Duration::from_secs(15);
 
 /// The shortest time between two events of one stream. If changes come faster, only the latest is sent.

@@ -7,7 +7,8 @@ use axum::{
     http::{HeaderMap, Method, request::Parts},
     response::Response,
 };
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use serde_json::{Value, json};
 
 use super::{
     api::Api,
@@ -20,7 +21,7 @@ use super::{
 };
 use crate::service::{ExportedFile, MadeExport};
 use ltcforge_files::digest::Digest;
-use ltcforge_textures::{Export, RoundingError};
+use ltcforge_textures::Export;
 
 /// A table, and if the path of the request goes so far an export and the path of a file.
 pub(super) struct Address {
@@ -50,38 +51,6 @@ pub(super) struct FileParameters {
     digest: Option<Digest>,
 }
 
-#[derive(Debug, Serialize)]
-struct ExportsView {
-    table: Digest,
-    items: Vec<ItemView>,
-}
-
-/// An export that the table has.
-#[derive(Debug, Serialize)]
-struct ItemView {
-    name: String,
-    url: String,
-}
-
-/// An export that was made.
-#[derive(Debug, Serialize)]
-struct ExportView<'a> {
-    table: Digest,
-    name: String,
-    files: Vec<FileView<'a>>,
-    steps: &'a [String],
-}
-
-#[derive(Debug, Serialize)]
-struct FileView<'a> {
-    path: &'a str,
-    bytes: usize,
-    digest: Digest,
-    /// An address under which nothing but these bytes is ever served.
-    url: String,
-    rounding: RoundingError,
-}
-
 /// `GET /v1/tables/{digest}/exports`.
 pub(super) async fn list(
     State(api): State<Api>,
@@ -93,8 +62,9 @@ pub(super) async fn list(
     let Some(exports) = api.read(move |service| service.exports(table)).await? else {
         return Err(absent(&api, table).await);
     };
-    let item = |export: Export| ItemView { name: export.to_string(), url: url(table, export) };
-    File::json(&ExportsView { table, items: exports.into_iter().map(item).collect() })?.respond(&method, &headers)
+    let item = |export: Export| json!({ "name": export.to_string(), "url": url(table, export) });
+    let items: Vec<Value> = exports.into_iter().map(item).collect();
+    File::json(&json!({ "table": table, "items": items }))?.respond(&method, &headers)
 }
 
 /// `GET /v1/tables/{digest}/exports/{export}`.
@@ -106,14 +76,14 @@ pub(super) async fn show(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let (table, export, made) = made(&api, &address).await?;
-    let files = made.files.iter().map(|file| FileView {
-        path: &file.path,
-        bytes: file.bytes.len(),
-        digest: file.digest,
-        url: format!("{}/{}?digest={}", url(table, export), file.path, file.digest),
-        rounding: file.rounding,
-    });
-    let view = ExportView { table, name: export.to_string(), files: files.collect(), steps: &made.steps };
+    let file = |file: &ExportedFile| {
+        // Nothing but these bytes is ever served at this address.
+        let url = format!("{}/{}?digest={}", url(table, export), file.path, file.digest);
+        let ExportedFile { path, bytes, digest, rounding } = file;
+        json!({ "path": path, "bytes": bytes.len(), "digest": digest, "url": url, "rounding": rounding })
+    };
+    let files: Vec<Value> = made.files.iter().map(file).collect();
+    let view = json!({ "table": table, "name": export.to_string(), "files": files, "steps": made.steps });
     File::json(&view)?.respond(&method, &headers)
 }
 

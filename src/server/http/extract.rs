@@ -93,7 +93,7 @@ impl FromRequest<Api> for RecipeBody {
     }
 }
 
-/// What [`check_json`] accepts.
+/// The content types that [`check_json`] accepts.
 pub(super) const JSON: &str = "application/json, application/*+json or no content type";
 
 /// Accepts JSON by its media type, no content type, and the default of `curl -d`, `application/x-www-form-urlencoded`. A page

@@ -8,7 +8,7 @@ use axum::{
     http::header,
     response::{IntoResponse, Response},
 };
-use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::{api::Api, error, extract::NoQuery, problem::Problem};
 use crate::service::{Backlog, Metrics, PictureCounts, ServiceError};
@@ -16,31 +16,18 @@ use ltcforge_fit::FITTER_VERSION;
 
 const OPENAPI: &str = include_str!("../openapi.yaml");
 
-#[derive(Debug, Serialize)]
-pub(super) struct Status {
-    status: &'static str,
-}
-
-#[derive(Debug, Serialize)]
-pub(super) struct Build {
-    name: &'static str,
-    version: &'static str,
-    /// Raised whenever the same recipe gives other bytes.
-    fitter: u32,
-}
-
 /// `GET /healthz`: the process answers.
-pub(super) async fn healthz(_: NoQuery) -> Json<Status> {
-    Json(Status { status: "ok" })
+pub(super) async fn healthz(_: NoQuery) -> Json<Value> {
+    Json(json!({ "status": "ok" }))
 }
 
 /// `GET /readyz`: the service accepts jobs and works on them.
-pub(super) async fn readyz(State(api): State<Api>, _: NoQuery) -> Result<Json<Status>, Problem> {
+pub(super) async fn readyz(State(api): State<Api>, _: NoQuery) -> Result<Json<Value>, Problem> {
     let fault = api.call(|service| Ok::<_, ServiceError>(service.fault())).await?;
     match fault {
         _ if *api.stopping.borrow() || api.service.is_stopping() => Err(error::stopping()),
         Some(fault) => Err(error::unavailable(fault)),
-        None => Ok(Json(Status { status: "ready" })),
+        None => Ok(Json(json!({ "status": "ready" }))),
     }
 }
 
@@ -50,9 +37,9 @@ pub(super) async fn metrics(State(api): State<Api>, _: NoQuery) -> Result<Respon
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], exposition(&metrics)).into_response())
 }
 
-/// `GET /version`.
-pub(super) async fn version(_: NoQuery) -> Json<Build> {
-    Json(Build { name: "ltcforge", version: env!("CARGO_PKG_VERSION"), fitter: FITTER_VERSION })
+/// `GET /version`. `fitter` rises whenever the same recipe gives other bytes.
+pub(super) async fn version(_: NoQuery) -> Json<Value> {
+    Json(json!({ "name": "ltcforge", "version": env!("CARGO_PKG_VERSION"), "fitter": FITTER_VERSION }))
 }
 
 /// `GET /openapi.yaml`.

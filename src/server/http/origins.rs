@@ -1,7 +1,7 @@
 //! The names that the service answers to, and the web pages whose requests it serves.
 //!
 //! A browser lets any page send requests to any address. `Host` is the name that the page asked for: the name may belong to an
-//! attacker who lets it resolve to this machine, so that his pages count as the service's own (DNS rebinding). `Origin` is
+//! attacker who lets it resolve to this machine, so that their pages count as the service's own (DNS rebinding). `Origin` is
 //! the site of the page that sends the request. An address or `localhost` as `Host` is always served: rebinding needs a name.
 
 use std::{net::IpAddr, str::FromStr};

@@ -28,7 +28,7 @@ use ltcforge_light::{LightModel, textured::Readings};
 use ltcforge_shaders::{Additions, Language, Lights, LitBy, Namespace, Reading};
 use ltcforge_translate::{include, include_prefilter};
 
-/// What the page may do: run its own modules and call this service. Pictures that it draws, and those and videos that visitors open, are `blob:`.
+/// The page may run its own modules and call this service. Pictures and videos are `blob:`.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; media-src blob:; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; require-trusted-types-for 'script'";
 
@@ -91,8 +91,8 @@ page_files![
     "webgl/surface.js",
 ];
 
-/// What the viewer asks for by a name without the end of its language: `normals`, or `ltc-kt2022` by a table's layout, with the
-/// second lobe of tables of two `ltc-kt2022-two-lobes`, with pictures on lights `ltc-kt2022-two-lobes-textured`.
+/// The shader of a file name without its extension: `normals`, or `ltc-` and a layout, then `-two-lobes` for tables of two
+/// lobes, then `-textured` for pictures on lights.
 fn lit_by(name: &str) -> Option<(LitBy, Reading)> {
     let (name, is_textured) = without(name, "-textured");
     let additions = Additions { textured: is_textured.then(|| Readings::ALL[0]), ..Additions::default() };

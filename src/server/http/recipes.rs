@@ -1,4 +1,4 @@
-//! Recipes: what a document would begin, and the tables of those that are known.
+//! Recipes: the forecast for a document, known recipes and their tables, and the fields of a recipe.
 
 use axum::{
     Json,

@@ -65,7 +65,7 @@ pub static ROUTES: &[Route] = &[
     route(Method::GET, "/page/{folder}/{file}", |on| on.get(page::file_of_folder)),
 ];
 
-/// Paths that tell operators how a process is, and nothing of jobs and tables.
+/// Paths for operators. They show the state of the process, and no jobs and tables.
 const OPERATIONS: [&str; 4] = ["/healthz", "/readyz", "/metrics", "/version"];
 
 /// The router of [`ROUTES`], or of [`OPERATIONS`] alone; any other method on a known path is a 405 that names the allowed ones.

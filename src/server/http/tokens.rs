@@ -23,7 +23,7 @@ const FEWEST_DIGITS: usize = 16;
 /// The longest name.
 const LONGEST_NAME: usize = 64;
 
-/// What a token allows. Each scope includes the previous ones.
+/// A token allows one of these. Each scope includes the previous ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Scope {
     /// Read everything: jobs, tables, pictures, metrics.
@@ -166,7 +166,7 @@ impl Tokens {
         self.0.is_empty()
     }
 
-    /// The token with this secret. The time of the search tells nothing useful: nobody can choose the bits of a hash.
+    /// The token with this secret. The search need not take constant time: nobody can choose the bits of a hash.
     pub(super) fn find(&self, secret: &[u8]) -> Option<&Arc<Token>> {
         let hash = Digest::of(secret);
         self.0.iter().find(|token| token.hash == hash)

@@ -48,7 +48,7 @@ pub(super) struct RecipeView {
     table: Option<Digest>,
 }
 
-/// What a recipe document would begin.
+/// The forecast for a recipe document.
 #[derive(Debug, Default, Serialize)]
 pub(super) struct ForeseenView {
     recipe: Option<Box<RawValue>>,

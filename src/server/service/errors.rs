@@ -23,6 +23,10 @@ pub enum OpenError {
     /// The storage failed while the service started.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// The folder that a cluster shares is missing.
+    #[cfg(feature = "cluster")]
+    #[error("there is no such folder for --blobs: {}", .0.display())]
+    NoFolder(PathBuf),
     /// The database of a cluster did not open.
     #[cfg(feature = "cluster")]
     #[error(transparent)]

@@ -7,16 +7,15 @@
 use std::{
     collections::HashMap,
     sync::{PoisonError, atomic::Ordering},
-    time::Duration,
 };
 
-use jiff::Timestamp;
+use jiff::{SignedDuration, Timestamp};
 
 use super::state::State;
 use crate::store::{BlobInfo, StoreError};
 
 /// How long a table stays after its last use, whatever the size: clients fetch what a job has just made.
-const GRACE: Duration = Duration::from_secs(600);
+const GRACE: SignedDuration = SignedDuration::from_secs(600);
 
 impl State {
     /// Deletes the least recently used tables until the files fit into `--store-bytes`.
@@ -34,7 +33,7 @@ impl State {
             self.files.catalogue.tables()?.iter().filter_map(|row| blobs.remove(&row.digest)).collect();
         tables.sort_by_key(|blob| blob.used_at);
         for table in tables {
-            let is_recent = now.duration_since(table.used_at).unsigned_abs() < GRACE;
+            let is_recent = now.duration_since(table.used_at) < GRACE;
             if bytes <= limit || is_recent {
                 break;
             }

@@ -56,13 +56,17 @@ impl Service {
     pub fn open_shared(config: Config, shared: &super::Shared) -> Result<Arc<Self>, OpenError> {
         use crate::{
             queue::PostgresQueue,
-            store::{Database, ObjectBlobs, PostgresRows, Store},
+            store::{Access, Blobs, Database, ObjectBlobs, PostgresRows, Store},
         };
+        let access = if config.workers == 0 { Access::Read } else { Access::Write };
         // The store comes first, so that no schema is made if its URL is wrong.
-        let blobs = ObjectBlobs::open(&shared.store)?;
-        let database = Database::open(&shared.database.0, shared.connections)?;
-        let queue = PostgresQueue::open(Arc::clone(&database), limits(&config), FITTER_VERSION)?;
-        let store = Store::shared(Arc::new(blobs), Arc::new(PostgresRows::new(database)));
+        let blobs: Arc<dyn Blobs> = match shared.store.strip_prefix("file://") {
+            Some(folder) => Arc::new(shared_folder(folder.as_ref())?),
+            None => Arc::new(ObjectBlobs::open(&shared.store, access)?),
+        };
+        let database = Database::open_with(&shared.database.0, shared.connections)?;
+        let queue = PostgresQueue::new(Arc::clone(&database), limits(&config), FITTER_VERSION);
+        let store = Store::shared(blobs, Arc::new(PostgresRows::new(database)));
         Self::start(config, Files::new(store), Box::new(queue), false, RENEW_SHARED)
     }
 
@@ -107,6 +111,16 @@ impl Service {
         }
         Ok(Arc::new(service))
     }
+}
+
+/// The blobs of a folder that several processes share.
+#[cfg(feature = "cluster")]
+fn shared_folder(folder: &std::path::Path) -> Result<crate::store::FolderBlobs, OpenError> {
+    if !folder.is_dir() {
+        return Err(OpenError::NoFolder(folder.to_owned()));
+    }
+    // One level deeper than blobs, so that no damaged file is listed.
+    Ok(crate::store::FolderBlobs::shared(folder, &folder.join("quarantine/files"))?)
 }
 
 impl Files {

@@ -15,7 +15,10 @@ use crate::{
 use ltcforge_files::{digest::Digest, tabulated::encode};
 use ltcforge_fit::{BrdfKind, TabulatedAxes, TabulatedBrdf};
 use ltcforge_textures::Export;
-use ltcforge_view::preview::{Adapter, Mode, Scene};
+use ltcforge_view::{
+    plots::Plot,
+    preview::{Adapter, Mode, Scene},
+};
 
 pub(super) fn config(folder: &Path) -> Config {
     Config {
@@ -81,6 +84,13 @@ fn path(folder: &Path, digest: Digest) -> PathBuf {
     folder.join("blobs").join(&hex[..2]).join(&hex)
 }
 
+/// Sets the times of a file as if it had been stored and used so many seconds ago.
+fn used_ago(file: &Path, seconds: u64) {
+    let time = std::time::SystemTime::now() - Duration::from_secs(seconds);
+    let times = fs::FileTimes::new().set_accessed(time).set_modified(time);
+    fs::File::options().write(true).open(file).unwrap().set_times(times).unwrap();
+}
+
 fn brdf(alpha: f64) -> Vec<u8> {
     let axes = TabulatedAxes::spread(vec![alpha, 1.0], 48, 32);
     encode(&TabulatedBrdf::tabulate(BrdfKind::OrenNayar, axes).unwrap()).unwrap()
@@ -132,9 +142,7 @@ fn the_least_recently_used_tables_are_evicted_and_a_brdf_never() {
     let stored = service.store_brdf(&brdf(0.2)).unwrap().0;
     // By the times of the files: the second is used last.
     for (table, age) in tables.into_iter().zip([3000, 1000, 2000]) {
-        let used = std::time::SystemTime::now() - Duration::from_secs(age);
-        let times = fs::FileTimes::new().set_accessed(used).set_modified(used);
-        fs::File::options().write(true).open(path(folder.path(), table)).unwrap().set_times(times).unwrap();
+        used_ago(&path(folder.path(), table), age);
     }
     let of_table = fs::metadata(path(folder.path(), tables[0])).unwrap().len();
     let limit = stored.bytes as u64 + of_table + of_table / 2;
@@ -160,9 +168,7 @@ fn nothing_is_evicted_after_a_start_that_was_not_clean() {
         let service = Service::open(config(folder.path())).unwrap();
         fitted(&service, &recipe(1))
     };
-    let old = std::time::SystemTime::now() - Duration::from_secs(5000);
-    let times = fs::FileTimes::new().set_accessed(old).set_modified(old);
-    fs::File::options().write(true).open(path(folder.path(), table)).unwrap().set_times(times).unwrap();
+    used_ago(&path(folder.path(), table), 5000);
     fs::write(folder.path().join("db/db"), b"no database").unwrap();
     let small = Config { store_bytes: Some(1), ..config(folder.path()) };
     let service = Service::open(small.clone()).unwrap();
@@ -170,6 +176,8 @@ fn nothing_is_evicted_after_a_start_that_was_not_clean() {
     assert_eq!(service.tables(None, 9).unwrap().items.len(), 1);
     service.stop();
     drop(service);
+    // Listing has read the file.
+    used_ago(&path(folder.path(), table), 5000);
     let service = Service::open(small).unwrap();
     assert!(service.state.may_evict && !path(folder.path(), table).exists());
 }
@@ -228,7 +236,7 @@ fn an_export_is_made_once_and_forgotten_with_its_table() {
     let folder = tempfile::tempdir().unwrap();
     let service = Service::open(config(folder.path())).unwrap();
     let table = fitted(&service, &recipe(1));
-    let export: Export = "ktx2".parse().unwrap();
+    let export: Export = "wgpu".parse().unwrap();
     let made = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..4).map(|_| scope.spawn(|| service.export(table, export).unwrap().unwrap())).collect();
         threads.into_iter().map(|thread| thread.join().unwrap()).collect::<Vec<_>>()
@@ -239,8 +247,8 @@ fn an_export_is_made_once_and_forgotten_with_its_table() {
     assert!(service.export(table, export).unwrap().is_none());
 }
 
-fn scene(samples: u32) -> Subject {
-    Subject::Scene(Box::new(Scene { size: 64, spp: samples, mode: Mode::Reference, ..Scene::default() }))
+fn scene(size: u32, samples: u32) -> Subject {
+    Subject::Scene(Box::new(Scene { size, spp: samples, mode: Mode::Reference, ..Scene::default() }))
 }
 
 #[test]
@@ -249,18 +257,19 @@ fn a_picture_is_rendered_once_and_a_slow_or_huge_one_is_refused() {
     let service = Service::open(config(folder.path())).unwrap();
     let runtime = runtime();
     let picture = |service: &Service, subject| runtime.block_on(service.picture(None, subject));
-    let first = picture(&service, scene(1)).unwrap();
-    let second = picture(&service, scene(1)).unwrap();
+    let first = picture(&service, scene(64, 1)).unwrap();
+    let second = picture(&service, scene(64, 1)).unwrap();
     assert_eq!((first.digest, &*first.adapter), (second.digest, "cpu"));
     assert_eq!(service.metrics().unwrap().pictures.done, 1);
-    let none = picture(&service, Subject::Scene(Box::new(Scene { mode: Mode::Table, ..Scene::default() })));
+    let none = picture(&service, Subject::Scene(Box::new(Scene { mode: Mode::Ltc, ..Scene::default() })));
     assert!(matches!(none, Err(PictureError::NoTable)), "{none:?}");
     service.stop();
     drop(service);
-    let hurried = Config { picture_time: Duration::from_millis(1), ..config(folder.path()) };
-    let service = Service::open(hurried).unwrap();
-    assert!(matches!(picture(&service, scene(4096)), Err(PictureError::TooExpensive { .. })));
-    assert!(matches!(picture(&service, scene(4)), Err(PictureError::TooSlow { .. })));
+    let service = Service::open(Config { picture_time: Duration::ZERO, ..config(folder.path()) }).unwrap();
+    assert!(matches!(picture(&service, scene(64, 1)), Err(PictureError::TooExpensive { .. })));
+    fitted(&service, &recipe(1));
+    let plot = Subject::Plot(Plot::matrix_from([]).unwrap());
+    assert!(matches!(picture(&service, plot), Err(PictureError::TooSlow { .. })));
     let counts = service.metrics().unwrap().pictures;
     assert_eq!((counts.refused, counts.given_up), (1, 1));
 }
@@ -271,9 +280,9 @@ fn a_caller_that_leaves_frees_the_renderer() {
     let service = Service::open(Config { picture_time: Duration::from_secs(3600), ..config(folder.path()) }).unwrap();
     runtime().block_on(async {
         // This picture takes minutes.
-        let left = tokio::time::timeout(Duration::from_millis(200), service.picture(None, scene(65_536))).await;
-        assert!(left.is_err());
-        service.picture(None, scene(1)).await.unwrap();
+        let left = tokio::time::timeout(Duration::from_millis(200), service.picture(None, scene(512, 4096))).await;
+        assert!(left.is_err(), "{left:?}");
+        service.picture(None, scene(64, 1)).await.unwrap();
     });
     assert_eq!(service.metrics().unwrap().pictures, PictureCounts { done: 1, given_up: 1, ..Default::default() });
 }

@@ -10,7 +10,7 @@ use jiff::Timestamp;
 use super::record::{Entry, Task, TaskState, result_key};
 use crate::queue::{
     Depth, Failure, Job, JobId, JobPage, JobState, Lease, LeasedTask, Limits, MOST_FAILURES, MOST_LEASES, StaleLease,
-    StateName, Statistics, TaskKind, failed_often, leased_often,
+    StateName, Statistics, TaskKind, failed_often, leased_often, order,
 };
 use ltcforge_files::digest::Digest;
 
@@ -48,9 +48,15 @@ impl State {
         self.by_id.get(&id).and_then(|submission| self.jobs.get(submission))
     }
 
-    /// The smallest waiting tag.
-    pub(super) fn first_tag(&self) -> Option<i64> {
-        self.waiting.first().map(|(tag, ..)| *tag)
+    /// The virtual time of the [order], in microseconds; `None` if no task waits or is leased.
+    pub(super) fn virtual_time(&self) -> Option<i64> {
+        let start = |(submission, number): (u64, u32)| {
+            let entry = self.jobs.get(&submission)?;
+            let microseconds = entry.record.shards.get(number as usize).map_or(0, order::microseconds);
+            Some(entry.tasks.get(number as usize)?.tag - microseconds)
+        };
+        let first = || self.waiting.first().and_then(|(_, submission, number)| start((*submission, *number)));
+        self.leased.iter().copied().filter_map(start).max().or_else(first)
     }
 
     /// Whether no task waits.
@@ -258,7 +264,7 @@ impl State {
                 TaskState::Leased { .. } => depth.leased += 1,
                 TaskState::Blocked | TaskState::Waiting => depth.waiting += 1,
             }
-            core_seconds += shard.seconds;
+            core_seconds += order::microseconds(shard) as f64 * 1e-6;
         }
         let oldest = active().next().map(|entry| entry.record.job.created_at);
         Statistics { jobs: jobs.to_vec(), depth, core_seconds, oldest }

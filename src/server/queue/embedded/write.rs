@@ -70,7 +70,7 @@ impl EmbeddedQueue {
             },
             submission: state.last_submission,
             fitter: new.fitter,
-            base: order::base(now.as_microsecond(), state.first_tag()),
+            base: order::base(now.as_microsecond(), state.virtual_time()),
             shards: new.shards,
         };
         drop(state);

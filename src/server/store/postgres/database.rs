@@ -1,0 +1,265 @@
+//! Connections to PostgreSQL.
+
+use std::{fmt, num::NonZeroUsize, sync::Arc, time::Duration};
+
+use deadpool_postgres::{
+    ClientWrapper, Hook, HookError, Manager, ManagerConfig, Pool, PoolError, QueueMode, RecyclingMethod,
+    Runtime as PoolRuntime, Timeouts,
+};
+use tokio::{
+    runtime::{Builder, Runtime},
+    time::{Instant, timeout_at},
+};
+use tokio_postgres::{
+    Config, NoTls,
+    config::{Host, SslMode},
+    error::SqlState,
+};
+use tokio_postgres_rustls::MakeRustlsConnect;
+
+use super::{
+    failure::{self, DatabaseOpenError},
+    migrations,
+};
+use crate::store::{StoreError, certificates};
+
+/// A connection of the pool.
+pub(crate) type Client = deadpool_postgres::Client;
+
+/// How long connecting may take, and how long the server may not respond.
+const TIMEOUT: Duration = Duration::from_secs(5);
+
+/// How long an operation may take, with waiting for a connection and all retries.
+const LIMIT: Duration = Duration::from_secs(20);
+
+/// How long a connection that nobody uses is kept.
+const IDLE: Duration = Duration::from_secs(60);
+
+/// How long an operation is retried after its connection was lost.
+const RETRY: Duration = Duration::from_secs(5);
+
+/// The first pause between two tries, and the longest.
+const PAUSES: (Duration, Duration) = (Duration::from_millis(20), Duration::from_millis(500));
+
+/// Settings of every connection: each statement is to use indexes, whatever the statistics and the arguments; it is planned
+/// once for a connection, and compiling it takes longer than running it. The server ends what this process does not end
+/// any more.
+const SETTINGS: &str = "SET jit = off; SET enable_seqscan = off; SET enable_bitmapscan = off; SET enable_hashjoin = off; \
+    SET enable_mergejoin = off; SET plan_cache_mode = force_generic_plan; SET client_connection_check_interval = 5000; \
+    SET statement_timeout = 30000; SET idle_in_transaction_session_timeout = 60000";
+
+/// Why a process cannot write, in words; NULL if it can.
+const FAULT: &str = "
+    SELECT CASE WHEN current_setting('transaction_read_only') = 'on' THEN 'its transactions are read-only' ELSE (
+        SELECT 'the role ' || current_user || ' may not write ' || string_agg(relname, ', ' ORDER BY relname)
+        FROM pg_catalog.pg_class WHERE relnamespace = 'ltcforge'::regnamespace AND (
+            relkind = 'r' AND relname <> 'migrations' AND NOT (has_table_privilege(oid, 'SELECT')
+                AND has_table_privilege(oid, 'INSERT') AND has_table_privilege(oid, 'UPDATE')
+                AND has_table_privilege(oid, 'DELETE'))
+            OR relkind = 'S' AND NOT has_sequence_privilege(oid, 'USAGE'))
+    ) END";
+
+const STRAY_AT: &str = "in a user or a password, @ : / ? # are written as %40 %3A %2F %3F %23";
+
+/// Whether a URL has an `@` that does not end the user and the password. Parsers would take a part of the password for
+/// the host or the name, and errors would show it.
+fn has_stray_at(url: &str) -> bool {
+    let Some((_, rest)) = url.split_once("://") else { return false };
+    let authority = rest.split(['/', '?', '#']).next().unwrap_or(rest);
+    rest.matches('@').count() != authority.matches('@').count() || authority.matches('@').count() > 1
+}
+
+/// A PostgreSQL database with the schema of this program. Its methods block: do not call them in async tasks.
+pub struct Database {
+    /// Runs the connections. `None` once this is being dropped.
+    runtime: Option<Runtime>,
+    pool: Pool,
+    /// Host, port and name.
+    name: String,
+}
+
+impl fmt::Debug for Database {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Database").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+impl Drop for Database {
+    fn drop(&mut self) {
+        if let Some(runtime) = self.runtime.take() {
+            runtime.shutdown_background();
+        }
+    }
+}
+
+impl Database {
+    /// Connections of a process, at most, by default.
+    pub const CONNECTIONS: NonZeroUsize = NonZeroUsize::new(16).unwrap();
+
+    /// Connects to the database of `url` and brings its schema up to date.
+    ///
+    /// # Errors
+    /// See [`DatabaseOpenError`].
+    pub fn open(url: &str) -> Result<Arc<Self>, DatabaseOpenError> {
+        Self::open_with(url, Self::CONNECTIONS)
+    }
+
+    /// As [`Self::open`], with at most so many connections. One is enough: no operation needs another while it has one.
+    ///
+    /// # Errors
+    /// See [`DatabaseOpenError`].
+    pub fn open_with(url: &str, connections: NonZeroUsize) -> Result<Arc<Self>, DatabaseOpenError> {
+        let database = Self::connect(url, connections)?;
+        database.block_on(async {
+            let mut client = database.pool.get().await.map_err(|error| database.refusal(&error))?;
+            migrations::apply(&mut client, migrations::ALL).await
+        })?;
+        Ok(Arc::new(database))
+    }
+
+    fn connect(url: &str, connections: NonZeroUsize) -> Result<Self, DatabaseOpenError> {
+        if has_stray_at(url) {
+            return Err(DatabaseOpenError::BadUrl(STRAY_AT.to_owned()));
+        }
+        // The error has the name of a parameter, never its value.
+        let mut config: Config =
+            url.parse().map_err(|error: tokio_postgres::Error| DatabaseOpenError::BadUrl(failure::text(&error)))?;
+        if config.get_hosts().is_empty() {
+            return Err(DatabaseOpenError::BadUrl("it has no host".to_owned()));
+        }
+        config.connect_timeout(TIMEOUT).keepalives_idle(TIMEOUT).tcp_user_timeout(2 * TIMEOUT);
+        if config.get_application_name().is_none() {
+            config.application_name("ltcforge");
+        }
+        let name = name(&config);
+        let failed = |error: &dyn fmt::Display| DatabaseOpenError::Failed(error.to_string());
+        let runtime = Builder::new_multi_thread().worker_threads(1).thread_name("database").enable_all().build();
+        let runtime = runtime.map_err(|error| failed(&error))?;
+        let manager_config = ManagerConfig { recycling_method: RecyclingMethod::Fast };
+        let manager = match config.get_ssl_mode() {
+            SslMode::Disable => Manager::from_config(config, NoTls, manager_config),
+            _ => Manager::from_config(config, tls()?, manager_config),
+        };
+        let timeouts = Timeouts { wait: Some(6 * TIMEOUT), create: Some(2 * TIMEOUT), recycle: Some(TIMEOUT) };
+        let pool = Pool::builder(manager).max_size(connections.get()).timeouts(timeouts).runtime(PoolRuntime::Tokio1);
+        // Not among the startup parameters, of which a pooler in between knows only some.
+        let pool = pool.post_create(Hook::async_fn(|client: &mut ClientWrapper, _| {
+            Box::pin(async { client.batch_execute(SETTINGS).await.map_err(HookError::Backend) })
+        }));
+        // The last one used is used next, so that the others are idle.
+        let pool = pool.queue_mode(QueueMode::Lifo).build().map_err(|error| failed(&error))?;
+        let idle = pool.clone();
+        runtime.spawn(async move {
+            loop {
+                tokio::time::sleep(IDLE / 2).await;
+                idle.retain(|_, metrics| metrics.last_used() < IDLE);
+            }
+        });
+        Ok(Self { runtime: Some(runtime), pool, name })
+    }
+
+    fn refusal(&self, error: &PoolError) -> DatabaseOpenError {
+        let database = self.name.clone();
+        let (PoolError::Backend(error) | PoolError::PostCreateHook(HookError::Backend(error))) = error else {
+            return DatabaseOpenError::Unreachable { database, reason: error.to_string() };
+        };
+        let reason = failure::text(error);
+        let is = |state: &SqlState| error.code() == Some(state);
+        let is_role = is(&SqlState::INVALID_AUTHORIZATION_SPECIFICATION);
+        // pg_hba.conf has no entry for a connection without TLS.
+        let needs_tls = is_role && reason.contains("no encryption");
+        let is_unanswered = error.code().is_none();
+        if needs_tls || is_unanswered && (reason.contains("TLS") || reason.contains("certificate")) {
+            DatabaseOpenError::Tls { database, reason }
+        } else if is_role || is(&SqlState::INVALID_PASSWORD) || is_unanswered && reason.contains("password") {
+            DatabaseOpenError::Refused { database, reason }
+        } else {
+            DatabaseOpenError::Unreachable { database, reason }
+        }
+    }
+
+    /// Runs `work` to its end on this thread.
+    pub(crate) fn block_on<T>(&self, work: impl Future<Output = T>) -> T {
+        // Only `drop` takes it out.
+        let runtime = self.runtime.as_ref();
+        runtime.unwrap_or_else(|| unreachable!("a database that is being dropped was used")).block_on(work)
+    }
+
+    /// A connection.
+    pub(crate) async fn client(&self) -> Result<Client, StoreError> {
+        self.pool.get().await.map_err(|error| match error {
+            PoolError::Backend(error) | PoolError::PostCreateHook(HookError::Backend(error)) => error.into(),
+            other => StoreError::Unavailable(other.to_string()),
+        })
+    }
+
+    /// Runs `work` on a connection. If the connection is lost, or a transaction conflicts with another, `work` is retried
+    /// for some seconds. Its transaction may have been committed the first time.
+    ///
+    /// # Errors
+    /// [`StoreError::Unavailable`] if it may succeed later, or the database's error.
+    #[expect(clippy::needless_pass_by_value, reason = "callers pass closures")]
+    pub(crate) fn run<T>(&self, work: impl AsyncFn(&mut Client) -> Result<T, StoreError>) -> Result<T, StoreError> {
+        self.block_on(async {
+            let began = Instant::now();
+            let mut pause = PAUSES.0;
+            loop {
+                match self.tried(began + LIMIT, &work).await {
+                    Err(StoreError::Unavailable(_)) if began.elapsed() + pause < RETRY => {
+                        tokio::time::sleep(pause).await;
+                        pause = (2 * pause).min(PAUSES.1);
+                    }
+                    done => return done,
+                }
+            }
+        })
+    }
+
+    /// Runs `work` once. A connection that does not answer in time is given up: it may never answer, and others would
+    /// wait for it too.
+    async fn tried<T>(
+        &self,
+        until: Instant,
+        work: &impl AsyncFn(&mut Client) -> Result<T, StoreError>,
+    ) -> Result<T, StoreError> {
+        let late = |_| StoreError::Unavailable(format!("{} does not answer in time", self.name));
+        let mut client = timeout_at(until, self.client()).await.map_err(late)??;
+        let done = timeout_at(until, work(&mut client)).await;
+        if done.is_err() {
+            drop(Client::take(client));
+        }
+        done.map_err(late)?
+    }
+
+    /// Why it cannot be used now, in words: it does not answer, or nothing can be written.
+    pub(crate) fn fault(&self) -> Option<String> {
+        let ask = async |client: &mut Client| {
+            Ok(client.query_one(&client.prepare_cached(FAULT).await?, &[]).await?.get::<_, Option<String>>(0))
+        };
+        match self.block_on(self.tried(Instant::now() + TIMEOUT, &ask)) {
+            Ok(fault) => fault.map(|fault| format!("nothing can be written to {}: {fault}", self.name)),
+            Err(error) => Some(error.to_string()),
+        }
+    }
+}
+
+/// TLS with the system's certificates, or those of `SSL_CERT_FILE`.
+fn tls() -> Result<MakeRustlsConnect, DatabaseOpenError> {
+    let mut roots = rustls::RootCertStore::empty();
+    roots.add_parsable_certificates(certificates::load().map_err(DatabaseOpenError::Failed)?);
+    let provider = Arc::new(rustls::crypto::ring::default_provider());
+    let config = rustls::ClientConfig::builder_with_provider(provider).with_safe_default_protocol_versions();
+    let config = config.map_err(|error| DatabaseOpenError::Failed(error.to_string()))?;
+    Ok(MakeRustlsConnect::new(config.with_root_certificates(roots).with_no_client_auth()))
+}
+
+/// Host, port and name of a database, without user and password.
+fn name(config: &Config) -> String {
+    let host = match config.get_hosts().first() {
+        Some(Host::Tcp(host)) => host.clone(),
+        Some(Host::Unix(folder)) => folder.display().to_string(),
+        None => String::new(),
+    };
+    let port = config.get_ports().first().copied().unwrap_or(5432);
+    format!("the database {} on {host}:{port}", config.get_dbname().or(config.get_user()).unwrap_or_default())
+}

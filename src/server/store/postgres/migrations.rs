@@ -1,0 +1,112 @@
+//! Changes of the schema in PostgreSQL, each applied once, in order.
+//!
+//! Invariant: an applied migration never changes; its digest is stored and compared at every start. Each is applied in
+//! one transaction under an advisory lock: if many processes start at once, one of them applies it.
+
+use deadpool_postgres::{Client, GenericClient};
+
+use super::failure::DatabaseOpenError;
+use ltcforge_files::digest::Digest;
+
+/// All migrations, oldest first: number N is at index N - 1.
+pub(super) const ALL: &[&str] = &[include_str!("../../migrations/postgres/0001_initial.sql")];
+
+/// Number of the advisory lock: `ltcforge` in ASCII.
+const LOCK: i64 = 0x6c74_6366_6f72_6765;
+
+const PREPARE: &str = "
+    CREATE SCHEMA IF NOT EXISTS ltcforge;
+    CREATE TABLE IF NOT EXISTS ltcforge.migrations (
+        number integer PRIMARY KEY,
+        digest bytea NOT NULL,
+        applied_at timestamptz NOT NULL DEFAULT now()
+    )";
+
+/// How many of `migrations` have been applied.
+async fn applied(client: &impl GenericClient, migrations: &[&str]) -> Result<usize, DatabaseOpenError> {
+    let is_there = client.query_one("SELECT to_regclass('ltcforge.migrations') IS NOT NULL", &[]).await?;
+    if !is_there.get::<_, bool>(0) {
+        return Ok(0);
+    }
+    let rows = client.query("SELECT digest FROM ltcforge.migrations ORDER BY number", &[]).await?;
+    let is_ours = |row: &tokio_postgres::Row, text: &str| row.get::<_, &[u8]>(0) == Digest::of(text.as_bytes()).as_bytes();
+    if !rows.iter().zip(migrations).all(|(row, text)| is_ours(row, text)) {
+        return Err(DatabaseOpenError::Other);
+    }
+    if rows.len() > migrations.len() {
+        return Err(DatabaseOpenError::FromTheFuture { found: rows.len(), known: migrations.len() });
+    }
+    Ok(rows.len())
+}
+
+/// Applies those of `migrations` that were not applied yet. If there are none, the role needs no right to change the
+/// schema.
+pub(super) async fn apply(client: &mut Client, migrations: &[&str]) -> Result<(), DatabaseOpenError> {
+    if applied(&*client, migrations).await? == migrations.len() {
+        return Ok(());
+    }
+    let transaction = client.transaction().await?;
+    // A migration takes as long as it takes, and so does waiting for another process's.
+    transaction.batch_execute("SET LOCAL statement_timeout = 0").await?;
+    transaction.execute("SELECT pg_advisory_xact_lock($1)", &[&LOCK]).await?;
+    transaction.batch_execute(PREPARE).await?;
+    // Another process may have applied some while this one waited.
+    let before = applied(&transaction, migrations).await?;
+    for (number, text) in (1_i32..).zip(migrations).skip(before) {
+        transaction.batch_execute(text).await?;
+        let digest = Digest::of(text.as_bytes());
+        let insert = "INSERT INTO ltcforge.migrations (number, digest) VALUES ($1, $2)";
+        transaction.execute(insert, &[&number, &digest.as_bytes().as_slice()]).await?;
+        tracing::info!(number, "a migration was applied to the database");
+    }
+    Ok(transaction.commit().await?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::tests::{database, throwaway},
+        *,
+    };
+
+    #[test]
+    fn a_newer_database_and_a_changed_migration_are_refused() {
+        let Some(database) = database() else { return };
+        let refused = |migrations: &[&str]| {
+            let done = database.block_on(async {
+                let mut client = database.client().await.unwrap();
+                apply(&mut client, migrations).await
+            });
+            done.unwrap_err().to_string()
+        };
+        let newest = format!("schema {}; this program knows schemas up to 0", ALL.len());
+        assert!(refused(&[]).contains(&newest));
+        assert!(refused(&[&["SELECT 1"], &ALL[1..]].concat()).contains("DROP SCHEMA ltcforge CASCADE"));
+        let half = "CREATE TABLE ltcforge.half (a integer); SELECT 1 / 0";
+        refused(&[ALL, &[half]].concat());
+        let is_there = database.block_on(async {
+            let client = database.client().await.unwrap();
+            client.query_one("SELECT to_regclass('ltcforge.half') IS NOT NULL", &[]).await.unwrap().get::<_, bool>(0)
+        });
+        assert!(!is_there, "a migration that fails leaves nothing");
+    }
+
+    #[test]
+    fn of_many_that_start_at_once_one_applies_it() {
+        let Some(url) = throwaway::empty_database() else { return };
+        std::thread::scope(|scope| {
+            let open = || super::super::Database::open(&url).map(drop).unwrap();
+            let threads: Vec<_> = (0..8).map(|_| scope.spawn(open)).collect();
+            for thread in threads {
+                thread.join().unwrap();
+            }
+        });
+    }
+
+    /// An applied migration never changes. Add a new file instead, and its digest here.
+    #[test]
+    fn released_migrations_have_not_changed() {
+        let digests: Vec<_> = ALL.iter().map(|text| Digest::of(text.as_bytes()).hex()).collect();
+        assert_eq!(digests, ["039bb72c677df5ed8760bf267c6348cda75b07db5a01b53f288289e1009c92bf"]);
+    }
+}

@@ -1,0 +1,15 @@
+//! PostgreSQL: a pool of connections, the schema, and rows.
+//!
+//! Invariant: no error and no log line has a password; they name a database by host, port and name.
+
+mod database;
+mod failure;
+mod migrations;
+mod rows;
+#[cfg(test)]
+pub(crate) mod tests;
+
+pub use database::Database;
+pub use failure::DatabaseOpenError;
+pub use rows::PostgresRows;
+pub(crate) use rows::{apply, seal_result, unseal_result};

@@ -1,0 +1,38 @@
+//! Rows that can be made to fail.
+
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
+
+use crate::store::{Batch, MemoryRows, Row, Rows, StoreError, Tree};
+
+/// Rows in memory that outlive the queue above them.
+#[derive(Debug, Default, Clone)]
+pub(crate) struct PowerRows {
+    pub(crate) rows: Arc<MemoryRows>,
+    /// While it is set, nothing can be written.
+    pub(crate) is_full: Arc<AtomicBool>,
+}
+
+impl Rows for PowerRows {
+    fn get(&self, tree: Tree, key: &[u8]) -> Result<Option<Vec<u8>>, StoreError> {
+        self.rows.get(tree, key)
+    }
+
+    fn scan(&self, tree: Tree, prefix: &[u8]) -> Result<Vec<Row>, StoreError> {
+        self.rows.scan(tree, prefix)
+    }
+
+    fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError> {
+        self.rows.page(tree, before, limit)
+    }
+
+    fn commit(&self, batch: &Batch) -> Result<(), StoreError> {
+        if self.is_full.load(Ordering::Relaxed) { Err(StoreError::DiskFull) } else { self.rows.commit(batch) }
+    }
+
+    fn is_writable(&self) -> bool {
+        !self.is_full.load(Ordering::Relaxed)
+    }
+}
