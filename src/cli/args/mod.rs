@@ -135,10 +135,7 @@ impl Command {
     pub fn log_level(&self) -> &'static str {
         match self {
             #[cfg(unix)]
-            Self::Service(ServiceCommand::Serve(_) | ServiceCommand::Work(_)) => "info",
-            // It does a dry run of a start, and prints the lines that a start would log.
-            #[cfg(unix)]
-            Self::Service(ServiceCommand::Fsck(_)) => "off",
+            Self::Service(command) if command.runs_until_stopped() => "info",
             _ => "warn",
         }
     }
@@ -148,9 +145,7 @@ impl Command {
     pub fn on_interrupt(&self) -> OnInterrupt {
         match self {
             #[cfg(unix)]
-            Self::Service(ServiceCommand::Serve(_) | ServiceCommand::Work(_) | ServiceCommand::Fsck(_)) => {
-                OnInterrupt::Finishes
-            }
+            Self::Service(command) if command.runs_until_stopped() => OnInterrupt::Finishes,
             Self::Fit(_) | Self::Plan(_) | Self::Tradeoff(_) | Self::Lock(_) | Self::Pull(_) => OnInterrupt::Told,
             _ => OnInterrupt::Ends,
         }

@@ -27,6 +27,13 @@ pub enum ServiceCommand {
     Token(TokenCommand),
 }
 
+impl ServiceCommand {
+    /// Whether it runs until it is interrupted.
+    pub(super) fn runs_until_stopped(&self) -> bool {
+        !matches!(self, Self::Token(_))
+    }
+}
+
 /// Runs a command with the section `[serve]` of the configuration file.
 pub(super) fn run(
     command: ServiceCommand,
