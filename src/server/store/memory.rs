@@ -40,9 +40,9 @@ impl Rows for MemoryRows {
 
     fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError> {
         let rows = self.rows();
-        let all = rows.range((tree, vec![])..).take_while(|((of, key), _)| {
-            *of == tree && before.is_none_or(|before| key.as_slice() < before)
-        });
+        let all = rows
+            .range((tree, vec![])..)
+            .take_while(|((of, key), _)| *of == tree && before.is_none_or(|before| key.as_slice() < before));
         let mut found: Vec<Row> = all.map(|((_, key), value)| (key.clone(), value.clone())).collect();
         found.reverse();
         found.truncate(limit);

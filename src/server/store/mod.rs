@@ -39,9 +39,9 @@ pub use open::{OpenError, Store, open};
 #[cfg(all(test, feature = "cluster"))]
 pub(crate) use postgres::tests as test_database;
 #[cfg(feature = "cluster")]
-pub(crate) use postgres::{apply, seal_result, unseal_result};
-#[cfg(feature = "cluster")]
 pub use postgres::{Database, DatabaseOpenError, PostgresRows};
+#[cfg(feature = "cluster")]
+pub(crate) use postgres::{apply, seal_result, unseal_result};
 pub use rows::{Batch, Row, Rows, Tree};
 pub use sled_rows::SledRows;
 #[cfg(test)]

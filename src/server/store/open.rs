@@ -75,7 +75,9 @@ pub fn open(dir: &Path) -> Result<Store, OpenError> {
     let journal = dir.join("jobs.log");
     if journal.symlink_metadata().is_ok() {
         match files::move_to_quarantine(&journal, &quarantine, "jobs.log") {
-            Ok(to) => tracing::warn!(moved_to = %to.display(), "jobs.log of an unreleased version was moved to quarantine"),
+            Ok(to) => {
+                tracing::warn!(moved_to = %to.display(), "jobs.log of an unreleased version was moved to quarantine")
+            }
             // It is moved at the next start.
             Err(StoreError::DiskFull) => {}
             Err(error) => return Err(error.into()),

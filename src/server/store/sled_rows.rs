@@ -120,7 +120,9 @@ impl SledRows {
         }
         let folder = folder.to_owned();
         let opening = thread::Builder::new().name("open-database".to_owned()).spawn(move || Self::open_here(folder))?;
-        opening.join().unwrap_or_else(|_| Err(SledOpenError::Damaged("sled panicked while it read its files".to_owned())))
+        opening
+            .join()
+            .unwrap_or_else(|_| Err(SledOpenError::Damaged("sled panicked while it read its files".to_owned())))
     }
 
     fn open_here(folder: PathBuf) -> Result<Self, SledOpenError> {

@@ -16,8 +16,8 @@ use std::{
 };
 
 use super::{
-    Job, JobId, JobPage, JobState, Lease, LeaseError, LeasedTask, Limits, NewJob, Queue, QueueError, Release, StaleLease,
-    StateName, Statistics, Submitted, TaskKind,
+    Job, JobId, JobPage, JobState, Lease, LeaseError, LeasedTask, Limits, NewJob, Queue, QueueError, Release,
+    StaleLease, StateName, Statistics, Submitted, TaskKind,
 };
 use crate::store::{Batch, Rows, StoreError, Tree};
 pub(super) use clock::Clock;

@@ -45,7 +45,7 @@ impl EmbeddedQueue {
                 }
             }
         }
-        let mut state = State::default();
+        let mut state = State::new();
         let mut before: Option<Vec<u8>> = None;
         loop {
             let page = rows.page(Tree::Results, before.as_deref(), PAGE)?;

@@ -2,6 +2,7 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap, VecDeque},
+    hash::{BuildHasher as _, RandomState},
     time::Duration,
 };
 
@@ -43,6 +44,11 @@ pub(super) struct State {
 }
 
 impl State {
+    /// No jobs. Leases of an earlier process are not taken for new ones: their numbers begin elsewhere.
+    pub(super) fn new() -> Self {
+        Self { last_lease: RandomState::new().hash_one(()) >> 1, ..Self::default() }
+    }
+
     /// The job of an id.
     pub(super) fn find(&self, id: JobId) -> Option<&Entry> {
         self.by_id.get(&id).and_then(|submission| self.jobs.get(submission))

@@ -96,10 +96,7 @@ pub(super) async fn select(
 }
 
 /// Locks an unfinished job; `None` if it has ended.
-pub(super) async fn lock_open(
-    client: &Transaction<'_>,
-    submission: i64,
-) -> Result<Option<()>, tokio_postgres::Error> {
+pub(super) async fn lock_open(client: &Transaction<'_>, submission: i64) -> Result<Option<()>, tokio_postgres::Error> {
     let open = "SELECT FROM ltcforge.jobs WHERE submission = $1 AND state IN ('queued', 'running') FOR UPDATE";
     Ok(client.query_opt(&client.prepare_cached(open).await?, &[&submission]).await?.map(drop))
 }
@@ -136,7 +133,8 @@ impl PostgresQueue {
     pub(super) fn cancel_job(&self, id: JobId, by: Option<&str>) -> Result<(), StoreError> {
         self.database.run(async |client| {
             let transaction = client.transaction().await?;
-            let open = "SELECT submission FROM ltcforge.jobs WHERE id = $1 AND state IN ('queued', 'running') FOR UPDATE";
+            let open =
+                "SELECT submission FROM ltcforge.jobs WHERE id = $1 AND state IN ('queued', 'running') FOR UPDATE";
             let open = transaction.prepare_cached(open).await?;
             let Some(row) = transaction.query_opt(&open, &[&id.as_bytes().as_slice()]).await? else { return Ok(()) };
             end(&transaction, row.get(0), &JobState::Cancelled, by).await?;

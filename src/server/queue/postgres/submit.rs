@@ -116,12 +116,7 @@ impl PostgresQueue {
     }
 
     /// Inserts a job and its tasks, or queues the submission `old` again. Returns whether there is no such job yet.
-    async fn insert(
-        &self,
-        transaction: &Transaction<'_>,
-        new: &NewJob,
-        old: Option<i64>,
-    ) -> Result<bool, StoreError> {
+    async fn insert(&self, transaction: &Transaction<'_>, new: &NewJob, old: Option<i64>) -> Result<bool, StoreError> {
         let (recipe_digest, shards_digest) = (new.recipe_digest.as_bytes().as_slice(), shards_digest(new));
         let shards_digest = shards_digest.as_bytes().as_slice();
         let (fitter, entries) = (new.fitter.cast_signed(), new.entries().cast_signed());

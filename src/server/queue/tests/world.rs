@@ -11,10 +11,7 @@ use std::{
 use jiff::Timestamp;
 
 use crate::{
-    queue::{
-        EmbeddedQueue, JobId, LeasedTask, Limits, NewJob, Queue, Shard, Submitted,
-        embedded::Clock,
-    },
+    queue::{EmbeddedQueue, JobId, LeasedTask, Limits, NewJob, Queue, Shard, Submitted, embedded::Clock},
     store::{Batch, PowerRows, Rows as _, Tree},
 };
 use ltcforge_files::digest::Digest;
@@ -128,7 +125,7 @@ impl PostgresWorld {
 
 #[cfg(feature = "cluster")]
 impl World for PostgresWorld {
-    const HISTORIES: u64 = 40;
+    const HISTORIES: u64 = 12;
     const PART: u64 = 10;
     const LEASES_SURVIVE: bool = true;
 

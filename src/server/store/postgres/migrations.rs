@@ -29,7 +29,8 @@ async fn applied(client: &impl GenericClient, migrations: &[&str]) -> Result<usi
         return Ok(0);
     }
     let rows = client.query("SELECT digest FROM ltcforge.migrations ORDER BY number", &[]).await?;
-    let is_ours = |row: &tokio_postgres::Row, text: &str| row.get::<_, &[u8]>(0) == Digest::of(text.as_bytes()).as_bytes();
+    let is_ours =
+        |row: &tokio_postgres::Row, text: &str| row.get::<_, &[u8]>(0) == Digest::of(text.as_bytes()).as_bytes();
     if !rows.iter().zip(migrations).all(|(row, text)| is_ours(row, text)) {
         return Err(DatabaseOpenError::Other);
     }
