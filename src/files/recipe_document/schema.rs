@@ -15,9 +15,8 @@ pub fn schema() -> Value {
     let integer = |low: u32, high: u64| json!({ "type": "integer", "minimum": low, "maximum": high });
     let bounded = |[low, high]: [u32; 2]| integer(low, high.into());
     let nodes = integer(1, MOST_NODES.into());
-    let interval = |[low, high]: [f64; 2]| {
-        json!({ "type": "array", "items": { "type": "number", "minimum": low, "maximum": high } })
-    };
+    let number = |[low, high]: [f64; 2]| json!({ "type": "number", "minimum": low, "maximum": high });
+    let interval = |ends: [f64; 2]| json!({ "type": "array", "items": number(ends) });
     let mut fresnel = vec!["one"];
     fresnel.extend(SecondLobe::ALL.map(SecondLobe::name));
     json!({
