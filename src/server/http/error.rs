@@ -242,7 +242,8 @@ mod tests {
             let shown = format!("{problem:?}");
             // Each limit is named; those of exports and waiting pictures have no flag.
             let is_limit = shown.contains("TooSlow") || shown.contains("TooExpensive") || shown.contains("QueueFull");
-            let names_it = ["`--picture-", "`--queue-limit`", "exports", "pictures"].iter().any(|name| shown.contains(name));
+            let names_it =
+                ["`--picture-", "`--queue-limit`", "exports", "pictures"].iter().any(|name| shown.contains(name));
             assert!(!is_limit || names_it, "{shown}");
             assert_eq!(problem.into_response().status().as_u16(), status, "{shown}");
         }

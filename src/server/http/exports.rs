@@ -14,7 +14,7 @@ use super::{
     api::Api,
     error::{self, bad_parameter},
     extract::{NoQuery, QueryOf},
-    file::{FOREVER, File, ONE_DAY, media_type, shared},
+    file::{FOREVER, File, ONE_DAY, media_type},
     kind::ProblemKind,
     problem::Problem,
     tables::absent,
@@ -109,8 +109,8 @@ pub(super) async fn file(
     }
     let caching = if wanted.is_some() { FOREVER } else { ONE_DAY };
     let name = path.rsplit('/').next().map(str::to_owned);
-    let bytes = shared(Arc::clone(bytes));
-    File { digest: *digest, bytes, media_type: media_type(path), caching, name }.respond(&method, &headers)
+    File { digest: *digest, bytes: bytes.clone(), media_type: media_type(path), caching, name }
+        .respond(&method, &headers)
 }
 
 async fn made(api: &Api, address: &Address) -> Result<(Digest, Export, Arc<MadeExport>), Problem> {

@@ -1,6 +1,6 @@
 //! Files as answers: all of a file, one part of it, or 304 if the client has it.
 
-use std::{ops::Range, sync::Arc};
+use std::ops::Range;
 
 use axum::{
     body::Bytes,
@@ -124,17 +124,6 @@ pub(super) fn media_type(name: &str) -> &'static str {
         "npz" => "application/zip",
         _ => "application/octet-stream",
     }
-}
-
-/// Bytes that the answer shares with the service.
-pub(super) fn shared(bytes: Arc<Vec<u8>>) -> Bytes {
-    struct Shared(Arc<Vec<u8>>);
-    impl AsRef<[u8]> for Shared {
-        fn as_ref(&self) -> &[u8] {
-            &self.0
-        }
-    }
-    Bytes::from_owner(Shared(bytes))
 }
 
 /// `GET` and `HEAD` of a stored file. The service has checked its bytes against the digest.

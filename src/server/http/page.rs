@@ -4,7 +4,7 @@
 //! Invariant: the page calls nothing but the routes of this service, by relative addresses, so that it works behind a path
 //! prefix; it loads no script, style or font from elsewhere and has none inline.
 
-use std::sync::{Arc, LazyLock};
+use std::sync::LazyLock;
 
 use axum::{
     body::Bytes,
@@ -17,7 +17,7 @@ use super::{
     api::Api,
     error,
     extract::NoQuery,
-    file::{File, REVALIDATE, media_type, shared},
+    file::{File, REVALIDATE, media_type},
     kind::ProblemKind,
     problem::Problem,
 };
@@ -142,7 +142,7 @@ pub(super) async fn file(
     // The first request integrates.
     let made = api.call(|_| published_table().map_err(|error| error::internal(&error))).await?;
     let found = made.files.iter().find(|file| file.path == path).ok_or_else(|| no_file(&name))?;
-    send(&path, found.digest, shared(Arc::clone(&found.bytes)), &method, &headers)
+    send(&path, found.digest, found.bytes.clone(), &method, &headers)
 }
 
 /// `GET /page/{folder}/{file}`.

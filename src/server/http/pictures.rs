@@ -98,7 +98,8 @@ async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: Hea
     let tag = EntityTag::strong(file.digest);
     tag.check_if_match(&headers)?;
     // The name of a driver may have any characters; a header field may not.
-    let adapter: String = file.adapter.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect();
+    let adapter: String =
+        file.adapter.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect();
     let fields = [(header::ETAG, tag.as_str()), (header::CACHE_CONTROL, caching)];
     let adapter = [("preview-adapter", adapter.trim())];
     if tag.is_known_to(&headers) {

@@ -1,15 +1,15 @@
 //! The order in which tasks are leased: a virtual clock.
 //!
 //! The tag of a shard is base + predicted seconds of its job up to and with this shard; that of the assembly is base + all
-//! seconds. base is the time of submission, but at most 50 ms after the virtual time: the latest start (tag - seconds) of a
-//! leased task, or that of the first waiting one. The smallest (tag, submission, task) is leased first. So a small job starts
-//! next, long jobs share evenly, and none starves: each lease of a new job moves the virtual time on by up to 50 ms. A clock
-//! that is set changes the order only.
+//! seconds. The smallest (tag, submission, task) is leased first. base is the time of submission, but at most 5 ms after the
+//! virtual time: the latest start (tag - seconds) of a leased task, or that of the first waiting one, or a later base of an
+//! unfinished job. So a small job starts next, long jobs share evenly, and none starves: each new job moves the virtual time
+//! on by 5 ms. A clock that is set changes the order only.
 
 use super::Shard;
 
 /// How far after the virtual time a new job begins, at most, in microseconds.
-const AHEAD: i64 = 50_000;
+const AHEAD: i64 = 5_000;
 
 /// The predicted time of a shard, at most, in microseconds.
 const MOST: f64 = 1e15;
@@ -50,7 +50,7 @@ mod tests {
         assert_eq!(tags(7, &shards, |number| number == 0), [7, 7, 500_007, 500_007, 500_007]);
         assert_eq!(tags(7, &[Shard { entries: 1, seconds: f64::INFINITY }; 2], |_| false)[1], 2 * MOST as i64 + 7);
         assert_eq!(base(100_000_000, None), 100_000_000);
-        assert_eq!(base(100_000_000, Some(5)), 50_005);
+        assert_eq!(base(100_000_000, Some(5)), 5_005);
         assert_eq!(base(3, Some(i64::MAX)), 3);
     }
 }

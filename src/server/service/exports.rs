@@ -8,6 +8,7 @@ use std::{
     time::Duration,
 };
 
+use bytes::Bytes;
 use quick_cache::{Weighter, sync::Cache};
 
 use super::ServiceError;
@@ -26,7 +27,7 @@ pub struct ExportedFile {
     /// Its path in the export, with `/` between names.
     pub path: String,
     /// Its bytes.
-    pub bytes: Arc<Vec<u8>>,
+    pub bytes: Bytes,
     /// Their digest.
     pub digest: Digest,
     /// How far rounding moved its numbers.
@@ -46,7 +47,7 @@ impl From<Bundle> for MadeExport {
     fn from(Bundle { files, steps }: Bundle) -> Self {
         let file = |TextureFile { path, bytes, rounding }| {
             let digest = Digest::of(&bytes);
-            ExportedFile { path, bytes: Arc::new(bytes), digest, rounding }
+            ExportedFile { path, bytes: bytes.into(), digest, rounding }
         };
         Self { files: files.into_iter().map(file).collect(), steps }
     }

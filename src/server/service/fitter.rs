@@ -16,9 +16,7 @@ use ltcforge_files::{
     recipe_document,
     tabulated::{TabulatedError, decode},
 };
-use ltcforge_fit::{
-    self as fit, BrdfModel, Expectation, FITTER_VERSION, GoOn, Plan, Recipe, Solver, TabulatedFile,
-};
+use ltcforge_fit::{self as fit, BrdfModel, Expectation, FITTER_VERSION, GoOn, Plan, Recipe, Solver, TabulatedFile};
 use ltcforge_textures::{About, Bundle, Export};
 
 /// Number of plans that are kept. Jobs are fitted shard by shard in turn.
@@ -182,7 +180,8 @@ impl Fitter {
     pub(super) fn assemble(plan: &Plan, results: &[Vec<u8>]) -> Result<Vec<u8>, String> {
         let mut fitted = Vec::new();
         for (shard, result) in (0..).zip(results) {
-            fitted.extend(fit::shard_from_bytes(plan, shard, result).map_err(|error| format!("shard {shard}: {error}"))?);
+            fitted
+                .extend(fit::shard_from_bytes(plan, shard, result).map_err(|error| format!("shard {shard}: {error}"))?);
         }
         let table = fit::assemble(plan, &fitted);
         let file = container::encode(plan.recipe(), &table).map_err(|error| error.to_string())?;
@@ -198,8 +197,8 @@ impl Fitter {
 
     /// A table's file with its BRDF, where that is stored.
     pub(super) fn table(&self, digest: Digest, file: &[u8]) -> Result<TableFile, ServiceError> {
-        let mut file = container::decode(file)
-            .map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
+        let mut file =
+            container::decode(file).map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
         // A missing BRDF is an error only where something needs it.
         let _ = file.find_brdf(&|name| self.brdf(name).map_err(LoadError::lines));
         Ok(file)

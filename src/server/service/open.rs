@@ -11,15 +11,8 @@ use std::{
 };
 
 use super::{
-    Config, FileRow, OpenError, Service, TableRow,
-    catalogue::Catalogue,
-    exports::Exports,
-    files::Files,
-    fitter::Fitter,
-    forecast::Forecast,
-    pictures::Pictures,
-    state::State,
-    watch::Hub,
+    Config, FileRow, OpenError, Service, TableRow, catalogue::Catalogue, exports::Exports, files::Files,
+    fitter::Fitter, forecast::Forecast, pictures::Pictures, state::State, watch::Hub,
 };
 use crate::{
     queue::{EmbeddedQueue, Limits, Queue},

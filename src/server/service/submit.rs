@@ -106,9 +106,7 @@ impl Service {
             Ok(Submitted::Queued(job)) => Ok(SubmitReply::InFlight { job, joined: false }),
             Ok(Submitted::Joined(job)) => Ok(SubmitReply::InFlight { job, joined: true }),
             Ok(Submitted::Done(job, table)) => Ok(SubmitReply::Ready { job, table }),
-            Err(QueueError::Full { limit }) => {
-                Err(SubmitError::QueueFull { limit, retry_after: state.retry_after() })
-            }
+            Err(QueueError::Full { limit }) => Err(SubmitError::QueueFull { limit, retry_after: state.retry_after() }),
             Err(QueueError::Store(error)) => Err(SubmitError::Store(error.into())),
         }
     }

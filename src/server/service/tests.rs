@@ -112,7 +112,9 @@ fn a_lost_database_loses_no_table_and_no_brdf() {
     assert_eq!(listed, [table]);
     assert_eq!(service.brdfs(None, 9).unwrap().items[0].digest, brdf.digest);
     assert_eq!(service.manifest(table).unwrap().unwrap(), manifest);
-    assert!(matches!(service.submit(recipe(1).as_bytes(), None), Ok(SubmitReply::Ready { table: ready, .. }) if ready == table));
+    assert!(
+        matches!(service.submit(recipe(1).as_bytes(), None), Ok(SubmitReply::Ready { table: ready, .. }) if ready == table)
+    );
 }
 
 #[test]
@@ -121,7 +123,9 @@ fn a_follower_sees_the_last_state_and_equal_recipes_share_a_job() {
     let service = Service::open(Config { workers: 0, ..config(folder.path()) }).unwrap();
     let id = submitted(&service, &recipe(1));
     let again = service.submit(recipe(1).as_bytes(), None).unwrap();
-    assert!(matches!(again, SubmitReply::InFlight { job, joined: true } if job.id == id && job.submitted_by.as_deref() == Some("ci")));
+    assert!(
+        matches!(again, SubmitReply::InFlight { job, joined: true } if job.id == id && job.submitted_by.as_deref() == Some("ci"))
+    );
     let follower = {
         let service = Arc::clone(&service);
         std::thread::spawn(move || followed(&service, id))

@@ -120,7 +120,8 @@ fn seconds_left(job: &Job) -> Option<f64> {
         return None;
     }
     let seconds = Timestamp::now().duration_since(job.started_at?).as_secs_f64();
-    (seconds > 0.0).then(|| seconds / job.entries_done as f64 * job.entries_total.saturating_sub(job.entries_done) as f64)
+    (seconds > 0.0)
+        .then(|| seconds / job.entries_done as f64 * job.entries_total.saturating_sub(job.entries_done) as f64)
 }
 
 #[cfg(test)]

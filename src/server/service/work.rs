@@ -15,7 +15,12 @@ use std::{
 
 use jiff::Timestamp;
 
-use super::{TableRow, catalogue::Catalogue, fitter::{Fitter, LoadError}, state::State};
+use super::{
+    TableRow,
+    catalogue::Catalogue,
+    fitter::{Fitter, LoadError},
+    state::State,
+};
 use crate::{
     queue::{Failure, FailureKind, Lease, LeaseError, LeasedTask, Release, StaleLease, TaskKind},
     store::StoreError,

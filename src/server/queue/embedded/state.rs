@@ -62,7 +62,9 @@ impl State {
             Some(entry.tasks.get(number as usize)?.tag - microseconds)
         };
         let first = || self.waiting.first().and_then(|(_, submission, number)| start((*submission, *number)));
-        self.leased.iter().copied().filter_map(start).max().or_else(first)
+        let bases =
+            self.active.iter().filter_map(|submission| self.jobs.get(submission)).map(|entry| entry.record.base);
+        self.leased.iter().copied().filter_map(start).max().or_else(first).max(bases.max())
     }
 
     /// Whether no task waits.

@@ -31,12 +31,15 @@ const TASKS: &str = "
     FROM unnest($3::integer[], $4::bigint[], $5::integer[], $6::double precision[], $7::text[])
         AS t (task, tag, entries, seconds, state)";
 
-/// The time and the virtual time, in microseconds.
+/// The time and the virtual time, in microseconds. The base of a job is the start of its first shard.
 const TIMES: &str = "
-    SELECT (extract(epoch FROM ltcforge.clock()) * 1e6)::bigint, coalesce(
+    SELECT (extract(epoch FROM ltcforge.clock()) * 1e6)::bigint, greatest(coalesce(
         (SELECT max(tag - (seconds * 1e6)::bigint) FROM ltcforge.tasks WHERE state = 'leased' AND fitter = $1),
         (SELECT tag - (seconds * 1e6)::bigint FROM ltcforge.tasks WHERE state = 'waiting' AND fitter = $1
-            ORDER BY tag, submission, task LIMIT 1))";
+            ORDER BY tag, submission, task LIMIT 1)
+    ), (SELECT max(t.tag - (t.seconds * 1e6)::bigint) FROM ltcforge.jobs AS j
+        JOIN ltcforge.tasks AS t ON t.submission = j.submission AND t.task = 0
+        WHERE j.state IN ('queued', 'running') AND j.fitter = $1))";
 
 /// `$1` seconds or NULL, `$2` jobs or NULL, `$3` jobs at most.
 const FORGET: &str = "
