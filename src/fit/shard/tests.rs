@@ -55,7 +55,10 @@ const ANISOTROPIC: &[Layout] = &[Layout::Reflected, Layout::Kt2022];
 fn a_shard_takes_about_a_second_at_most_and_a_large_table_has_no_tiny_shards() {
     let seconds = |plan: &Plan| fit_seconds(plan.recipe()) / f64::from(plan.shards());
     let slow = plan([16, 8, 16, 8]);
-    let slow = Plan::new(&Recipe { fit: FitSettings { samples: 65_536, steps: 400, ..slow.recipe().fit }, ..slow.recipe().clone() });
+    let slow = Plan::new(&Recipe {
+        fit: FitSettings { samples: 65_536, steps: 400, ..slow.recipe().fit },
+        ..slow.recipe().clone()
+    });
     assert!((0.5..1.2).contains(&(seconds(&slow) / SHARD_SECONDS)), "{}", seconds(&slow));
     assert!(u64::from(slow.shards()) != slow.entries() / FEW_ENTRIES, "the number of entries decides");
     let large = plan([64, 16, 64, 16]);

@@ -140,12 +140,6 @@ impl Exports {
         self.made.load(Ordering::Relaxed)
     }
 
-    /// How many requests wait or are being answered.
-    #[cfg(test)]
-    pub(super) fn waiting(&self) -> usize {
-        self.waiting.load(Ordering::SeqCst)
-    }
-
     /// The export of `key`, from memory or as `make` makes it, one at a time. `None` is not remembered.
     pub(super) fn get(
         &self,

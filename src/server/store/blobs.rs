@@ -1,6 +1,6 @@
 //! Blobs, named by the digest of their bytes.
 
-use std::{fmt::Debug, time::Duration};
+use std::fmt::Debug;
 
 use jiff::Timestamp;
 
@@ -58,13 +58,4 @@ pub trait Blobs: Send + Sync + Debug {
     /// # Errors
     /// The storage's error.
     fn list(&self) -> Result<Vec<BlobInfo>, StoreError>;
-
-    /// A URL from which a client can read the blob for the time `valid`; `None` if the storage has no such URLs.
-    ///
-    /// # Errors
-    /// The storage's error.
-    fn link(&self, digest: Digest, valid: Duration) -> Result<Option<String>, StoreError> {
-        let _ = (digest, valid);
-        Ok(None)
-    }
 }

@@ -7,10 +7,12 @@ use std::{
 
 use super::{Batch, Row, Rows, StoreError, Tree};
 
+type ByKey = BTreeMap<(Tree, Vec<u8>), Vec<u8>>;
+
 /// Rows in memory. They are lost when the process ends.
 #[derive(Debug, Default)]
 pub struct MemoryRows {
-    rows: Mutex<BTreeMap<(Tree, Vec<u8>), Vec<u8>>>,
+    rows: Mutex<ByKey>,
     refuses_jobs: bool,
 }
 
@@ -21,7 +23,7 @@ impl MemoryRows {
         Self { refuses_jobs: true, ..Self::default() }
     }
 
-    fn rows(&self) -> MutexGuard<'_, BTreeMap<(Tree, Vec<u8>), Vec<u8>>> {
+    fn rows(&self) -> MutexGuard<'_, ByKey> {
         self.rows.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

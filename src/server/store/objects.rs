@@ -2,13 +2,11 @@
 
 mod connect;
 
-use std::{sync::Arc, time::Duration};
+use std::sync::Arc;
 
 use futures_util::TryStreamExt as _;
 use jiff::Timestamp;
-use object_store::{
-    Error, ObjectMeta, ObjectStore, ObjectStoreExt as _, PutPayload, WriteMultipart, path::Path, signer::Signer,
-};
+use object_store::{Error, ObjectMeta, ObjectStore, ObjectStoreExt as _, PutPayload, WriteMultipart, path::Path};
 use tokio::runtime::{Builder, Runtime};
 
 use super::{BlobInfo, Blobs, StoreError};
@@ -25,7 +23,6 @@ pub struct ObjectBlobs {
     /// `None` once this is being dropped.
     runtime: Option<Runtime>,
     store: Arc<dyn ObjectStore>,
-    signer: Arc<dyn Signer>,
     prefix: Path,
 }
 
@@ -43,8 +40,8 @@ impl ObjectBlobs {
     /// # Errors
     /// See [`ObjectsOpenError`].
     pub fn open(url: &str, access: Access) -> Result<Self, ObjectsOpenError> {
-        let (store, signer, prefix) = connect::connect(url)?;
-        let blobs = Self::new(store, signer, prefix).map_err(|error| ObjectsOpenError::Settings {
+        let (store, prefix) = connect::connect(url)?;
+        let blobs = Self::new(store, prefix).map_err(|error| ObjectsOpenError::Settings {
             url: url.to_owned(),
             reason: format!("no thread can be started: {error}"),
         })?;
@@ -52,9 +49,9 @@ impl ObjectBlobs {
         Ok(blobs)
     }
 
-    fn new(store: Arc<dyn ObjectStore>, signer: Arc<dyn Signer>, prefix: Path) -> std::io::Result<Self> {
+    fn new(store: Arc<dyn ObjectStore>, prefix: Path) -> std::io::Result<Self> {
         let runtime = Builder::new_multi_thread().worker_threads(1).thread_name("blobs").enable_all().build()?;
-        Ok(Self { runtime: Some(runtime), store, signer, prefix })
+        Ok(Self { runtime: Some(runtime), store, prefix })
     }
 
     fn block_on<T>(&self, work: impl Future<Output = T>) -> T {
@@ -149,26 +146,16 @@ impl Blobs for ObjectBlobs {
         blobs.sort_by_key(|blob| blob.digest);
         Ok(blobs)
     }
-
-    fn link(&self, digest: Digest, valid: Duration) -> Result<Option<String>, StoreError> {
-        let path = self.path(digest);
-        let signed = self.block_on(self.signer.signed_url(reqwest::Method::GET, &path, valid));
-        signed.map(|url| Some(url.to_string())).map_err(|error| failure(&error))
-    }
 }
 
 #[cfg(test)]
 mod tests {
-    use object_store::{aws::AmazonS3Builder, memory::InMemory};
+    use object_store::memory::InMemory;
 
     use super::*;
 
-    /// Blobs in memory, whose URLs are those of S3.
     fn blobs() -> ObjectBlobs {
-        connect::install_crypto();
-        let signer = AmazonS3Builder::new().with_region("us-east-1").with_bucket_name("b");
-        let signer = signer.with_access_key_id("k").with_secret_access_key("s").build().unwrap();
-        ObjectBlobs::new(Arc::new(InMemory::new()), Arc::new(signer), Path::from("tables")).unwrap()
+        ObjectBlobs::new(Arc::new(InMemory::new()), Path::from("tables")).unwrap()
     }
 
     #[test]
@@ -180,8 +167,6 @@ mod tests {
         let info = blobs.stat(digest).unwrap().unwrap();
         assert_eq!((info.digest, info.bytes), (digest, 5));
         assert_eq!(blobs.list().unwrap(), [info]);
-        let link = blobs.link(digest, Duration::from_secs(60)).unwrap().unwrap();
-        assert!(link.contains(&format!("tables/{}/{}", &digest.hex()[..2], digest.hex())), "{link}");
         let other = Digest::of(b"other");
         assert!(blobs.get(other).unwrap().is_none() && blobs.stat(other).unwrap().is_none());
         blobs.touch(digest).unwrap();

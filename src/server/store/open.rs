@@ -72,17 +72,6 @@ pub fn open(dir: &Path) -> Result<Store, OpenError> {
     let lock = lock(&dir.join("lock"))?;
     let quarantine = dir.join("quarantine");
     let blobs = FolderBlobs::open(&dir.join("blobs"), &quarantine)?;
-    let journal = dir.join("jobs.log");
-    if journal.symlink_metadata().is_ok() {
-        match files::move_to_quarantine(&journal, &quarantine, "jobs.log") {
-            Ok(to) => {
-                tracing::warn!(moved_to = %to.display(), "jobs.log of an unreleased version was moved to quarantine")
-            }
-            // It is moved at the next start.
-            Err(StoreError::DiskFull) => {}
-            Err(error) => return Err(error.into()),
-        }
-    }
     let (rows, is_clean) = open_rows(&dir.join("db"), &quarantine)?;
     Ok(Store { blobs: Arc::new(blobs), rows, is_clean, _lock: Some(lock) })
 }

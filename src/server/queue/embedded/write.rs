@@ -79,7 +79,9 @@ impl EmbeddedQueue {
         let mut state = self.state();
         state.garbage.drain(..garbage);
         state.garbage.retain(|key| !is_own(key));
-        forgotten.iter().for_each(|submission| state.forget(*submission));
+        for submission in forgotten {
+            state.forget(submission);
+        }
         let entry = Entry::unfinished(record, &kept);
         let job = entry.job();
         state.insert(entry);
@@ -158,7 +160,9 @@ impl EmbeddedQueue {
         let garbage = remove_garbage(&state, &mut batch);
         drop(state);
         let later = useless.split_off(useless.len().min(MOST_REMOVED));
-        useless.into_iter().for_each(|key| batch.remove(Tree::Results, key));
+        for key in useless {
+            batch.remove(Tree::Results, key);
+        }
         record.job = job.clone();
         record.put(&mut batch)?;
         self.rows.commit(&batch)?;

@@ -157,7 +157,7 @@ impl PostgresQueue {
             tag.push(tags[number as usize]);
             states.push("waiting");
         }
-        tasks.push(new.shards.len() as i32);
+        tasks.push(i32::try_from(new.shards.len()).unwrap_or(i32::MAX));
         entries.push(0);
         seconds.push(0.0);
         tag.push(tags[new.shards.len()]);

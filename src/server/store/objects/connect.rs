@@ -5,7 +5,7 @@ use std::{sync::Arc, time::Duration};
 use futures_util::TryStreamExt as _;
 use object_store::{
     ClientOptions, Error, ObjectStore, ObjectStoreExt as _, ObjectStoreScheme, PutPayload, RetryConfig,
-    aws::AmazonS3Builder, azure::MicrosoftAzureBuilder, gcp::GoogleCloudStorageBuilder, path::Path, signer::Signer,
+    aws::AmazonS3Builder, azure::MicrosoftAzureBuilder, gcp::GoogleCloudStorageBuilder, path::Path,
 };
 
 use crate::store::certificates;
@@ -97,11 +97,8 @@ pub(super) fn install_crypto() {
     let _ = rustls::crypto::ring::default_provider().install_default();
 }
 
-/// A store, the signer of its URLs, and the path of its blobs.
-type Connected = (Arc<dyn ObjectStore>, Arc<dyn Signer>, Path);
-
 /// The store of `url`, with credentials as the provider's own tools read them from the environment.
-pub(super) fn connect(url: &str) -> Result<Connected, ObjectsOpenError> {
+pub(super) fn connect(url: &str) -> Result<(Arc<dyn ObjectStore>, Path), ObjectsOpenError> {
     let bad = |reason: String| ObjectsOpenError::BadUrl { url: url.to_owned(), reason };
     let lacking = |reason: String| ObjectsOpenError::Settings { url: url.to_owned(), reason };
     let parsed = reqwest::Url::parse(url).map_err(|error| bad(error.to_string()))?;
@@ -136,10 +133,7 @@ pub(super) fn connect(url: &str) -> Result<Connected, ObjectsOpenError> {
     let retry = RetryConfig { retry_timeout: RETRY, ..RetryConfig::default() };
     let failed = |error: Error| lacking(format!("{}; {SETTINGS}", text(&error)));
     macro_rules! built {
-        ($builder:expr) => {{
-            let store = Arc::new($builder.with_url(url).with_retry(retry).build().map_err(failed)?);
-            Ok((Arc::clone(&store) as _, store as _, prefix))
-        }};
+        ($builder:expr) => {{ Ok((Arc::new($builder.with_url(url).with_retry(retry).build().map_err(failed)?), prefix)) }};
     }
     match scheme {
         ObjectStoreScheme::AmazonS3 => {

@@ -88,7 +88,9 @@ impl Rows for PostgresRows {
 
     fn is_writable(&self) -> bool {
         let fault = self.database.fault();
-        fault.iter().for_each(|fault| tracing::warn!(fault, "the database cannot be used"));
+        if let Some(fault) = &fault {
+            tracing::warn!(fault, "the database cannot be used");
+        }
         fault.is_none()
     }
 }

@@ -145,7 +145,7 @@ fn from_a_full_disk_blobs_are_read_and_deleted_and_jobs_are_refused() {
     disk.fill();
     let store = open(&folder).unwrap();
     assert!(!store.is_clean && !store.rows.is_writable() && has_blob(&store));
-    assert!(matches!(store.blobs.put(&[1; 100_000]), Err(StoreError::DiskFull)));
+    assert!(matches!(store.blobs.put(&vec![1; 100_000]), Err(StoreError::DiskFull)));
     assert!(matches!(store.rows.commit(&batch(Tree::Jobs, "job", b"new")), Err(StoreError::DiskFull)));
     store.rows.commit(&batch(Tree::Tables, "table", b"row")).unwrap();
     assert_eq!(store.rows.scan(Tree::Tables, b"").unwrap().len(), 1);
