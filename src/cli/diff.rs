@@ -4,13 +4,8 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::{
-    CommandFailure, Context, Exit,
-    args::DiffArgs,
-    input::{AnyTable, Origin},
-    shown, tabulated,
-};
-use ltcforge_fit::{Difference, Gap, MOST_POINTS, Report, Spread, difference, report, report_points};
+use super::{CommandFailure, Context, Exit, args::DiffArgs, input::AnyTable, shown, tabulated};
+use ltcforge_fit::{Difference, Gap, MOST_POINTS, Report, Spread, difference};
 
 /// Compares two tables. It is not a failure if they differ.
 pub(super) fn run(args: &DiffArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
@@ -22,7 +17,7 @@ pub(super) fn run(args: &DiffArgs, context: &mut Context<'_>) -> Result<Exit, Co
     let points = args.points.map_or(MOST_POINTS, |points| points as usize);
     let (apart, reports) = args.threads.pool()?.install(|| {
         let apart = difference(&a.table, &b.table, points);
-        (apart, [measure(a, args.points), measure(b, args.points)])
+        (apart, [a.report(args.points), b.report(args.points)])
     });
     let side = |read: &AnyTable, report: &Report| {
         json!({
@@ -34,28 +29,15 @@ pub(super) fn run(args: &DiffArgs, context: &mut Context<'_>) -> Result<Exit, Co
     let value = json!({
         "same_bytes": same_bytes, "difference": apart, "a": side(a, &reports[0]), "b": side(b, &reports[1]),
     });
-    context.print(&value, text([a, b], apart.as_ref(), &reports).trim_end())
-}
-
-/// The report of a table, as `report` prints it.
-fn measure(AnyTable { table, origin, .. }: &AnyTable, points: Option<u32>) -> Report {
-    let usual = match origin {
-        Origin::Recipe(recipe) => report_points(recipe),
-        Origin::Range(_) => MOST_POINTS.into(),
-    };
-    report(table, origin.range(), points.map_or(usual, |points| (points as usize).into()))
-}
-
-fn text(tables: [&AnyTable; 2], apart: Option<&Difference>, reports: &[Report; 2]) -> String {
-    let mut out = String::new();
+    let mut text = String::new();
     // Writing to a String cannot fail.
-    let _ = write_text(&mut out, tables, apart, reports);
-    out
+    let _ = write_text(&mut text, &tables, apart.as_ref(), &reports);
+    context.print(&value, text.trim_end())
 }
 
 fn write_text(
     out: &mut String,
-    tables: [&AnyTable; 2],
+    tables: &[AnyTable; 2],
     apart: Option<&Difference>,
     reports: &[Report; 2],
 ) -> std::fmt::Result {
@@ -69,24 +51,15 @@ fn write_text(
     }
     match apart {
         Some(Difference { places, matrix, amplitude, fresnel }) => {
-            writeln!(
-                out,
-                "\nlookups at {places} places{:>12}{:>12}   largest at alpha_x alpha_y theta phi",
-                "mean", "max"
-            )?;
-            let none = "not in both tables";
-            for (name, gap) in [
-                ("matrix, of its norm", Some(matrix)),
-                ("amplitude", amplitude.as_ref()),
-                ("Fresnel term", fresnel.as_ref()),
-            ] {
-                match gap {
-                    Some(Gap { mean, max, alpha_x, alpha_y, theta, phi }) => writeln!(
-                        out,
-                        "{name:24}{mean:>12.2e}{max:>12.2e}   {alpha_x:.4} {alpha_y:.4} {theta:.4} {phi:.4}"
-                    )?,
-                    None => writeln!(out, "{name:24}{none:>24}")?,
-                }
+            let lookups = format!("lookups at {places} places");
+            writeln!(out, "\n{lookups:24}{:>12}{:>12}   largest at alpha_x alpha_y theta phi", "mean", "max")?;
+            let gaps = [Some(matrix), amplitude.as_ref(), fresnel.as_ref()];
+            for (name, gap) in ["matrix, of its norm", "amplitude", "Fresnel term"].into_iter().zip(gaps) {
+                let Some(Gap { mean, max, alpha_x, alpha_y, theta, phi }) = gap else {
+                    writeln!(out, "{name:24}{:>24}", "not in both tables")?;
+                    continue;
+                };
+                writeln!(out, "{name:24}{mean:>12.2e}{max:>12.2e}   {alpha_x:.4} {alpha_y:.4} {theta:.4} {phi:.4}")?;
             }
         }
         None => writeln!(out, "\nlookups: the tables cover no configuration in common")?,

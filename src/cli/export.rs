@@ -8,7 +8,7 @@ use super::{
     CommandFailure, Context, Exit,
     args::{AnyContainer, ExportArgs, ExportChoice},
     exit::usage,
-    input::{AnyTable, Origin},
+    input::AnyTable,
     output::{check_output_folder, listed, write_in},
     tabulated,
 };
@@ -26,10 +26,7 @@ use ltcforge_textures::{
 pub(super) fn run(args: &ExportArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     check_output_folder(&args.out)?;
     let AnyTable { path, digest, table, origin } = AnyTable::read(&args.table)?;
-    let recipe = match &origin {
-        Origin::Recipe(recipe) => Some(recipe),
-        Origin::Range(_) => None,
-    };
+    let recipe = origin.recipe();
     if let ExportChoice { engine: None, layout: None, container: Some(AnyContainer::Textures(container)), .. } =
         args.choice
     {

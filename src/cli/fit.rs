@@ -41,11 +41,7 @@ pub(super) fn run(args: &FitArgs, context: &mut Context<'_>) -> Result<Exit, Com
     let pool = args.threads.pool()?;
 
     let started = Instant::now();
-    let plan = Plan::new(&recipe);
-    let bar = progress::bar(context.draws_progress, recipe.entries());
-    let fitted = pool.install(|| fit(&plan, &bar, &context.interrupt));
-    bar.finish_and_clear();
-    let table = fitted.ok_or_else(CommandFailure::interrupted)?;
+    let table = pool.install(|| fit_alone(&recipe, context.draws_progress, &context.interrupt))?;
     let fit_seconds = started.elapsed().as_secs_f64();
     // The file of a tabulated BRDF is kept beside the table, because measuring the table needs it.
     if let (Some(of), Some(bytes)) = (recipe.model().file(), &brdf_file) {
@@ -105,6 +101,17 @@ pub(super) fn store(out: &Path, recipe: &Recipe, table: &Table) -> Result<Stored
 /// Whether a digest alone finds the tables in `folder`.
 fn finds_digests_in(folder: &Path) -> bool {
     TABLE_FOLDERS.iter().any(|searched| folder == Path::new(searched))
+}
+
+/// The table of a recipe, with a progress bar of its own. Fits on the current rayon pool.
+///
+/// # Errors
+/// When the user stops it.
+pub(super) fn fit_alone(recipe: &Recipe, draws: bool, interrupt: &Interrupt) -> Result<Table, CommandFailure> {
+    let bar = progress::bar(draws, recipe.entries());
+    let table = fit(&Plan::new(recipe), &bar, interrupt);
+    bar.finish_and_clear();
+    table.ok_or_else(CommandFailure::interrupted)
 }
 
 /// The table of a plan, or `None` when the user stops the fit.

@@ -20,7 +20,7 @@ use ltcforge_files::{
     digest::Digest,
     text::{other_form, without_mark},
 };
-use ltcforge_fit::{BrdfKind, PerAxis, Recipe, Table, ggx_terms};
+use ltcforge_fit::{BrdfKind, MOST_POINTS, PerAxis, Recipe, Report, Table, ggx_terms, report, report_points};
 
 /// The longest recipe that is read. The service takes 64 KiB.
 const RECIPE_LIMIT_BYTES: u64 = 1 << 20;
@@ -43,6 +43,11 @@ pub(super) enum Origin {
 }
 
 impl Origin {
+    /// The recipe, if the file has one.
+    pub(super) fn recipe(&self) -> Option<&Recipe> {
+        if let Self::Recipe(recipe) = self { Some(recipe) } else { None }
+    }
+
     /// The ranges of the table's axes.
     pub(super) fn range(&self) -> &PerAxis<[f64; 2]> {
         match self {
@@ -85,6 +90,13 @@ impl AnyTable {
         let NpyTable { table, range } = decode_npy(&bytes)
             .map_err(|error| mismatch(&path, other_form(&bytes).unwrap_or_else(|| error.to_string())))?;
         Ok(Self { path, digest: Digest::of(&bytes), table, origin: Origin::Range(range) })
+    }
+
+    /// The errors of the table at so many points, or at as many as the report in its manifest has. Measures on the current
+    /// rayon pool.
+    pub(super) fn report(&self, points: Option<u32>) -> Report {
+        let usual = self.origin.recipe().map_or(MOST_POINTS.into(), report_points);
+        report(&self.table, self.origin.range(), points.map_or(usual, |points| (points as usize).into()))
     }
 
     /// The table with amplitude and Fresnel term of GGX itself in place of its own.

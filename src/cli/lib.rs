@@ -30,7 +30,6 @@ mod preview;
 mod progress;
 mod pull;
 mod report;
-mod report_models;
 mod run;
 #[cfg(unix)]
 mod service;

@@ -7,11 +7,11 @@ use std::{
 
 use super::{
     CommandFailure, Context, Interrupt,
-    args::{AnyContainer, ExportChoice, Threads},
+    args::{ExportChoice, Threads},
     exit::{failed, usage},
     export,
-    fit::fit,
-    progress, tabulated,
+    fit::fit_alone,
+    tabulated,
 };
 use ltcforge_client::{ExportPin, FilePin, Pin};
 use ltcforge_files::{
@@ -19,7 +19,7 @@ use ltcforge_files::{
     digest::Digest,
     manifest::MeanError,
 };
-use ltcforge_fit::{Plan, Precision, Recipe};
+use ltcforge_fit::Recipe;
 use ltcforge_textures::{Engine, Export, TextureFile};
 
 /// How tables are fitted.
@@ -50,11 +50,7 @@ impl<'a> Fitting<'a> {
     /// # Errors
     /// When no threads can be started, or the user stops it.
     pub(super) fn fit(&self, recipe: &Recipe) -> Result<Vec<u8>, CommandFailure> {
-        let bar = progress::bar(self.draws_progress, recipe.entries());
-        let plan = Plan::new(recipe);
-        let fitted = self.threads.pool()?.install(|| fit(&plan, &bar, self.interrupt));
-        bar.finish_and_clear();
-        let table = fitted.ok_or_else(CommandFailure::interrupted)?;
+        let table = self.threads.pool()?.install(|| fit_alone(recipe, self.draws_progress, self.interrupt))?;
         container::encode(recipe, &table).map_err(failed)
     }
 
@@ -121,37 +117,19 @@ pub(super) fn asked_by(choice: &ExportChoice, to: &Path) -> ExportPin {
 
 /// The export that a pin requests.
 pub(super) fn export_of(pin: &ExportPin) -> Result<Export, CommandFailure> {
-    export::export_of(&choice_of(pin)?)
-}
-
-/// The choice that a pin makes.
-fn choice_of(pin: &ExportPin) -> Result<ExportChoice, CommandFailure> {
-    let ExportPin { engine, layout, container, precision, to, .. } = pin;
-    let refused = |what: String| usage(format!("the export to {}: {what}", to.display()));
-    if engine.is_some() == container.is_some() || (engine.is_some() && (layout.is_some() || precision.is_some())) {
-        return Err(refused(
-            "it has «for», or «layout» and «container» and maybe «precision», or a compact «container» alone"
+    let known = pin.name().and_then(|name| name.parse().ok());
+    known.ok_or_else(|| {
+        let why = match &pin.engine {
+            Some(engine) if pin.name().is_some() => {
+                let all: Vec<&str> = Engine::ALL.iter().map(|engine| engine.name()).collect();
+                format!("for is «{}»; allowed: {}", engine.escape_debug(), all.join(", "))
+            }
+            _ => "it has «for», or «layout» and «container» and maybe «precision», or a compact «container» alone, as in \
+                  `ltcforge export --help`"
                 .to_owned(),
-        ));
-    }
-    let engine = named(engine.as_deref(), "for", Engine::ALL, Engine::name).map_err(refused)?;
-    let containers: Vec<AnyContainer> = AnyContainer::all().collect();
-    let container = named(container.as_deref(), "container", &containers, AnyContainer::name).map_err(refused)?;
-    let precision = named(precision.as_deref(), "precision", Precision::ALL, Precision::name).map_err(refused)?;
-    Ok(ExportChoice { engine, layout: layout.clone(), container, precision })
-}
-
-/// The item of a list that has this name.
-fn named<T: Copy>(
-    name: Option<&str>,
-    field: &str,
-    all: &[T],
-    name_of: fn(T) -> &'static str,
-) -> Result<Option<T>, String> {
-    let Some(name) = name else { return Ok(None) };
-    let found = all.iter().copied().find(|item| name_of(*item) == name);
-    let names = || all.iter().map(|item| name_of(*item)).collect::<Vec<_>>().join(", ");
-    found.map(Some).ok_or_else(|| format!("{field} is «{}»; allowed: {}", name.escape_debug(), names()))
+        };
+        usage(format!("the export to {}: {why}", pin.to.display()))
+    })
 }
 
 /// A failure of the pin `name`.
@@ -184,9 +162,7 @@ mod tests {
             pin(None, Some("reflected"), Some("dds"), None),
             pin(None, None, Some("compact-js"), None),
         ] {
-            let choice = choice_of(&asked).expect("a known export");
-            assert_eq!(asked_by(&choice, Path::new("out")), asked);
-            // The client asks a service for it by the same name.
+            // A service makes it under the same name.
             assert_eq!(asked.name(), Some(export_of(&asked).expect("a known export").to_string()));
         }
     }
@@ -195,13 +171,13 @@ mod tests {
     fn what_this_program_does_not_know_is_named_with_what_it_knows() {
         for (asked, said) in [
             (pin(Some("unity"), None, None, None), "for is «unity»; allowed: three, "),
-            (pin(None, Some("reflected"), Some("bmp"), None), "container is «bmp»; allowed: ktx2, "),
-            (pin(None, Some("reflected"), Some("dds"), Some("f64")), "precision is «f64»; allowed: f32, f16"),
+            (pin(None, Some("reflected"), Some("bmp"), None), "it has «for», or"),
+            (pin(None, Some("reflected"), Some("dds"), Some("f64")), "it has «for», or"),
             (pin(None, None, None, None), "it has «for», or"),
             (pin(Some("wgpu"), Some("reflected"), Some("dds"), None), "it has «for», or"),
             (pin(None, Some("reflected"), None, None), "it has «for», or"),
         ] {
-            let refused = choice_of(&asked).expect_err(said);
+            let refused = export_of(&asked).expect_err(said);
             assert_eq!(refused.exit, super::super::Exit::Usage);
             assert!(refused.message.contains(said), "{}", refused.message);
         }

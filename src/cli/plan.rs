@@ -11,11 +11,11 @@ use super::{
     export, file_failure, fit,
     input::AnyTable,
     output::{check_output_folder, write_in},
-    progress, shown,
+    shown,
     tradeoff::processor_seconds,
 };
 use ltcforge_files::{bounded::read_file, compact, digest::Digest, recipe_document::canonical_json};
-use ltcforge_fit::{GoOn, Layout, Plan, Recipe, Table};
+use ltcforge_fit::{GoOn, Layout, Recipe, Table};
 use ltcforge_plan::{
     Budget, Form, GpuLimit, Needs, Scene, SceneError, TablePlan, document, left_out, of_other_models,
     other_reflectances, outside, picture, words,
@@ -130,15 +130,10 @@ fn engine_layout(engine: Engine) -> Option<Layout> {
 
 /// The table of a plan, which is measured by it, and the plan corrected once if it was far off.
 fn fitted(plan: &mut TablePlan<'_>, draws_progress: bool, interrupt: &Interrupt) -> Result<Table, CommandFailure> {
-    let fit = |recipe: &Recipe| {
-        let bar = progress::bar(draws_progress, recipe.entries());
-        let table = fit::fit(&Plan::new(recipe), &bar, interrupt);
-        bar.finish_and_clear();
-        table.ok_or_else(CommandFailure::interrupted)
-    };
     let timed = |recipe: &Recipe| {
         let started = processor_seconds();
-        Ok::<_, CommandFailure>((fit(recipe)?, processor_seconds() - started))
+        let table = fit::fit_alone(recipe, draws_progress, interrupt)?;
+        Ok::<_, CommandFailure>((table, processor_seconds() - started))
     };
     let (whole, seconds) = timed(&plan.whole.recipe)?;
     plan.time_whole(seconds);

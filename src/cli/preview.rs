@@ -7,17 +7,22 @@ use std::sync::Arc;
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit, args::PreviewArgs, input::AnyTable, light_picture::read_picture, output::OutputFile,
-    print, shown,
+    CommandFailure, Context, Exit,
+    args::PreviewArgs,
+    exit::{failed, usage},
+    input::AnyTable,
+    light_picture::read_picture,
+    output::OutputFile,
+    shown,
 };
 use ltcforge_light::{LightError, LightModel};
 use ltcforge_view::preview::{Material, Preview, PreviewError, Rendered, ScenePicture, ShaderTable};
 
 /// Renders a picture and writes it. Prints the adapter, materials outside the table, and the errors of modes that
 /// compare to standard error, or as JSON to standard output.
-pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+pub(super) fn run(args: &PreviewArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     if args.scene.is_materials {
-        return materials::run(args, json, context);
+        return materials::run(args, context);
     }
     let out = OutputFile::check(&args.out)?;
     let mut scene = args.scene.choices.clone().into_scene();
@@ -26,8 +31,7 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
     }
     let read = args.table.as_deref().map(|name| AnyTable::named(name, &args.folder)).transpose()?;
     if read.is_none() && scene.needs_table() {
-        let needs = LightError::NeedsTable(LightModel::Ltc).to_string();
-        return Err(CommandFailure::new(Exit::Usage, needs));
+        return Err(usage(LightError::NeedsTable(LightModel::Ltc)));
     }
     let digest = read.as_ref().map(|any| any.digest);
     let table = read.map(|any| if args.ggx_terms { any.with_ggx_terms() } else { Ok(any) }).transpose()?;
@@ -37,7 +41,7 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
             "the preview's shader searches for no nodes, and those of the table's recipe are not evenly spaced as layout {} has them",
             table.layout()
         );
-        return Err(CommandFailure::new(Exit::Usage, message));
+        return Err(usage(message));
     }
     let shader_table = match (&table, &digest) {
         (Some(table), Some(digest)) => ShaderTable::new(table, args.precision).labelled(&digest.hex()),
@@ -46,7 +50,7 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
     let shader_table = Arc::new(shader_table);
     let rendered =
         Preview::new(args.adapter).render(&shader_table, &scene, &|| false).map_err(|error| failure(&error))?;
-    let png = rendered.picture.png().map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
+    let png = rendered.picture.png().map_err(failed)?;
     out.write(&png)?;
     let Rendered { picture, adapter, errors, out_of_range } = rendered;
     let errors_json: Vec<_> = errors
@@ -65,8 +69,8 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
         "width": picture.width, "height": picture.height, "errors": errors_json,
         "outside": out_of_range_json,
     });
-    if json {
-        return print(context.stdout, true, &value, "").map(|()| Exit::Ok);
+    if context.json {
+        return context.print(&value, "");
     }
     eprintln!("adapter: {adapter}");
     for (Material { alpha_x, alpha_y, .. }, table) in out_of_range.iter().zip(table.iter().cycle()) {

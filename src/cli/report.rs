@@ -1,87 +1,44 @@
 //! `report`: measures the error of a table, one of ltcforge's or a published one.
 
-use std::{f64::consts::FRAC_PI_2, fmt::Write as _, path::Path};
+use std::{f64::consts::FRAC_PI_2, fmt::Write as _};
 
 use serde_json::json;
 
-use super::{
-    CommandFailure, Context, Exit,
-    args::ReportArgs,
-    input::{AnyTable, Origin},
-    print, report_models, shown, tabulated,
-};
-use ltcforge_files::digest::Digest;
+use super::{CommandFailure, Context, Exit, args::ReportArgs, input::AnyTable, shown, tabulated};
 use ltcforge_fit::{
-    Accuracy, Asymmetry, Corner, LobeModel, MOST_POINTS, Moved, PerAxis, Poor, Report, SecondReport, Spread, TermError,
-    extremes, report, report_points,
+    Accuracy, Asymmetry, Corner, LobeModel, Moved, PerAxis, Poor, Report, SecondReport, Spread, TermError, extremes,
 };
-
-/// A table and its figures.
-struct MeasuredTable {
-    digest: Digest,
-    lobe: LobeModel,
-    resolution: PerAxis<usize>,
-    report: Report,
-    corners: Option<Vec<Corner>>,
-    /// The asymmetry of a tabulated BRDF.
-    asymmetry: Option<Asymmetry>,
-}
 
 /// Measures a table and prints the figures.
-pub(super) fn run(args: &ReportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    let read = args.table.as_deref().map(|name| AnyTable::named(name, &args.folder)).transpose()?;
-    if let Some(model) = args.model {
-        return report_models::run(args, model, read.as_ref(), json, context);
-    }
-    if args.rule.is_some() || args.lights.is_some() {
-        return Err(CommandFailure::new(Exit::Usage, "--rule and --lights belong to a measured model: add --model"));
-    }
-    let read = read.ok_or_else(|| CommandFailure::new(Exit::Usage, "name a table, or choose --model normals"))?;
+pub(super) fn run(args: &ReportArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    let read = AnyTable::read(&args.table)?;
     tabulated::check_complete(&read.table, &read.path)?;
-    let measured = args.threads.pool()?.install(|| measure(&read, args));
+    let measure = || (read.report(args.points), args.extremes.then(|| extremes(&read.table)));
+    let (report, corners) = args.threads.pool()?.install(measure);
     let mut value = json!({
-        "file": shown(&read.path),
-        "digest": measured.digest,
-        "resolution": measured.resolution,
-        "report": measured.report,
+        "file": shown(&read.path), "digest": read.digest, "resolution": read.table.lengths(), "report": report,
     });
-    if let Some(asymmetry) = &measured.asymmetry {
-        value["asymmetry"] = json!(asymmetry);
-    }
-    if let Some(corners) = &measured.corners {
-        value["extremes"] = json!(corners);
-    }
-    print(context.stdout, json, &value, text(&read.path, &measured).trim_end())?;
-    Ok(Exit::Ok)
-}
-
-fn measure(AnyTable { digest, table, origin, .. }: &AnyTable, args: &ReportArgs) -> MeasuredTable {
-    let (range, usual) = match origin {
-        Origin::Recipe(recipe) => (&recipe.range, report_points(recipe)),
-        Origin::Range(range) => (range, MOST_POINTS.into()),
-    };
-    let report = report(table, range, args.points.map_or(usual, |points| (points as usize).into()));
-    let corners = args.extremes.then(|| extremes(table));
-    let asymmetry = table.model().file().and_then(|file| file.data()).and_then(|data| data.asymmetry());
-    MeasuredTable { digest: *digest, lobe: table.lobe, resolution: table.lengths(), report, corners, asymmetry }
-}
-
-/// The figures as text.
-fn text(path: &Path, measured: &MeasuredTable) -> String {
-    let mut out = String::new();
+    let mut text = String::new();
     // Writing to a String cannot fail.
-    let _ = write_text(&mut out, path, measured);
-    out
+    let _ = write_text(&mut text, &read, &report);
+    if let Some(asymmetry) = read.table.model().file().and_then(|file| file.data()).and_then(|data| data.asymmetry()) {
+        value["asymmetry"] = json!(asymmetry);
+        let _ = writeln!(text, "\n{}", asymmetry_line(&asymmetry));
+    }
+    if let Some(corners) = &corners {
+        value["extremes"] = json!(corners);
+        let _ = write_corners(&mut text, corners);
+    }
+    context.print(&value, &format!("{text}\n{HOW_TO_READ}"))
 }
 
-fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::fmt::Result {
-    let MeasuredTable { digest, lobe, resolution: PerAxis { alpha, ratio, theta, phi }, report, corners, asymmetry } =
-        measured;
+fn write_text(out: &mut String, read: &AnyTable, report: &Report) -> std::fmt::Result {
+    let PerAxis { alpha, ratio, theta, phi } = read.table.lengths();
     let Report { nodes, between, poor, matrices, floors, second, .. } = report;
     // The figure by which tables are compared.
     let Spread { mean, p95, max } = percent(between.width);
     writeln!(out, "error between nodes, mean / p95 / max: {mean:.2} / {p95:.2} / {max:.2} % of the lobe's width\n")?;
-    writeln!(out, "{}\n{digest}", path.display())?;
+    writeln!(out, "{}\n{}", read.path.display(), read.digest)?;
     writeln!(out, "{alpha} x {ratio} x {theta} x {phi} entries: alpha x ratio x theta x phi\n")?;
 
     writeln!(out, "{:24}{:>28}   {:>28}", "", at(nodes, "nodes"), at(between, "places between"))?;
@@ -114,10 +71,7 @@ fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::f
         }
     }
 
-    writeln!(out, "\n{}", poor_line(*lobe, poor))?;
-    if let Some(asymmetry) = asymmetry {
-        writeln!(out, "{}", asymmetry_line(asymmetry))?;
-    }
+    writeln!(out, "\n{}", poor_line(read.table.lobe, poor))?;
     let (determinant, condition) = (matrices.determinant, matrices.condition);
     writeln!(out, "\nmatrices                {} entries", matrices.entries)?;
     writeln!(
@@ -137,10 +91,7 @@ fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::f
         let Moved { floor, nodes, entries } = moved;
         writeln!(out, "  {name:22}{floor:<10.7} nodes moved: {nodes}, entries: {entries}")?;
     }
-    if let Some(corners) = corners {
-        write_corners(out, corners)?;
-    }
-    writeln!(out, "\n{HOW_TO_READ}")
+    Ok(())
 }
 
 fn poor_line(lobe: LobeModel, Poor { limit, nodes, alpha, theta }: &Poor) -> String {

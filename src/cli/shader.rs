@@ -8,7 +8,7 @@ use super::{
     CommandFailure, Context, Exit,
     args::{AdditionArgs, ShaderArgs, ShaderForm},
     exit::{failed, usage},
-    input::{AnyTable, Origin},
+    input::AnyTable,
     output::OutputFile,
     shown,
 };
@@ -98,8 +98,7 @@ fn of_table(args: &ShaderArgs) -> Result<(Vec<u8>, Value), CommandFailure> {
     let name = args.nodes.as_ref().or(args.without_textures.as_ref()).map_or(Path::new(""), PathBuf::as_path);
     let AnyTable { path, digest, table, origin } = AnyTable::named(name, &args.folder)?;
     let refused = |why: String| usage(format!("{}: {why}", path.display()));
-    let recipe = if let Origin::Recipe(recipe) = &origin { Some(recipe) } else { None };
-    let about = About::of_table(digest, recipe, None);
+    let about = About::of_table(digest, origin.recipe(), None);
     let mut value = json!({ "language": language.name(), "model": LightModel::Ltc, "table": digest });
     let text = if args.nodes.is_some() {
         if let Some(gaussian) = table.lobe().gaussian() {

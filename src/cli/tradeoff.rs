@@ -8,12 +8,13 @@ use serde_json::json;
 use super::{
     CommandFailure, Context, Exit, Interrupt,
     args::TradeoffArgs,
-    file_failure, fit, input,
-    output::check_output_folder,
-    print, progress, shown, tabulated,
+    exit::usage,
+    fit, input,
+    output::{check_output_folder, write_in},
+    progress, shown, tabulated,
     tradeoff_models::{self, FittedTable},
 };
-use ltcforge_files::{compact, recipe_document::DEFAULT_ENTRY_LIMIT, replace::replace_file};
+use ltcforge_files::{compact, recipe_document::DEFAULT_ENTRY_LIMIT};
 use ltcforge_fit::{BrdfKind, Plan, Recipe, Table, report};
 use ltcforge_light::{LightModel, Lighting, RandomLights};
 use ltcforge_view::tradeoff::{
@@ -26,30 +27,27 @@ const DEFAULT_RECIPE: &str = "paper";
 
 /// Fits a family of recipes one after the other, measures each table and the models of light, and writes the three
 /// files.
-pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+pub(super) fn run(args: &TradeoffArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let name = args.recipe.as_deref().unwrap_or(Path::new(DEFAULT_RECIPE));
     let document = input::recipe_document(name)?;
     let (base, _) = tabulated::recipe(name, &document, None)?;
     if base.brdf() != BrdfKind::Ggx {
-        let message = format!(
+        return Err(usage(format!(
             "{}: /brdf: the trade-off is between tables and the models {}, which are of brdf ggx, not {}",
             name.display(),
             LightModel::names_of(|model| !model.needs_table()),
             base.brdf()
-        );
-        return Err(CommandFailure::new(Exit::Usage, message));
+        )));
     }
     if base.lobe().gaussian().is_some() {
-        let message = format!(
+        return Err(usage(format!(
             "{}: /lobe: the family is of LTCs, and tables of lobe sg and asg come with it: leave the field out",
             name.display()
-        );
-        return Err(CommandFailure::new(Exit::Usage, message));
+        )));
     }
     if !base.given().is_none() {
-        let message =
-            format!("{}: /nodes: the family varies how many nodes there are: leave the field out", name.display());
-        return Err(CommandFailure::new(Exit::Usage, message));
+        let what = "/nodes: the family varies how many nodes there are: leave the field out";
+        return Err(usage(format!("{}: {what}", name.display())));
     }
     check_output_folder(&args.out)?;
     let (threads, pool) = (args.threads.count().get(), args.threads.pool()?);
@@ -59,11 +57,7 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
     let interrupt = context.interrupt.clone();
     let lights = pool.install(|| tradeoff_models::lights(&base))?;
     let gaussians = fitted_gaussians(&base);
-    let engines = tradeoff_models::engine_recipes(size)?;
-    let bar = progress::bar(
-        context.draws_progress,
-        recipes.iter().chain(&gaussians).chain(&engines).map(Recipe::entries).sum(),
-    );
+    let bar = progress::bar(context.draws_progress, recipes.iter().chain(&gaussians).map(Recipe::entries).sum());
     let mut fitted = Vec::with_capacity(recipes.len());
     let mut tables = Vec::new();
     for recipe in recipes {
@@ -82,15 +76,10 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
         })?;
         tables.push(FittedTable { recipe, table, fit_seconds: seconds / threads as f64 });
     }
-    let mut of_engines = Vec::with_capacity(engines.len());
-    for recipe in engines {
-        let table = pool.install(|| fit::fit(&Plan::new(&recipe), &bar, &interrupt));
-        of_engines.push((recipe, table.ok_or_else(CommandFailure::interrupted)?));
-    }
     bar.finish_and_clear();
 
     let rows = rows(&base, &fitted, threads);
-    let models = pool.install(|| tradeoff_models::measure(&tables, &of_engines, &lights, size, &interrupt))?;
+    let models = pool.install(|| tradeoff_models::measure(&tables, &lights))?;
     let files = [
         ("tradeoff.csv", csv(&rows)),
         ("tradeoff.json", rows_json(&rows, &models, threads)),
@@ -98,9 +87,7 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
     ];
     let mut paths = Vec::new();
     for (name, text) in files {
-        let path = args.out.join(name);
-        replace_file(&path, text.as_bytes()).map_err(|error| file_failure(&path, &error))?;
-        paths.push(shown(&path));
+        paths.push(shown(&write_in(&args.out, name, text.as_bytes())?));
     }
     let value = json!({ "files": paths, "recipes": rows.len(), "predicted": off_by(&rows), "models": models });
     let mut text = format!("{}\n\n{}", summary(&rows), models.text());
@@ -108,8 +95,7 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
         text.push('\n');
         text.push_str(path);
     }
-    print(context.stdout, json, &value, &text)?;
-    Ok(Exit::Ok)
+    context.print(&value, &text)
 }
 
 /// Fits and measures one table.

@@ -140,7 +140,7 @@ fn blobs(folder: &Path, access: &Access<'_>) -> Result<u64, CommandFailure> {
                 }
                 Ok(_) if name.starts_with(&text(&beginning)) => {}
                 Ok(_) => failures.push(mismatch(&path, format!("the file belongs into the folder {}", &name[..2]))),
-                Err(error) => failures.push(file_failure(&path, &error)),
+                Err(error) => failures.push(mismatch(&path, error)),
             }
         }
     }

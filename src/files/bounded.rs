@@ -50,6 +50,19 @@ pub fn too_long(what: &str, most_bytes: u64) -> io::Error {
     io::Error::new(io::ErrorKind::FileTooLarge, format!("the {what} is longer than {most_bytes} bytes, the limit"))
 }
 
+/// Segments APP1 and APP2 of a JPEG: profiles, previews and metadata of up to 64 KB each, which decoders keep.
+const MOST_JPEG_SEGMENTS: usize = 512;
+
+/// Refuses a JPEG with more segments of metadata than a decoder should keep.
+///
+/// # Errors
+/// What there is too much of.
+pub fn check_jpeg(bytes: &[u8]) -> Result<(), String> {
+    let is_kept = |pair: &&[u8]| matches!(pair, [0xff, 0xe1 | 0xe2]);
+    let is_more = bytes.windows(2).filter(is_kept).nth(MOST_JPEG_SEGMENTS).is_some();
+    if is_more { Err(format!("more than {MOST_JPEG_SEGMENTS} segments of metadata")) } else { Ok(()) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

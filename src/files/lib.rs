@@ -6,6 +6,7 @@ pub mod container;
 pub mod digest;
 pub mod hex;
 pub mod job;
+pub mod json_size;
 pub mod manifest;
 pub mod recipe_document;
 pub mod replace;

@@ -9,6 +9,8 @@ mod effort;
 mod form;
 mod held;
 mod histogram;
+#[cfg(test)]
+mod hostile;
 mod lobes;
 mod needs;
 mod outside;

@@ -144,7 +144,7 @@ fn a_shader_needs_no_texture_for_isotropic_tables() {
     }
     let cases: [(&str, &[&str], &str); 3] = [
         (&anisotropic, &[], "allowed: the one ratio 1"),
-        (&table, &["--as", "example"], "functions to include"),
+        (&table, &["--as", "example"], "a text to include"),
         (&table, &["--model", "normals"], "model ltc"),
     ];
     for (table, more, said) in cases {

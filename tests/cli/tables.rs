@@ -256,3 +256,34 @@ fn verify_holds_files_to_their_names() {
     run(folder.path(), ["verify", &name]).exited(3);
     run(folder.path(), ["verify", "none"]).exited(1);
 }
+
+#[test]
+fn verify_holds_a_folder_of_blobs_to_its_names() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    let path_of = |hex: &str| here.join("data/blobs").join(&hex[..2]).join(hex);
+    let keep = |bytes: &[u8]| {
+        let path = path_of(&Digest::of(bytes).hex());
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        fs::write(&path, bytes).expect("a blob");
+        path
+    };
+    let (one, two) = (keep(b"one"), keep(b"two"));
+    fs::write(one.with_file_name("unfinished.tmp"), "x").expect("a file of another name");
+    for (named, said) in [("data", "data: ok, 2 files"), ("data/blobs", "data/blobs: ok, 2 files")] {
+        assert!(run(here, ["verify", named]).exited(0).stdout.starts_with(said), "{named}");
+    }
+
+    fs::write(&one, "damaged").expect("a blob");
+    let refused = run(here, ["verify", "data"]).exited(3);
+    assert!(refused.complaints().len() == 1 && refused.stderr.contains(&Digest::of(b"one").hex()), "{refused:#?}");
+    // What is not a regular file is reported and not read.
+    fs::remove_file(&two).expect("a blob");
+    std::os::unix::fs::symlink("/dev/zero", &two).expect("a link");
+    let refused = run(here, ["verify", "data", "--json"]).exited(3);
+    assert!(refused.stdout.contains("hashes to") && refused.stdout.contains("not a regular file"), "{refused:#?}");
+
+    fs::create_dir(here.join("empty")).expect("a folder");
+    assert!(run(here, ["verify", "empty"]).exited(1).stderr.contains("neither ltcforge.json nor files"));
+    assert!(run(here, ["verify", "data", "--refit"]).exited(2).stderr.contains("are for tables"));
+}

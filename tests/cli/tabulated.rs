@@ -62,9 +62,7 @@ fn a_model_as_numbers_is_fitted_as_the_model_itself() {
         .expect("the file");
     let commands = [
         &["report", table][..],
-        &["report", table, "--model", "ltc"],
         &["plot", table, "error", "-o", "e.png"],
-        &["plot", table, "light", "-o", "l.png"],
         &["light", "/dev/null", "--model", "ltc", "--table", table, "--truth"],
         &["diff", table, table],
         &picture,

@@ -59,13 +59,11 @@ fn a_small_family_is_written_three_times_over() {
 }
 
 /// The table of preset `paper`, both fitted Gaussians, the three rules of the closed form and both Gaussians of their
-/// own, by the same lights and on the same adapter.
+/// own, by the same lights.
 #[track_caller]
 fn models_are_measured(document: &Value, svg: &str, stdout: &str) {
     let models = &document["models"];
-    assert!(!models["adapter"].as_str().expect("a name").is_empty());
     assert_eq!(models["lights"], 2048);
-    assert!([512, 1440].iter().any(|size| models["frame_size"] == *size), "{models}");
     assert!((0.1..0.9).contains(&models["mean_energy"].as_f64().expect("a number")), "{models}");
     let rows = models["rows"].as_array().expect("rows");
     let names = [
@@ -83,20 +81,11 @@ fn models_are_measured(document: &Value, svg: &str, stdout: &str) {
         let kind = if row["layout"].is_null() { &row["rule"] } else { &row["layout"] };
         let told = [row["model"].as_str().expect("a name"), kind.as_str().unwrap_or_default()].join(" ");
         assert_eq!(told.trim_end(), name);
-        assert!(row["frame_milliseconds"].as_f64().expect("a number") > 0.0, "{row}");
         assert!(row["shader_bytes"].as_u64().expect("a number") > 1000, "{row}");
-        assert_eq!(svg.matches(&format!(">{name}</text>")).count(), 6, "{name} stands in five charts and in the table");
+        assert_eq!(svg.matches(&format!(">{name}</text>")).count(), 2, "{name} stands in both charts of light");
+        assert!(row["gpu_cost"]["instructions"].as_u64().expect("a number") > 200, "{row}");
         assert!(stdout.lines().any(|line| line.starts_with(name)), "{stdout}");
     }
-    // Engines' ways are measured by the same lights; their tables are of the whole domain.
-    let engines = models["engines"].as_array().expect("rows");
-    let told: Vec<&str> = engines.iter().map(|row| row["way"].as_str().expect("a name")).collect();
-    assert_eq!(told, ["ltc2017, clipless", "ltc2017, stretched", "kt2022, its own", "representative point"]);
-    for row in rows.iter().chain(engines) {
-        assert!(row["gpu_cost"]["instructions"].as_u64().expect("a number") > 200, "{row}");
-    }
-    let of_engine = |row: usize| engines[row]["light_error"]["mean"].as_f64().expect("a number");
-    assert!(of_engine(0) < 0.05 && of_engine(1) < 0.05 && of_engine(2) < 0.02 && of_engine(3) < 0.12, "{models}");
     let error = |row: usize| rows[row]["light_error"]["mean"].as_f64().expect("a number");
     // A table of sixteen entries; then the more normals, the nearer.
     assert!(error(0) > error(3) && error(4) > error(3) && error(3) > error(5), "{models}");

@@ -70,7 +70,7 @@ impl Shared {
 }
 
 /// A worker process. Killed when dropped.
-pub(crate) struct Worker(Child);
+pub(crate) struct Worker(pub(crate) Child);
 
 impl Worker {
     /// Starts a worker of one thread, with leases of `lease_seconds`.

@@ -7,12 +7,12 @@ use clap::{
     builder::{PossibleValuesParser, TypedValueParser},
 };
 
-use super::{TableFolder, Threads, named::named};
+use super::{TableChoice, TableFolder, Threads, named::named};
 use ltcforge_fit::Layout;
 use ltcforge_light::{LightModel, NormalsRule, textured::Readings};
 use ltcforge_shaders::{Language, Lights, Prefix};
 use ltcforge_view::{
-    plots::{Azimuth, IsotropicFigure, Ratio},
+    plots::{Azimuth, Ratio},
     preview::{Adapter, Choices, PARAMETERS, Parameter, ParameterForm, TexelFormat, Value},
 };
 
@@ -122,18 +122,13 @@ impl FromArgMatches for SceneChoices {
 
 /// `plot`.
 #[derive(Debug, Args)]
-#[command(allow_missing_positional = true)]
 pub struct PlotArgs {
-    /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or a digest as `fit` prints it (its
-    /// first digits suffice) of a table in the folder of `--tables`; not for glass, gaussians and isotropic, and for
-    /// light if it is to be compared
-    pub table: Option<PathBuf>,
+    /// The table
+    #[command(flatten)]
+    pub table: TableChoice,
     /// The plot
     #[arg(value_enum)]
     pub name: PlotName,
-    /// The folder of tables
-    #[command(flatten)]
-    pub folder: TableFolder,
     /// The picture
     #[arg(short, long, value_name = "FILE.png")]
     pub out: PathBuf,
@@ -143,18 +138,6 @@ pub struct PlotArgs {
     /// Azimuth of the view direction at which errors are shown, radians, likewise [default: 0.7]
     #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
     pub phi: Option<Azimuth>,
-    /// The rule of model `normals`, for light [default: balanced]
-    #[arg(long, value_parser = named(NormalsRule::ALL, NormalsRule::name))]
-    pub rule: Option<NormalsRule>,
-    /// Random rectangles in each cell of light [default: 24], and for each angle of gaussians [default: 150]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    pub lights: Option<u32>,
-    /// The figure of isotropic [default: numbers]
-    #[arg(long, value_parser = named(IsotropicFigure::ALL, IsotropicFigure::name))]
-    pub figure: Option<IsotropicFigure>,
-    /// Visible normals a pixel of the reference of glass [default: 610]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub spp: Option<u32>,
     /// How many threads measure
     #[command(flatten)]
     pub threads: Threads,
@@ -163,18 +146,10 @@ pub struct PlotArgs {
 /// The plots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PlotName {
-    /// Errors of a table over theta and alpha at one ratio and phi
+    /// Errors over theta and alpha at one ratio and phi
     Error,
-    /// Every number of every entry of a table
+    /// Every number of every entry
     Matrix,
-    /// Errors of the light of area lights over theta and alpha: model normals, and a table's
-    Light,
-    /// Lamps behind rough glass, in closed form and by Monte Carlo integration
-    Glass,
-    /// GGX and the Gaussians that stand for it: normals, lobes, and errors of light
-    Gaussians,
-    /// Fits of isotropic lobes by three numbers: the numbers, shears, starts
-    Isotropic,
 }
 
 /// `shader`.

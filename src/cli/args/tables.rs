@@ -4,10 +4,9 @@ use std::{num::NonZeroU64, path::PathBuf};
 
 use clap::Args;
 
-use super::{Threads, named::named};
-use ltcforge_client::Limits;
+use super::Threads;
+use ltcforge_client::TABLE_BYTES;
 use ltcforge_files::digest::Digest;
-use ltcforge_light::{LightModel, NormalsRule};
 
 /// The choice of a table.
 #[derive(Debug, Args)]
@@ -35,7 +34,7 @@ pub struct TableFolder {
 #[derive(Debug, Clone, Copy, Args)]
 pub struct TableLimit {
     /// Longest table that is read or downloaded
-    #[arg(long, env = "LTCFORGE_TABLE_LIMIT", value_name = "BYTES", default_value_t = Limits::USUAL.table_bytes)]
+    #[arg(long, env = "LTCFORGE_TABLE_LIMIT", value_name = "BYTES", default_value_t = TABLE_BYTES)]
     pub table_limit: u64,
 }
 
@@ -57,23 +56,9 @@ pub struct LookupArgs {
 /// `report`.
 #[derive(Debug, Args)]
 pub struct ReportArgs {
-    /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or a digest as `fit` prints it (its
-    /// first digits suffice) of a table in the folder of `--tables`
-    #[arg(required_unless_present("model"))]
-    pub table: Option<PathBuf>,
-    /// The folder of tables
+    /// The table
     #[command(flatten)]
-    pub folder: TableFolder,
-    /// The model to measure: the table of model `ltc`, the closed form `normals`, or the Gaussian `sg` or `asg`, by the
-    /// light of random rectangles, a measure that all share [default: ltc, by its lobes]
-    #[arg(long, value_parser = named(LightModel::ALL, LightModel::name))]
-    pub model: Option<LightModel>,
-    /// The rule of model `normals` [default: all of them]
-    #[arg(long, value_parser = named(NormalsRule::ALL, NormalsRule::name))]
-    pub rule: Option<NormalsRule>,
-    /// Random rectangles that a model is measured by [default: 2000]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
-    pub lights: Option<u32>,
+    pub table: TableChoice,
     /// Nodes to measure, and as many configurations between them, 8 to 1000000 [default: as many as the manifest's
     /// report, which depend on the recipe; 1024 of a `.npy` file]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=1_000_000), hide_default_value = true)]
@@ -90,8 +75,8 @@ pub struct ReportArgs {
 #[derive(Debug, Args)]
 pub struct VerifyArgs {
     /// Tables' files, digests (their first digits suffice) of tables in the folder of `--tables`, addresses of tables of a
-    /// service (`http://HOST/v1/tables/sha256:DIGEST`), or folders of files that `export` made; a file named after a digest
-    /// must hash to it
+    /// service (`http://HOST/v1/tables/sha256:DIGEST`), folders of files that `export` made, or a service's data folder or a
+    /// copy of one, whose blobs must hash to their names; a file named after a digest must hash to it
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
     /// The folder of tables

@@ -5,8 +5,14 @@ use std::{ops::RangeInclusive, path::Path};
 use serde_json::json;
 
 use crate::{
-    CommandFailure, Context, Exit, args::PreviewArgs, fit::fit, input::AnyTable, output::OutputFile, print, progress,
-    shown, tabulated::recipe,
+    CommandFailure, Context, Exit,
+    args::PreviewArgs,
+    exit::{failed, usage},
+    fit::fit,
+    input::AnyTable,
+    output::OutputFile,
+    progress, shown,
+    tabulated::recipe,
 };
 use ltcforge_files::{container, digest::Digest};
 use ltcforge_fit::{BrdfKind, PerAxis, Plan, Table};
@@ -25,7 +31,7 @@ const TAKEN: [&str; 4] = ["rule", "cut", "size", "difference_scale"];
 const SIZES: RangeInclusive<u32> = 64..=512;
 
 /// Draws and writes the picture. Prints the errors to standard error, or as JSON to standard output.
-pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+pub(super) fn run(args: &PreviewArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let choices = choices(args)?;
     let out = OutputFile::check(&args.out)?;
     let Shown { table, digest, range } = match &args.table {
@@ -40,19 +46,17 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
     if table.brdf() != BrdfKind::Ggx {
         let message =
             format!("scene materials is of brdf ggx, and the table is of brdf {}: name another, or none", table.brdf());
-        return Err(CommandFailure::new(Exit::Usage, message));
+        return Err(usage(message));
     }
     let named = NamedTable { table: &table, digest: &digest.hex(), range: &range };
-    let drawn =
-        material_spheres(named, &choices).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
-    let failed = |error: ltcforge_view::picture::PngError| CommandFailure::new(Exit::Failed, error.to_string());
+    let drawn = material_spheres(named, &choices).map_err(usage)?;
     out.write(&drawn.picture.png().map_err(failed)?)?;
     let value = json!({
         "file": shown(&args.out), "table": digest, "adapter": "cpu",
         "width": drawn.picture.width, "height": drawn.picture.height, "errors": drawn.errors, "outside": drawn.outside,
     });
-    if json {
-        return print(context.stdout, true, &value, "").map(|()| Exit::Ok);
+    if context.json {
+        return context.print(&value, "");
     }
     eprintln!("adapter: cpu");
     eprintln!("table: {digest}");
@@ -79,8 +83,7 @@ fn fitted(context: &Context<'_>) -> Result<Shown, CommandFailure> {
     let table = fit(&Plan::new(&recipe), &bar, &context.interrupt);
     bar.finish_and_clear();
     let table = table.ok_or_else(CommandFailure::interrupted)?;
-    let file =
-        container::encode(&recipe, &table).map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
+    let file = container::encode(&recipe, &table).map_err(failed)?;
     Ok(Shown { table, digest: Digest::of(&file), range: recipe.range })
 }
 
@@ -116,7 +119,7 @@ fn choices(args: &PreviewArgs) -> Result<MaterialChoices, CommandFailure> {
     }
     let bounded = Scene { difference_scale: choices.difference_scale, ..Scene::default() };
     faults.extend(bounded.faults().iter().map(ToString::to_string));
-    if faults.is_empty() { Ok(choices) } else { Err(CommandFailure::new(Exit::Usage, faults.join("\n"))) }
+    if faults.is_empty() { Ok(choices) } else { Err(usage(faults.join("\n"))) }
 }
 
 /// A parameter's name as an option.

@@ -17,6 +17,7 @@ use std::ops::RangeInclusive;
 use self::strict::Strict;
 use crate::{
     digest::Digest,
+    json_size::JsonLimits,
     tabulated::{FindBrdf, no_files},
     text::{other_form, without_mark},
 };
@@ -26,6 +27,9 @@ pub use document::DEFAULT_ENTRY_LIMIT;
 pub use fault::Fault;
 pub use preset::Preset;
 pub use schema::schema;
+
+/// What a document may hold: twice the nodes of four full axes.
+const LIMITS: JsonLimits = JsonLimits { items: 1 << 12, values: 1 << 17 };
 
 /// Why a document is not a recipe.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -79,6 +83,7 @@ fn read(
     find: &FindBrdf<'_>,
 ) -> Result<Recipe, RecipeError> {
     let json = without_mark(json);
+    LIMITS.check(json).map_err(|error| RecipeError::Json(error.to_string()))?;
     let Strict(document) = serde_json::from_slice(json)
         .map_err(|error| RecipeError::Json(other_form(json).unwrap_or_else(|| error.to_string())))?;
     document::read(&document, entry_limit, fitters, find).map_err(RecipeError::Faults)

@@ -79,16 +79,13 @@ fn table(layout: Layout, resolution: [u32; 4]) -> Table {
 
 /// Mean errors of the light that metals reflect: by the edge of a model or table, by that which both parts of its light tell,
 /// and of the energy alone; over the same lights.
-fn errors(lighting: Lighting<'_>, lit: &[Lit], metal: [f64; 2]) -> [f64; 3] {
-    let ggx = BrdfModel::from(BrdfKind::Ggx);
-    let error = |lit: &Lit| {
+fn errors(lighting: Lighting<'_>, lit: &[(Lit, ReflectedLight, f64)], metal: [f64; 2]) -> [f64; 3] {
+    let error = |(lit, truth, true_edge): &(Lit, ReflectedLight, f64)| {
         let light = lit.light(Sides::Two);
         let [found, edge] = [lighting.reflected(&lit.at, &light), lighting.edge(&lit.at, &light).map(only)]
             .map(|found| found.expect("a surface"));
-        let truth = truth_of(&ggx, 1e-6, &lit.at, &light).expect("a surface");
-        let true_edge = edge_truth_of(&ggx, 1e-6, &lit.at, &light).expect("a surface");
         let [f0, tint] = metal;
-        let wanted = truth.metal(true_edge, [f0, 1.0], tint);
+        let wanted = truth.metal(*true_edge, [f0, 1.0], tint);
         let told = edge_of_parts([found.energy, found.fresnel]);
         let apart = [edge.energy, told].map(|edge| (found.metal(edge, [f0, 1.0], tint) - wanted).abs());
         [apart[0], apart[1], (found.energy - truth.energy).abs()]
@@ -104,7 +101,14 @@ fn only(energy: f64) -> ReflectedLight {
 /// A metal's light is off by no more than three and a half times what a perfect mirror's is.
 #[test]
 fn metals_are_lit_as_well_as_mirrors() {
-    let lit = Draw::many(212, COUNT, Roughness::All);
+    let ggx = BrdfModel::from(BrdfKind::Ggx);
+    let truth = |lit: Lit| {
+        let light = lit.light(Sides::Two);
+        let truth = truth_of(&ggx, 1e-6, &lit.at, &light).expect("a surface");
+        let edge = edge_truth_of(&ggx, 1e-6, &lit.at, &light).expect("a surface");
+        (lit, truth, edge)
+    };
+    let lit: Vec<_> = Draw::many(212, COUNT, Roughness::All).into_par_iter().map(truth).collect();
     let tables = [Layout::Reflected, Layout::Kt2022].map(|layout| table(layout, [10, 6, 9, 7]));
     let forms = NormalsRule::ALL.iter().map(|rule| {
         let form = LightModel::Normals.closed_form(Some(*rule)).expect("a formula");

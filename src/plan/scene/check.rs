@@ -5,8 +5,10 @@ use super::{
     error::{Faults, SceneError},
 };
 
-/// Nodes, materials, images and so on, of each list.
-const MOST_ITEMS: u64 = 1 << 20;
+/// Nodes, meshes, images and so on, of each list.
+const MOST_ITEMS: u64 = 1 << 18;
+/// Materials: each may gather 20 KB of views.
+const MOST_MATERIALS: u64 = 1 << 12;
 
 /// Checks the indices that graph and surface follow.
 pub(super) fn check(document: &Document) -> Result<(), SceneError> {
@@ -22,7 +24,8 @@ pub(super) fn check(document: &Document) -> Result<(), SceneError> {
         ("cameras", document.cameras.len()),
     ];
     for (name, length) in lists {
-        SceneError::above(format!("/{name}"), length as u64, MOST_ITEMS)?;
+        let most = if name == "materials" { MOST_MATERIALS } else { MOST_ITEMS };
+        SceneError::above(format!("/{name}"), length as u64, most)?;
     }
     let mut faults = Faults::default();
     let version = &document.asset.version;

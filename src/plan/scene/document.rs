@@ -7,6 +7,12 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, de::IgnoredAny};
 use serde_json::value::RawValue;
 
+use super::error::SceneError;
+use ltcforge_files::json_size::JsonLimits;
+
+/// What a document may hold. An object takes up to 0.4 KB, so all of them take up to 200 MB.
+const LIMITS: JsonLimits = JsonLimits { items: 1 << 19, values: 1 << 22 };
+
 /// Extensions by name, as text: they take no more memory than the document, whatever stands in them.
 pub(super) type Extensions = BTreeMap<String, Box<RawValue>>;
 
@@ -32,6 +38,23 @@ pub(super) struct Document {
     pub(super) cameras: Vec<Camera>,
 }
 
+impl Document {
+    /// Reads a document whose parts are no more than [`LIMITS`].
+    pub(super) fn parse(json: &[u8]) -> Result<Self, SceneError> {
+        parsed(json, LIMITS, "no glTF 2.0")
+    }
+}
+
+/// Reads JSON whose parts are no more than `limits`; `fault` is what it is otherwise.
+pub(super) fn parsed<'de, T: Deserialize<'de>>(
+    json: &'de [u8],
+    limits: JsonLimits,
+    fault: &str,
+) -> Result<T, SceneError> {
+    limits.check(json).map_err(|error| SceneError::fault("", error.to_string()))?;
+    serde_json::from_slice(json).map_err(|error| SceneError::fault("", format!("{fault}: {error}")))
+}
+
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Asset {
@@ -51,10 +74,11 @@ pub(super) struct Node {
     pub(super) children: Vec<usize>,
     pub(super) mesh: Option<usize>,
     pub(super) camera: Option<usize>,
-    pub(super) matrix: Option<[f64; 16]>,
-    pub(super) translation: Option<[f64; 3]>,
-    pub(super) rotation: Option<[f64; 4]>,
-    pub(super) scale: Option<[f64; 3]>,
+    // In boxes, because a document may have many nodes without them.
+    pub(super) matrix: Option<Box<[f64; 16]>>,
+    pub(super) translation: Option<Box<[f64; 3]>>,
+    pub(super) rotation: Option<Box<[f64; 4]>>,
+    pub(super) scale: Option<Box<[f64; 3]>>,
     /// Of the morph targets of its mesh.
     pub(super) weights: Vec<f64>,
     pub(super) extensions: Extensions,

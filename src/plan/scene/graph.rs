@@ -66,9 +66,10 @@ fn local(node: &Node) -> DMat4 {
     if let Some(matrix) = &node.matrix {
         return DMat4::from_cols_array(matrix);
     }
-    let [x, y, z, w] = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    let [x, y, z, w] = node.rotation.as_deref().copied().unwrap_or([0.0, 0.0, 0.0, 1.0]);
     let rotation = DQuat::from_xyzw(x, y, z, w);
     let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
-    let [scale, translation] = [node.scale.unwrap_or([1.0; 3]), node.translation.unwrap_or([0.0; 3])].map(DVec3::from);
+    let [scale, translation] = [(&node.scale, 1.0), (&node.translation, 0.0)]
+        .map(|(given, default)| given.as_deref().map_or(DVec3::splat(default), |of| DVec3::from(*of)));
     DMat4::from_scale_rotation_translation(scale, rotation, translation)
 }

@@ -6,6 +6,7 @@ use zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOpt
 use zune_jpeg::JpegDecoder;
 
 use super::error::SceneError;
+use ltcforge_files::bounded::check_jpeg;
 
 /// Pixels of one image, and of all that are kept.
 pub(super) const MOST_PIXELS: u64 = 1 << 26;
@@ -99,6 +100,8 @@ type PngDecoder<'a> = png::Decoder<Cursor<&'a [u8]>>;
 
 fn png_header<'a>(pointer: &str, bytes: &'a [u8]) -> Result<(PngDecoder<'a>, [usize; 2]), SceneError> {
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let info = decoder.read_header_info().map_err(|error| broken(pointer, "PNG", &error))?;
     let size = bounded(pointer, info.width.into(), info.height.into())?;
@@ -119,6 +122,7 @@ fn png(pointer: &str, bytes: &[u8]) -> Result<Decoded, SceneError> {
 type JpegBytes<'a> = JpegDecoder<ZCursor<&'a [u8]>>;
 
 fn jpeg_header<'a>(pointer: &str, bytes: &'a [u8]) -> Result<(JpegBytes<'a>, [usize; 2]), SceneError> {
+    check_jpeg(bytes).map_err(|error| broken(pointer, "JPEG", &error))?;
     let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(|error| broken(pointer, "JPEG", &error))?;

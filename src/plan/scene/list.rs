@@ -3,16 +3,19 @@
 use serde::Deserialize;
 
 use super::{
-    document::Material,
+    document::{Material, parsed},
     error::{Faults, SceneError, SceneFault},
     material::{LobeAt, LobeKind, Shaded},
     model::{Scene, SceneLobe, SceneMaterial},
 };
 use crate::histogram::{Histogram, Views};
+use ltcforge_files::json_size::JsonLimits;
 use ltcforge_fit::ALPHA_FLOOR;
 
 /// Materials of a list.
 const MOST_MATERIALS: u64 = 4096;
+/// What the document may hold: a material of glTF has up to a dozen objects and lists.
+const LIMITS: JsonLimits = JsonLimits { items: 1 << 16, values: 1 << 18 };
 /// The greatest weight.
 const MOST_WEIGHT: f64 = 1e9;
 
@@ -47,8 +50,7 @@ pub(super) fn read(json: &[u8]) -> Result<Scene, SceneError> {
         // Otherwise it would be read as a list of the document's fields.
         return Err(SceneError::fault("", "a bare list; the document is {\"materials\": [...]}"));
     }
-    let List { materials } = serde_json::from_slice(json)
-        .map_err(|error| SceneError::fault("", format!("no list of materials: {error}")))?;
+    let List { materials } = parsed(json, LIMITS, "no list of materials")?;
     SceneError::above("/materials", materials.len() as u64, MOST_MATERIALS)?;
     let mut faults = Faults::default();
     let mut scene = Scene::default();

@@ -67,8 +67,7 @@ impl Scene {
     }
 
     fn of_container(mut container: Container, go_on: &GoOn<'_>) -> Result<Self, SceneError> {
-        let document: Document = serde_json::from_slice(&container.json)
-            .map_err(|error| SceneError::fault("", format!("no glTF 2.0: {error}")))?;
+        let document = Document::parse(&container.json)?;
         check(&document)?;
         let graph = Graph::of(&document)?;
         let buffers = Buffers::read(&document, &mut container)?;

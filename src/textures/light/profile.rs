@@ -12,6 +12,8 @@ pub const PROFILE_FORMAT: &str = "IES LM-63";
 /// Most angles of an axis, and numbers of a file.
 const MOST_ANGLES: usize = 3600;
 const MOST_CANDELAS: usize = 1 << 20;
+/// Bytes of a file: more than as many numbers take.
+const MOST_BYTES: usize = 1 << 24;
 /// The numbers between the line TILT and the angles.
 const HEADER: usize = 13;
 
@@ -43,6 +45,9 @@ impl Profile {
     /// [`ProfileError`] with each fault: of the line TILT, of a number of the header, of the angles, of the candelas.
     pub fn parse(bytes: &[u8]) -> Result<Self, ProfileError> {
         let one = |fault: String| ProfileError(vec![fault]);
+        if bytes.len() > MOST_BYTES {
+            return Err(one(format!("{} bytes; at most {MOST_BYTES} are read", bytes.len())));
+        }
         let text = String::from_utf8_lossy(bytes);
         let at = text.find("TILT=").ok_or_else(|| one("there is no line TILT=".to_owned()))?;
         let (tilt, rest) = text[at + 5..].split_once('\n').unwrap_or((&text[at + 5..], ""));

@@ -1,6 +1,7 @@
 //! Errors over theta, to the right, and alpha, upwards: cells of colours between axes.
 
 use crate::picture::{Anchor, GROUND, LINE, Picture, colour, number, write};
+use ltcforge_fit::{ErrorMap, PerAxis};
 
 /// Pixels a side of all cells together, about.
 const SIDE: u32 = 400;
@@ -17,66 +18,53 @@ const NODE_COLOUR: [u8; 3] = [140, 140, 140];
 const ALPHAS: [f64; 8] = [0.001, 0.01, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0];
 const DEGREES: [f64; 7] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0];
 
-/// The axes of a chart.
-pub(super) struct Chart<'a> {
-    /// Cells a side.
-    pub(super) cells: usize,
-    /// The range of the rows, upwards: the square root of alpha.
-    pub(super) roughness: [f64; 2],
-    /// The range of the columns, radians.
-    pub(super) theta: [f64; 2],
-    /// A table's nodes, alpha and theta.
-    pub(super) nodes: [&'a [f64]; 2],
-    /// Colours run from the one error to the other, evenly in its logarithm.
-    pub(super) ends: [f64; 2],
+/// The errors at the ends of the colours, which run evenly in the logarithm.
+const ENDS: [f64; 2] = [1e-3, 1.0];
+
+/// Errors of a map, row by row from the smoothest surface, with their axes and ticks at a table's nodes.
+pub(super) fn draw(map: &ErrorMap, errors: &[f64], axes: &PerAxis<Vec<f64>>) -> Picture {
+    let cells = map.cells as u32;
+    let scale = SIDE / cells;
+    let side = cells * scale;
+    let mut picture = Picture::filled(LEFT + side + TICK, ABOVE + side + BELOW, GROUND);
+    for (index, error) in (0_u32..).zip(errors) {
+        let (column, row) = (index % cells, index / cells);
+        let cell = Picture::filled(scale, scale, colour(logarithmic(*error)));
+        picture.put(&cell, LEFT + column * scale, ABOVE + side - (row + 1) * scale);
+    }
+    let width = picture.width;
+    let place = |x: f64, [low, high]: [f64; 2]| {
+        let part = if high > low { (x - low) / (high - low) } else { 0.5 };
+        // A hair beyond an end is that end.
+        (-1e-6..=1.0 + 1e-6).contains(&part).then(|| (part * f64::from(side - 1)).round() as u32)
+    };
+    let up = |alpha: f64| place(alpha.sqrt(), map.roughness).map(|up| ABOVE + side - 1 - up);
+    let right = |theta: f64| place(theta, map.theta).map(|right| LEFT + right);
+    for y in axes.alpha.iter().filter_map(|alpha| up(*alpha)) {
+        picture.put(&Picture::filled(TICK / 2, 1, NODE_COLOUR), LEFT - TICK / 2, y);
+    }
+    for x in axes.theta.iter().filter_map(|theta| right(*theta)) {
+        picture.put(&Picture::filled(1, TICK / 2, NODE_COLOUR), x, ABOVE + side);
+    }
+    let alphas = labelled(&ALPHAS, map.roughness.map(|root| root * root), up);
+    for (alpha, y) in alphas {
+        picture.put(&Picture::filled(TICK, 1, TICK_COLOUR), LEFT - TICK, y);
+        write(&mut picture, &number(alpha as f32), LEFT - TICK - 4, y, Anchor::Right, width);
+    }
+    for (degrees, x) in labelled(&DEGREES, map.theta.map(f64::to_degrees), |degrees| right(degrees.to_radians())) {
+        picture.put(&Picture::filled(1, TICK, TICK_COLOUR), x, ABOVE + side);
+        write(&mut picture, &number(degrees as f32), x, ABOVE + side + TICK + LINE / 2, Anchor::Middle, width);
+    }
+    write(&mut picture, "alpha", LEFT - TICK - 4, LINE / 2, Anchor::Right, width);
+    let y = ABOVE + side + TICK + LINE + LINE / 2;
+    write(&mut picture, "theta, degrees", LEFT + side / 2, y, Anchor::Middle, width);
+    picture
 }
 
-impl Chart<'_> {
-    /// Errors with their axes, row by row from the smoothest surface.
-    pub(super) fn draw(&self, errors: &[f64]) -> Picture {
-        let cells = self.cells as u32;
-        let scale = SIDE / cells;
-        let side = cells * scale;
-        let mut picture = Picture::filled(LEFT + side + TICK, ABOVE + side + BELOW, GROUND);
-        for (index, error) in (0_u32..).zip(errors) {
-            let (column, row) = (index % cells, index / cells);
-            let cell = Picture::filled(scale, scale, colour(self.logarithmic(*error)));
-            picture.put(&cell, LEFT + column * scale, ABOVE + side - (row + 1) * scale);
-        }
-        let width = picture.width;
-        let place = |x: f64, [low, high]: [f64; 2]| {
-            let part = if high > low { (x - low) / (high - low) } else { 0.5 };
-            // A hair beyond an end is that end.
-            (-1e-6..=1.0 + 1e-6).contains(&part).then(|| (part * f64::from(side - 1)).round() as u32)
-        };
-        let up = |alpha: f64| place(alpha.sqrt(), self.roughness).map(|up| ABOVE + side - 1 - up);
-        let right = |theta: f64| place(theta, self.theta).map(|right| LEFT + right);
-        for y in self.nodes[0].iter().filter_map(|alpha| up(*alpha)) {
-            picture.put(&Picture::filled(TICK / 2, 1, NODE_COLOUR), LEFT - TICK / 2, y);
-        }
-        for x in self.nodes[1].iter().filter_map(|theta| right(*theta)) {
-            picture.put(&Picture::filled(1, TICK / 2, NODE_COLOUR), x, ABOVE + side);
-        }
-        let alphas = labelled(&ALPHAS, self.roughness.map(|root| root * root), up);
-        for (alpha, y) in alphas {
-            picture.put(&Picture::filled(TICK, 1, TICK_COLOUR), LEFT - TICK, y);
-            write(&mut picture, &number(alpha as f32), LEFT - TICK - 4, y, Anchor::Right, width);
-        }
-        for (degrees, x) in labelled(&DEGREES, self.theta.map(f64::to_degrees), |degrees| right(degrees.to_radians())) {
-            picture.put(&Picture::filled(1, TICK, TICK_COLOUR), x, ABOVE + side);
-            write(&mut picture, &number(degrees as f32), x, ABOVE + side + TICK + LINE / 2, Anchor::Middle, width);
-        }
-        write(&mut picture, "alpha", LEFT - TICK - 4, LINE / 2, Anchor::Right, width);
-        let y = ABOVE + side + TICK + LINE + LINE / 2;
-        write(&mut picture, "theta, degrees", LEFT + side / 2, y, Anchor::Middle, width);
-        picture
-    }
-
-    /// The place of an error between the ends of the colours.
-    fn logarithmic(&self, error: f64) -> f32 {
-        let [low, high] = self.ends;
-        (libm::log(error.max(low) / low) / libm::log(high / low)) as f32
-    }
+/// The place of an error between the ends of the colours.
+fn logarithmic(error: f64) -> f32 {
+    let [low, high] = ENDS;
+    (libm::log(error.max(low) / low) / libm::log(high / low)) as f32
 }
 
 /// The ticks that an axis has a place for, each with its place and no closer than two lines to the one before; both

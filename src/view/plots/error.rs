@@ -2,14 +2,12 @@
 
 use serde_json::json;
 
-use super::{ErrorSlice, chart::Chart};
+use super::{ErrorSlice, chart};
 use crate::picture::{Panel, Picture, bar, colour, grid, headed, number};
 use ltcforge_fit::{ErrorMap, GoOn, Table, error_map_while};
 
 /// Configurations measured a side: about four to a cell of the default table.
 pub(super) const CELLS: usize = 40;
-/// The errors at the ends of the colours.
-const ENDS: [f64; 2] = [1e-3, 1.0];
 
 /// Both errors side by side; `None` as soon as `go_on` says no.
 pub(super) fn draw_while(go_on: &GoOn, table: &Table, name: &str, slice: ErrorSlice) -> Option<Picture> {
@@ -38,11 +36,9 @@ pub fn error_numbers_while(go_on: &GoOn, table: &Table, slice: ErrorSlice) -> Op
 }
 
 fn shown(map: &ErrorMap, table: &Table, name: &str) -> Picture {
-    let nodes = [&table.axes.alpha, &table.axes.theta].map(Vec::as_slice);
-    let chart = Chart { cells: CELLS, roughness: map.roughness, theta: map.theta, nodes, ends: ENDS };
     let panels = [("distance, % of the lobe's width", &map.width), ("light, % of the lobe", &map.light)].map(
         |(title, errors)| {
-            let picture = chart.draw(errors);
+            let picture = chart::draw(map, errors, &table.axes);
             let foot = bar(picture.width, colour, ["0.1 %", "100 %"], &["logarithmic"]);
             Panel { title, picture, foot }
         },

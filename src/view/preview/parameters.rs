@@ -32,6 +32,13 @@ macro_rules! listed {
     };
 }
 
+/// A parameter that is one number.
+macro_rules! number {
+    ($name:literal, $help:literal, $unit:expr, $bounds:expr, $($field:ident).+) => {
+        numbers($name, $help, "X", $unit, $bounds, |s| slice::from_mut(&mut s.$($field).+))
+    };
+}
+
 /// Every parameter. They are set in this order: the named scene first, then the parameters that differ from it.
 pub static PARAMETERS: [Parameter; 30] = [
     name(
@@ -95,7 +102,7 @@ pub static PARAMETERS: [Parameter; 30] = [
     numbers("light_rotation", "Turn of the light from facing the origin", "YAW,PITCH,ROLL", RAD, TURN, |s| {
         &mut s.light.rotation
     }),
-    number("light_intensity", "Radiance of the light", None, [0.0, 1e4], |s| one(&mut s.light.intensity)),
+    number!("light_intensity", "Radiance of the light", None, [0.0, 1e4], light.intensity),
     flag("light_two_sided", "Whether the back of a flat light emits too", |s| &mut s.light.two_sided),
     name(
         "light_picture",
@@ -105,16 +112,14 @@ pub static PARAMETERS: [Parameter; 30] = [
         |s, i| s.picture = ScenePicture::NAMED[i].1.clone(),
     ),
     listed!("light_readings", "How often models read the picture for a point", Readings::ALL, readings),
-    number("camera_distance", "Distance of the camera from its target", RADII, [NEAREST, PLACE], |s| {
-        one(&mut s.camera.distance)
-    }),
-    number("camera_azimuth", "Angle of the camera about the vertical", RAD, TURN, |s| one(&mut s.camera.azimuth)),
-    number(
+    number!("camera_distance", "Distance of the camera from its target", RADII, [NEAREST, PLACE], camera.distance),
+    number!("camera_azimuth", "Angle of the camera about the vertical", RAD, TURN, camera.azimuth),
+    number!(
         "camera_elevation",
         "Angle of the camera above the horizontal; a floor is seen only from above",
         RAD,
         [-QUARTER, QUARTER],
-        |s| one(&mut s.camera.elevation),
+        camera.elevation
     ),
     Parameter {
         name: "camera_target",
@@ -123,13 +128,17 @@ pub static PARAMETERS: [Parameter; 30] = [
         unit: RADII,
         form: ParameterForm::Point(FARTHEST_TARGET, |s| &mut s.camera.target),
     },
-    number("field_of_view", "Whole angle of view", RAD, [0.01, 2.5], |s| one(&mut s.camera.field_of_view)),
-    number("theta", "Polar angle of the view direction in mode lobe", RAD, [0.0, QUARTER], |s| one(&mut s.lobe.theta)),
-    number("phi", "Azimuth of the view direction in mode lobe", RAD, TURN, |s| one(&mut s.lobe.phi)),
-    number("exposure", "Factor on radiance before it is displayed", None, [1e-4, 1e4], |s| one(&mut s.exposure)),
-    number("difference_scale", "Difference in radiance at the end of the colour bar", None, [1e-6, 1e4], |s| {
-        one(&mut s.difference_scale)
-    }),
+    number!("field_of_view", "Whole angle of view", RAD, [0.01, 2.5], camera.field_of_view),
+    number!("theta", "Polar angle of the view direction in mode lobe", RAD, [0.0, QUARTER], lobe.theta),
+    number!("phi", "Azimuth of the view direction in mode lobe", RAD, TURN, lobe.phi),
+    number!("exposure", "Factor on radiance before it is displayed", None, [1e-4, 1e4], exposure),
+    number!(
+        "difference_scale",
+        "Difference in radiance at the end of the colour bar",
+        None,
+        [1e-6, 1e4],
+        difference_scale
+    ),
 ];
 
 const RAD: Option<&str> = Some("rad");
@@ -163,16 +172,6 @@ const fn alpha(name: &'static str, help: &'static str, field: fn(&mut Material) 
     Parameter { name, help, value_name: "X", unit: None, form: ParameterForm::OfOneMaterial([0.0, 1.0], field) }
 }
 
-const fn number(
-    name: &'static str,
-    help: &'static str,
-    unit: Option<&'static str>,
-    bounds: [f64; 2],
-    field: fn(&mut Scene) -> &mut [f64],
-) -> Parameter {
-    numbers(name, help, "X", unit, bounds, field)
-}
-
 const fn numbers(
     name: &'static str,
     help: &'static str,
@@ -182,10 +181,6 @@ const fn numbers(
     field: fn(&mut Scene) -> &mut [f64],
 ) -> Parameter {
     Parameter { name, help, value_name, unit, form: ParameterForm::Numbers(bounds, field) }
-}
-
-fn one(number: &mut f64) -> &mut [f64] {
-    slice::from_mut(number)
 }
 
 #[cfg(test)]

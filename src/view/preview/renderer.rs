@@ -164,17 +164,6 @@ impl Preview {
             failure => PreviewError::Gpu(failure.to_string()),
         })
     }
-
-    #[cfg(test)]
-    pub(super) fn lose_device(&mut self) {
-        self.gpu.lose();
-    }
-
-    /// Has the GPU fail once it has rendered so many times more.
-    #[cfg(test)]
-    pub(super) fn fail_after(&mut self, times: u32) {
-        self.gpu.fail_after(times);
-    }
 }
 
 /// Renders a picture on the GPU, or on the CPU, which fails only where it is told to stop.

@@ -63,18 +63,13 @@ impl ScenePicture {
 /// A test card: a grid, and in a circle a heading, coloured bars, stripes and grey steps.
 fn television([u, v]: [f32; 2]) -> [f32; 3] {
     let (x, y) = ((u - 0.5) * ASPECT, v - 0.5);
+    let grey = |is_white: bool| if is_white { WHITE } else { BLACK };
     if x * x + y * y > 0.45 * 0.45 {
         let is_border = x.abs() > 0.5 * ASPECT - 0.04 || y.abs() > 0.46;
         let is_even = ((x * 9.0).floor() + (y * 9.0).floor()).rem_euclid(2.0) == 0.0;
         let on_line = |p: f32| (p * 9.0 - (p * 9.0).round()).abs() < 0.06;
         return match (is_border, on_line(x) || on_line(y)) {
-            (true, _) => {
-                if is_even {
-                    WHITE
-                } else {
-                    BLACK
-                }
-            }
+            (true, _) => grey(is_even),
             (false, true) => WHITE,
             (false, false) => [0.10, 0.12, 0.16],
         };
@@ -84,13 +79,7 @@ fn television([u, v]: [f32; 2]) -> [f32; 3] {
         ..-0.28 => WHITE,
         ..-0.20 => BLACK,
         ..0.10 => BARS[((across * 7.0) as usize).min(6)],
-        ..0.22 => {
-            if (across * across * 40.0).fract() < 0.5 {
-                WHITE
-            } else {
-                BLACK
-            }
-        }
+        ..0.22 => grey((across * across * 40.0).fract() < 0.5),
         ..0.34 => [(across * 6.0).floor() / 5.0; 3],
         _ => [0.85, 0.35, 0.05],
     }

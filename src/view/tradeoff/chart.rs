@@ -6,10 +6,9 @@ use super::{
     axis::LogAxis,
     front,
     label::{Area, places},
-    mark::{Kind, MARK, mark, shipped},
+    mark::{Kind, MARK, diamond, mark},
     number::rounded,
 };
-use ltcforge_fit::Layout;
 
 /// Width of a chart, and the part of it at the left that is kept for what costs nothing.
 pub(super) const WIDTH: f64 = 480.0;
@@ -22,20 +21,25 @@ const NAME_HEIGHT: f64 = 15.0;
 /// The radius of the ring around a preset.
 const RING: f64 = 7.5;
 
-/// Errors over prices.
-pub(super) struct Chart {
-    pub(super) left: f64,
+/// A line of charts.
+pub(super) struct Line {
     pub(super) top: f64,
     pub(super) height: f64,
-    pub(super) title: &'static str,
-    pub(super) unit: &'static str,
-    pub(super) error_unit: String,
-    pub(super) points: Vec<Point>,
-    pub(super) write_tick: fn(f64) -> String,
+    pub(super) error_unit: &'static str,
     /// Factor on errors where they are written.
     pub(super) error_scale: f64,
     /// Errors of more than so many times the least are drawn at the upper edge.
     pub(super) most_error: f64,
+}
+
+/// Errors over prices.
+pub(super) struct Chart {
+    pub(super) line: Line,
+    pub(super) left: f64,
+    pub(super) title: &'static str,
+    pub(super) unit: &'static str,
+    pub(super) points: Vec<Point>,
+    pub(super) write_tick: fn(f64) -> String,
 }
 
 /// A point of a chart.
@@ -45,7 +49,7 @@ pub(super) struct Point {
     pub(super) kind: Kind,
     pub(super) is_f16: bool,
     /// The price of the table as it ships, which has a second mark.
-    pub(super) shipped: Option<(f64, Layout)>,
+    pub(super) shipped: Option<f64>,
     pub(super) name: Option<String>,
     pub(super) is_preset: bool,
     /// Whether it is on the front of the presets' resolution and precision.
@@ -55,13 +59,13 @@ pub(super) struct Point {
 impl Chart {
     /// Writes it as SVG. Points on a front and closed forms are drawn full, others faint; presets are ringed.
     pub(super) fn write(&self, out: &mut String) -> std::fmt::Result {
-        let Self { left, top, height, title, unit, error_unit, points, .. } = self;
+        let Self { line: Line { top, height, error_unit, error_scale, most_error }, left, title, unit, points, .. } =
+            self;
         let (bottom, right, middle) = (top + height, left + WIDTH, left + 0.5 * WIDTH);
-        let prices =
-            || points.iter().flat_map(|point| [Some(point.price), point.shipped.map(|(price, _)| price)]).flatten();
+        let prices = || points.iter().flat_map(|point| [Some(point.price), point.shipped]).flatten();
         let has_free = prices().any(|price| price == 0.0);
         let x_axis = LogAxis::over(prices(), [if has_free { left + FREE } else { *left }, right]);
-        let most = self.most_error * points.iter().map(|point| point.error).fold(f64::INFINITY, f64::min);
+        let most = most_error * points.iter().map(|point| point.error).fold(f64::INFINITY, f64::min);
         let y_axis = LogAxis::over(points.iter().map(|point| point.error.min(most)), [bottom, *top]);
         let x_of = |price: f64| if price > 0.0 { x_axis.at(price) } else { left + 0.5 * FREE };
 
@@ -73,7 +77,7 @@ impl Chart {
             writeln!(out, r#"<text class="middle" x="{x:.1}" y="{}">{label}</text>"#, bottom + 18.0)?;
         }
         for tick in y_axis.ticks() {
-            let (y, label) = (y_axis.at(tick), rounded(self.error_scale * tick));
+            let (y, label) = (y_axis.at(tick), rounded(error_scale * tick));
             writeln!(out, r#"<path class="grid" d="M{left} {y:.1}h{WIDTH}"/>"#)?;
             writeln!(out, r#"<text class="end" x="{}" y="{:.1}">{label}</text>"#, left - 7.0, y + 4.5)?;
         }
@@ -95,26 +99,26 @@ impl Chart {
             let faint = if is_full { "" } else { " off" };
             let precision = if point.is_f16 { " f16" } else { "" };
             mark(out, [*x, *y], point.kind, &format!("{precision}{faint}"))?;
-            if let Some((price, layout)) = point.shipped {
-                shipped(out, [x_of(price), *y], layout, faint)?;
+            if let Some(price) = point.shipped {
+                diamond(out, [x_of(price), *y], point.kind, faint)?;
             }
             if point.is_preset {
                 writeln!(out, r#"<circle class="preset" cx="{x:.1}" cy="{y:.1}" r="{RING}"/>"#)?;
             }
         }
-        self.write_names(out, &at, &fronts.map(|(_, corners)| corners).concat())
+        self.write_names(out, &at, &fronts.map(|(_, corners)| corners))
     }
 
     /// Writes names where they hide neither each other, nor a mark, nor a front.
-    fn write_names(&self, out: &mut String, at: &[[f64; 2]], corners: &[[f64; 2]]) -> std::fmt::Result {
+    fn write_names(&self, out: &mut String, at: &[[f64; 2]], fronts: &[Vec<[f64; 2]>]) -> std::fmt::Result {
         let points = || self.points.iter().zip(at);
         let marks = points().map(|(point, at)| Area::around(*at, if point.is_preset { RING } else { MARK } + 1.0));
-        let lines = corners.windows(2).map(|ends| Area::along(ends[0], ends[1], 1.0));
+        let lines = fronts.iter().flat_map(|corners| corners.windows(2)).map(|ends| Area::along(ends[0], ends[1], 1.0));
         let taken: Vec<Area> = marks.chain(lines).collect();
         let named: Vec<_> = points().filter_map(|(point, at)| Some((point.name.as_ref()?, *at))).collect();
         let (names, places_of): (Vec<&String>, Vec<[f64; 2]>) = named.into_iter().unzip();
         let sizes: Vec<[f64; 2]> = names.iter().map(|name| [LETTER * name.len() as f64, NAME_HEIGHT]).collect();
-        let frame = Area { left: self.left, top: self.top, width: WIDTH, height: self.height };
+        let frame = Area { left: self.left, top: self.line.top, width: WIDTH, height: self.line.height };
         for ((name, [x, y]), area) in names.iter().zip(&places_of).zip(places(&places_of, &sizes, &taken, &frame)) {
             let Some(area) = area else { continue };
             let near = [x.clamp(area.left, area.left + area.width), y.clamp(area.top, area.top + area.height)];

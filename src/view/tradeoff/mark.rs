@@ -17,29 +17,32 @@ pub(super) enum Kind {
 
 /// The mark of a table or a closed form; `classes` begin with a space.
 pub(super) fn mark(out: &mut String, [x, y]: [f64; 2], kind: Kind, classes: &str) -> std::fmt::Result {
-    let number = match kind {
-        Kind::Table(layout) => layout as usize,
-        Kind::ClosedForm(model) => {
-            let class = if model == LightModel::Normals { "normals" } else { "gaussian" };
-            return diamond(out, [x, y], class, classes);
+    let class = class(kind);
+    match kind {
+        Kind::ClosedForm(_) => diamond(out, [x, y], kind, classes),
+        Kind::Table(layout) if layout == Layout::ALL[0] => {
+            writeln!(out, r#"<circle class="{class}{classes}" cx="{x:.1}" cy="{y:.1}" r="{MARK}"/>"#)
         }
-    };
-    if number == 0 {
-        return writeln!(out, r#"<circle class="layout0{classes}" cx="{x:.1}" cy="{y:.1}" r="{MARK}"/>"#);
+        Kind::Table(_) => {
+            let side = 2.0 * MARK - 1.0;
+            let (left, top) = (x - 0.5 * side, y - 0.5 * side);
+            writeln!(
+                out,
+                r#"<rect class="{class}{classes}" x="{left:.1}" y="{top:.1}" width="{side}" height="{side}"/>"#
+            )
+        }
     }
-    let side = 2.0 * MARK - 1.0;
-    let (left, top) = (x - 0.5 * side, y - 0.5 * side);
-    writeln!(
-        out,
-        r#"<rect class="layout{number}{classes}" x="{left:.1}" y="{top:.1}" width="{side}" height="{side}"/>"#
-    )
 }
 
-/// The mark of the size that ships of a table.
-pub(super) fn shipped(out: &mut String, at: [f64; 2], layout: Layout, classes: &str) -> std::fmt::Result {
-    diamond(out, at, &format!("layout{}", layout as usize), classes)
+/// The mark of a closed form, and of the size that ships of a table.
+pub(super) fn diamond(out: &mut String, [x, y]: [f64; 2], kind: Kind, classes: &str) -> std::fmt::Result {
+    writeln!(out, r#"<path class="{}{classes}" d="M{:.1} {y:.1}l4 -4l4 4l-4 4Z"/>"#, class(kind), x - MARK)
 }
 
-fn diamond(out: &mut String, [x, y]: [f64; 2], class: &str, classes: &str) -> std::fmt::Result {
-    writeln!(out, r#"<path class="{class}{classes}" d="M{:.1} {y:.1}l4 -4l4 4l-4 4Z"/>"#, x - MARK)
+fn class(kind: Kind) -> String {
+    match kind {
+        Kind::Table(layout) => format!("layout{}", layout as usize),
+        Kind::ClosedForm(LightModel::Normals) => "normals".to_owned(),
+        Kind::ClosedForm(_) => "gaussian".to_owned(),
+    }
 }

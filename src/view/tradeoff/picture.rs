@@ -4,8 +4,8 @@
 use std::fmt::Write as _;
 
 use super::{
-    FittedRecipe, ModelRows,
-    chart::{Chart, Point},
+    FittedRecipe, ModelRow, ModelRows,
+    chart::{Chart, Line, Point},
     mark::{Kind, mark},
     number::{bytes, rounded},
 };
@@ -13,12 +13,23 @@ use ltcforge_fit::{Layout, Precision};
 
 const WIDTH: f64 = 1120.0;
 const HEIGHT: f64 = 960.0;
-/// Tops and heights of both lines of charts, and left ends of their charts.
-const TOP: [f64; 2] = [74.0, 590.0];
-const CHART_HEIGHT: [f64; 2] = [420.0, 300.0];
+/// Left ends of the charts of a line.
 const LEFT: [f64; 2] = [64.0, 624.0];
-/// Errors of lobes beyond so many times the least are drawn at the edge: they would take most of the axis.
-const MOST_ERROR: f64 = 4.0;
+/// Errors of lobes beyond four times the least would take most of the axis.
+const LOBES: Line = Line {
+    top: 74.0,
+    height: 420.0,
+    error_unit: "mean error between nodes, of the lobe's width",
+    error_scale: 1.0,
+    most_error: 4.0,
+};
+const LIGHT: Line = Line {
+    top: 590.0,
+    height: 300.0,
+    error_unit: "mean error of random lights, thousandths",
+    error_scale: 1e3,
+    most_error: f64::INFINITY,
+};
 
 /// Light and dark colours in one file; the viewer's preference picks.
 const STYLE: &str = include_str!("picture.css");
@@ -40,72 +51,56 @@ fn write_picture(out: &mut String, rows: &[FittedRecipe], models: &ModelRows) ->
     writeln!(out, "<style>\n{STYLE}</style>")?;
     writeln!(out, r#"<rect class="paper" width="{WIDTH}" height="{HEIGHT}"/>"#)?;
     write_legend(out, rows)?;
-    let of_lobes = |title, unit, column: usize, points: Vec<Point>, write_tick| Chart {
-        left: LEFT[column],
-        top: TOP[0],
-        height: CHART_HEIGHT[0],
-        title,
-        unit,
-        error_unit: "mean error between nodes, of the lobe's width".to_owned(),
-        points,
-        write_tick,
-        error_scale: 1.0,
-        most_error: MOST_ERROR,
-    };
-    let of_light = |title, unit, column: usize, points: Vec<Point>, write_tick| Chart {
-        left: LEFT[column],
-        top: TOP[1],
-        height: CHART_HEIGHT[1],
-        error_unit: format!("mean error of {} lights, thousandths", models.lights),
-        error_scale: 1e3,
-        most_error: f64::INFINITY,
-        ..of_lobes(title, unit, column, points, write_tick)
-    };
-    let plain: fn(f64) -> String = |tick| rounded(tick).to_string();
-    let seconds = rows.iter().map(|row| Point {
+    let preset = |row: &FittedRecipe, price: f64| Point {
         name: row.preset.map(str::to_owned),
         is_preset: row.preset.is_some(),
-        is_on_base_front: row.on_front.base,
-        ..of_row(row, row.seconds, row.error_mean)
-    });
-    let shipped = rows.iter().map(|row| Point {
-        name: row.preset.map(str::to_owned),
-        is_preset: row.preset.is_some(),
-        shipped: row.compact_bytes.map(|bytes| (bytes as f64, row.layout)),
-        ..of_row(row, row.bytes as f64, row.error_mean)
-    });
-    let of_models = |price: fn(&super::ModelRow) -> Option<f64>| {
+        ..of_row(row, price, row.error_mean)
+    };
+    let by_seconds = rows.iter().map(|row| Point { is_on_base_front: row.on_front.base, ..preset(row, row.seconds) });
+    let shipped = |row: &FittedRecipe| row.compact_bytes.map(|bytes| bytes as f64);
+    let by_bytes = rows.iter().map(|row| Point { shipped: shipped(row), ..preset(row, row.bytes as f64) });
+    let of_models = |price: fn(&ModelRow) -> Option<f64>| {
         models.rows.iter().filter_map(move |row| {
             let kind = row.layout.map_or(Kind::ClosedForm(row.model), Kind::Table);
             Some(Point { name: Some(row.name()), ..point(kind, price(row)?, row.light_error.mean) })
         })
     };
-    let instructions = of_models(|row| row.gpu_cost.map(|cost| f64::from(cost.instructions)));
+    let light_by_instructions = of_models(|row| row.gpu_cost.map(|cost| f64::from(cost.instructions)));
     let tables = rows.iter().map(|row| of_row(row, row.bytes as f64, row.light_mean));
-    let by_bytes = of_models(|row| Some(row.gpu_bytes as f64)).chain(tables);
+    let light_by_bytes = of_models(|row| Some(row.gpu_bytes as f64)).chain(tables);
     let charts = [
-        of_lobes(
-            "Error against seconds",
-            "seconds of the fit, every thread on a core of its own",
-            0,
-            seconds.collect(),
-            plain,
-        ),
-        of_lobes(
-            "Error against bytes",
-            "bytes of the numbers on the GPU; diamonds: of the compact form, to ship",
-            1,
-            shipped.collect(),
-            bytes,
-        ),
-        of_light(
-            "Light against instructions",
-            "instructions of one rectangle on a GPU",
-            0,
-            instructions.collect(),
-            plain,
-        ),
-        of_light("Light against bytes", "bytes of the numbers on the GPU", 1, by_bytes.collect(), bytes),
+        Chart {
+            line: LOBES,
+            left: LEFT[0],
+            title: "Error against seconds",
+            unit: "seconds of the fit, every thread on a core of its own",
+            points: by_seconds.collect(),
+            write_tick: |tick| rounded(tick).to_string(),
+        },
+        Chart {
+            line: LOBES,
+            left: LEFT[1],
+            title: "Error against bytes",
+            unit: "bytes of the numbers on the GPU; diamonds: of the compact form, to ship",
+            points: by_bytes.collect(),
+            write_tick: bytes,
+        },
+        Chart {
+            line: LIGHT,
+            left: LEFT[0],
+            title: "Light against instructions",
+            unit: "instructions of one rectangle on a GPU",
+            points: light_by_instructions.collect(),
+            write_tick: |tick| rounded(tick).to_string(),
+        },
+        Chart {
+            line: LIGHT,
+            left: LEFT[1],
+            title: "Light against bytes",
+            unit: "bytes of the numbers on the GPU",
+            points: light_by_bytes.collect(),
+            write_tick: bytes,
+        },
     ];
     charts.iter().try_for_each(|chart| chart.write(out))?;
     writeln!(out, "</svg>")
@@ -189,7 +184,7 @@ mod tests {
             row(23.0, 0.049, Some("best")),
             row(0.5, 0.07, None),
         ];
-        let edge = format!("cy=\"{:.1}\"", TOP[0]);
+        let edge = format!("cy=\"{:.1}\"", LOBES.top);
         let before = picture(&rows, &models());
         assert!(!before.contains(&edge), "{before}");
         rows.push(row(2.0, 0.934, None));

@@ -11,8 +11,39 @@ use ::exr::{
 
 use super::{Curve, Decoded, LightFileError, PictureFormat, Wanted, from_floats};
 
+/// Bytes and attributes of all headers: the crate keeps each attribute in up to a kilobyte.
+const MOST_HEADER_BYTES: usize = 1 << 22;
+const MOST_ATTRIBUTES: usize = 1 << 12;
+
+/// Checks the size of the headers before the crate keeps them. An attribute is its name and its type, each with a zero behind it,
+/// the length of its value, and that. A zero ends a header; in a file of several parts, one more ends the last.
+fn check_headers(bytes: &[u8]) -> Result<(), String> {
+    let too_long = || format!("its headers have no end within {MOST_HEADER_BYTES} bytes");
+    let is_of_parts = bytes.get(5).is_some_and(|flags| flags & 0x10 != 0);
+    let mut rest = bytes.get(8..bytes.len().min(MOST_HEADER_BYTES)).ok_or_else(too_long)?;
+    let mut was_end = false;
+    for _ in 0..MOST_ATTRIBUTES {
+        let is_end = rest.first() == Some(&0);
+        if is_end && (was_end || !is_of_parts) {
+            return Ok(());
+        }
+        was_end = is_end;
+        rest = if is_end { &rest[1..] } else { after_attribute(rest).ok_or_else(too_long)? };
+    }
+    Err(format!("its headers have more than {MOST_ATTRIBUTES} attributes"))
+}
+
+fn after_attribute(bytes: &[u8]) -> Option<&[u8]> {
+    let after_text = |bytes: &'_ [u8]| bytes.iter().position(|byte| *byte == 0).map(|end| end + 1);
+    let of_type = after_text(bytes)?;
+    let value = of_type + after_text(&bytes[of_type..])?;
+    let (length, rest) = bytes[value..].split_first_chunk()?;
+    rest.get(usize::try_from(i32::from_le_bytes(*length)).ok()?..)
+}
+
 pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileError> {
     let wrong = |error: Error| LightFileError::broken(PictureFormat::Exr, error);
+    check_headers(bytes).map_err(|reason| LightFileError::broken(PictureFormat::Exr, reason))?;
     let meta = MetaData::read_from_buffered(bytes, false).map_err(wrong)?;
     for header in &meta.headers {
         wanted.bounded(header.layer_size.width() as u64, header.layer_size.height() as u64)?;

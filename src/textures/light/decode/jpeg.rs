@@ -3,10 +3,13 @@
 use zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions};
 use zune_jpeg::JpegDecoder;
 
+use ltcforge_files::bounded::check_jpeg;
+
 use super::{Curve, Decoded, LightFileError, PictureFormat, Wanted, from_bytes};
 
 pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileError> {
     let wrong = |reason: &dyn std::fmt::Display| LightFileError::broken(PictureFormat::Jpeg, reason);
+    check_jpeg(bytes).map_err(|error| wrong(&error))?;
     // Half a picture is an error, not a picture that is half grey.
     let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB).set_strict_mode(true);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);

@@ -15,6 +15,9 @@ const SAME_GAMMA: f64 = 1e-3;
 pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileError> {
     let wrong = |error: DecodingError| LightFileError::broken(PictureFormat::Png, error);
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: MOST_BYTES });
+    // No curve is read off them, and each is kept.
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
     decoder.set_transformations(Transformations::EXPAND);
     let header = decoder.read_header_info().map_err(wrong)?;
     let size = wanted.bounded(header.width.into(), header.height.into())?;

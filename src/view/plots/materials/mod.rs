@@ -89,14 +89,16 @@ pub fn material_spheres(named: NamedTable<'_>, choices: &MaterialChoices) -> Res
     let by_table = Lighting::Table(table, TableUse { cut, blend: second == Some(SecondLobe::Blended) });
     let lobe = table.lobe.name().to_uppercase();
     let lobes = if second.is_some() { ", two lobes an entry" } else { "" };
-    let by_table = Some((by_table, LightModel::of_lobe(table.lobe), lobe.clone()));
-    let long = [
+    let mut models = vec![(
+        by_table,
+        LightModel::of_lobe(table.lobe),
+        lobe.clone(),
         format!("{lobe}, table {}{lobes}", short_digest(digest)),
-        format!("normals, rule {rule}: no table; glass by its own closed form"),
-    ];
-    let normals = LightModel::Normals;
-    let by_formula =
-        normals.closed_form(Some(rule)).map(|form| (Lighting::ClosedForm(form), normals, normals.to_string()));
+    )];
+    if let Some(form) = LightModel::Normals.closed_form(Some(rule)) {
+        let long = format!("normals, rule {rule}: no table; glass by its own closed form");
+        models.push((Lighting::ClosedForm(form), LightModel::Normals, "normals".to_owned(), long));
+    }
 
     let truth = spheres(Way::Truth, size)?;
     let mut parts = vec![
@@ -104,7 +106,7 @@ pub fn material_spheres(named: NamedTable<'_>, choices: &MaterialChoices) -> Res
         row(&["truth: each material's own formula, by quadrature", "truth"], size, &truth, Sphere::shown),
     ];
     let mut errors = Vec::new();
-    for ((lighting, model, short), long) in [by_table, by_formula].into_iter().flatten().zip(long) {
+    for (lighting, model, short, long) in models {
         let lit = spheres(Way::Model(lighting), size)?;
         parts.push(row(&[&long, &short], size, &lit, Sphere::shown));
         let pairs: Vec<_> = lit.iter().zip(&truth).map(|(lit, truth)| lit.as_ref().zip(truth.as_ref())).collect();

@@ -2,14 +2,12 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::ggx::{ColouredParts, HORIZON, Shaded, hash, point};
+use super::ggx::{ColouredParts, HORIZON, Shaded, point, seeds};
 use crate::preview::frame::FrameLight;
 use ltcforge_fit::{
     brdf::{Brdf, BrdfModel, BrdfSample, cos_theta_d},
     math::SquarePoint,
 };
-
-const STEP: u32 = 0x9e37_79b9;
 
 fn surface(brdf: &BrdfModel, alpha: Vec2) -> Box<dyn Brdf> {
     brdf.surface([alpha.x.into(), alpha.y.into()])
@@ -30,10 +28,7 @@ pub(super) fn reference(
     samples: u32,
     key: u32,
 ) -> ColouredParts {
-    let a = hash(key);
-    let b = hash(a ^ STEP);
-    let c = hash(b ^ STEP);
-    let d = hash(c ^ STEP);
+    let [a, b, c, d] = seeds(key);
     let surface = surface(brdf, at.alpha);
     let wo = at.wo.as_dvec3().normalize();
     let points: Vec<SquarePoint> = (0..samples).map(|i| SquarePoint::new(unit_square(i, [a, b]))).collect();

@@ -23,10 +23,19 @@ pub(super) struct Shaded {
     pub(super) alpha: Vec2,
 }
 
-pub(super) fn hash(key: u32) -> u32 {
+fn hash(key: u32) -> u32 {
     let x = (key ^ (key >> 16)).wrapping_mul(0x7feb_352d);
     let x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
     x ^ (x >> 16)
+}
+
+/// The seeds of a pixel's samples.
+pub(super) fn seeds(key: u32) -> [u32; 4] {
+    const STEP: u32 = 0x9e37_79b9;
+    let a = hash(key);
+    let b = hash(a ^ STEP);
+    let c = hash(b ^ STEP);
+    [a, b, c, hash(c ^ STEP)]
 }
 
 pub(super) fn point(i: u32, seed: [u32; 2]) -> Vec2 {
@@ -163,11 +172,7 @@ pub(super) fn reference(
     samples: u32,
     key: u32,
 ) -> ColouredParts {
-    const STEP: u32 = 0x9e37_79b9;
-    let a = hash(key);
-    let b = hash(a ^ STEP);
-    let c = hash(b ^ STEP);
-    let d = hash(c ^ STEP);
+    let [a, b, c, d] = seeds(key);
     let lambda_o = smith_lambda(at.alpha, at.wo);
     let to_pdf = 1.0 / (4.0 * at.wo.z * (1.0 + lambda_o));
     let weighed = |wm: Vec3, wi: Vec3, of_light: f32| {

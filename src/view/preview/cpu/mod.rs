@@ -17,6 +17,8 @@ mod textured;
 
 use rayon::prelude::*;
 
+pub(super) use self::surface::{covering, place_of_direction};
+
 use super::{Radiances, ShaderTable, estimator::Estimator, frame::Frame};
 
 /// The `extent` pixels from `corner` on, as radiance.
@@ -45,14 +47,4 @@ pub(super) fn covers(table: &ShaderTable, alpha_x: f32, alpha_y: f32) -> bool {
         |first: f32, last: f32, value: f32| (first * (1.0 - ROUNDING)..=last * (1.0 + ROUNDING)).contains(&value);
     let [alpha, most_alpha, ratio, most_ratio] = table.axes.roughness;
     is_within(alpha, most_alpha, x.max(y)) && is_within(ratio, most_ratio, x.min(y) / x.max(y))
-}
-
-/// Where a lobe's picture shows a direction, in pixels; `None` on the far side of the sphere of directions.
-pub(super) fn place_of_direction(frame: &Frame, w: glam::Vec3) -> Option<[f32; 2]> {
-    surface::place_of_direction(frame, w)
-}
-
-/// The cell whose surface covers a pixel, at least in part.
-pub(super) fn covering(frame: &Frame, pixel: [u32; 2]) -> Option<usize> {
-    surface::covering(frame, pixel)
 }

@@ -52,7 +52,8 @@ pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at
     }
 }
 
-pub(super) fn covering(frame: &Frame, pixel: [u32; 2]) -> Option<usize> {
+/// The cell whose surface covers a pixel, at least in part.
+pub(in crate::preview) fn covering(frame: &Frame, pixel: [u32; 2]) -> Option<usize> {
     let (place, cell) = place_of(frame, pixel);
     see(frame, place, cell).filter(|seen| !textured::covers(frame, place, seen.distance)).map(|_| cell as usize)
 }
@@ -222,8 +223,9 @@ fn reflected_colours(frame: &Frame, parts: ColouredParts, albedo: impl FnOnce() 
     once * (Vec3::ONE + frame.f0 * (1.0 / albedo().max(0.01) - 1.0))
 }
 
-/// The inverse of [`direction_of`], in pixels.
-pub(super) fn place_of_direction(frame: &Frame, w: Vec3) -> Option<[f32; 2]> {
+/// Where a lobe's picture shows a direction, in pixels; `None` on the far side of the sphere of directions. The inverse of
+/// [`direction_of`].
+pub(in crate::preview) fn place_of_direction(frame: &Frame, w: Vec3) -> Option<[f32; 2]> {
     let place = Vec2::new(w.dot(frame.right), w.dot(frame.up)) / 1.05;
     let half = 0.5 * frame.size as f32;
     (w.dot(frame.forward) <= 0.0).then_some([half * (1.0 + place.x), half * (1.0 - place.y)])

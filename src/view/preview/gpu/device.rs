@@ -8,7 +8,7 @@ use crate::preview::{
     frame::{Frame, FrameShape},
 };
 use ltcforge_fit::{LobeModel, SecondLobe};
-use ltcforge_light::{Gaussian, LightModel, NormalsRule, textured::Readings};
+use ltcforge_light::{Gaussian, LightModel, NormalsRule};
 use ltcforge_shaders::{Bound, preview_module};
 
 /// A device of the first adapter that Vulkan lists: a GPU, or lavapipe.
@@ -24,44 +24,64 @@ pub(super) struct Device {
     pub(super) name: String,
     pipeline_layout: wgpu::PipelineLayout,
     module: wgpu::ShaderModule,
-    pipelines: Vec<(PipelineKey, wgpu::ComputePipeline)>,
+    pipelines: Vec<(Program, wgpu::ComputePipeline)>,
     /// The sampler interpolates entries, not the shader.
     pub(super) samples_weighed: bool,
     fault: FirstFault,
 }
 
-/// The properties by which pipelines differ. The shader has them in constants, since software drivers run both sides of
-/// a branch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct PipelineKey {
-    estimator: Estimator,
-    /// The kind of light; see `LIGHT_` in `ggx_reference.wgsl`.
-    shape: u32,
-    /// The light of closed forms and Gaussians is a polygon of other than four vertices.
-    is_polygon: bool,
-    /// Light from below the surface is cut off, where a table lets it through.
-    is_cut: bool,
-    /// What facets lose is given back.
-    is_compensated: bool,
-    /// The light has a picture, which models read so often.
-    readings: Option<Readings>,
+/// An entry point of `sphere.wgsl`, or of `preview_textured.wgsl` for a light with a picture, and its constants: the properties
+/// by which pipelines differ, since software drivers run both sides of a branch. Properties that the estimator ignores are
+/// the same for all frames, so that they share a pipeline.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Program {
+    entry_point: &'static str,
+    constants: [(&'static str, f64); 10],
 }
 
-impl PipelineKey {
-    /// The key of a frame. Properties that the estimator ignores are the same for all frames, so that they share a
-    /// pipeline.
+impl Program {
     fn new(estimator: Estimator, frame: &Frame) -> Self {
+        let has_picture = frame.picture.is_some();
+        let (model, rule) = match estimator {
+            Estimator::ClosedForm(form) => (form.model(), form.rule()),
+            Estimator::Table(lobe) => (LightModel::of_lobe(lobe), NormalsRule::ALL[0]),
+            _ => (LightModel::Ltc, NormalsRule::ALL[0]),
+        };
+        let entry_point = match (estimator, model) {
+            (Estimator::Reference, _) => "surface_by_reference",
+            (Estimator::TableLobe, _) => "lobe_by_table",
+            (Estimator::ReferenceLobe, _) => "lobe_by_reference",
+            (_, LightModel::Ltc) if has_picture => "picture_by_table",
+            (_, LightModel::Normals) if has_picture => "picture_by_normals",
+            (_, LightModel::Ltc) => "surface_by_table",
+            (_, LightModel::Normals) => "surface_by_normals",
+            (_, LightModel::Sg | LightModel::Asg) => "surface_by_gaussian",
+        };
         let is_of_polygons = estimator.is_of_polygons();
         // A polygon stands for an ellipse there.
         let is_flat = matches!(frame.light.shape, FrameShape::Polygon | FrameShape::Ellipse(_));
-        Self {
-            estimator,
-            shape: if estimator.is_lobe() || (is_flat && is_of_polygons) { 0 } else { frame.light.shape.number() },
-            is_polygon: is_of_polygons && frame.light.outline_vertices() != 4,
-            is_cut: frame.is_cut && matches!(estimator, Estimator::Table(LobeModel::Ltc) | Estimator::TwoLobes(_)),
-            is_compensated: frame.is_compensated && !estimator.is_lobe(),
-            readings: frame.picture.as_ref().map(|picture| picture.readings),
-        }
+        let shape = if estimator.is_lobe() || (is_flat && is_of_polygons) { 0 } else { frame.light.shape.number() };
+        let is_cut = frame.is_cut && matches!(estimator, Estimator::Table(LobeModel::Ltc) | Estimator::TwoLobes(_));
+        let gaussian = if model == LightModel::Asg { Gaussian::Asg } else { Gaussian::Sg };
+        let second_lobe = match estimator {
+            Estimator::TwoLobes(SecondLobe::Integrated) => 1.0,
+            Estimator::TwoLobes(SecondLobe::Blended) => 2.0,
+            _ => 0.0,
+        };
+        let flag = |is_so: bool| f64::from(u8::from(is_so));
+        let constants = [
+            ("light_shape", f64::from(shape)),
+            ("light_is_polygon", flag(is_of_polygons && frame.light.outline_vertices() != 4)),
+            ("light_is_cut", flag(is_cut)),
+            ("is_compensated", flag(frame.is_compensated && !estimator.is_lobe())),
+            ("light_has_picture", flag(has_picture)),
+            ("light_readings", frame.picture.as_ref().map_or(4.0, |picture| picture.readings.count() as f64)),
+            ("normals_rule", f64::from(rule as u32)),
+            ("gaussian", f64::from(gaussian as u32)),
+            ("second_lobe", second_lobe),
+            ("gaussian_is_fitted", flag(matches!(estimator, Estimator::Table(_)))),
+        ];
+        Self { entry_point, constants }
     }
 }
 
@@ -149,25 +169,13 @@ impl Device {
 
     /// The pipeline of an estimator for a frame, compiled when it is first asked for.
     pub(super) fn pipeline(&mut self, estimator: Estimator, frame: &Frame) -> wgpu::ComputePipeline {
-        let key = PipelineKey::new(estimator, frame);
-        if let Some((_, pipeline)) = self.pipelines.iter().find(|(known, _)| *known == key) {
+        let program = Program::new(estimator, frame);
+        if let Some((_, pipeline)) = self.pipelines.iter().find(|(known, _)| *known == program) {
             return pipeline.clone();
         }
-        let Program { entry_point, gaussian, rule } = Program::of(estimator, key.readings.is_some());
-        let flag = |is_so: bool| f64::from(u8::from(is_so));
-        let constants = [
-            ("ltc_hardware_filter", flag(self.samples_weighed)),
-            ("light_shape", f64::from(key.shape)),
-            ("light_is_polygon", flag(key.is_polygon)),
-            ("light_is_cut", flag(key.is_cut)),
-            ("is_compensated", flag(key.is_compensated)),
-            ("light_has_picture", flag(key.readings.is_some())),
-            ("light_readings", key.readings.map_or(4.0, |readings| readings.count() as f64)),
-            ("normals_rule", f64::from(rule as u32)),
-            ("gaussian", f64::from(gaussian as u32)),
-            ("second_lobe", second_lobe(estimator)),
-            ("gaussian_is_fitted", flag(matches!(estimator, Estimator::Table(_)))),
-        ];
+        let Program { entry_point, constants } = program;
+        let filter = ("ltc_hardware_filter", f64::from(u8::from(self.samples_weighed)));
+        let constants: Vec<_> = constants.into_iter().chain([filter]).collect();
         let pipeline = self.wgpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(entry_point),
             layout: Some(&self.pipeline_layout),
@@ -176,7 +184,7 @@ impl Device {
             compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
             cache: None,
         });
-        self.pipelines.push((key, pipeline.clone()));
+        self.pipelines.push((program, pipeline.clone()));
         pipeline
     }
 
@@ -186,49 +194,6 @@ impl Device {
             Some(message) => Err(GpuFailure::Failed(message)),
             None => Ok(()),
         }
-    }
-}
-
-/// The entry point of `sphere.wgsl`, or of `preview_textured.wgsl` for a light with a picture, with its constants.
-struct Program {
-    entry_point: &'static str,
-    /// The Gaussian, for an estimator that lights by one.
-    gaussian: Gaussian,
-    /// The rule of model `normals`.
-    rule: NormalsRule,
-}
-
-impl Program {
-    fn of(estimator: Estimator, has_picture: bool) -> Self {
-        let (model, rule) = match estimator {
-            Estimator::ClosedForm(form) => (form.model(), form.rule()),
-            Estimator::Table(lobe) => (LightModel::of_lobe(lobe), NormalsRule::ALL[0]),
-            Estimator::TwoLobes(_) => (LightModel::Ltc, NormalsRule::ALL[0]),
-            Estimator::Reference => return Self::new("surface_by_reference"),
-            Estimator::TableLobe => return Self::new("lobe_by_table"),
-            Estimator::ReferenceLobe => return Self::new("lobe_by_reference"),
-        };
-        match model {
-            LightModel::Ltc if has_picture => Self::new("picture_by_table"),
-            LightModel::Normals if has_picture => Self { rule, ..Self::new("picture_by_normals") },
-            LightModel::Ltc => Self::new("surface_by_table"),
-            LightModel::Normals => Self { rule, ..Self::new("surface_by_normals") },
-            LightModel::Sg => Self::new("surface_by_gaussian"),
-            LightModel::Asg => Self { gaussian: Gaussian::Asg, ..Self::new("surface_by_gaussian") },
-        }
-    }
-
-    fn new(entry_point: &'static str) -> Self {
-        Self { entry_point, gaussian: Gaussian::Sg, rule: NormalsRule::ALL[0] }
-    }
-}
-
-/// The shader's number of how a second lobe is used: `SECOND_` of `sphere.wgsl`.
-fn second_lobe(estimator: Estimator) -> f64 {
-    match estimator {
-        Estimator::TwoLobes(SecondLobe::Integrated) => 1.0,
-        Estimator::TwoLobes(SecondLobe::Blended) => 2.0,
-        _ => 0.0,
     }
 }
 

@@ -9,15 +9,15 @@ use crate::preview::{ShaderTable, estimator::Stop, light_picture::LightPicture};
 #[derive(Debug, Default)]
 pub(in crate::preview) struct Gpu {
     weights: Weights,
-    open: Option<Open>,
+    pub(super) open: Option<Open>,
     /// How many more pictures it renders before it fails.
     #[cfg(test)]
-    fails_after: Option<u32>,
+    pub(super) fails_after: Option<u32>,
 }
 
 #[derive(Debug)]
-struct Open {
-    device: Device,
+pub(super) struct Open {
+    pub(super) device: Device,
     /// The last table and picture, and the last frame's buffers: most pictures have the same.
     table: Option<(Arc<ShaderTable>, wgpu::BindGroup)>,
     picture: Option<(Option<Arc<LightPicture>>, wgpu::BindGroup)>,
@@ -68,22 +68,16 @@ impl Gpu {
         stop: Stop<'_>,
     ) -> Result<Vec<[f32; 3]>, GpuFailure> {
         let Open { device, table: kept_table, picture: kept_picture, target: kept_target } = self.device()?;
-        let bound = match kept_table.take() {
-            Some((last, bound)) if Arc::ptr_eq(&last, table) => bound,
-            _ => table::upload(device, table)?,
-        };
-        *kept_table = Some((Arc::clone(table), bound.clone()));
+        let last = kept_table.take().filter(|(last, _)| Arc::ptr_eq(last, table));
+        let new = || Ok((Arc::clone(table), table::upload(device, table)?));
+        let (_, bound) = kept_table.insert(last.map_or_else(new, Ok)?);
         let wanted = &task.frame.picture;
-        let picture = match kept_picture.take() {
-            Some((last, bound)) if last == *wanted => bound,
-            _ => picture::upload(device, wanted.as_deref())?,
-        };
-        *kept_picture = Some((wanted.clone(), picture.clone()));
-        let target = match kept_target.take() {
-            Some(last) if last.fits(task.frame) => last,
-            _ => RenderTarget::new(device, task.frame),
-        };
-        kept_target.insert(target).render(device, [&bound, &picture], task, stop)
+        let last = kept_picture.take().filter(|(last, _)| last == wanted);
+        let new = || Ok((wanted.clone(), picture::upload(device, wanted.as_deref())?));
+        let (_, picture) = kept_picture.insert(last.map_or_else(new, Ok)?);
+        let last = kept_target.take().filter(|last| last.fits(task.frame));
+        let target = kept_target.insert(last.unwrap_or_else(|| RenderTarget::new(device, task.frame)));
+        target.render(device, [bound, picture], task, stop)
     }
 
     fn device(&mut self) -> Result<&mut Open, GpuFailure> {
@@ -91,19 +85,5 @@ impl Gpu {
             self.open = Some(Open { device: Device::open(self.weights)?, table: None, picture: None, target: None });
         }
         self.open.as_mut().ok_or_else(|| GpuFailure::Absent("not open".to_owned()))
-    }
-
-    /// Makes it fail after it has rendered so many times.
-    #[cfg(test)]
-    pub(in crate::preview) fn fail_after(&mut self, times: u32) {
-        self.fails_after = Some(times);
-    }
-
-    /// Loses the device, as a driver's reset would.
-    #[cfg(test)]
-    pub(in crate::preview) fn lose(&mut self) {
-        if let Some(open) = &self.open {
-            open.device.wgpu.destroy();
-        }
     }
 }

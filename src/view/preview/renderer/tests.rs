@@ -1,6 +1,15 @@
 use super::*;
 
 impl Preview {
+    pub(in crate::preview) fn lose_device(&mut self) {
+        self.gpu.lose();
+    }
+
+    /// Has the GPU fail once it has rendered so many times more.
+    pub(in crate::preview) fn fail_after(&mut self, times: u32) {
+        self.gpu.fail_after(times);
+    }
+
     /// Radiances of the part of the picture from `corner` of `extent`.
     pub(in crate::preview) fn part(
         &mut self,

@@ -1,13 +1,10 @@
 //! Properties of every renderer's pictures.
 
 use super::{
-    twins::{GO_ON, apart, cameras, render},
+    twins::{GO_ON, cameras, render},
     *,
 };
-use crate::{
-    picture::Picture,
-    preview::{Choices, Estimator, Material, Mode, NamedScene, Scene},
-};
+use crate::preview::{Choices, Estimator, Material, Mode, NamedScene, Scene};
 use ltcforge_fit::{LobeModel, SecondLobe};
 use ltcforge_light::LightModel;
 
