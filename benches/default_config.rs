@@ -1,15 +1,11 @@
 //! The configuration of a service that a bench starts.
 
-use std::{num::NonZeroUsize, path::Path, time::Duration};
+use std::{path::Path, time::Duration};
 
-use ltcforge::{
-    files::recipe_document::DEFAULT_ENTRY_LIMIT,
-    server::service::{Config, PictureLimits},
-    view::preview::Adapter,
-};
+use ltcforge::{files::recipe_document::DEFAULT_ENTRY_LIMIT, server::service::Config, view::preview::Adapter};
 
 /// A service in a folder with so many workers; nothing of it ends within the bench.
-pub fn config(folder: &Path, workers: NonZeroUsize) -> Config {
+pub fn config(folder: &Path, workers: usize) -> Config {
     Config {
         data_dir: folder.to_owned(),
         workers,
@@ -17,15 +13,10 @@ pub fn config(folder: &Path, workers: NonZeroUsize) -> Config {
         entry_limit: DEFAULT_ENTRY_LIMIT,
         job_seconds: 86_400,
         keep_ended: None,
-        most_ended: None,
         store_bytes: None,
-        unused_for: Duration::from_secs(600),
         lease_ttl: Duration::from_secs(60),
-        max_attempts: 3,
         adapter: Adapter::Cpu,
-        export_bytes: 0,
+        picture_time: Duration::from_secs(30),
         brdf_limit: 16,
-        light_texture_limit: 16,
-        pictures: PictureLimits::default(),
     }
 }

@@ -13,7 +13,7 @@ use std::{
 
 use ltcforge::server::{
     queue::{Job, JobId, StateName},
-    service::{DatabaseTimeouts, REPLICA_CONNECTIONS, Service, Shared, SubmitReply},
+    service::{Service, Shared, SubmitReply},
 };
 
 mod default_config;
@@ -26,12 +26,6 @@ use default_config::config;
 const TURNS: u32 = 5;
 /// Jobs at once when workers are compared.
 const JOBS: u32 = 4;
-/// Bytes of tables that a process keeps in its folder.
-const CACHE_BYTES: u64 = 16 << 20;
-
-fn workers(threads: usize) -> NonZeroUsize {
-    NonZeroUsize::new(threads).expect("at least one")
-}
 
 /// The resolution of the default table: 3,780 entries.
 const DEFAULT: [u32; 4] = [10, 6, 9, 7];
@@ -109,22 +103,16 @@ impl Bench {
         std::fs::create_dir_all(&tables).expect("a folder");
         let blobs = format!("file://{}", tables.display());
         let database = self.server.empty_database().parse().expect("any text");
-        Shared {
-            database,
-            blobs,
-            cache_bytes: CACHE_BYTES,
-            connections: REPLICA_CONNECTIONS,
-            timeouts: DatabaseTimeouts::default(),
-        }
+        Shared { database, store: blobs, connections: NonZeroUsize::new(16).expect("16") }
     }
 
     fn embedded(&self, name: &str, threads: usize) -> Arc<Service> {
-        Service::open(config(&self.folder.path().join(name), workers(threads))).expect("a service")
+        Service::open(config(&self.folder.path().join(name), threads)).expect("a service")
     }
 
     fn open(&self, shared: &Shared, name: &str, threads: usize, works: bool) -> Arc<Service> {
-        let config = config(&self.folder.path().join(name), workers(threads));
-        Service::open_shared(config, shared, works).expect("a service")
+        let config = config(&self.folder.path().join(name), if works { threads } else { 0 });
+        Service::open_shared(config, shared).expect("a service")
     }
 
     fn tables(&self) {

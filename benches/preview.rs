@@ -15,9 +15,7 @@ use ltcforge::{
     files::recipe_document::{self, DEFAULT_ENTRY_LIMIT},
     fit::{Plan, Table, assemble, fit_shard},
     light::{LightModel, normals::NormalsRule},
-    view::preview::{
-        Adapter, Light, LightKind, Material, Mode, Preview, Scene, ShaderTable, TexelFormat, Weights,
-    },
+    view::preview::{Adapter, Light, LightKind, Material, Mode, Preview, Scene, ShaderTable, TexelFormat, Weights},
 };
 
 /// The table of a layout at its default resolution. How well it is fitted does not change what it costs.

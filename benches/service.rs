@@ -165,7 +165,7 @@ fn compare(name: &str, unit: &str, [plain, service]: [Vec<f64>; 2]) {
 fn main() {
     let folder = tempfile::tempdir().expect("a folder");
     let workers = thread::available_parallelism().expect("cores");
-    let service = Service::open(config(folder.path(), workers));
+    let service = Service::open(config(folder.path(), workers.get()));
     let service = service.expect("a service");
     let runtime = tokio::runtime::Runtime::new().expect("a runtime");
     let listener = runtime.block_on(tokio::net::TcpListener::bind("127.0.0.1:0")).expect("a port");

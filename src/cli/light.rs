@@ -50,7 +50,7 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
                 let mut numbers = Of {
                     args,
                     light: lighting.reflected(&at, light)?,
-                    of_material: &|fresnel| lighting.of_material(&at, light, fresnel),
+                    material: &|fresnel| lighting.of_material(&at, light, fresnel),
                     edge: &|| lighting.edge(&at, light),
                     albedo: &|| lighting.albedo(&at),
                 }
@@ -59,7 +59,7 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
                     let light_truth = truth_of(&brdf, TRUTH_TOLERANCE, &at, light)?;
                     let truth = Of {
                         args,
-                        of_material: &|[f0, f90]| Ok(light_truth.schlick(f0, f90)),
+                        material: &|[f0, f90]| Ok(light_truth.schlick(f0, f90)),
                         edge: &|| edge_truth_of(&brdf, TRUTH_TOLERANCE, &at, light),
                         albedo: &|| sampled(&brdf, &at),
                         light: light_truth,
@@ -94,7 +94,7 @@ struct Of<'a> {
     args: &'a LightArgs,
     light: ReflectedLight,
     /// The part that a material with these reflectances at normal and at grazing incidence reflects.
-    of_material: &'a dyn Fn([f64; 2]) -> Result<f64, LightError>,
+    material: &'a dyn Fn([f64; 2]) -> Result<f64, LightError>,
     /// The part by which a metal of `--f82` reflects less, before its factor.
     edge: &'a dyn Fn() -> Result<f64, LightError>,
     albedo: &'a dyn Fn() -> Result<f64, LightError>,
@@ -114,7 +114,7 @@ impl Of<'_> {
                 Some(tint) => edge_factor(f0, f90, tint) * (self.edge)()?,
                 None => 0.0,
             };
-            numbers.push(gain * ((self.of_material)([f0, f90])? - edge));
+            numbers.push(gain * ((self.material)([f0, f90])? - edge));
         }
         numbers.extend(channels.into_iter().flatten().map(|channel| gain * channel));
         Ok(numbers)

@@ -58,8 +58,10 @@ const PICTURE: Read = |bytes| LightPicture::decode(&bytes, None).expect_err("hos
 const PROFILE: Read = |bytes| Profile::parse(&bytes).expect_err("hostile").to_string();
 const TABULATED: Read = |bytes| tabulated::decode(&bytes).expect_err("hostile").to_string();
 
+type Body = (&'static str, fn() -> Vec<u8>, Read, &'static str);
+
 /// Each body with its reader, and a part of the error that the reader gives.
-const BODIES: [(&str, fn() -> Vec<u8>, Read, &str); 24] = [
+const BODIES: [Body; 24] = [
     ("nodes", || filled(r#"{"nodes":["#, "{},", "{}]}"), SCENE, "/nodes: more than 524288 objects and lists"),
     ("nodes as lists", || filled(r#"{"nodes":["#, "[],", "[]]}"), SCENE, "/nodes: more than 524288"),
     ("nodes within", || times(r#"{"nodes":["#, "{},", WITHIN, "{}]}"), SCENE, "/nodes: 500001; at most 262144"),
@@ -151,10 +153,7 @@ fn hostile_bodies_end_in_errors_within_their_memory() {
         reads.args(["--exact", "hostile::hostile_bodies_end_in_errors_within_their_memory", "--nocapture"]);
         let output = reads.env(VARIABLE, name).output().expect("it runs");
         let told = String::from_utf8_lossy(&output.stdout);
-        print!(
-            "{}",
-            told.lines().filter(|line| line.starts_with(name)).map(|line| format!("{line}\n")).collect::<String>()
-        );
+        told.lines().filter(|line| line.starts_with(name)).for_each(|line| println!("{line}"));
         assert!(output.status.success(), "{name}: {told}{}", String::from_utf8_lossy(&output.stderr));
     }
 }

@@ -62,8 +62,10 @@ pub fn rows(table: Option<&Path>, model: LightModel, count: usize) -> Result<Str
     Ok(out)
 }
 
+type TableAndRanges = (Table, PerAxis<[f64; 2]>);
+
 /// The table in a file of `ltcforge fit`, and its ranges; a tabulated BRDF is read from next to it.
-fn read(path: &Path) -> Result<(Table, PerAxis<[f64; 2]>), Box<dyn Error>> {
+fn read(path: &Path) -> Result<TableAndRanges, Box<dyn Error>> {
     let mut file = container::decode(&fs::read(path)?)?;
     let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
     file.find_brdf(&|name| Ok(locate(std::slice::from_ref(&folder), name)?.file))?;

@@ -61,7 +61,7 @@ fn escaped(input: &[u8]) -> String {
 fn unescaped(line: &str) -> Option<Vec<u8>> {
     let (mut input, mut rest) = (Vec::new(), line.as_bytes());
     while let [byte, after @ ..] = rest {
-        (rest, _) = match (byte, after) {
+        (rest, ()) = match (byte, after) {
             (b'\\', [b'\\', after @ ..]) => (after, input.push(b'\\')),
             (b'\\', [b'n', after @ ..]) => (after, input.push(b'\n')),
             (b'\\', [b'x', high, low, after @ ..]) => {

@@ -12,5 +12,4 @@ mod preview;
 #[path = "../service/mod.rs"]
 mod service;
 
-use cluster::{Shared, Worker, faults, pgbouncer, proxy, s3, throwaway};
-use service::brdfs;
+use cluster::{Shared, Worker, faults, proxy, s3, throwaway};

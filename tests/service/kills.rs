@@ -3,7 +3,7 @@
 use std::{thread, time::Duration};
 
 use crate::common::{
-    command::{run, run_with_stdin},
+    command::run_with_stdin,
     server::{Server, text},
     soak::{Random, four_shards, rounds},
 };

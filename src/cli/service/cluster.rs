@@ -33,7 +33,7 @@ pub(crate) struct ReplicaArgs {
     /// PostgreSQL database of the queue and the list of tables
     #[arg(long, env = "LTCFORGE_DATABASE", hide_env_values = true, value_name = "URL", requires = "blobs")]
     pub database: Option<DatabaseUrl>,
-    /// Object store of the tables: s3://BUCKET/PREFIX, gs://, az:// or file:///
+    /// Object store of the tables: `s3://BUCKET/PREFIX`, `gs://`, `az://` or `file:///`
     #[arg(long, env = "LTCFORGE_BLOBS", value_name = "URL", requires = "database")]
     pub blobs: Option<String>,
     /// Serve only; `ltcforge work` fits
@@ -68,7 +68,7 @@ pub struct WorkArgs {
     /// PostgreSQL database of the queue and the list of tables
     #[arg(long, env = "LTCFORGE_DATABASE", hide_env_values = true, value_name = "URL")]
     pub database: DatabaseUrl,
-    /// Object store of the tables: s3://BUCKET/PREFIX, gs://, az:// or file:///
+    /// Object store of the tables: `s3://BUCKET/PREFIX`, `gs://`, `az://` or `file:///`
     #[arg(long, env = "LTCFORGE_BLOBS", value_name = "URL")]
     pub blobs: String,
     /// Shards fitted at the same time, 1 to 512 [default: one per core]

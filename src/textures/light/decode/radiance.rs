@@ -17,7 +17,7 @@ pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileE
     let mut texels = Vec::with_capacity(size[0] * size[1]);
     for _ in 0..size[1] {
         scanline(&mut rest, &mut line).ok_or_else(|| broken("a scanline ends too soon or too late"))?;
-        texels.extend(line.iter().map(radiance));
+        texels.extend(line.iter().copied().map(radiance));
     }
     let curve = wanted.curve.unwrap_or(Curve::Linear);
     from_floats(&mut texels, curve);
@@ -98,7 +98,7 @@ fn take<const N: usize>(bytes: &mut &[u8]) -> Option<[u8; N]> {
 }
 
 /// c 2^(e - 136), exact in f32; zero for e = 0.
-fn radiance(&[red, green, blue, exponent]: &Pixel) -> [f32; 3] {
+fn radiance([red, green, blue, exponent]: Pixel) -> [f32; 3] {
     // 1023 is the bias of f64.
     let scale = if exponent == 0 { 0.0 } else { f64::from_bits((u64::from(exponent) + 1023 - 136) << 52) };
     [red, green, blue].map(|byte| (f64::from(byte) * scale) as f32)
@@ -122,14 +122,14 @@ mod tests {
             ([255, 255, 1, 0], [0.0; 3]),
             ([1, 0, 255, 255], [2.0_f32.powi(119), 0.0, 255.0 * 2.0_f32.powi(119)]),
         ] {
-            assert_eq!(radiance(&pixel), expected, "{pixel:?}");
+            assert_eq!(radiance(pixel), expected, "{pixel:?}");
         }
     }
 
     #[test]
     fn runs_of_both_kinds_are_read() {
         let [one, two] = [[128, 64, 32, 129], [64, 64, 64, 130]];
-        let texels = |pixels: &[Pixel]| Some(pixels.iter().map(radiance).collect::<Vec<_>>());
+        let texels = |pixels: &[Pixel]| Some(pixels.iter().copied().map(radiance).collect::<Vec<_>>());
         let line = [one, two, two, two];
         let old = [&one[..], &two, &[1, 1, 1, 2]].concat();
         assert_eq!(read("-Y 1 +X 4", &old), texels(&line));
