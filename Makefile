@@ -219,7 +219,6 @@ bench: packages cluster
 	$(CARGO) bench --locked -p ltcforge-benches --bench plan
 	$(CARGO) bench --locked -p ltcforge-benches --bench preview
 	$(CARGO) bench --locked -p ltcforge-benches --bench service
-	$(CARGO) bench --locked -p ltcforge-benches --bench cluster
 	$(CARGO) bench --locked -p ltcforge-benches --bench hosts
 
 clean:

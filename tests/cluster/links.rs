@@ -31,11 +31,12 @@ fn a_worker_that_was_cut_off_is_replaced_and_goes_on_later() {
     // Which connection leases and which finishes an attempt.
     database.psql(
         &name,
-        "CREATE TABLE writes (state text, worker text, task integer, attempt integer);
+        "CREATE TABLE writes (state text, worker text, task integer, lease bigint, leases integer);
         CREATE FUNCTION note() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN
             INSERT INTO public.writes
-            VALUES (NEW.state, current_setting('application_name'), NEW.task, NEW.attempt); RETURN NEW; END $$;
-        CREATE TRIGGER note AFTER INSERT OR UPDATE ON ltcforge.tasks FOR EACH ROW
+            VALUES (NEW.state, current_setting('application_name'), NEW.task, coalesce(NEW.lease, OLD.lease), NEW.leases);
+            RETURN NEW; END $$;
+        CREATE TRIGGER note AFTER UPDATE ON ltcforge.tasks FOR EACH ROW
             WHEN (NEW.state IN ('leased', 'finished')) EXECUTE FUNCTION note()",
     );
     let named = |mut shared: Shared, name: &str| {
@@ -50,7 +51,7 @@ fn a_worker_that_was_cut_off_is_replaced_and_goes_on_later() {
     let other = Worker::start(&named(shared.clone(), "other"), folder.path(), "2");
     // Its late result arrives while another worker fits the shard again.
     eventually("another lease of what it had", || {
-        let again = "SELECT count(*) FROM writes WHERE state = 'leased' AND worker = 'other' AND attempt > 1";
+        let again = "SELECT count(*) FROM writes WHERE state = 'leased' AND worker = 'other' AND leases > 1";
         (database.psql(&name, again) != "0").then_some(())
     });
     link.set(Link::Up);
@@ -59,7 +60,7 @@ fn a_worker_that_was_cut_off_is_replaced_and_goes_on_later() {
     assert!(job["attempts"].as_u64().expect("a count") >= 2, "the shard was leased again: {job:#}");
     let of_another = "SELECT count(*) FROM writes AS f WHERE state = 'finished' AND NOT EXISTS (
         SELECT FROM writes AS l
-        WHERE l.state = 'leased' AND (l.worker, l.task, l.attempt) = (f.worker, f.task, f.attempt))";
+        WHERE l.state = 'leased' AND (l.worker, l.task, l.lease) = (f.worker, f.task, f.lease))";
     assert_eq!(database.psql(&name, of_another), "0", "a late result was taken");
     drop(other);
 

@@ -16,7 +16,7 @@ mod watch;
 use std::{
     io::{BufRead as _, BufReader},
     net::SocketAddr,
-    path::{Path, PathBuf},
+    path::Path,
     process::{Child, Command, Stdio},
 };
 
@@ -50,11 +50,6 @@ impl Shared {
     pub(crate) fn name(&self) -> &str {
         let (_, name) = self.database.split_once("@/").expect("a URL of a throw-away server");
         name.split('?').next().unwrap_or(name)
-    }
-
-    /// The folder of the blob store.
-    pub(crate) fn store(&self) -> PathBuf {
-        self.blobs.strip_prefix("file://").expect("a folder").into()
     }
 
     /// A replica with `folder` as its data folder that only serves.
@@ -96,11 +91,6 @@ impl Worker {
         BufReader::new(stdout).read_line(&mut line).expect("a line on stdout or its end");
         assert!(line.is_empty() || line.starts_with("working"), "{line}");
         (!line.is_empty()).then_some(worker)
-    }
-
-    /// Its process.
-    pub(crate) fn process(&self) -> u32 {
-        self.0.id()
     }
 }
 

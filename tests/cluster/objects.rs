@@ -1,15 +1,8 @@
 //! An object store that is down, slow, full or broken, or sends other bytes.
 
-use ureq::Agent;
-
 use crate::{
     Shared, Worker,
-    common::{
-        LARGE, SMALL,
-        command::run,
-        eventually,
-        server::{Server, text},
-    },
+    common::{LARGE, SMALL, eventually, server::text},
     proxy::{Link, Proxy, Upstream},
     s3::S3,
 };
@@ -77,34 +70,6 @@ fn a_slow_link_to_the_store_is_only_slow() {
     link.set(Link::Slow);
     let job = replica.finished(text(&replica.submit(LARGE).with_status(202).json()["id"]));
     assert_eq!((&job["state"], &job["attempts"]), (&"done".into(), &1.into()), "{job:#}");
-}
-
-#[test]
-fn downloads_can_be_redirected_to_the_store() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let Some((shared, _server, _link)) = shared_on_s3(folder.path()) else { return };
-    let args: Vec<&str> = shared.arguments().into_iter().chain(["--redirect", "--workers", "1"]).collect();
-    let replica = Server::start_in(&folder.path().join("one"), &args, &shared.environment);
-    let table = replica.fit(SMALL);
-    let path = format!("{}/v1/tables/{table}", replica.url);
-    let agent: Agent = Agent::config_builder().max_redirects(0).http_status_as_error(false).build().into();
-    let answer = agent.get(&path).call().expect("an answer");
-    assert_eq!(answer.status(), 307);
-    let location = answer.headers()["location"].to_str().expect("a URL").to_owned();
-    let bytes = agent.get(&location).call().expect("the object").body_mut().read_to_vec().expect("a whole body");
-    // Conditional requests are answered here; a request for a part of the table is redirected too.
-    let etag = format!("\"{table}\"");
-    let path = format!("/v1/tables/{table}");
-    replica.request("GET", &path, &[("if-none-match", &etag)], None).with_status(304);
-    replica.request("GET", &path, &[("if-match", "\"other\"")], None).with_status(412);
-    let part = agent.get(&location).header("range", "bytes=1-4").call().expect("a part");
-    assert_eq!((part.status().as_u16(), part.into_body().read_to_vec().expect("bytes")), (206, bytes[1..5].to_vec()));
-    // HEAD is answered here, with the table's size.
-    let head = replica.request("HEAD", &format!("/v1/tables/{table}"), &[], None).with_status(200);
-    assert_eq!(head.header("content-length"), Some(bytes.len().to_string().as_str()));
-    let file = folder.path().join(format!("{}.safetensors", table.trim_start_matches("sha256:")));
-    std::fs::write(&file, bytes).expect("a file");
-    run(folder.path(), ["verify", file.to_str().expect("a path in UTF-8")]).exited(0);
 }
 
 #[test]

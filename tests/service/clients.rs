@@ -110,11 +110,10 @@ fn a_slow_body_is_told_so_and_a_slow_head_is_cut() {
     let fields = [("host", host(&server)), ("content-length", "100")];
     let body = problem(&server, &(request("POST /v1/jobs", &fields) + "{"), 408, "slow-request");
     assert!(text(&body["detail"]).contains("the body of the request was not complete within 1 s"), "{body:#}");
-    for begun in ["", "GET /healthz HTTP/1.1\r\nhost:"] {
-        let mut silent = Vec::new();
-        send(&server, begun).read_to_end(&mut silent).expect("the end of the connection");
-        assert_eq!(silent, b"", "{begun}");
-    }
+    let mut silent = Vec::new();
+    let begun = send(&server, "GET /healthz HTTP/1.1\r\nhost:").read_to_end(&mut silent);
+    begun.expect("the end of the connection");
+    assert_eq!(silent, b"");
 }
 
 #[test]

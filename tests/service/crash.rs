@@ -3,8 +3,6 @@
 use crate::common::{
     LARGE,
     command::run_with_stdin,
-    folder::{contents, write},
-    seeded,
     server::{Server, text},
 };
 
@@ -45,43 +43,6 @@ fn a_job_stopped_in_the_middle_goes_on_after_the_restart() {
     let server = Server::start(&data, &[]);
     assert_eq!(server.finished(&id)["table"], expected.last_line());
     assert_ne!(server.metric("ltcforge_entries_fitted_total"), 0, "the job was over before it could be stopped");
-}
-
-/// Wherever a bit of the database flips after the process was killed, a job that was acknowledged is there or named in
-/// the log.
-#[test]
-fn no_acknowledged_job_is_lost_silently_by_kill_9_and_a_flipped_bit() {
-    const PLACES: usize = 8;
-    let folder = tempfile::tempdir().expect("a folder");
-    let data = folder.path().join("data");
-    let server = Server::start(&data, &["--workers", "1"]);
-    let submit = |seed: u32| text(&server.submit(&seeded(seed)).with_status(202).json()["id"]).to_owned();
-    let ids: Vec<String> = (0..12).map(submit).collect();
-    // Some are done, some are not.
-    server.finished(&ids[0]);
-    server.kill();
-    let killed = contents(&data);
-    let database = data.join("db/db");
-    for place in 0..PLACES {
-        std::fs::remove_dir_all(&data).expect("a folder");
-        write(&killed);
-        let mut bytes = std::fs::read(&database).expect("a database");
-        let written = bytes.iter().rposition(|byte| *byte != 0).expect("rows") + 1;
-        let at = written * (2 * place + 1) / (2 * PLACES);
-        bytes[at] ^= 0x10;
-        std::fs::write(&database, bytes).expect("a database");
-
-        let server = Server::start(&data, &["--workers", "1"]);
-        let is_there = |id: &&String| server.get(&format!("/v1/jobs/{id}")).status == 200;
-        let (there, lost): (Vec<&String>, Vec<&String>) = ids.iter().partition(is_there);
-        for id in there {
-            assert_eq!(server.finished(id)["state"], "done", "byte {at}");
-        }
-        let log = server.stop("TERM").exited(0).stderr;
-        for id in lost {
-            assert!(log.contains(id.as_str()), "byte {at}: job {id} is lost without a word:\n{log}");
-        }
-    }
 }
 
 /// A bad day is no fault of the job.

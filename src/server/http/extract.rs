@@ -7,6 +7,7 @@ use axum::{
     extract::{DefaultBodyLimit, FromRequest, FromRequestParts, Path, Query, Request},
     http::{HeaderMap, StatusCode, header, request::Parts},
 };
+use futures_util::StreamExt as _;
 use headers::{ContentLength, HeaderMapExt as _};
 use serde::{Deserialize, de::DeserializeOwned};
 use tokio::{sync::OwnedSemaphorePermit, time::timeout};
@@ -143,11 +144,17 @@ pub(super) async fn read_upload(
     Ok((read_body(request, api, what, limit_bytes).await?, place))
 }
 
-/// Reads the body of a request that sends `what`. If its announced length is too large, none of it is read: a client that
-/// waits for `100 Continue` then sends none of it.
+/// Reads the body of a request that sends `what`. A client whose announced length is too large and that waits for
+/// `100 Continue` sends none of it. Other clients read the answer after they have sent all of it: it is read and dropped.
 async fn read_body(mut request: Request, api: &Api, what: &str, limit_bytes: u64) -> Result<Bytes, Problem> {
     let too_large = || Problem::new(ProblemKind::BodyTooLarge, format!("{what} takes at most {limit_bytes} bytes"));
     if request.headers().typed_get::<ContentLength>().is_some_and(|length| length.0 > limit_bytes) {
+        if !request.headers().contains_key(header::EXPECT) {
+            let mut parts = request.into_body().into_data_stream();
+            let rest = async { while let Some(Ok(_)) = parts.next().await {} };
+            // A slow client gets its answer in the middle.
+            let _ = timeout(api.client, rest).await;
+        }
         return Err(too_large());
     }
     DefaultBodyLimit::max(usize::try_from(limit_bytes).unwrap_or(usize::MAX)).apply(&mut request);

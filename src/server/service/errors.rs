@@ -10,7 +10,7 @@ use crate::store::{OpenError as StoreOpenError, StoreError};
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The data folder did not open.
-    #[error("the data folder {} cannot be opened: {source}", .path.display())]
+    #[error("the data folder {} cannot be used: {source}", .path.display())]
     Folder {
         /// The folder.
         path: PathBuf,
@@ -73,6 +73,7 @@ impl From<StoreError> for ServiceError {
             StoreError::DiskFull => Self::DiskFull,
             StoreError::Corrupt { expected, actual, moved_to } => Self::Corrupt { expected, actual, moved_to },
             StoreError::Unavailable(reason) => Self::Unavailable(reason),
+            other @ (StoreError::Refused(_) | StoreError::OtherBytes(_)) => Self::Unavailable(other.to_string()),
             other if other.is_passing() => Self::Lacking(other.to_string()),
             other => Self::Storage(other.to_string()),
         }

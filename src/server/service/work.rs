@@ -148,7 +148,8 @@ impl State {
         let how = match error {
             TaskError::Stopped => Release::GiveBack,
             TaskError::Failed(error) => Release::Failed(error),
-            TaskError::Store(error) if error.is_passing() => {
+            // Credentials may have run out on this host alone.
+            TaskError::Store(error) if error.is_passing() || matches!(error, StoreError::Refused(_)) => {
                 tracing::warn!(job = %task.job, task = ?task.kind, %error, "the task is tried again");
                 thread::park_timeout(RETRY);
                 Release::GiveBack

@@ -3,6 +3,7 @@
 //! This module works around these properties of sled 0.34.7:
 //! - `flush` ends in `sync_file_range`, which does not survive a power cut. Every commit ends in an fsync of the
 //!   database file.
+//! - It does not fsync its settings, without which it does not open. Opening ends in an fsync of every file.
 //! - Truncated files can cause a panic inside sled. It is opened on a thread whose panic is caught.
 //! - After a write error, such as a full disk, an open database refuses every operation. Commits therefore leave room on
 //!   the disk, and after an error the process has to be started again.
@@ -153,7 +154,13 @@ impl SledRows {
         let trees = trees.try_into().map_err(|_| SledOpenError::Damaged("trees are missing".to_owned()))?;
         let file = File::options().read(true).write(true).open(folder.join("db"))?;
         db.flush()?;
-        file.sync_all().and_then(|()| sync_folder(&folder))?;
+        for entry in folder.read_dir()? {
+            let path = entry?.path();
+            if path.is_file() {
+                File::open(path)?.sync_all()?;
+            }
+        }
+        sync_folder(&folder)?;
         Ok(Self { folder, db, trees, file, hidden: Mutex::default(), failure: OnceLock::new() })
     }
 

@@ -116,7 +116,10 @@ fn check(data: &Path, told: &[(usize, Told)], line: usize) {
     for (id, (at, told)) in jobs {
         let Told::Job { state, table, .. } = told else { continue };
         let job = server.get(&format!("/v1/jobs/{id}"));
-        assert_eq!(job.status, 200, "ahead of line {line}: job {id}, told at line {at}, is lost");
+        if job.status != 200 {
+            let log = server.kill_and_read();
+            panic!("ahead of line {line}: job {id}, told at line {at}, is lost: {log}");
+        }
         let job = job.json();
         if ["done", "cancelled"].contains(&state.as_str()) {
             assert_eq!(job["state"], *state, "ahead of line {line}, told at line {at}: {job:#}");
