@@ -25,22 +25,13 @@ pub struct Context<'a> {
 impl Context<'_> {
     /// Prints `value` as one line of JSON, or `text` as it is.
     pub(super) fn print(&mut self, value: &serde_json::Value, text: &str) -> Result<Exit, CommandFailure> {
-        print(self.stdout, self.json, value, text).map(|()| Exit::Ok)
+        let written = if self.json { writeln!(self.stdout, "{value}") } else { writeln!(self.stdout, "{text}") };
+        written.and_then(|()| self.stdout.flush()).map_err(|error| CommandFailure::stdout(&error))?;
+        Ok(Exit::Ok)
     }
 }
 
 /// A path as text for people and JSON. Bytes that are not UTF-8 are replaced, because JSON cannot have them.
 pub(super) fn shown(path: &Path) -> String {
     path.display().to_string()
-}
-
-/// Prints `value` as one line of JSON, or `text` as it is.
-pub(super) fn print(
-    stdout: &mut dyn Write,
-    json: bool,
-    value: &serde_json::Value,
-    text: &str,
-) -> Result<(), CommandFailure> {
-    let written = if json { writeln!(stdout, "{value}") } else { writeln!(stdout, "{text}") };
-    written.and_then(|()| stdout.flush()).map_err(|error| CommandFailure::stdout(&error))
 }

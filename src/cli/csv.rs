@@ -8,13 +8,7 @@ use std::{
 
 use serde_json::{Value, json};
 
-use super::{
-    CommandFailure, Context, Exit,
-    exit::usage,
-    file_failure,
-    out_of_range::{Clamped, OutOfRangeCount},
-    shown,
-};
+use super::{Clamped, CommandFailure, Context, Exit, file_failure, out_of_range::OutOfRangeCount, shown, usage};
 use ltcforge_files::bounded::read_line;
 
 /// The longest line that is read. Four numbers take a hundred bytes, a light of eight vertices seven hundred.

@@ -1,11 +1,32 @@
 //! `diff`: the distance between two tables, and the error of each.
 
-use std::fmt::Write as _;
+use std::{fmt::Write as _, path::PathBuf};
 
+use clap::Args;
 use serde_json::json;
 
-use super::{CommandFailure, Context, Exit, args::DiffArgs, input::AnyTable, shown, tabulated};
+use super::{AnyTable, CommandFailure, Context, Exit, TableFolder, Threads, shown, tabulated};
 use ltcforge_fit::{Difference, Gap, MOST_POINTS, Report, Spread, difference};
+
+/// `diff`.
+#[derive(Debug, Args)]
+pub struct DiffArgs {
+    /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or a digest as `fit` prints it (its
+    /// first digits suffice) of a table in the folder of `--tables`
+    pub a: PathBuf,
+    /// Another one
+    pub b: PathBuf,
+    /// The folder of tables
+    #[command(flatten)]
+    pub folder: TableFolder,
+    /// Nodes of each table to compare and measure, and as many configurations between them, 8 to 1000000 [default: 1024
+    /// to compare, and for each report as many as `report` takes]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=1_000_000), hide_default_value = true)]
+    pub points: Option<u32>,
+    /// Number of threads that measure
+    #[command(flatten)]
+    pub threads: Threads,
+}
 
 /// Compares two tables. It is not a failure if they differ.
 pub(super) fn run(args: &DiffArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {

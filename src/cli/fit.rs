@@ -1,25 +1,19 @@
 //! `fit`: a table without a server.
 
 use std::{
+    num::NonZeroU64,
     ops::ControlFlow,
     path::{Path, PathBuf},
     time::Instant,
 };
 
+use clap::Args;
 use indicatif::ProgressBar;
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit, Interrupt,
-    args::FitArgs,
-    exit::failed,
-    file_failure, input,
-    output::{check_output_folder, write_in},
-    progress,
-    report::asymmetry_line,
-    shown,
-    table_file::TABLE_FOLDERS,
-    tabulated,
+    CommandFailure, Context, Exit, Interrupt, Threads, check_output_folder, failed, file_failure, input, progress,
+    report::asymmetry_line, shown, table_file::TABLE_FOLDERS, tabulated, write_in,
 };
 use ltcforge_files::{
     container,
@@ -29,6 +23,22 @@ use ltcforge_files::{
     tabulated::kept_name,
 };
 use ltcforge_fit::{Plan, Recipe, Report, Table, fit_plan};
+
+/// `fit`.
+#[derive(Debug, Args)]
+pub struct FitArgs {
+    /// A recipe's file, `-` for stdin, or the name of a preset
+    pub recipe: PathBuf,
+    /// Folder that the table and its manifest go to
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
+    pub out: PathBuf,
+    /// Number of threads
+    #[command(flatten)]
+    pub threads: Threads,
+    /// Entries the table may have [default: 2000000]
+    #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
+    pub entry_limit: Option<NonZeroU64>,
+}
 
 /// The length of a digest's beginning that tells a table from many thousands: `sha256:` and 12 digits.
 const SHORT_DIGEST: usize = "sha256:".len() + 12;

@@ -5,14 +5,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{
-    CommandFailure,
-    args::{TableChoice, TableFolder},
-    exit::{mismatch, usage},
-    file_failure,
-    table_file::{check, table_path},
-    tabulated,
-};
+use clap::Args;
+
+use super::{CommandFailure, file_failure, mismatch, table_file, table_path, tabulated, usage};
+use ltcforge_client::TABLE_BYTES;
 use ltcforge_files::{
     bounded::{read_file, read_stream},
     compact::{self, COMPACT_MAGIC},
@@ -21,6 +17,36 @@ use ltcforge_files::{
     text::{other_form, without_mark},
 };
 use ltcforge_fit::{BrdfKind, MOST_POINTS, PerAxis, Recipe, Report, Table, ggx_terms, report, report_points};
+
+/// The choice of a table.
+#[derive(Debug, Args)]
+pub struct TableChoice {
+    /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or a digest as `fit` prints it
+    /// (its first digits suffice) of a table in the folder of `--tables`
+    pub table: PathBuf,
+    /// The folder of tables
+    #[command(flatten)]
+    pub folder: TableFolder,
+}
+
+/// The folder that is searched for digests, and the length of tables.
+#[derive(Debug, Args)]
+pub struct TableFolder {
+    /// Folder of `<digest>.safetensors` files [default: the working folder, then `tables` in it]
+    #[arg(long, value_name = "DIR")]
+    pub tables: Option<PathBuf>,
+    /// How long a table may be
+    #[command(flatten)]
+    pub limit: TableLimit,
+}
+
+/// How long a table may be.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct TableLimit {
+    /// Longest table that is read or downloaded
+    #[arg(long, env = "LTCFORGE_TABLE_LIMIT", value_name = "BYTES", default_value_t = TABLE_BYTES)]
+    pub table_limit: u64,
+}
 
 /// The longest recipe that is read. The service takes 64 KiB.
 const RECIPE_LIMIT_BYTES: u64 = 1 << 20;
@@ -82,7 +108,7 @@ impl AnyTable {
         }
         let is_npy = bytes.starts_with(NPY_MAGIC) || path.extension().is_some_and(|extension| extension == "npy");
         if !is_npy {
-            let (digest, mut file) = check(&path, &bytes, None)?;
+            let (digest, mut file) = table_file::check(&path, &bytes, None)?;
             tabulated::attach(&mut file, &path);
             let TableFile { table, recipe } = file;
             return Ok(Self { path, digest, table, origin: Origin::Recipe(recipe) });

@@ -39,6 +39,7 @@ mod table_file;
 mod tabulated;
 mod tradeoff;
 mod tradeoff_models;
+mod values;
 mod verify;
 mod verify_export;
 
@@ -49,5 +50,15 @@ pub use interrupt::Interrupt;
 pub use ltcforge_client::without_passwords;
 pub use run::run;
 
-use context::{print, shown};
-use exit::{file_failure, lock_failure};
+use config_file::{ConfigFile, DEFAULT_SERVER};
+use context::shown;
+use csv::{CsvLines, LineFailure, Rows};
+use exit::{failed, file_failure, lock_failure, mismatch, usage};
+use export::ExportChoice;
+use input::{AnyTable, TableChoice, TableFolder, TableLimit};
+use out_of_range::{Clamped, clamped};
+use output::{OutputFile, check_output_folder, listed, write_in};
+use pins::{Fitting, Measured, asked_by, export_of, of_pin};
+use sources::{SourceArgs, Sources};
+use table_file::table_path;
+use values::{Threads, named};

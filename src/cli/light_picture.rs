@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{CommandFailure, args::LightArgs, exit::usage, file_failure};
+use super::{CommandFailure, file_failure, light::LightArgs, usage};
 use ltcforge_files::bounded::read_file;
 use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, Table};
 use ltcforge_light::{

@@ -5,18 +5,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use clap::Args;
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit,
-    args::LockArgs,
-    exit::usage,
-    file_failure, input, lock_failure,
-    output::check_output_folder,
-    pins::{Fitting, asked_by, of_pin},
-    shown,
-    sources::Sources,
-    table_file::{self, check, table_path},
+    CommandFailure, Context, Exit, ExportChoice, Fitting, SourceArgs, Sources, asked_by, check_output_folder,
+    file_failure, input, lock_failure, of_pin, shown, table_file, table_path, usage,
 };
 use ltcforge_client::{
     self as client, FilePin, Guard, LockFile, LockFileError, Pin, PinState, Source, Wanted, check_pins, fetch,
@@ -28,6 +22,58 @@ use ltcforge_files::{
     recipe_document,
     replace::{folder_of, replace_file},
 };
+
+/// The end of the names of a plan's second recipe and of its table's pin.
+const SHEEN: &str = "-sheen";
+
+/// `lock`.
+#[derive(Debug, Args)]
+pub struct LockArgs {
+    /// The table's name in the project; without one, all pins are written anew, with the files that this program makes
+    pub name: Option<String>,
+    /// The table: its file, or its digest, which must be complete if the table comes from a source [default: the one
+    /// that is pinned under this name]
+    #[arg(conflicts_with = "recipe")]
+    pub table: Option<PathBuf>,
+    /// The table of this recipe: its file, `-` for stdin, or the name of a preset. It is fitted, unless it is there
+    #[arg(long)]
+    pub recipe: Option<PathBuf>,
+    /// The tables of a plan: the folder that `plan` wrote its recipes to. That of sheen is pinned as NAME-sheen
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["table", "recipe"])]
+    pub plan: Option<PathBuf>,
+    /// Path of the table, relative to the lock file's folder and below it [default: NAME.safetensors]
+    #[arg(long, value_name = "PATH", requires = "name")]
+    pub to: Option<PathBuf>,
+    /// Files to make from the table and to pin as well
+    #[command(flatten)]
+    pub export: ExportChoice,
+    /// Their folder, relative to the lock file's and below it
+    #[arg(short, long, value_name = "DIR", requires = "name")]
+    pub out: Option<PathBuf>,
+    /// Remove the pin of this name; its files stay
+    #[arg(long, requires = "name", conflicts_with_all = ["table", "recipe", "plan", "to", "out"])]
+    pub remove: bool,
+    /// Folder that is searched for a digest first [default: the working folder, then `tables` in it]
+    #[arg(long, value_name = "DIR")]
+    pub tables: Option<PathBuf>,
+    /// The sources of tables
+    #[command(flatten)]
+    pub sources: SourceArgs,
+}
+
+impl LockArgs {
+    /// The recipes that the command line names, by itself or as those of a plan, and what their pins' names end in.
+    pub(crate) fn recipes(&self) -> Vec<(&'static str, PathBuf)> {
+        let Some(folder) = &self.plan else {
+            return self.recipe.iter().map(|recipe| ("", recipe.clone())).collect();
+        };
+        let of = |end: &'static str| (end, folder.join(format!("recipe{end}.json")));
+        let mut found = ["", SHEEN].map(of).to_vec();
+        found.retain(|(_, path)| path.exists());
+        // An error about a folder without recipes names the first.
+        if found.is_empty() { vec![of("")] } else { found }
+    }
+}
 
 /// A file to write, unless it is there.
 struct Planned {
@@ -291,7 +337,7 @@ impl Locking<'_, '_> {
         }
         let bytes = self.fitting().fit(&recipe)?;
         let digest = Digest::of(&bytes);
-        let (_, file) = check(name, &bytes, Some(digest))?;
+        let (_, file) = table_file::check(name, &bytes, Some(digest))?;
         Ok(Found { digest, file, bytes, from_source: false })
     }
 
@@ -312,7 +358,7 @@ impl Locking<'_, '_> {
 
     fn read(&self, path: &Path, expected: Option<Digest>) -> Result<Found, CommandFailure> {
         let bytes = table_file::read(path, self.args.sources.limit.table_limit)?;
-        let (digest, file) = check(path, &bytes, expected)?;
+        let (digest, file) = table_file::check(path, &bytes, expected)?;
         Ok(Found { digest, file, bytes, from_source: false })
     }
 
@@ -320,7 +366,7 @@ impl Locking<'_, '_> {
         let sources = self.sources.of(pin.sources.iter().chain(&self.lock.sources), &self.lock.folder);
         let wanted = Wanted::table(digest, stated_bytes);
         let bytes = self.sources.with_access(&self.context.interrupt, |access| fetch(&sources, &wanted, access))?;
-        let (digest, file) = check(Path::new(&digest.to_string()), &bytes, Some(digest))?;
+        let (digest, file) = table_file::check(Path::new(&digest.to_string()), &bytes, Some(digest))?;
         Ok(Found { digest, file, bytes, from_source: true })
     }
 }

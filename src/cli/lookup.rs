@@ -1,17 +1,29 @@
 //! `lookup`: the matrices that a shader would fetch from a table.
 
+use std::path::PathBuf;
+
+use clap::Args;
 use serde_json::{Value, json};
 
 use super::{
-    CommandFailure, Context, Exit,
-    args::LookupArgs,
-    csv::{CsvLines, LineFailure, Rows},
-    exit::usage,
-    input::AnyTable,
-    out_of_range::clamped,
-    points::{self, COLUMNS, Point},
+    AnyTable, CommandFailure, Context, CsvLines, Exit, LineFailure, Rows, TableChoice, clamped, points, usage,
 };
 use ltcforge_fit::{Layout, LookedUp, Table};
+
+/// `lookup`.
+#[derive(Debug, Args)]
+pub struct LookupArgs {
+    /// The table
+    #[command(flatten)]
+    pub table: TableChoice,
+    /// CSV with `alpha_x,alpha_y,theta,phi` on each line, angles in radians; `-` for stdin
+    #[arg(long, value_name = "CSV")]
+    pub points: PathBuf,
+    /// Look up this material of a table of layout `materials`, by its place in the recipe's list, from 0; the CSV then has
+    /// `theta,phi` on each line
+    #[arg(long, value_name = "N")]
+    pub material: Option<u32>,
+}
 
 /// Prints a matrix for each point as soon as it is read.
 pub(super) fn run(args: &LookupArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
@@ -52,7 +64,7 @@ fn material(table: &Table, number: u32) -> Result<[f64; 2], CommandFailure> {
 /// The columns; those of a second lobe and the term of F82 come last.
 fn columns(has_second: bool, has_edge: bool) -> Vec<String> {
     let matrix = |name: &str| (0..9).map(|i| format!("{name}{}{}", i / 3, i % 3)).collect::<Vec<_>>();
-    let mut columns: Vec<String> = COLUMNS.map(str::to_owned).into();
+    let mut columns: Vec<String> = points::COLUMNS.map(str::to_owned).into();
     columns.extend(matrix("m"));
     columns.extend(["amplitude", "fresnel"].map(str::to_owned));
     columns.extend(if has_second { matrix("second") } else { vec![] });
@@ -61,7 +73,7 @@ fn columns(has_second: bool, has_edge: bool) -> Vec<String> {
 }
 
 /// One line of CSV. Numbers are the shortest that read back as the same f64; terms that the table lacks are empty.
-fn row(point: &Point<'_>, found: &LookedUp) -> String {
+fn row(point: &points::Point<'_>, found: &LookedUp) -> String {
     let mut fields: Vec<String> = point.written.map(str::to_owned).into();
     fields.extend(found.matrix.iter().map(f64::to_string));
     fields.extend([found.amplitude, found.fresnel].map(|term| term.map(|term| term.to_string()).unwrap_or_default()));
@@ -70,7 +82,7 @@ fn row(point: &Point<'_>, found: &LookedUp) -> String {
 }
 
 /// The same as JSON.
-fn value(point: &Point<'_>, found: &LookedUp) -> Value {
+fn value(point: &points::Point<'_>, found: &LookedUp) -> Value {
     let at = &point.configuration;
     let mut line = json!({
         "alpha_x": at.alpha_x, "alpha_y": at.alpha_y, "theta": at.theta, "phi": at.phi,

@@ -6,12 +6,11 @@ use std::{
 };
 
 use super::{
-    CommandFailure, Context, Interrupt,
-    args::{ExportChoice, Threads},
-    exit::{failed, usage},
-    export,
+    CommandFailure, Context, ExportChoice, Interrupt, Threads,
+    export::{self},
+    failed,
     fit::fit_alone,
-    tabulated,
+    tabulated, usage,
 };
 use ltcforge_client::{ExportPin, FilePin, Pin};
 use ltcforge_files::{

@@ -1,16 +1,46 @@
 //! `plot`: a table as a picture.
 
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit,
-    args::{PlotArgs, PlotName},
-    exit::{failed, usage},
-    input::AnyTable,
-    output::OutputFile,
-    shown, tabulated,
+    AnyTable, CommandFailure, Context, Exit, OutputFile, TableChoice, Threads, failed, shown, tabulated, usage,
 };
-use ltcforge_view::plots::{ErrorSlice, Plot};
+use ltcforge_view::plots::{Azimuth, ErrorSlice, Plot, Ratio};
+
+/// `plot`.
+#[derive(Debug, Args)]
+pub struct PlotArgs {
+    /// The table
+    #[command(flatten)]
+    pub table: TableChoice,
+    /// The plot
+    #[arg(value_enum)]
+    pub name: PlotName,
+    /// The picture
+    #[arg(short, long, value_name = "FILE.png")]
+    pub out: PathBuf,
+    /// Smaller over larger roughness at which errors are shown, moved into the table's range [default: 0.25]
+    #[arg(long, value_name = "X")]
+    pub ratio: Option<Ratio>,
+    /// Azimuth of the view direction at which errors are shown, radians, likewise [default: 0.7]
+    #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
+    pub phi: Option<Azimuth>,
+    /// How many threads measure
+    #[command(flatten)]
+    pub threads: Threads,
+}
+
+/// The plots.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PlotName {
+    /// Errors over theta and alpha at one ratio and phi
+    Error,
+    /// Every number of every entry
+    Matrix,
+}
 
 /// Draws and writes the picture.
 pub(super) fn run(args: &PlotArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {

@@ -2,21 +2,130 @@
 
 mod materials;
 
-use std::sync::Arc;
+use std::{
+    path::PathBuf,
+    sync::{Arc, LazyLock},
+};
 
+use clap::{
+    Arg, ArgMatches, Args, Command, Error, FromArgMatches,
+    builder::{PossibleValuesParser, TypedValueParser},
+};
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit,
-    args::PreviewArgs,
-    exit::{failed, usage},
-    input::AnyTable,
-    light_picture::read_picture,
-    output::OutputFile,
-    shown,
+    AnyTable, CommandFailure, Context, Exit, OutputFile, TableFolder, failed, light_picture::read_picture, named,
+    shown, usage,
 };
 use ltcforge_light::{LightError, LightModel};
-use ltcforge_view::preview::{Material, Preview, PreviewError, Rendered, ScenePicture, ShaderTable};
+use ltcforge_view::preview::{
+    Adapter, Choices, Material, PARAMETERS, Parameter, ParameterForm, Preview, PreviewError, Rendered, ScenePicture,
+    ShaderTable, TexelFormat, Value,
+};
+
+/// `preview`. A parameter that is not given is that of the named scene.
+#[derive(Debug, Args)]
+pub struct PreviewArgs {
+    /// A table's file, or a digest as `fit` prints it (its first digits suffice) of a table in the folder of
+    /// `--tables`; not needed for a picture that shows none
+    pub table: Option<PathBuf>,
+    /// The folder of tables
+    #[command(flatten)]
+    pub folder: TableFolder,
+    /// The picture
+    #[arg(short, long, value_name = "FILE.png")]
+    pub out: PathBuf,
+    /// The scene and its parameters
+    #[command(flatten)]
+    pub scene: SceneChoices,
+    /// A picture on the light, in place of one with a name: PNG, `OpenEXR`, Radiance HDR or JPEG
+    #[arg(long, value_name = "IMAGE", conflicts_with = "light_picture")]
+    pub light_texture: Option<PathBuf>,
+    /// Width of the table's numbers on the GPU
+    #[arg(long, value_parser = named(TexelFormat::ALL, TexelFormat::name), default_value = "f32")]
+    pub precision: TexelFormat,
+    /// Take amplitude and Fresnel term of GGX itself at the table's nodes, in place of the table's own; a table without
+    /// any reflects all light
+    #[arg(long)]
+    pub ggx_terms: bool,
+    /// The renderer
+    #[arg(long, value_parser = named(Adapter::ALL, Adapter::name), default_value = "any", env = "LTCFORGE_ADAPTER")]
+    pub adapter: Adapter,
+}
+
+/// The scene of nine materials: on the command line beside the preview's named scenes, which one renderer shades.
+const MATERIALS: &str = "materials";
+
+/// The choices of a scene on the command line: an argument for each of the preview's parameters.
+#[derive(Debug, Clone)]
+pub struct SceneChoices {
+    /// The parameters that are given; the scene among them if it is a named one.
+    pub choices: Choices,
+    /// Whether the scene is the one of nine materials.
+    pub is_materials: bool,
+}
+
+/// The value of `--scene`.
+#[derive(Debug, Clone)]
+enum SceneName {
+    Named(Value),
+    Materials,
+}
+
+/// The parameter that names a scene.
+const SCENE: &str = "scene";
+
+/// Their names on the command line, in their order.
+static FLAGS: LazyLock<[String; PARAMETERS.len()]> =
+    LazyLock::new(|| std::array::from_fn(|i| PARAMETERS[i].name.replace('_', "-")));
+
+fn argument(parameter: &'static Parameter, flag: &'static str) -> Arg {
+    let arg = Arg::new(parameter.name).long(flag).help(parameter.line()).value_name(parameter.value_name);
+    let parse = |text: &str| parameter.parse(text);
+    match parameter.form {
+        ParameterForm::Name { names, .. } if parameter.name == SCENE => {
+            let names = names().into_iter().chain([MATERIALS]);
+            let read = move |name: String| match name.as_str() {
+                MATERIALS => Ok(SceneName::Materials),
+                name => parse(name).map(SceneName::Named),
+            };
+            arg.value_parser(PossibleValuesParser::new(names).try_map(read))
+        }
+        ParameterForm::Name { names, .. } => {
+            arg.value_parser(PossibleValuesParser::new(names()).try_map(move |name| parse(&name)))
+        }
+        // A list may begin with a negative number, which clap would take for a flag.
+        _ if parameter.count() > 1 => arg.value_parser(parse).allow_hyphen_values(true),
+        _ => arg.value_parser(parse).allow_negative_numbers(true),
+    }
+}
+
+impl Args for SceneChoices {
+    fn augment_args(command: Command) -> Command {
+        command.args(PARAMETERS.iter().zip(FLAGS.iter()).map(|(parameter, flag)| argument(parameter, flag)))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for SceneChoices {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
+        let scene = matches.get_one::<SceneName>(SCENE);
+        let choices = Choices::of(|parameter| match scene {
+            _ if parameter.name != SCENE => matches.get_one::<Value>(parameter.name).cloned(),
+            Some(SceneName::Named(value)) => Some(value.clone()),
+            Some(SceneName::Materials) | None => None,
+        });
+        Ok(Self { choices, is_materials: matches!(scene, Some(SceneName::Materials)) })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
 
 /// Renders a picture and writes it. Prints the adapter, materials outside the table, and the errors of modes that
 /// compare to standard error, or as JSON to standard output.

@@ -5,22 +5,31 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use clap::Args;
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit,
-    args::PullArgs,
-    exit::{failed, mismatch, usage},
-    file_failure, lock_failure,
-    pins::{Fitting, Measured, export_of, of_pin},
-    shown,
-    sources::Sources,
-    table_file::check,
+    CommandFailure, Context, Exit, Fitting, Measured, SourceArgs, Sources, export_of, failed, file_failure,
+    lock_failure, mismatch, of_pin, shown, table_file::check, usage,
 };
 use ltcforge_client::{
     self as client, ExportPin, FilePin, LockFile, Pin, PinState, PullError, Source, SourcesError, Wanted,
 };
 use ltcforge_files::{bounded::read_file, container::TableFile, digest::Digest, recipe_document, replace::Staged};
+
+/// `pull`.
+#[derive(Debug, Args)]
+pub struct PullArgs {
+    /// Change nothing; fail with exit code 3 when a file is missing or has other bytes
+    #[arg(long, conflicts_with_all = ["from", "fit", "offline"])]
+    pub locked: bool,
+    /// Fit a table from its recipe if no source has it; it must have the pinned digest
+    #[arg(long)]
+    pub fit: bool,
+    /// The sources of tables
+    #[command(flatten)]
+    pub sources: SourceArgs,
+}
 
 /// A pinned file, and the outcome for it.
 struct Done<'a> {

@@ -2,12 +2,31 @@
 
 use std::{f64::consts::FRAC_PI_2, fmt::Write as _};
 
+use clap::Args;
 use serde_json::json;
 
-use super::{CommandFailure, Context, Exit, args::ReportArgs, input::AnyTable, shown, tabulated};
+use super::{AnyTable, CommandFailure, Context, Exit, TableChoice, Threads, shown, tabulated};
 use ltcforge_fit::{
     Accuracy, Asymmetry, Corner, LobeModel, Moved, PerAxis, Poor, Report, SecondReport, Spread, TermError, extremes,
 };
+
+/// `report`.
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// The table
+    #[command(flatten)]
+    pub table: TableChoice,
+    /// Nodes to measure, and as many configurations between them, 8 to 1000000 [default: as many as the manifest's
+    /// report, which depend on the recipe; 1024 of a `.npy` file]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=1_000_000), hide_default_value = true)]
+    pub points: Option<u32>,
+    /// Measure the corners of the domain as well: mirrors, needles, the horizon, every fold
+    #[arg(long)]
+    pub extremes: bool,
+    /// Number of threads
+    #[command(flatten)]
+    pub threads: Threads,
+}
 
 /// Measures a table and prints the figures.
 pub(super) fn run(args: &ReportArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {

@@ -4,13 +4,8 @@ use clap::CommandFactory as _;
 use serde_json::json;
 
 use super::{
-    Cli, Command, CommandFailure, Context, Exit,
-    config_file::{ConfigFile, DEFAULT_SERVER},
-    diff,
-    exit::usage,
-    export, fit, jobs, light, light_texture, lock, lookup, plan, plot, preview, pull, report, shader,
-    sources::Sources,
-    tabulated, tradeoff, verify,
+    Cli, Command, CommandFailure, ConfigFile, Context, DEFAULT_SERVER, Exit, Sources, diff, export, fit, jobs, light,
+    light_texture, lock, lookup, plan, plot, preview, pull, report, shader, tabulated, tradeoff, usage, verify,
 };
 use ltcforge_client::{Client, ServerTokens, ServerTokensError};
 
@@ -27,7 +22,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
     let sources = |args| Sources::new(args, server.as_deref(), &file, tokens()?);
     match command {
         #[cfg(unix)]
-        Command::Service(command) => super::service::run(command, file.serve, json, context),
+        Command::Service(command) => super::service::run(command, file.serve, context),
         Command::Fit(args) => fit::run(&args, context),
         Command::Lookup(args) => lookup::run(&args, context),
         Command::Light(args) => light::run(&args, context),

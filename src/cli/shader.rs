@@ -2,23 +2,113 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 
-use super::{
-    CommandFailure, Context, Exit,
-    args::{AdditionArgs, ShaderArgs, ShaderForm},
-    exit::{failed, usage},
-    input::AnyTable,
-    output::OutputFile,
-    shown,
-};
-use ltcforge_fit::{FUNCTION_SIDE, IsotropicFunction, Table, report};
-use ltcforge_light::LightModel;
+use super::{AnyTable, CommandFailure, Context, Exit, OutputFile, TableFolder, Threads, failed, named, shown, usage};
+use ltcforge_fit::{FUNCTION_SIDE, IsotropicFunction, Layout, Table, report};
+use ltcforge_light::{LightModel, NormalsRule, textured::Readings};
 use ltcforge_shaders::{
-    Additions, Bound, DECLARATIONS, Filter, GivenAxes, Language, Lights, LitBy, Namespace, Reading, es_module,
+    Additions, Bound, DECLARATIONS, Filter, GivenAxes, Language, Lights, LitBy, Namespace, Prefix, Reading, es_module,
 };
 use ltcforge_textures::About;
 use ltcforge_translate::{include, include_function, include_given, include_layers, include_prefilter, port};
+
+/// `shader`.
+#[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "a flag each")]
+pub struct ShaderArgs {
+    /// Language to write
+    #[arg(long, value_parser = named(Language::ALL, Language::name))]
+    pub language: Language,
+    /// The model of light
+    #[arg(long, value_parser = named(LightModel::ALL, LightModel::name), default_value = "ltc")]
+    pub model: LightModel,
+    /// The rule of model normals, each a text of its own [default: balanced]
+    #[arg(long, value_parser = named(&NormalsRule::SHADED, NormalsRule::name))]
+    pub rule: Option<NormalsRule>,
+    /// Functions to include in your own shader, or a program that calls them
+    #[arg(long = "as", value_enum, default_value = "include")]
+    pub form: ShaderForm,
+    /// Let the sampler interpolate a table's entries, in a text to include: fewer fetches, less exact
+    #[arg(long)]
+    pub hardware_filter: bool,
+    /// Read the table from one 2D array in place of three 3D textures, in a text to include: one sampler
+    #[arg(long)]
+    pub texture_array: bool,
+    /// Read the second lobe too, in a text to include: of tables whose recipes have field `fresnel` of `two_lobes` or
+    /// `blended_lobes`
+    #[arg(long)]
+    pub two_lobes: bool,
+    /// Lights that a text of model ltc to include has functions for: all, or polygons alone, which is two fifths
+    /// shorter [default: all]
+    #[arg(long, value_parser = named(Lights::ALL, Lights::name))]
+    pub lights: Option<Lights>,
+    /// Functions to add to a text to include
+    #[command(flatten)]
+    pub additions: AdditionArgs,
+    /// Beginning of all names in a text to include, in place of ltc, normals or gaussians, for two tables in one shader
+    #[arg(long, value_name = "NAME")]
+    pub prefix: Option<Prefix>,
+    /// Number of the first binding, in a text to include that reads a table and binds it by number [default: 0]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=1000))]
+    pub first_binding: Option<u16>,
+    /// Group of the bindings in WGSL, set in Vulkan's GLSL, space in HLSL, in a text to include that reads a table
+    /// [default: 0]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=31))]
+    pub group: Option<u16>,
+    /// Layout of the tables that the shader reads: of LTCs for model ltc, of Gaussians for sg and asg, which have
+    /// closed forms without it; a table's recipe names it
+    #[arg(long, value_parser = named(Layout::ALL, Layout::name))]
+    pub layout: Option<Layout>,
+    /// Put this table of isotropic surfaces into the code as polynomials: the shader reads no texture
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "hardware_filter", "texture_array", "two_lobes", "first_binding", "group"])]
+    pub without_textures: Option<PathBuf>,
+    /// Read this table of LTCs alone, whose recipe gives nodes one by one: they stand in the text, which searches for
+    /// them
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "without_textures"])]
+    pub nodes: Option<PathBuf>,
+    /// The folder of tables
+    #[command(flatten)]
+    pub folder: TableFolder,
+    /// How many threads measure that table, and its polynomials
+    #[command(flatten)]
+    pub threads: Threads,
+    /// Write the text as a module of JavaScript, -o NAME.js or NAME.mjs, and its types beside it, NAME.d.ts or NAME.d.mts
+    #[arg(long)]
+    pub es_module: bool,
+    /// The file [default: standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Options that add functions to a text to include.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct AdditionArgs {
+    /// Add functions, in a text of model ltc to include, by which nothing shines through from below the surface
+    #[arg(long)]
+    pub cut: bool,
+    /// Add the factor, in a text to include, by which facets of metals lose no light to each other
+    #[arg(long)]
+    pub compensate: bool,
+    /// Add rectangles with pictures, in a text of model normals or ltc to include, and read a picture so often for a light:
+    /// 4, 1, 2 or 6
+    #[arg(long, value_name = "READINGS", value_parser = named(Readings::ALL, Readings::name), conflicts_with = "without_textures")]
+    pub textured: Option<Readings>,
+}
+
+/// The form of a shader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ShaderForm {
+    /// Functions and their bindings
+    Include,
+    /// A compute shader that calls them
+    Example,
+    /// Functions that combine a coat and fuzz with what lies below them, for any model
+    Layers,
+    /// Functions that prefilter a picture on a light, pass by pass
+    Prefilter,
+}
 
 /// Configurations at which a table and its polynomials are measured: so many that a single one hardly matters.
 const COMPARED_AT: usize = 512;

@@ -1,9 +1,39 @@
 //! The sources of tables for `lock` and `pull`, and their order.
 
-use std::path::Path;
+use std::{
+    ffi::OsString,
+    num::NonZeroU64,
+    path::{Path, PathBuf},
+};
 
-use super::{CommandFailure, Interrupt, args::SourceArgs, config_file::ConfigFile, config_file::DEFAULT_SERVER};
+use clap::Args;
+
+use super::{CommandFailure, ConfigFile, DEFAULT_SERVER, Interrupt, TableLimit, Threads};
 use ltcforge_client::{Access, ServerTokens, Source};
+
+/// The sources of pinned tables.
+#[derive(Debug, Args)]
+pub struct SourceArgs {
+    /// The lock file; paths are relative to its folder
+    #[arg(long, value_name = "FILE", default_value = "ltcforge.lock")]
+    pub lock: PathBuf,
+    /// Look for tables here: the URL of a service, or a folder of `<digest>.safetensors` files; give it several times
+    /// to look in several places, in this order [default: --server, or what the lock file and the configuration name]
+    #[arg(long, value_name = "URL|DIR")]
+    pub from: Vec<OsString>,
+    /// Use no server, only folders
+    #[arg(long)]
+    pub offline: bool,
+    /// The longest table whose size the lock file does not state
+    #[command(flatten)]
+    pub limit: TableLimit,
+    /// Entries that a table may have to be fitted [default: 2000000]
+    #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
+    pub entry_limit: Option<NonZeroU64>,
+    /// Number of threads that fit and measure
+    #[command(flatten)]
+    pub threads: Threads,
+}
 
 /// The sources of tables besides those that the lock file names.
 pub(super) struct Sources {

@@ -7,11 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{
-    CommandFailure,
-    exit::{failed, mismatch, usage},
-    file_failure,
-};
+use super::{CommandFailure, failed, file_failure, mismatch, usage};
 use ltcforge_files::{
     bounded::{read_stream, too_long},
     container::{self, TableFile},

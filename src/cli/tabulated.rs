@@ -6,16 +6,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use clap::{
+    Args,
+    builder::{PossibleValuesParser, TypedValueParser},
+};
 use serde_json::{Value, json};
 
 use super::{
-    CommandFailure, Context, Exit,
-    args::TabulateArgs,
-    exit::{bad_recipe, usage},
-    file_failure,
-    output::OutputFile,
-    shown,
-    table_file::TABLE_FOLDERS,
+    CommandFailure, Context, Exit, OutputFile, exit::bad_recipe, file_failure, shown, table_file::TABLE_FOLDERS, usage,
 };
 use ltcforge_client::Client;
 use ltcforge_files::{
@@ -24,7 +22,39 @@ use ltcforge_files::{
     recipe_document::{self, DEFAULT_ENTRY_LIMIT, Fault, RecipeError},
     tabulated::{encode, kept_name, locate},
 };
-use ltcforge_fit::{Recipe, Table, TabulatedAxes, TabulatedBrdf};
+use ltcforge_fit::{BrdfKind, Recipe, Table, TabulatedAxes, TabulatedBrdf};
+
+/// `tabulate`.
+#[derive(Debug, Args)]
+pub struct TabulateArgs {
+    /// The scattering model
+    #[arg(value_parser = formulas())]
+    pub brdf: BrdfKind,
+    /// The file
+    #[arg(short, long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Roughnesses, ascending; none for one surface, the roughest
+    #[arg(long, value_name = "ALPHA,...", value_delimiter = ',')]
+    pub alpha: Vec<f64>,
+    /// Ratios of roughnesses, ascending, for a file of anisotropic surfaces; none for an isotropic one
+    #[arg(long, value_name = "RATIO,...", value_delimiter = ',')]
+    pub ratio: Vec<f64>,
+    /// Nodes of the polar angle of the light, closer towards the horizon; the view has the same nodes up to 85 degrees
+    #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u16).range(4..=1024))]
+    pub theta: u16,
+    /// Nodes of the azimuth of the view, a quarter of a turn
+    #[arg(long, value_name = "N", default_value_t = 9, requires = "ratio", value_parser = clap::value_parser!(u16).range(2..=256))]
+    pub phi_o: u16,
+    /// Nodes of the difference of azimuths on one side; with --ratio as many on the other, closer across from the view
+    #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u16).range(4..=1024))]
+    pub phi: u16,
+}
+
+/// A model that needs no file, by its name.
+fn formulas() -> impl TypedValueParser<Value = BrdfKind> {
+    PossibleValuesParser::new(BrdfKind::formulas().map(BrdfKind::name))
+        .try_map(|name| BrdfKind::from_name(&name).ok_or("no model"))
+}
 
 /// The folders that are searched for files that `name`, a recipe or a table, needs: its own, and those of tables.
 fn folders(name: &Path) -> Vec<PathBuf> {

@@ -1,18 +1,18 @@
 //! `tradeoff`: measures the accuracy that speed and size cost.
 
-use std::{fmt::Write as _, path::Path, time::Instant};
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+    time::Instant,
+};
 
+use clap::Args;
 use indicatif::ProgressBar;
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit, Interrupt,
-    args::TradeoffArgs,
-    exit::usage,
-    fit, input,
-    output::{check_output_folder, write_in},
-    progress, shown, tabulated,
-    tradeoff_models::{self, FittedTable},
+    CommandFailure, Context, Exit, Interrupt, Threads, check_output_folder, fit, input, progress, shown, tabulated,
+    tradeoff_models, usage, write_in,
 };
 use ltcforge_files::{compact, recipe_document::DEFAULT_ENTRY_LIMIT};
 use ltcforge_fit::{BrdfKind, Plan, Recipe, Table, report};
@@ -21,6 +21,24 @@ use ltcforge_view::tradeoff::{
     FittedRecipe, Measurement, POINTS, Size, csv, family, fitted_gaussians, json as rows_json, off_by, picture, rows,
     stands_for_ltc,
 };
+
+/// `tradeoff`.
+#[derive(Debug, Args)]
+pub struct TradeoffArgs {
+    /// A recipe's file, `-` for stdin, or the name of a preset: the family keeps its ranges, terms, seed and solver,
+    /// and varies its layout, resolution and precision [default: paper]
+    #[arg(long, value_name = "RECIPE")]
+    pub recipe: Option<PathBuf>,
+    /// Fit a small family: the presets and a few recipes around them
+    #[arg(long)]
+    pub quick: bool,
+    /// Folder that `tradeoff.csv`, `tradeoff.json` and `tradeoff.svg` go to
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
+    pub out: PathBuf,
+    /// Number of threads
+    #[command(flatten)]
+    pub threads: Threads,
+}
 
 /// The default recipe, which the family varies.
 const DEFAULT_RECIPE: &str = "paper";
@@ -64,7 +82,7 @@ pub(super) fn run(args: &TradeoffArgs, context: &mut Context<'_>) -> Result<Exit
         let (measured, table) = pool.install(|| measure(&recipe, &lights, &bar, &interrupt))?;
         if stands_for_ltc(&base, &recipe) {
             let fit_seconds = measured.processor_seconds / threads as f64;
-            tables.push(FittedTable { recipe: recipe.clone(), table, fit_seconds });
+            tables.push(tradeoff_models::FittedTable { recipe: recipe.clone(), table, fit_seconds });
         }
         fitted.push((recipe, measured));
     }
@@ -74,7 +92,7 @@ pub(super) fn run(args: &TradeoffArgs, context: &mut Context<'_>) -> Result<Exit
             let table = fit::fit(&Plan::new(&recipe), &bar, &interrupt).ok_or_else(CommandFailure::interrupted)?;
             Ok::<_, CommandFailure>((table, processor_seconds() - started))
         })?;
-        tables.push(FittedTable { recipe, table, fit_seconds: seconds / threads as f64 });
+        tables.push(tradeoff_models::FittedTable { recipe, table, fit_seconds: seconds / threads as f64 });
     }
     bar.finish_and_clear();
 

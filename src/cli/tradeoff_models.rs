@@ -1,6 +1,6 @@
 //! Measuring models of light for `tradeoff`: errors and bytes.
 
-use super::{CommandFailure, exit::failed};
+use super::{CommandFailure, failed};
 use ltcforge_files::{container, recipe_document};
 use ltcforge_fit::{Precision, Recipe, Spread, Table};
 use ltcforge_light::{ClosedForm, LightModel, Lighting, NormalsRule, RandomLights, light_error};

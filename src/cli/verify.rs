@@ -3,23 +3,44 @@
 
 use std::{
     fs, io,
+    num::NonZeroU64,
     path::{Path, PathBuf},
 };
 
+use clap::Args;
 use serde_json::{Value, json};
 
 use super::{
-    CommandFailure, Context, Exit,
-    args::VerifyArgs,
-    exit::{failed, mismatch, usage},
-    file_failure,
-    pins::Fitting,
-    shown,
-    table_file::{self, check, table_path},
-    verify_export::{self, manifest_of},
+    CommandFailure, Context, Exit, Fitting, TableFolder, Threads, failed, file_failure, mismatch, shown, table_file,
+    table_path, usage, verify_export,
 };
 use ltcforge_client::{Access, ServerTokens, Source, Wanted, digest_of_file, fetch};
 use ltcforge_files::{container::TableFile, digest::Digest, recipe_document, tabulated::kept_name};
+
+/// `verify`.
+#[derive(Debug, Args)]
+pub struct VerifyArgs {
+    /// Tables' files, digests (their first digits suffice) of tables in the folder of `--tables`, addresses of tables of a
+    /// service (`http://HOST/v1/tables/sha256:DIGEST`), folders of files that `export` made, or a service's data folder or a
+    /// copy of one, whose blobs must hash to their names; a file named after a digest must hash to it
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// The folder of tables
+    #[command(flatten)]
+    pub folder: TableFolder,
+    /// The digest that the table must have, whatever its name
+    #[arg(long)]
+    pub digest: Option<Digest>,
+    /// Fit each table's recipe again as well: it must give the table's bytes, and those of an export's files
+    #[arg(long)]
+    pub refit: bool,
+    /// Entries that a table may have to be fitted [default: 2000000]
+    #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
+    pub entry_limit: Option<NonZeroU64>,
+    /// Number of threads that fit
+    #[command(flatten)]
+    pub threads: Threads,
+}
 
 /// Checks everything that is named. The first that fails decides the exit code.
 pub(super) fn run(args: &VerifyArgs, tokens: &ServerTokens, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
@@ -85,7 +106,7 @@ fn check_one(name: &Path, args: &VerifyArgs, access: &Access<'_>, fitting: Optio
     if let Some(url) = name.to_str().filter(|name| name.contains("://")) {
         return checked(name, served(url, access, fitting));
     }
-    match manifest_of(name) {
+    match verify_export::manifest_of(name) {
         Some(manifest) if name.is_dir() && !manifest.exists() => {
             let found = match fitting {
                 None if args.digest.is_none() => blobs(name, access).map(Found::Blobs),
@@ -163,7 +184,7 @@ fn served(url: &str, access: &Access<'_>, fitting: Option<&Fitting<'_>>) -> Resu
         return Err(usage(format!("{}: {what}", url.escape_debug())));
     };
     let (name, source) = (Path::new(url), [Source::server(base)?]);
-    let table = check(name, &fetch(&source, &Wanted::table(digest, None), access)?, Some(digest))?;
+    let table = table_file::check(name, &fetch(&source, &Wanted::table(digest, None), access)?, Some(digest))?;
     let folder = tempfile::tempdir().map_err(failed)?;
     if let Some(brdf) = table.1.table.model().file().filter(|_| fitting.is_some()) {
         let digest = Digest::from_bytes(*brdf.digest());
@@ -192,7 +213,7 @@ fn refitted(
 }
 
 fn read(path: &Path, expected: Option<Digest>, limit_bytes: u64) -> Result<(Digest, TableFile), CommandFailure> {
-    check(path, &table_file::read(path, limit_bytes)?, expected)
+    table_file::check(path, &table_file::read(path, limit_bytes)?, expected)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
-use super::{CommandFailure, exit, file_failure, pins::Fitting};
+use super::{CommandFailure, Fitting, exit, file_failure};
 use ltcforge_files::{bounded::read_file, container::TableFile, digest::Digest};
 use ltcforge_textures::{Export, MANIFEST, UnknownExport};
 

@@ -139,50 +139,6 @@ fn errors(
     pairs.map(error).collect::<Result<_, _>>().map(spread)
 }
 
-/// Errors of light over a square of surfaces and views, for some models: those of the same lights.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LightMap {
-    /// The range of the rows, upwards: the square root of alpha.
-    pub roughness: [f64; 2],
-    /// The range of the columns: polar angle of the view direction, radians.
-    pub theta: [f64; 2],
-    /// For each model its mean absolute error in each cell, row by row from the smoothest.
-    pub errors: Vec<Vec<f64>>,
-}
-
-/// Measures models of light, for surfaces of one scattering model, on `count` random lights in each of `cells` by
-/// `cells` parts of a range, over all of its ratios and azimuths. The lights are those of [`RandomLights`];
-/// neighbouring cells have like ones.
-///
-/// Domain: at least one cell and one light. Runs on the current rayon pool; its size changes nothing.
-///
-/// # Errors
-/// As [`RandomLights::draw`] and [`light_error`].
-pub fn light_map(
-    models: &[Lighting<'_>],
-    brdf: &BrdfModel,
-    range: &PerAxis<[f64; 2]>,
-    cells: usize,
-    count: usize,
-) -> Result<LightMap, LightError> {
-    let own: Vec<_> = models.iter().map(|model| with_terms(*model, brdf)).collect::<Result<_, _>>()?;
-    let models =
-        models.iter().zip(&own).map(|(model, own)| own.as_ref().map_or(*model, |table| model.with_table(table)));
-    let models: Vec<Lighting<'_>> = models.collect();
-    let roughness = range.alpha.map(|alpha| alpha.clamp(LEAST_DRAWN_ALPHA, 1.0).sqrt());
-    let theta = range.theta.map(|theta| theta.min(STEEPEST));
-    let part = |[low, high]: [f64; 2], i: usize| low + (high - low) * i as f64 / cells as f64;
-    let both = |ends: [f64; 2], i: usize| [part(ends, i), part(ends, i + 1)];
-    let cell = |index: usize| -> Result<Vec<f64>, LightError> {
-        let alpha = both(roughness, index / cells).map(|root| root * root);
-        let lights = RandomLights::draw(brdf, &PerAxis { alpha, theta: both(theta, index % cells), ..*range }, count)?;
-        models.iter().map(|model| Ok(light_error(*model, &lights)?.mean)).collect()
-    };
-    let by_cell: Vec<Vec<f64>> = (0..cells * cells).into_par_iter().map(cell).collect::<Result<_, _>>()?;
-    let of_model = |model: usize| by_cell.iter().map(|errors| errors[model]).collect();
-    Ok(LightMap { roughness, theta, errors: (0..models.len()).map(of_model).collect() })
-}
-
 fn spread(mut errors: Vec<f64>) -> Spread {
     errors.sort_by(f64::total_cmp);
     let count = errors.len();
@@ -302,22 +258,6 @@ mod tests {
             RandomLights::draw(&BrdfKind::Ggx.into(), &PerAxis { alpha: [0.5, 0.5], theta: [-1.0, -1.0], ..RANGE }, 3)
                 .is_err()
         );
-    }
-
-    #[test]
-    fn a_map_tells_where_a_model_is_off() {
-        let (wrong, rules) = (cosine(BrdfKind::Ggx.into()), NormalsRule::Balanced);
-        let map = light_map(&[Lighting::by(&wrong), normals(rules)], &BrdfKind::Ggx.into(), &EVERYWHERE, 3, 12)
-            .expect("a surface");
-        assert_eq!((map.errors.len(), map.errors[0].len()), (2, 9));
-        // The cosine is the lobe of nothing sharp.
-        let [ltc, normals] = [&map.errors[0], &map.errors[1]];
-        assert!(ltc[0] > 0.2 && ltc[0] > ltc[6] && normals.iter().all(|error| *error < 0.01), "{map:?}");
-        let corner = PerAxis { alpha: [0.01, 0.16], theta: [0.0, STEEPEST / 3.0], ..EVERYWHERE };
-        let alpha = [map.roughness[0], map.roughness[0] + (map.roughness[1] - map.roughness[0]) / 3.0];
-        let lights = lights(&PerAxis { alpha: alpha.map(|x| x * x), ..corner }, 12);
-        let alone = light_error(Lighting::by(&wrong), &lights).expect("a lobe").mean;
-        assert!((alone - ltc[0]).abs() < 1e-12, "{alone} {ltc:?}");
     }
 
     #[test]

@@ -117,13 +117,15 @@ fn round_to_half(x: f32, error: &mut RoundingError) -> f32 {
 }
 
 impl Rounded {
+    /// The first for 32 bits, the second for 16.
+    pub(super) fn either<T>(&self, single: T, half: T) -> T {
+        if self.precision == Precision::F32 { single } else { half }
+    }
+
     /// Bytes of one number.
     #[must_use]
     pub fn number_bytes(&self) -> usize {
-        match self.precision {
-            Precision::F32 => 4,
-            Precision::F16 => 2,
-        }
+        self.either(4, 2)
     }
 
     /// The numbers as files and graphics interfaces have them.

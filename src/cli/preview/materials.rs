@@ -5,14 +5,8 @@ use std::{ops::RangeInclusive, path::Path};
 use serde_json::json;
 
 use crate::{
-    CommandFailure, Context, Exit,
-    args::PreviewArgs,
-    exit::{failed, usage},
-    fit::fit,
-    input::AnyTable,
-    output::OutputFile,
-    progress, shown,
-    tabulated::recipe,
+    AnyTable, CommandFailure, Context, Exit, OutputFile, failed, fit::fit, preview::PreviewArgs, progress, shown,
+    tabulated::recipe, usage,
 };
 use ltcforge_files::{container, digest::Digest};
 use ltcforge_fit::{BrdfKind, PerAxis, Plan, Table};

@@ -11,12 +11,8 @@ use std::{
 use clap::Args;
 use serde_json::json;
 
-use super::{
-    CommandFailure, Context, Exit, print,
-    serve::{failed, listen},
-    settings::ServeSettings,
-};
-use crate::args::threads::ThreadCount;
+use super::{CommandFailure, Context, Exit, failed, serve::listen, settings::ServeSettings};
+use crate::values::ThreadCount;
 use ltcforge_server::{
     http,
     service::{Config, DatabaseUrl, Service, Shared},
@@ -89,12 +85,7 @@ pub struct WorkArgs {
 }
 
 /// Fits the shards of a shared queue until it is interrupted.
-pub(super) fn work(
-    args: WorkArgs,
-    file: &ServeSettings,
-    json: bool,
-    context: &mut Context<'_>,
-) -> Result<Exit, CommandFailure> {
+pub(super) fn work(args: WorkArgs, file: &ServeSettings, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let WorkArgs { database, blobs, workers, lease_seconds, listen: address, tokens, allow_anyone } = args;
     let config = file.config();
     let config = Config {
@@ -126,13 +117,13 @@ pub(super) fn work(
         let interrupt = context.interrupt.clone().wait();
         match listening {
             None => {
-                print(context.stdout, json, &json!({ "working": workers }), &text)?;
+                context.print(&json!({ "working": workers }), &text)?;
                 interrupt.await;
             }
             Some(((listener, address), options)) => {
                 let url = format!("http://{address}");
                 let answer = json!({ "working": workers, "listening": url });
-                print(context.stdout, json, &answer, &format!("{text}, listening on {url}"))?;
+                context.print(&answer, &format!("{text}, listening on {url}"))?;
                 http::serve(listener, Arc::clone(&service), options, interrupt).await.map_err(failed)?;
             }
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{CommandFailure, Exit, settings::ServeSettings};
+use super::{CommandFailure, settings::ServeSettings, usage};
 use ltcforge_server::http::{Certificate, TokenFile};
 
 impl ServeSettings {
@@ -12,18 +12,16 @@ impl ServeSettings {
     /// When the tokens have errors, or a service that other machines can reach has no token.
     pub(super) fn tokens(&self) -> Result<Arc<TokenFile>, CommandFailure> {
         let listed = self.token_list.as_ref().map(|list| list.replace(';', "\n"));
-        let tokens = TokenFile::open(listed, self.tokens.clone());
-        let tokens = tokens.map(Arc::new).map_err(|error| CommandFailure::new(Exit::Usage, error))?;
+        let tokens = TokenFile::open(listed, self.tokens.clone()).map(Arc::new).map_err(usage)?;
         let is_local = self.listen.ip().to_canonical().is_loopback();
         if is_local || self.allow_anyone == Some(true) || !tokens.current().is_empty() {
             return Ok(tokens);
         }
-        let refused = format!(
+        Err(usage(format!(
             "other machines may reach {}, and there are no tokens: give --tokens FILE (`ltcforge token new` makes one), or \
              --allow-anyone if anyone who reaches it may read, submit, cancel and delete",
             self.listen
-        );
-        Err(CommandFailure::new(Exit::Usage, refused))
+        )))
     }
 
     /// The certificate of the service; `None` for bare HTTP.
@@ -31,21 +29,20 @@ impl ServeSettings {
     /// # Errors
     /// When one of the two files is missing, or they have errors.
     pub(super) fn certificate(&self) -> Result<Option<Arc<Certificate>>, CommandFailure> {
-        let usage = |message: String| CommandFailure::new(Exit::Usage, message);
         match (&self.tls_certificate, &self.tls_key) {
             (None, None) => Ok(None),
             (Some(certificate), Some(key)) => {
                 Certificate::open(certificate.clone(), key.clone()).map(Arc::new).map(Some).map_err(usage)
             }
-            (Some(_), None) => Err(usage("--tls-certificate needs --tls-key".to_owned())),
-            (None, Some(_)) => Err(usage("--tls-key needs --tls-certificate".to_owned())),
+            (Some(_), None) => Err(usage("--tls-certificate needs --tls-key")),
+            (None, Some(_)) => Err(usage("--tls-key needs --tls-certificate")),
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{super::settings::tests::settings, Exit};
+    use super::super::{Exit, settings::tests::settings};
 
     #[test]
     fn an_address_of_others_needs_tokens_or_a_word() {

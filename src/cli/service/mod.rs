@@ -10,7 +10,7 @@ mod token;
 
 use clap::Subcommand;
 
-use super::{CommandFailure, Context, Exit, print};
+use super::{CommandFailure, Context, Exit, failed, named, usage};
 use settings::ServeArgs;
 pub(super) use settings::ServeSettings;
 use token::TokenCommand;
@@ -38,13 +38,12 @@ impl ServiceCommand {
 pub(super) fn run(
     command: ServiceCommand,
     file: ServeSettings,
-    json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
     match command {
-        ServiceCommand::Serve(args) => serve::run(&args.over(file)?, json, context),
+        ServiceCommand::Serve(args) => serve::run(&args.over(file)?, context),
         #[cfg(feature = "cluster")]
-        ServiceCommand::Work(args) => cluster::work(args, &file, json, context),
-        ServiceCommand::Token(command) => token::run(&command, json, context),
+        ServiceCommand::Work(args) => cluster::work(args, &file, context),
+        ServiceCommand::Token(command) => token::run(&command, context),
     }
 }

@@ -5,11 +5,11 @@ use std::{io, net::SocketAddr, sync::Arc};
 use serde_json::json;
 use tokio::net::TcpListener;
 
-use super::{CommandFailure, Context, Exit, descriptors::raise_descriptor_limit, print, settings::ServeSettings};
+use super::{CommandFailure, Context, Exit, descriptors::raise_descriptor_limit, failed, settings::ServeSettings};
 use ltcforge_server::{http, service::Service};
 
 /// Runs the service until it is interrupted.
-pub(super) fn run(settings: &ServeSettings, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+pub(super) fn run(settings: &ServeSettings, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let (listen, config) = (settings.listen, settings.config());
     raise_descriptor_limit();
     let options = settings.http()?;
@@ -33,7 +33,7 @@ pub(super) fn run(settings: &ServeSettings, json: bool, context: &mut Context<'_
         let Some(opened) = opened else { return Ok(Exit::Ok) };
         let service = opened.map_err(failed)?.map_err(failed)?;
         let url = format!("{scheme}://{address}");
-        print(context.stdout, json, &json!({ "listening": url }), &format!("listening on {url}"))?;
+        context.print(&json!({ "listening": url }), &format!("listening on {url}"))?;
         let served = http::serve(listener, Arc::clone(&service), options, context.interrupt.clone().wait()).await;
         tokio::task::spawn_blocking(move || service.stop()).await.map_err(failed)?;
         served.map_err(failed)?;
@@ -50,16 +50,12 @@ pub(super) async fn listen(listen: SocketAddr) -> Result<(TcpListener, SocketAdd
     bound.map_err(|error| cannot_listen(listen, &error))
 }
 
-pub(super) fn failed(error: impl std::fmt::Display) -> CommandFailure {
-    CommandFailure::new(Exit::Failed, error.to_string())
-}
-
 fn cannot_listen(listen: SocketAddr, error: &io::Error) -> CommandFailure {
     let reason = match error.kind() {
         io::ErrorKind::AddrInUse => "the port is taken".to_owned(),
         _ => error.to_string(),
     };
-    CommandFailure::new(Exit::Failed, format!("cannot listen on {listen}: {reason}"))
+    failed(format!("cannot listen on {listen}: {reason}"))
 }
 
 #[cfg(test)]

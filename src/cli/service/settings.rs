@@ -16,11 +16,8 @@ use serde::{Deserialize, Deserializer, de::Error as _};
 
 #[cfg(feature = "cluster")]
 use super::cluster::ReplicaArgs;
-use super::{CommandFailure, Exit};
-use crate::args::{
-    named,
-    threads::{ThreadCount, UpTo, cores},
-};
+use super::{CommandFailure, named, usage};
+use crate::values::{ThreadCount, UpTo, cores};
 use ltcforge_files::recipe_document::DEFAULT_ENTRY_LIMIT;
 use ltcforge_server::{
     http::{self, AllowedHost, AllowedOrigin, Origins},
@@ -171,8 +168,7 @@ impl ServeArgs {
     /// # Errors
     /// None is known: the flags were checked when they were parsed.
     pub(super) fn over(mut self, mut file: ServeSettings) -> Result<ServeSettings, CommandFailure> {
-        let merged = file.update_from_arg_matches_mut(&mut self.0);
-        merged.map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
+        file.update_from_arg_matches_mut(&mut self.0).map_err(usage)?;
         Ok(file)
     }
 }

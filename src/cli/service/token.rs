@@ -5,8 +5,7 @@ use std::{fs::File, io::Read as _};
 use clap::Subcommand;
 use serde_json::json;
 
-use super::{CommandFailure, Context, Exit, print};
-use crate::args::named;
+use super::{CommandFailure, Context, Exit, failed, named, usage};
 use ltcforge_server::http::{Scope, TOKEN_BYTES, Token};
 
 /// The commands on tokens.
@@ -23,15 +22,13 @@ pub enum TokenCommand {
 }
 
 /// Makes a token of random bytes of the system.
-pub(super) fn run(command: &TokenCommand, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+pub(super) fn run(command: &TokenCommand, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let TokenCommand::New { name, scope } = command;
     let mut random = [0; TOKEN_BYTES];
     let read = File::open("/dev/urandom").and_then(|mut system| system.read_exact(&mut random));
-    read.map_err(|error| CommandFailure::new(Exit::Failed, format!("/dev/urandom: {error}")))?;
-    let made = Token::new(name, *scope, &random);
-    let (secret, kept) = made.map_err(|fault| CommandFailure::new(Exit::Usage, fault))?;
+    read.map_err(|error| failed(format!("/dev/urandom: {error}")))?;
+    let (secret, kept) = Token::new(name, *scope, &random).map_err(usage)?;
     let kept = kept.to_string();
     let text = format!("for the client, to be kept secret:\n{secret}\nfor the service's file of tokens:\n{kept}");
-    print(context.stdout, json, &json!({ "token": secret, "kept": kept }), &text)?;
-    Ok(Exit::Ok)
+    context.print(&json!({ "token": secret, "kept": kept }), &text)
 }

@@ -28,31 +28,12 @@ pub struct ErrorMap {
 }
 
 /// Measures a table over `cells` by `cells` configurations of one `ratio` and `phi`, which are moved into the ranges of
-/// the table's axes. Runs on the current rayon pool; its size changes nothing.
+/// the table's axes. Runs on the current rayon pool; its size changes nothing. `None` when `go_on`, which is asked before each
+/// configuration, says no.
 ///
 /// Domain: a table with at least one node on each axis, finite numbers.
 #[must_use]
-pub fn error_map(table: &Table, ratio: f64, phi: f64, cells: usize) -> ErrorMap {
-    let (places, map) = places_of_map(table, ratio, phi, cells);
-    map.with(&figures::all(table, &places))
-}
-
-/// The same; `None` when `go_on`, which is asked before each configuration, says no.
-#[must_use]
 pub fn error_map_while(go_on: &GoOn, table: &Table, ratio: f64, phi: f64, cells: usize) -> Option<ErrorMap> {
-    let (places, map) = places_of_map(table, ratio, phi, cells);
-    Some(map.with(&figures::all_while(go_on, table, &places)?))
-}
-
-impl ErrorMap {
-    fn with(self, figures: &[Figures]) -> Self {
-        let all = |error: fn(&Figures) -> f64| figures.iter().map(error).collect();
-        Self { width: all(|f| f.width), light: all(|f| f.light), ..self }
-    }
-}
-
-/// The configurations of a map, and the map without its errors.
-fn places_of_map(table: &Table, ratio: f64, phi: f64, cells: usize) -> (Vec<Configuration>, ErrorMap) {
     let axes = &table.axes;
     let within = |x: f64, nodes: &[f64]| {
         let [low, high] = places::extent(nodes);
@@ -64,11 +45,13 @@ fn places_of_map(table: &Table, ratio: f64, phi: f64, cells: usize) -> (Vec<Conf
     let phi = within(turned.min(PI - turned), &axes.phi);
     let (roughness, theta) = places::roughness_and_theta(axes);
     let middle = |[low, high]: [f64; 2], i: usize| low + (high - low) * (i as f64 + 0.5) / cells as f64;
-    let places = (0..cells * cells)
+    let places: Vec<Configuration> = (0..cells * cells)
         .map(|index| {
             let roughness = middle(roughness, index / cells);
             places::configuration(roughness * roughness, ratio, middle(theta, index % cells), phi)
         })
         .collect();
-    (places, ErrorMap { ratio, phi, cells, roughness, theta, width: Vec::new(), light: Vec::new() })
+    let figures = figures::all_while(go_on, table, &places)?;
+    let all = |error: fn(&Figures) -> f64| figures.iter().map(error).collect();
+    Some(ErrorMap { ratio, phi, cells, roughness, theta, width: all(|f| f.width), light: all(|f| f.light) })
 }

@@ -29,7 +29,7 @@ pub use effort::{MOST_POINTS, ReportPoints, report_points};
 pub use extremes::{Corner, extremes};
 pub use figures::{Figures, GoOn, figures_of};
 pub use floors::{Floors, Moved};
-pub use map::{ErrorMap, error_map, error_map_while};
+pub use map::{ErrorMap, error_map_while};
 pub use matrices::{Extent, Matrices};
 pub use poor::{POOR_WIDTH, Poor};
 pub use sampled::{Closeness, SampledLobes};

@@ -27,14 +27,10 @@ pub enum OpenError {
     #[cfg(feature = "cluster")]
     #[error("there is no such folder for --blobs: {}", .0.display())]
     NoFolder(PathBuf),
-    /// The database of a cluster did not open.
+    /// The database or the object store of a cluster did not open.
     #[cfg(feature = "cluster")]
     #[error(transparent)]
-    Database(#[from] crate::store::DatabaseOpenError),
-    /// The object store of a cluster did not open.
-    #[cfg(feature = "cluster")]
-    #[error(transparent)]
-    Objects(#[from] crate::store::ObjectsOpenError),
+    Connect(#[from] crate::store::ConnectError),
 }
 
 /// Why a read or write of the store failed.

@@ -49,13 +49,12 @@ impl Service {
     pub fn open_shared(config: Config, shared: &super::Shared) -> Result<Arc<Self>, OpenError> {
         use crate::{
             queue::PostgresQueue,
-            store::{Access, Blobs, Database, ObjectBlobs, PostgresRows, Store},
+            store::{Blobs, Database, ObjectBlobs, PostgresRows, Store},
         };
-        let access = if config.workers == 0 { Access::Read } else { Access::Write };
         // The store comes first, so that no schema is made if its URL is wrong.
         let blobs: Arc<dyn Blobs> = match shared.store.strip_prefix("file://") {
             Some(folder) => Arc::new(shared_folder(folder.as_ref())?),
-            None => Arc::new(ObjectBlobs::open(&shared.store, access)?),
+            None => Arc::new(ObjectBlobs::open(&shared.store, config.workers > 0)?),
         };
         let database = Database::open_with(&shared.database.0, shared.connections)?;
         let queue = PostgresQueue::new(Arc::clone(&database), limits(&config), FITTER_VERSION);

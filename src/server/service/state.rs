@@ -17,6 +17,7 @@ use super::{
     pictures::Pictures, watch::Hub, work::Running,
 };
 use crate::queue::{Depth, Lease, Queue, StateName};
+use ltcforge_files::digest::Digest;
 
 /// The service. All its methods but [`Service::picture`] and [`Service::cached_file`] block, so HTTP calls them on
 /// blocking threads.
@@ -127,10 +128,9 @@ impl Service {
         if self.is_stopping() {
             return Some("the service is stopping".to_owned());
         }
-        if !self.state.files.catalogue.rows.is_writable() {
-            return Some("the disk of the data folder is full, or its database cannot be written".to_owned());
-        }
-        self.state.queue.statistics().err().map(|error| error.to_string())
+        let Files { blobs, catalogue, .. } = &self.state.files;
+        let unreachable = || blobs.stat(Digest::of(b"any")).err().map(|error| error.to_string());
+        catalogue.rows.fault().or_else(unreachable)
     }
 
     /// Whether [`Self::stop`] was called.

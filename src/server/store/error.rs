@@ -7,6 +7,67 @@ use rustix::io::Errno;
 use super::Tree;
 use ltcforge_files::digest::Digest;
 
+/// Why a data folder did not open.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// Another process has opened it.
+    #[error("in use by another process")]
+    Locked,
+    /// It cannot be created, read or written.
+    #[error(transparent)]
+    Unusable(io::Error),
+    /// The disk is full.
+    #[error("the disk is full")]
+    Full,
+    /// The files of the database are damaged, or of an unreleased version.
+    #[error("{0}")]
+    Damaged(String),
+    /// A later version of the program wrote it.
+    #[error("schema {found} is newer than {known}")]
+    FromTheFuture {
+        /// Its schema.
+        found: u32,
+        /// The newest schema that this program knows.
+        known: u32,
+    },
+}
+
+impl From<StoreError> for OpenError {
+    fn from(error: StoreError) -> Self {
+        match error {
+            StoreError::Io { source, .. } => Self::Unusable(source),
+            StoreError::DiskFull => Self::Full,
+            other => Self::Unusable(io::Error::other(other)),
+        }
+    }
+}
+
+impl From<sled::Error> for OpenError {
+    fn from(error: sled::Error) -> Self {
+        match error {
+            sled::Error::Io(source) => source.into(),
+            other => Self::Damaged(other.to_string()),
+        }
+    }
+}
+
+impl From<io::Error> for OpenError {
+    fn from(source: io::Error) -> Self {
+        match source.kind() {
+            kind if is_full(kind) => Self::Full,
+            // A truncated file causes these. Other I/O errors do not mean that the data is damaged.
+            io::ErrorKind::UnexpectedEof | io::ErrorKind::InvalidData => Self::Damaged(source.to_string()),
+            _ => Self::Unusable(source),
+        }
+    }
+}
+
+/// Why the database or the object store of a cluster did not open: the place, the reason, and the remedy.
+#[cfg(feature = "cluster")]
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct ConnectError(pub(super) String);
+
 /// Why the store could not read or write.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {

@@ -66,7 +66,7 @@ impl Rows for MemoryRows {
         Ok(())
     }
 
-    fn is_writable(&self) -> bool {
-        !self.refuses_jobs
+    fn fault(&self) -> Option<String> {
+        self.refuses_jobs.then(|| super::DISK_FULL.to_owned())
     }
 }

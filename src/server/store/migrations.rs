@@ -3,9 +3,13 @@
 //! Invariant: an applied migration never changes; its digest is stored and compared at every start. Each change can be
 //! repeated, so a migration that a crash interrupted is applied again.
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use serde_json::json;
 
-use super::sled_rows::{seal, unseal};
+use super::{
+    OpenError,
+    sled_rows::{seal, unseal},
+};
 use ltcforge_files::digest::Digest;
 
 /// All migrations, oldest first: number N is at index N - 1.
@@ -14,83 +18,47 @@ pub(super) const ALL: &[&str] = &[include_str!("../migrations/0001_initial.json"
 /// The tree that records the applied migrations.
 const RECORD: &str = "migrations";
 
-/// Why the schema cannot be brought up to date.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum MigrationError {
-    /// A later version of this program wrote the database.
-    #[error("the database has schema {found}; this program knows schemas up to {known}")]
-    FromTheFuture { found: u32, known: u32 },
-    /// The record is not that of these migrations.
-    #[error("its record of migrations is damaged, or of an unreleased version")]
-    Other,
-    /// A migration of this program is malformed.
-    #[error("migration {number} cannot be read: {reason}")]
-    Malformed { number: u32, reason: String },
-    /// The database failed.
-    #[error(transparent)]
-    Sled(#[from] sled::Error),
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Migration {
-    /// Its purpose.
-    #[serde(rename = "about")]
-    _about: String,
-    #[serde(rename = "steps")]
-    changes: Vec<SchemaChange>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-enum SchemaChange {
-    /// Creates an empty tree.
-    Create(String),
-}
-
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Deserialize)]
 struct Applied {
     digest: Digest,
 }
 
-/// The number and digest of each migration that was applied to `db`, in order.
-fn record(db: &sled::Db) -> Result<Vec<(u32, Digest)>, MigrationError> {
+/// The number and digest of each migration that was applied to a database, in order.
+fn applied(record: &sled::Tree) -> Result<Vec<(u32, Digest)>, OpenError> {
     let entry = |row: sled::Result<(sled::IVec, sled::IVec)>| {
         let (key, sealed) = row?;
         let number = key.as_ref().try_into().map(u32::from_be_bytes).ok();
         let applied = unseal(RECORD, &key, &sealed).and_then(|value| serde_json::from_slice::<Applied>(&value).ok());
-        number.zip(applied).map(|(number, applied)| (number, applied.digest)).ok_or(MigrationError::Other)
+        number.zip(applied).map(|(number, applied)| (number, applied.digest)).ok_or_else(other)
     };
-    db.open_tree(RECORD)?.iter().map(entry).collect()
+    record.iter().map(entry).collect()
 }
 
-/// Applies those of `migrations` that were not applied to `db` yet. An empty record is that of a new database, and an
-/// error if the database is not new.
+fn other() -> OpenError {
+    OpenError::Damaged("its record of migrations is damaged, or of an unreleased version".to_owned())
+}
+
+/// Records those of `migrations` that were not applied to `db` yet. They only create trees, which opening does. An empty
+/// record is that of a new database, and an error if the database is not new.
 ///
 /// # Errors
 /// When the database is newer than `migrations`, had different ones applied, or fails.
-pub(super) fn apply(db: &sled::Db, is_new: bool, migrations: &[&str]) -> Result<(), MigrationError> {
+pub(super) fn apply(db: &sled::Db, is_new: bool, migrations: &[&str]) -> Result<(), OpenError> {
     let known = u32::try_from(migrations.len()).unwrap_or(u32::MAX);
-    let applied = record(db)?;
+    let record = db.open_tree(RECORD)?;
+    let applied = applied(&record)?;
     let is_ours = |((number, text), (found, digest)): ((u32, &&str), &(u32, Digest))| {
         number == *found && *digest == Digest::of(text.as_bytes())
     };
     if !(1..).zip(migrations).zip(&applied).all(is_ours) || (applied.is_empty() && !is_new) {
-        return Err(MigrationError::Other);
+        return Err(other());
     }
     if let Some((found, _)) = applied.last().filter(|(found, _)| *found > known) {
-        return Err(MigrationError::FromTheFuture { found: *found, known });
+        return Err(OpenError::FromTheFuture { found: *found, known });
     }
-    let record = db.open_tree(RECORD)?;
     for (number, text) in (1_u32..).zip(migrations).skip(applied.len()) {
-        let malformed = |reason: serde_json::Error| MigrationError::Malformed { number, reason: reason.to_string() };
-        let migration: Migration = serde_json::from_str(text).map_err(malformed)?;
-        for SchemaChange::Create(name) in &migration.changes {
-            db.open_tree(name)?;
-        }
         let (key, digest) = (number.to_be_bytes(), Digest::of(text.as_bytes()));
-        let value = serde_json::to_vec(&Applied { digest }).map_err(malformed)?;
-        record.insert(key, seal(RECORD, &key, &value))?;
+        record.insert(key, seal(RECORD, &key, json!({ "digest": digest }).to_string().as_bytes()))?;
         db.flush()?;
     }
     Ok(())
@@ -107,14 +75,13 @@ mod tests {
     fn migrations_are_applied_once_and_newer_and_changed_ones_are_told_apart() {
         let dir = tempfile::tempdir().unwrap();
         let db = sled::open(dir.path()).unwrap();
-        assert!(matches!(apply(&db, false, &[ONE]), Err(MigrationError::Other)), "not new, and without a record");
+        assert!(matches!(apply(&db, false, &[ONE]), Err(OpenError::Damaged(_))), "not new, and without a record");
         apply(&db, true, &[ONE]).unwrap();
         apply(&db, false, &[ONE, TWO]).unwrap();
         apply(&db, false, &[ONE, TWO]).unwrap();
-        assert!(db.tree_names().contains(&"b".into()));
         let newer = apply(&db, false, &[ONE]);
-        assert!(matches!(newer, Err(MigrationError::FromTheFuture { found: 2, known: 1 })));
-        assert!(matches!(apply(&db, false, &[TWO]), Err(MigrationError::Other)));
+        assert!(matches!(newer, Err(OpenError::FromTheFuture { found: 2, known: 1 })));
+        assert!(matches!(apply(&db, false, &[TWO]), Err(OpenError::Damaged(_))));
     }
 
     /// An applied migration never changes. Add a new file instead, and its digest here.

@@ -28,21 +28,28 @@ mod rows;
 mod sled_rows;
 #[cfg(test)]
 mod tests;
+#[cfg(feature = "cluster")]
+mod threads;
 
 pub use blobs::{BlobInfo, Blobs};
-pub use error::StoreError;
+#[cfg(feature = "cluster")]
+pub use error::ConnectError;
+pub use error::{OpenError, StoreError};
 pub use folder::FolderBlobs;
 pub use memory::MemoryRows;
 #[cfg(feature = "cluster")]
-pub use objects::{Access, ObjectBlobs, ObjectsOpenError};
-pub use open::{OpenError, Store, open};
+pub use objects::ObjectBlobs;
+pub use open::{Store, open};
 #[cfg(all(test, feature = "cluster"))]
 pub(crate) use postgres::tests as test_database;
 #[cfg(feature = "cluster")]
-pub use postgres::{Database, DatabaseOpenError, PostgresRows};
+pub use postgres::{Database, PostgresRows};
 #[cfg(feature = "cluster")]
 pub(crate) use postgres::{apply, seal_result, unseal_result};
 pub use rows::{Batch, Row, Rows, Tree};
 pub use sled_rows::SledRows;
 #[cfg(test)]
 pub(crate) use tests::power::PowerRows;
+
+/// The fault of a data folder without room.
+const DISK_FULL: &str = "the disk of the data folder is full";

@@ -7,10 +7,8 @@ use std::sync::Arc;
 use futures_util::TryStreamExt as _;
 use jiff::Timestamp;
 use object_store::{Error, ObjectMeta, ObjectStore, ObjectStoreExt as _, PutPayload, WriteMultipart, path::Path};
-use tokio::runtime::{Builder, Runtime};
 
-use super::{BlobInfo, Blobs, StoreError};
-pub use connect::{Access, ObjectsOpenError};
+use super::{BlobInfo, Blobs, ConnectError, StoreError, threads::Threads};
 use ltcforge_files::digest::Digest;
 
 /// Bytes of one upload request, at most. A store that takes 350 kB a second takes two at once before the timeout.
@@ -20,43 +18,31 @@ const PARTS_AT_ONCE: usize = 2;
 /// Blobs in an object store, as `PREFIX/ab/ab12...`.
 #[derive(Debug)]
 pub struct ObjectBlobs {
-    /// `None` once this is being dropped.
-    runtime: Option<Runtime>,
+    threads: Threads,
     store: Arc<dyn ObjectStore>,
     prefix: Path,
 }
 
-impl Drop for ObjectBlobs {
-    fn drop(&mut self) {
-        if let Some(runtime) = self.runtime.take() {
-            runtime.shutdown_background();
-        }
-    }
-}
-
 impl ObjectBlobs {
-    /// The blobs at `url`, such as `s3://BUCKET/PREFIX`. The bucket must exist.
+    /// The blobs at `url`, such as `s3://BUCKET/PREFIX`. The bucket must exist, and a file
+    /// is written to it if `writes`.
     ///
     /// # Errors
-    /// See [`ObjectsOpenError`].
-    pub fn open(url: &str, access: Access) -> Result<Self, ObjectsOpenError> {
+    /// The reason, as a text.
+    pub fn open(url: &str, writes: bool) -> Result<Self, ConnectError> {
         let (store, prefix) = connect::connect(url)?;
-        let blobs = Self::new(store, prefix).map_err(|error| ObjectsOpenError::Settings {
-            url: url.to_owned(),
-            reason: format!("no thread can be started: {error}"),
-        })?;
-        blobs.block_on(connect::probe(&*blobs.store, &blobs.prefix, url, access))?;
+        let blobs = Self::new(store, prefix)
+            .map_err(|error| connect::lacking(url, &format!("no thread can be started: {error}")))?;
+        blobs.block_on(connect::probe(&*blobs.store, &blobs.prefix, url, writes))?;
         Ok(blobs)
     }
 
     fn new(store: Arc<dyn ObjectStore>, prefix: Path) -> std::io::Result<Self> {
-        let runtime = Builder::new_multi_thread().worker_threads(1).thread_name("blobs").enable_all().build()?;
-        Ok(Self { runtime: Some(runtime), store, prefix })
+        Ok(Self { threads: Threads::start("blobs")?, store, prefix })
     }
 
     fn block_on<T>(&self, work: impl Future<Output = T>) -> T {
-        // Only `drop` takes it out.
-        self.runtime.as_ref().unwrap_or_else(|| unreachable!("blobs that are being dropped were used")).block_on(work)
+        self.threads.block_on(work)
     }
 
     fn path(&self, digest: Digest) -> Path {

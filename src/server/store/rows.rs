@@ -71,11 +71,6 @@ impl Batch {
         self.changes.is_empty()
     }
 
-    /// Whether it only removes rows.
-    pub(super) fn only_removes(&self) -> bool {
-        self.changes.iter().all(|(.., value)| value.is_none())
-    }
-
     /// Bytes of all keys and values.
     pub(super) fn bytes(&self) -> usize {
         self.changes.iter().map(|(_, key, value)| key.len() + value.as_ref().map_or(0, Vec::len)).sum()
@@ -105,13 +100,12 @@ pub trait Rows: Send + Sync + Debug {
     /// [`StoreError::DamagedRow`], or the database's error.
     fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError>;
 
-    /// Applies `batch`; it is durable when this returns. On a full disk, a batch that only removes rows succeeds; the rows
-    /// come back if the process ends before there is room.
+    /// Applies `batch`; it is durable when this returns.
     ///
     /// # Errors
     /// [`StoreError::DiskFull`], or the database's error. The batch may be stored after the next start, whole, or not.
     fn commit(&self, batch: &Batch) -> Result<(), StoreError>;
 
-    /// Whether a job could be stored now.
-    fn is_writable(&self) -> bool;
+    /// Why a job could not be stored now, in words; `None` if it could.
+    fn fault(&self) -> Option<String>;
 }

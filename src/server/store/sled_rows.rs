@@ -15,7 +15,7 @@ use std::{
     fs::{File, TryLockError},
     io,
     path::{Path, PathBuf},
-    sync::{Mutex, MutexGuard, OnceLock, PoisonError},
+    sync::OnceLock,
     thread,
     time::{Duration, Instant, SystemTime},
 };
@@ -23,12 +23,7 @@ use std::{
 use sha2::{Digest as _, Sha256};
 use sled::transaction::{ConflictableTransactionError, TransactionError, Transactional as _};
 
-use super::{
-    Batch, Row, Rows, StoreError, Tree,
-    error::is_full,
-    files,
-    migrations::{self, MigrationError},
-};
+use super::{Batch, OpenError, Row, Rows, StoreError, Tree, error::is_full, files, migrations};
 use ltcforge_files::replace::sync_folder;
 
 /// Memory for sled's page cache. The rows of all unfinished jobs fit into it.
@@ -44,53 +39,6 @@ const JOB_BYTES: u64 = 1 << 20;
 /// How long a closed database may stay locked.
 const RELEASE: Duration = Duration::from_secs(2);
 
-/// Why the database did not open.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum SledOpenError {
-    /// A later version of this program wrote it.
-    #[error("the database has schema {found}; this program knows schemas up to {known}")]
-    FromTheFuture { found: u32, known: u32 },
-    /// The disk is full.
-    #[error("the disk is full")]
-    DiskFull,
-    /// The folder cannot be read or written. The data may be intact.
-    #[error(transparent)]
-    Unusable(io::Error),
-    /// Its files are damaged, or of an unreleased version.
-    #[error("{0}")]
-    Damaged(String),
-}
-
-impl From<sled::Error> for SledOpenError {
-    fn from(error: sled::Error) -> Self {
-        match error {
-            sled::Error::Io(source) => source.into(),
-            other => Self::Damaged(other.to_string()),
-        }
-    }
-}
-
-impl From<io::Error> for SledOpenError {
-    fn from(source: io::Error) -> Self {
-        match source.kind() {
-            kind if is_full(kind) => Self::DiskFull,
-            // A truncated file causes these. Other I/O errors do not mean that the data is damaged.
-            io::ErrorKind::UnexpectedEof | io::ErrorKind::InvalidData => Self::Damaged(source.to_string()),
-            _ => Self::Unusable(source),
-        }
-    }
-}
-
-impl From<MigrationError> for SledOpenError {
-    fn from(error: MigrationError) -> Self {
-        match error {
-            MigrationError::FromTheFuture { found, known } => Self::FromTheFuture { found, known },
-            MigrationError::Sled(error) => error.into(),
-            other => Self::Damaged(other.to_string()),
-        }
-    }
-}
-
 /// Rows in a sled database.
 pub struct SledRows {
     folder: PathBuf,
@@ -98,8 +46,6 @@ pub struct SledRows {
     trees: [sled::Tree; Tree::ALL.len()],
     /// sled's data file, for the fsync.
     file: File,
-    /// Rows that were removed while the disk was full. The next commit removes them from the database.
-    hidden: Mutex<BTreeSet<(Tree, Vec<u8>)>>,
     /// The error that closed the database.
     failure: OnceLock<String>,
 }
@@ -113,28 +59,26 @@ impl std::fmt::Debug for SledRows {
 impl SledRows {
     /// Opens or creates the database in `folder`, brings its schema up to date and reads every row. A separate thread does
     /// so: a panic inside sled becomes an error.
-    pub(super) fn open(folder: &Path) -> Result<Self, SledOpenError> {
+    pub(super) fn open(folder: &Path) -> Result<Self, OpenError> {
         if SystemTime::UNIX_EPOCH.elapsed().is_err() {
             // sled would panic, and that would count as damage.
             let error = io::Error::other("this machine's clock says a time before 1970; set the clock");
-            return Err(SledOpenError::Unusable(error));
+            return Err(OpenError::Unusable(error));
         }
         let folder = folder.to_owned();
         let opening = thread::Builder::new().name("open-database".to_owned()).spawn(move || Self::open_here(folder))?;
-        opening
-            .join()
-            .unwrap_or_else(|_| Err(SledOpenError::Damaged("sled panicked while it read its files".to_owned())))
+        opening.join().unwrap_or_else(|_| Err(OpenError::Damaged("sled panicked while it read its files".to_owned())))
     }
 
-    fn open_here(folder: PathBuf) -> Result<Self, SledOpenError> {
+    fn open_here(folder: PathBuf) -> Result<Self, OpenError> {
         if files::free_bytes(&folder)? < HEADROOM_BYTES {
-            return Err(SledOpenError::DiskFull);
+            return Err(OpenError::Full);
         }
         let is_new = folder.read_dir()?.next().is_none();
         for name in ["db", "conf"].map(|name| folder.join(name)) {
             // Opening a FIFO would wait for ever.
             if name.symlink_metadata().is_ok_and(|metadata| !metadata.is_file()) {
-                return Err(SledOpenError::Damaged(format!("{} is not a regular file", name.display())));
+                return Err(OpenError::Damaged(format!("{} is not a regular file", name.display())));
             }
         }
         wait_for_release(&folder.join("db"));
@@ -146,12 +90,12 @@ impl SledRows {
             for row in &rows {
                 let (key, sealed) = row?;
                 if unseal(tree.name(), &key, &sealed).is_none() {
-                    return Err(SledOpenError::Damaged(format!("a row of {} does not match its hash", tree.name())));
+                    return Err(OpenError::Damaged(format!("a row of {} does not match its hash", tree.name())));
                 }
             }
             trees.push(rows);
         }
-        let trees = trees.try_into().map_err(|_| SledOpenError::Damaged("trees are missing".to_owned()))?;
+        let trees = trees.try_into().map_err(|_| OpenError::Damaged("trees are missing".to_owned()))?;
         let file = File::options().read(true).write(true).open(folder.join("db"))?;
         db.flush()?;
         for entry in folder.read_dir()? {
@@ -161,15 +105,11 @@ impl SledRows {
             }
         }
         sync_folder(&folder)?;
-        Ok(Self { folder, db, trees, file, hidden: Mutex::default(), failure: OnceLock::new() })
+        Ok(Self { folder, db, trees, file, failure: OnceLock::new() })
     }
 
     fn tree(&self, tree: Tree) -> &sled::Tree {
         &self.trees[tree as usize]
-    }
-
-    fn hidden(&self) -> MutexGuard<'_, BTreeSet<(Tree, Vec<u8>)>> {
-        self.hidden.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Runs `operation` unless an earlier error closed the database.
@@ -189,41 +129,29 @@ impl SledRows {
         })
     }
 
-    /// The row of a tree; `None` if it is hidden.
+    /// The rows that `found` returns, unsealed.
     fn opened(
+        &self,
         tree: Tree,
-        row: sled::Result<(sled::IVec, sled::IVec)>,
-        hidden: &BTreeSet<(Tree, Vec<u8>)>,
-    ) -> sled::Result<Option<Result<Row, StoreError>>> {
-        let (key, sealed) = row?;
-        let key = (tree, key.to_vec());
-        if hidden.contains(&key) {
-            return Ok(None);
-        }
-        let value = unseal(tree.name(), &key.1, &sealed);
-        Ok(Some(match value {
-            Some(value) => Ok((key.1, value)),
-            None => Err(StoreError::DamagedRow { tree, key: key.1 }),
-        }))
+        found: impl Iterator<Item = sled::Result<(sled::IVec, sled::IVec)>>,
+    ) -> Result<Vec<Row>, StoreError> {
+        let rows = self.with(|| found.collect::<sled::Result<Vec<_>>>())?;
+        rows.into_iter().map(|(key, sealed)| Ok((key.to_vec(), unsealed(tree, &key, &sealed)?))).collect()
     }
 
     fn apply(&self, batch: &Batch) -> Result<(), sled::Error> {
-        let mut hidden = self.hidden();
-        let removals = hidden.iter().map(|(tree, key)| (*tree, key.as_slice(), None));
-        let changes = batch.changes.iter().map(|(tree, key, value)| (*tree, key.as_slice(), value.as_deref()));
-        let changes: Vec<_> = removals.chain(changes).collect();
-        let touched: BTreeSet<Tree> = changes.iter().map(|(tree, ..)| *tree).collect();
+        let touched: BTreeSet<Tree> = batch.changes.iter().map(|(tree, ..)| *tree).collect();
         let trees: Vec<sled::Tree> = touched.iter().map(|tree| self.tree(*tree).clone()).collect();
         if trees.is_empty() {
             return Ok(());
         }
         let result = trees.as_slice().transaction(|views| {
-            for (tree, key, value) in &changes {
+            for (tree, key, value) in &batch.changes {
                 // `touched` has every tree of the changes.
                 let Some((_, view)) = touched.iter().zip(views).find(|(name, _)| *name == tree) else { continue };
                 match value {
-                    Some(value) => view.insert(*key, seal(tree.name(), key, value))?,
-                    None => view.remove(*key)?,
+                    Some(value) => view.insert(key.as_slice(), seal(tree.name(), key, value))?,
+                    None => view.remove(key.as_slice())?,
                 };
             }
             Ok::<(), ConflictableTransactionError<()>>(())
@@ -231,51 +159,32 @@ impl SledRows {
         if let Err(TransactionError::Storage(error)) = result {
             return Err(error);
         }
-        hidden.clear();
         Ok(())
     }
 }
 
 impl Rows for SledRows {
     fn get(&self, tree: Tree, key: &[u8]) -> Result<Option<Vec<u8>>, StoreError> {
-        if self.hidden().contains(&(tree, key.to_vec())) {
-            return Ok(None);
-        }
         let Some(sealed) = self.with(|| self.tree(tree).get(key))? else { return Ok(None) };
-        let value = unseal(tree.name(), key, &sealed);
-        value.map(Some).ok_or_else(|| StoreError::DamagedRow { tree, key: key.to_vec() })
+        unsealed(tree, key, &sealed).map(Some)
     }
 
     fn scan(&self, tree: Tree, prefix: &[u8]) -> Result<Vec<Row>, StoreError> {
-        let hidden = self.hidden();
-        let found = || {
-            let rows = self.tree(tree).scan_prefix(prefix);
-            rows.filter_map(|row| Self::opened(tree, row, &hidden).transpose()).collect::<sled::Result<Vec<_>>>()
-        };
-        self.with(found)?.into_iter().collect()
+        self.opened(tree, self.tree(tree).scan_prefix(prefix))
     }
 
     fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError> {
-        let hidden = self.hidden();
-        let found = || {
-            let rows = match before {
-                Some(before) => self.tree(tree).range(..before),
-                None => self.tree(tree).iter(),
-            };
-            let rows = rows.rev().filter_map(|row| Self::opened(tree, row, &hidden).transpose());
-            rows.take(limit).collect::<sled::Result<Vec<_>>>()
+        let rows = match before {
+            Some(before) => self.tree(tree).range(..before),
+            None => self.tree(tree).iter(),
         };
-        self.with(found)?.into_iter().collect()
+        self.opened(tree, rows.rev().take(limit))
     }
 
     fn commit(&self, batch: &Batch) -> Result<(), StoreError> {
         let free = files::free_bytes(&self.folder).map_err(|source| StoreError::of_io(&self.folder, source))?;
         if free < HEADROOM_BYTES + batch.bytes() as u64 {
-            if !batch.only_removes() {
-                return Err(StoreError::DiskFull);
-            }
-            self.hidden().extend(batch.changes.iter().map(|(tree, key, _)| (*tree, key.clone())));
-            return Ok(());
+            return Err(StoreError::DiskFull);
         }
         self.with(|| {
             self.apply(batch)?;
@@ -284,9 +193,9 @@ impl Rows for SledRows {
         })
     }
 
-    fn is_writable(&self) -> bool {
+    fn fault(&self) -> Option<String> {
         let has_room = || files::free_bytes(&self.folder).is_ok_and(|free| free >= HEADROOM_BYTES + JOB_BYTES);
-        self.failure.get().is_none() && has_room()
+        self.failure.get().cloned().or_else(|| (!has_room()).then(|| super::DISK_FULL.to_owned()))
     }
 }
 
@@ -297,6 +206,10 @@ fn wait_for_release(file: &Path) {
     while matches!(file.try_lock(), Err(TryLockError::WouldBlock)) && Instant::now() < end {
         thread::sleep(Duration::from_millis(1));
     }
+}
+
+fn unsealed(tree: Tree, key: &[u8], sealed: &[u8]) -> Result<Vec<u8>, StoreError> {
+    unseal(tree.name(), key, sealed).ok_or_else(|| StoreError::DamagedRow { tree, key: key.to_vec() })
 }
 
 /// Bytes of the hash in front of each stored value.

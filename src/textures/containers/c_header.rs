@@ -2,47 +2,45 @@
 
 use std::fmt::Write as _;
 
-use super::rules::{ContainerRules, Stored, Written, one_of_all};
-use crate::{about::About, digits::shortest, file::TextureFileError};
+use half::f16;
+
+use super::rules::Stored;
+use crate::{about::About, digits::shortest};
 use ltcforge_fit::Precision;
 
 /// One header with all textures: arrays of `float`, or of `uint16_t` that are the bits of halves.
 ///
 /// The guard and the arrays have names of their own for each table and layout, so that headers of several can be
 /// included together. Short names stand for them unless `LTCFORGE_LONG_NAMES` is defined before.
-pub(super) struct CHeader;
-
-impl ContainerRules for CHeader {
-    fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
-        let suffix = about.suffix();
-        let guard = format!("ltcforge_{stem}{suffix}_h").to_ascii_uppercase();
-        let guard = guard.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
-        let mut text = format!("{}#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n", about.comment());
-        let mut short = String::new();
-        for stored in textures {
-            let (name, count) = (&stored.texture.name, stored.rounded.numbers.len());
-            let upper = name.to_ascii_uppercase();
-            let number_type = match stored.rounded.precision {
-                Precision::F32 => "float",
-                Precision::F16 => "uint16_t",
-            };
-            // Writing to a String cannot fail.
-            let _ = write!(text, "\n// {}\n", stored.described());
-            for (side, value) in sides(stored) {
-                let _ = writeln!(text, "#define {upper}{suffix}_{side} {value}");
-                let _ = writeln!(short, "#define {upper}_{side} {upper}{suffix}_{side}");
-            }
-            let _ =
-                write!(text, "static const {number_type} {name}{suffix}[{count}] = {{\n{}}};\n", numbers(stored, "f"));
-            let _ = writeln!(short, "#define {name} {name}{suffix}");
+pub(super) fn text(stem: &str, textures: &[Stored<'_>], about: &About) -> String {
+    let suffix = about.suffix();
+    let guard = format!("ltcforge_{stem}{suffix}_h").to_ascii_uppercase();
+    let guard = guard.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
+    let mut text = format!("{}#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n", about.comment());
+    let mut short = String::new();
+    for stored in textures {
+        let (name, count) = (&stored.texture.name, stored.rounded.numbers.len());
+        let upper = name.to_ascii_uppercase();
+        let number_type = stored.rounded.either("float", "uint16_t");
+        // Writing to a String cannot fail.
+        let _ = write!(text, "\n// {}\n", stored.described());
+        for (side, value) in sides(stored) {
+            let _ = writeln!(text, "#define {upper}{suffix}_{side} {value}");
+            let _ = writeln!(short, "#define {upper}_{side} {upper}{suffix}_{side}");
         }
-        if !suffix.is_empty() {
-            text += "\n// Define LTCFORGE_LONG_NAMES before headers of several tables are included.\n";
-            let _ = write!(text, "#ifndef LTCFORGE_LONG_NAMES\n{short}#endif\n");
-        }
-        text += "\n#endif\n";
-        Ok(one_of_all(stem, "h", text.into_bytes(), textures))
+        let _ = write!(
+            text,
+            "static const {number_type} {name}{suffix}[{count}] = {{\n{}}};\n",
+            numbers(stored, |x| float(x) + "f")
+        );
+        let _ = writeln!(short, "#define {name} {name}{suffix}");
     }
+    if !suffix.is_empty() {
+        text += "\n// Define LTCFORGE_LONG_NAMES before headers of several tables are included.\n";
+        let _ = write!(text, "#ifndef LTCFORGE_LONG_NAMES\n{short}#endif\n");
+    }
+    text += "\n#endif\n";
+    text
 }
 
 /// The constants that tell a texture's sizes.
@@ -53,19 +51,16 @@ pub(super) fn sides(stored: &Stored<'_>) -> [(&'static str, usize); 5] {
     [("WIDTH", width), ("HEIGHT", height), ("DEPTH", depth), ("LAYERS", layers), ("CHANNELS", texture.channels.len())]
 }
 
-/// The numbers as code has them: floats with `suffix`, halves as their bits.
-pub(super) fn numbers(stored: &Stored<'_>, suffix: &str) -> String {
+/// The numbers as code has them: floats by `single`, halves as their bits.
+pub(super) fn numbers(stored: &Stored<'_>, single: impl Fn(f32) -> String) -> String {
     match stored.rounded.precision {
-        Precision::F32 => stored.rows(|i| float(stored.rounded.numbers[i]) + suffix),
-        Precision::F16 => {
-            let bits: Vec<u16> = stored.rounded.half_bits().collect();
-            stored.rows(|i| bits[i].to_string())
-        }
+        Precision::F32 => stored.rows(single),
+        Precision::F16 => stored.rows(|x| f16::from_f32_const(x).to_bits().to_string()),
     }
 }
 
 /// A number that is a float in every language: with a point or an exponent.
-fn float(x: f32) -> String {
+pub(super) fn float(x: f32) -> String {
     let text = shortest(x, Precision::F32);
     if text.contains(['.', 'e']) { text } else { text + ".0" }
 }

@@ -3,38 +3,29 @@
 use std::fmt::Write as _;
 
 use super::{
-    c_header::{numbers, sides},
-    rules::{ContainerRules, Stored, Written, one_of_all},
+    c_header::{float, numbers, sides},
+    rules::Stored,
 };
-use crate::{about::About, file::TextureFileError};
-use ltcforge_fit::Precision;
+use crate::about::About;
 
 /// One static class with all textures, `Ltcforge` with layout and digits of the table behind it, so that those of
 /// several tables can be compiled together: arrays of `float`, or of `ushort` that are the bits of halves, which is
 /// what Unity's `Texture2D.SetPixelData` takes.
-pub(super) struct CSharp;
-
-impl ContainerRules for CSharp {
-    fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
-        let mut text = format!("{}\npublic static class Ltcforge{}\n{{", about.comment(), about.suffix());
-        for stored in textures {
-            let (name, upper) = (&stored.texture.name, stored.texture.name.to_ascii_uppercase());
-            let number_type = match stored.rounded.precision {
-                Precision::F32 => "float",
-                Precision::F16 => "ushort",
-            };
-            // Writing to a String cannot fail.
-            let _ = write!(text, "\n    // {}\n", stored.described());
-            for (side, value) in sides(stored) {
-                let _ = writeln!(text, "    public const int {upper}_{side} = {value};");
-            }
-            let numbers = numbers(stored, "f");
-            let _ = write!(
-                text,
-                "    public static readonly {number_type}[] {name} = new {number_type}[]\n    {{\n{numbers}    }};\n"
-            );
+pub(super) fn text(textures: &[Stored<'_>], about: &About) -> String {
+    let mut text = format!("{}\npublic static class Ltcforge{}\n{{", about.comment(), about.suffix());
+    for stored in textures {
+        let (name, upper) = (&stored.texture.name, stored.texture.name.to_ascii_uppercase());
+        let number_type = stored.rounded.either("float", "ushort");
+        // Writing to a String cannot fail.
+        let _ = write!(text, "\n    // {}\n", stored.described());
+        for (side, value) in sides(stored) {
+            let _ = writeln!(text, "    public const int {upper}_{side} = {value};");
         }
-        text += "}\n";
-        Ok(one_of_all(stem, "cs", text.into_bytes(), textures))
+        let numbers = numbers(stored, |x| float(x) + "f");
+        let _ = write!(
+            text,
+            "    public static readonly {number_type}[] {name} = new {number_type}[]\n    {{\n{numbers}    }};\n"
+        );
     }
+    text + "}\n"
 }

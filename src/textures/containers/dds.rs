@@ -9,40 +9,12 @@ use ddsfile::{
     PixelFormatFlags,
 };
 
-use super::rules::{ContainerRules, Stored, Written, one_each};
-use crate::{about::About, file::TextureFileError};
+use super::rules::Stored;
+use crate::file::TextureFileError;
 use ltcforge_fit::Precision;
 
 /// The name in errors.
 const NAME: &str = "DDS";
-
-/// DDS with either header.
-pub(super) struct Dds {
-    pub(super) always_dx10: bool,
-}
-
-impl ContainerRules for Dds {
-    fn files(&self, _stem: &str, textures: &[Stored<'_>], _about: &About) -> Result<Vec<Written>, TextureFileError> {
-        one_each(textures, "dds", |texture| match legacy_format(texture) {
-            Some(format) if !self.always_dx10 => legacy(texture, format),
-            _ => dx10(texture),
-        })
-    }
-}
-
-/// The format of Direct3D 9, where there is one.
-fn legacy_format(stored: &Stored<'_>) -> Option<D3DFormat> {
-    match (stored.rounded.precision, stored.texture.channels.len()) {
-        _ if stored.texture.layers > 1 => None,
-        (Precision::F16, 1) => Some(D3DFormat::R16F),
-        (Precision::F16, 2) => Some(D3DFormat::G16R16F),
-        (Precision::F16, 4) => Some(D3DFormat::A16B16G16R16F),
-        (Precision::F32, 1) => Some(D3DFormat::R32F),
-        (Precision::F32, 2) => Some(D3DFormat::G32R32F),
-        (Precision::F32, 4) => Some(D3DFormat::A32B32G32R32F),
-        _ => None,
-    }
-}
 
 /// `None` where the texture has no depth.
 fn depth(stored: &Stored<'_>) -> (Option<u32>, Option<Caps2>) {
@@ -52,24 +24,23 @@ fn depth(stored: &Stored<'_>) -> (Option<u32>, Option<Caps2>) {
     }
 }
 
-fn legacy(stored: &Stored<'_>, format: D3DFormat) -> Result<Vec<u8>, TextureFileError> {
+/// The file of one texture with the header of Direct3D 9, or of Direct3D 10 where that has no such format.
+pub(super) fn encode(stored: &Stored<'_>) -> Result<Vec<u8>, TextureFileError> {
+    let (format, fourcc) = match (stored.rounded.precision, stored.texture.channels.len()) {
+        _ if stored.texture.layers > 1 => return dx10(stored),
+        (Precision::F16, 1) => (D3DFormat::R16F, FourCC::R16F),
+        (Precision::F16, 2) => (D3DFormat::G16R16F, FourCC::G16R16F),
+        (Precision::F16, 4) => (D3DFormat::A16B16G16R16F, FourCC::A16B16G16R16F),
+        (Precision::F32, 1) => (D3DFormat::R32F, FourCC::R32F),
+        (Precision::F32, 2) => (D3DFormat::G32R32F, FourCC::G32R32F),
+        (Precision::F32, 4) => (D3DFormat::A32B32G32R32F, FourCC::A32B32G32R32F),
+        _ => return dx10(stored),
+    };
     small_enough(stored)?;
     let (depth, caps2) = depth(stored);
     let (width, height) = (stored.texture.width, stored.texture.height);
     let dds = ddsfile::Dds::new_d3d(NewD3dParams { height, width, depth, format, mipmap_levels: None, caps2 });
-    written(dds, fourcc(format), stored)
-}
-
-/// The number of a format of Direct3D 9.
-fn fourcc(format: D3DFormat) -> u32 {
-    match format {
-        D3DFormat::R16F => FourCC::R16F,
-        D3DFormat::G16R16F => FourCC::G16R16F,
-        D3DFormat::A16B16G16R16F => FourCC::A16B16G16R16F,
-        D3DFormat::R32F => FourCC::R32F,
-        D3DFormat::G32R32F => FourCC::G32R32F,
-        _ => FourCC::A32B32G32R32F,
-    }
+    written(dds, fourcc, stored)
 }
 
 /// The file of one texture with the header of Direct3D 10.

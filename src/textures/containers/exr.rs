@@ -12,20 +12,12 @@ use ::exr::prelude::{
 };
 use half::f16;
 
-use super::rules::{ContainerRules, Stored, Written, one_each};
+use super::rules::Stored;
 use crate::{about::About, file::TextureFileError};
 use ltcforge_fit::Precision;
 
 /// `OpenEXR`.
-pub(super) struct Exr;
-
-impl ContainerRules for Exr {
-    fn files(&self, _stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
-        one_each(textures, "exr", |texture| encode(texture, about))
-    }
-}
-
-fn encode(stored: &Stored<'_>, about: &About) -> Result<Vec<u8>, TextureFileError> {
+pub(super) fn encode(stored: &Stored<'_>, about: &About) -> Result<Vec<u8>, TextureFileError> {
     let texture = stored.texture;
     let size = Vec2(texture.width as usize, texture.height as usize);
     let slice_numbers = size.0 * size.1 * texture.channels.len();

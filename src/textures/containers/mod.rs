@@ -15,12 +15,10 @@ mod raw;
 mod rules;
 mod rust_module;
 
-pub(crate) use self::rules::ContainerRules;
-use self::rules::Written;
 pub(super) use self::{
     dds::dx10,
     ktx2::{IDENTIFIER as KTX2_IDENTIFIER, Ktx2File, Sample, encode as ktx2, float_samples, vk_format},
-    rules::{Stored, stored},
+    rules::{Stored, rounding_of, stored},
 };
 use super::{
     about::About,
@@ -31,33 +29,33 @@ use ltcforge_fit::{Precision, named_list};
 
 named_list! {
     /// A file format that holds textures.
-    pub enum TextureContainer: ContainerRules {
+    pub enum TextureContainer {
         /// Khronos' KTX 2.0, uncompressed: what any loader of KTX2 reads.
-        Ktx2 = "ktx2" => ktx2::Ktx2 { zstd: false },
+        Ktx2 = "ktx2",
         /// KTX 2.0 with zstd supercompression.
-        Ktx2Zstd = "ktx2-zstd" => ktx2::Ktx2 { zstd: true },
+        Ktx2Zstd = "ktx2-zstd",
         /// `DirectDraw` Surface with the header of Direct3D 9, or, where that cannot hold the texture, of Direct3D 10.
-        Dds = "dds" => dds::Dds { always_dx10: false },
+        Dds = "dds",
         /// `DirectDraw` Surface with the header of Direct3D 10.
-        DdsDx10 = "dds-dx10" => dds::Dds { always_dx10: true },
+        DdsDx10 = "dds-dx10",
         /// `OpenEXR` with named channels, a part for each slice.
-        Exr = "exr" => exr::Exr,
+        Exr = "exr",
         /// `NumPy`'s array, C order.
-        Npy = "npy" => npy::Npy,
+        Npy = "npy",
         /// `NumPy`'s archive of arrays, uncompressed.
-        Npz = "npz" => npz::Npz,
+        Npz = "npz",
         /// The numbers alone, little-endian, beside a JSON document that says what they are.
-        Raw = "raw" => raw::Raw,
+        Raw = "raw",
         /// Arrays for C and C++.
-        CHeader = "c" => c_header::CHeader,
+        CHeader = "c",
         /// Statics for Rust.
-        RustModule = "rust" => rust_module::RustModule,
+        RustModule = "rust",
         /// A static class for C#.
-        CSharp = "csharp" => csharp::CSharp,
+        CSharp = "csharp",
         /// An ES module that exports typed arrays.
-        JavaScript = "js" => javascript::JavaScript,
+        JavaScript = "js",
         /// Arrays of numbers.
-        Json = "json" => json::Json,
+        Json = "json",
     }
 }
 
@@ -74,9 +72,30 @@ impl TextureContainer {
         about: &About,
     ) -> Result<Vec<TextureFile>, TextureFileError> {
         let stored = stored(textures, precision)?;
-        let files = self.rules().files(stem, &stored, about)?;
-        let file = |Written { name, bytes, rounding }| TextureFile { path: name, bytes, rounding };
-        Ok(files.into_iter().map(file).collect())
+        let one_of_all = |ending: &str, bytes: Vec<u8>| {
+            vec![TextureFile { path: format!("{stem}.{ending}"), bytes, rounding: rounding_of(&stored) }]
+        };
+        let one_each = |ending: &str, encode: &dyn Fn(&Stored<'_>) -> Result<Vec<u8>, TextureFileError>| {
+            let file = |texture: &Stored<'_>| {
+                let path = format!("{}.{ending}", texture.texture.name);
+                Ok(TextureFile { path, bytes: encode(texture)?, rounding: texture.rounded.error })
+            };
+            stored.iter().map(file).collect::<Result<_, TextureFileError>>()
+        };
+        Ok(match self {
+            Self::Ktx2 | Self::Ktx2Zstd => one_each("ktx2", &|texture| ktx2(texture, self == Self::Ktx2Zstd, about))?,
+            Self::Dds => one_each("dds", &dds::encode)?,
+            Self::DdsDx10 => one_each("dds", &dx10)?,
+            Self::Exr => one_each("exr", &|texture| exr::encode(texture, about))?,
+            Self::Npy => one_each("npy", &|texture| Ok(npy::encode(texture)))?,
+            Self::Npz => one_of_all("npz", npz::encode(&stored, about)?),
+            Self::Raw => raw::files(&stored, about),
+            Self::CHeader => one_of_all("h", c_header::text(stem, &stored, about).into_bytes()),
+            Self::RustModule => one_of_all("rs", rust_module::text(&stored, about).into_bytes()),
+            Self::CSharp => one_of_all("cs", csharp::text(&stored, about).into_bytes()),
+            Self::JavaScript => one_of_all("js", javascript::text(&stored, about).into_bytes()),
+            Self::Json => one_of_all("json", json::text(&stored, about).into_bytes()),
+        })
     }
 }
 

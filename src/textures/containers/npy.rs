@@ -1,29 +1,15 @@
 //! `NumPy`'s `.npy` format, version 1.0: C order, little-endian.
 
-use super::rules::{ContainerRules, Stored, Written, one_each};
-use crate::{about::About, file::TextureFileError};
+use super::rules::Stored;
 use ltcforge_files::container::NPY_MAGIC;
-use ltcforge_fit::Precision;
 
 /// The data begins at a multiple of this.
 const ALIGNMENT: usize = 64;
 
-/// An array a file, of the shape that [`crate::Texture::shape`] tells. The format has no place for what
-/// a file says of itself.
-pub(super) struct Npy;
-
-impl ContainerRules for Npy {
-    fn files(&self, _stem: &str, textures: &[Stored<'_>], _about: &About) -> Result<Vec<Written>, TextureFileError> {
-        one_each(textures, "npy", |texture| Ok(encode(texture)))
-    }
-}
-
 /// The file of one texture.
+/// An array of the shape that [`crate::Texture::shape`] tells. The format has no place for what a file says of itself.
 pub(super) fn encode(stored: &Stored<'_>) -> Vec<u8> {
-    let descr = match stored.rounded.precision {
-        Precision::F32 => "<f4",
-        Precision::F16 => "<f2",
-    };
+    let descr = stored.rounded.either("<f4", "<f2");
     let shape: Vec<String> = stored.texture.shape().iter().map(usize::to_string).collect();
     let mut header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({}), }}", shape.join(", "));
     // Magic, version, the header's length, the header with a line break at its end.

@@ -4,23 +4,15 @@ use std::io::Write as _;
 
 use rawzip::{ZipArchiveWriter, ZipDataWriter};
 
-use super::{
-    npy,
-    rules::{ContainerRules, Stored, Written, one_of_all},
-};
+use super::{npy, rules::Stored};
 use crate::{about::About, file::TextureFileError};
 
 /// All textures in one file; what it says of itself is a member `about.txt`.
-pub(super) struct Npz;
-
-impl ContainerRules for Npz {
-    fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
-        let arrays = textures.iter().map(|texture| (format!("{}.npy", texture.texture.name), npy::encode(texture)));
-        let text = ("about.txt".to_owned(), (about.lines().join("\n") + "\n").into_bytes());
-        let bytes = archive(arrays.chain([text]))
-            .map_err(|error| TextureFileError::Refused { container: "NPZ", reason: error.to_string() })?;
-        Ok(one_of_all(stem, "npz", bytes, textures))
-    }
+pub(super) fn encode(textures: &[Stored<'_>], about: &About) -> Result<Vec<u8>, TextureFileError> {
+    let arrays = textures.iter().map(|texture| (format!("{}.npy", texture.texture.name), npy::encode(texture)));
+    let text = ("about.txt".to_owned(), (about.lines().join("\n") + "\n").into_bytes());
+    archive(arrays.chain([text]))
+        .map_err(|error| TextureFileError::Refused { container: "NPZ", reason: error.to_string() })
 }
 
 fn archive(members: impl Iterator<Item = (String, Vec<u8>)>) -> Result<Vec<u8>, rawzip::Error> {

@@ -2,33 +2,26 @@
 
 use serde_json::json;
 
-use super::{
-    json::head,
-    rules::{ContainerRules, Stored, Written},
-};
-use crate::{about::About, file::TextureFileError, rounding::RoundingError};
+use super::{json::head, rules::Stored};
+use crate::{about::About, file::TextureFile, rounding::RoundingError};
 use ltcforge_files::digest::Digest;
 
 /// `NAME.bin` and `NAME.json` for each texture.
-pub(super) struct Raw;
-
-impl ContainerRules for Raw {
-    fn files(&self, _stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
-        let files = textures.iter().flat_map(|stored| {
-            let bytes = stored.rounded.little_endian();
-            let file = format!("{}.bin", stored.texture.name);
-            let mut document = head(stored);
-            document["file"] = json!(file);
-            document["bytes"] = json!(bytes.len());
-            document["sha256"] = json!(Digest::of(&bytes).hex());
-            document["byte_order"] = json!("little-endian");
-            document["about"] = json!(about.lines());
-            let text = format!("{document:#}\n");
-            let name = format!("{}.json", stored.texture.name);
-            let numbers = Written { name: file, bytes, rounding: stored.rounded.error };
-            // It holds none of the numbers.
-            [numbers, Written { name, bytes: text.into_bytes(), rounding: RoundingError::default() }]
-        });
-        Ok(files.collect())
-    }
+pub(super) fn files(textures: &[Stored<'_>], about: &About) -> Vec<TextureFile> {
+    let files = textures.iter().flat_map(|stored| {
+        let bytes = stored.rounded.little_endian();
+        let file = format!("{}.bin", stored.texture.name);
+        let mut document = head(stored);
+        document["file"] = json!(file);
+        document["bytes"] = json!(bytes.len());
+        document["sha256"] = json!(Digest::of(&bytes).hex());
+        document["byte_order"] = json!("little-endian");
+        document["about"] = json!(about.lines());
+        let text = format!("{document:#}\n");
+        let path = format!("{}.json", stored.texture.name);
+        let numbers = TextureFile { path: file, bytes, rounding: stored.rounded.error };
+        // It holds none of the numbers.
+        [numbers, TextureFile { path, bytes: text.into_bytes(), rounding: RoundingError::default() }]
+    });
+    files.collect()
 }

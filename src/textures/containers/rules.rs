@@ -1,7 +1,6 @@
 //! The input and output of a file format.
 
 use crate::{
-    about::About,
     file::TextureFileError,
     rounding::{Rounded, RoundingError, round_texture},
     texture::Texture,
@@ -12,20 +11,6 @@ use ltcforge_fit::Precision;
 pub(crate) struct Stored<'a> {
     pub(crate) texture: &'a Texture,
     pub(crate) rounded: Rounded,
-}
-
-/// A file format as an item of [`super::TextureContainer`].
-pub(crate) trait ContainerRules: Sync {
-    /// The files of textures that were checked and have distinct names, as path and bytes. `stem` names a file that
-    /// holds them all.
-    fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError>;
-}
-
-/// A file: its name, its bytes, and what rounding changed of the numbers that it holds.
-pub(crate) struct Written {
-    pub(super) name: String,
-    pub(super) bytes: Vec<u8>,
-    pub(super) rounding: RoundingError,
 }
 
 /// Textures that were checked, rounded to a precision.
@@ -43,23 +28,9 @@ pub(crate) fn stored(textures: &[Texture], precision: Precision) -> Result<Vec<S
     Ok(textures.iter().map(|texture| Stored { texture, rounded: round_texture(texture, precision) }).collect())
 }
 
-/// A file for each texture, named after it.
-pub(super) fn one_each(
-    textures: &[Stored<'_>],
-    extension: &str,
-    encode: impl Fn(&Stored<'_>) -> Result<Vec<u8>, TextureFileError>,
-) -> Result<Vec<Written>, TextureFileError> {
-    let file = |stored: &Stored<'_>| {
-        let name = format!("{}.{extension}", stored.texture.name);
-        Ok(Written { name, bytes: encode(stored)?, rounding: stored.rounded.error })
-    };
-    textures.iter().map(file).collect()
-}
-
-/// One file that holds all textures.
-pub(super) fn one_of_all(stem: &str, extension: &str, bytes: Vec<u8>, textures: &[Stored<'_>]) -> Vec<Written> {
-    let rounding = textures.iter().fold(RoundingError::default(), |all, one| all.and(one.rounded.error));
-    vec![Written { name: format!("{stem}.{extension}"), bytes, rounding }]
+/// What rounding changed of the numbers of all these textures.
+pub(crate) fn rounding_of<'a>(textures: impl IntoIterator<Item = &'a Stored<'a>>) -> RoundingError {
+    textures.into_iter().fold(RoundingError::default(), |all, one| all.and(one.rounded.error))
 }
 
 impl Stored<'_> {
@@ -69,19 +40,14 @@ impl Stored<'_> {
         let depth = if *depth > 1 { format!(" x {depth}") } else { String::new() };
         let layers = if *layers > 1 { format!(", {layers} layers") } else { String::new() };
         let channels = self.texture.channels.join(", ");
-        let kind = match self.rounded.precision {
-            Precision::F32 => "32-bit floats",
-            Precision::F16 => "halfs as bits",
-        };
+        let kind = self.rounded.either("32-bit floats", "halfs as bits");
         format!("{width} x {height}{depth}{layers}; {channels} of each texel; x fastest, then y, z, layer; {kind}")
     }
 
     /// The numbers in rows of one texel each, or of one row of short texels.
-    pub(super) fn rows(&self, number: impl Fn(usize) -> String) -> String {
-        let channels = self.texture.channels.len();
-        let indices: Vec<usize> = (0..self.rounded.numbers.len()).collect();
-        let row = |texel: &[usize]| texel.iter().map(|i| number(*i)).collect::<Vec<_>>().join(",");
-        indices.chunks(channels.max(4)).map(|texel| row(texel) + ",\n").collect()
+    pub(super) fn rows(&self, number: impl Fn(f32) -> String) -> String {
+        let row = |texel: &[f32]| texel.iter().map(|x| number(*x)).collect::<Vec<_>>().join(",");
+        self.rounded.numbers.chunks(self.texture.channels.len().max(4)).map(|texel| row(texel) + ",\n").collect()
     }
 
     /// Refuses a texture with more channels than graphics interfaces have.

@@ -5,29 +5,19 @@
 //! eight halves a texel, the first four of texture 1, the others of texture 2. `ltcHelperFunctions` samples at
 //! roughness and sqrt(1 - cos theta), with the half texel of 64 x 64 written into the shader.
 
-use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
+use super::rules::{Source, file};
 use crate::{bundle::Bundle, file::TextureFileError};
 use ltcforge_fit::Precision;
 
-/// Babylon.js.
-pub(super) struct Babylon;
-
-impl EngineRules for Babylon {
-    fn layout(&self) -> Option<&'static str> {
-        Some("ltc2017")
-    }
-
-    fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError> {
-        let first = source.square(FIRST, SIZE, Precision::F16)?;
-        let second = source.square(SECOND, SIZE, Precision::F16)?;
-        let [one, two] = [&first, &second].map(|stored| stored.rounded.half_bits().collect::<Vec<u16>>());
-        let texels = one.chunks_exact(4).zip(two.chunks_exact(4));
-        let bytes = texels.flat_map(|(one, two)| one.iter().chain(two)).flat_map(|half| half.to_le_bytes()).collect();
-        let steps = [
-            "Serve this folder, and before the first area light set Tools.AssetBaseUrl to its URL (checked with 9.34).",
-            "AssetBaseUrl stands for https://assets.babylonjs.com/core: what else a page takes from there has to lie here too.",
-        ];
-        let path = "areaLights/areaLightsLTC.bin";
-        Ok(Bundle { files: vec![file(path, bytes, &[&first, &second])], steps: steps.map(str::to_owned).into() })
-    }
+pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
+    let [first, second] = source.both(Precision::F16)?;
+    let [one, two] = [&first, &second].map(|stored| stored.rounded.half_bits().collect::<Vec<u16>>());
+    let texels = one.chunks_exact(4).zip(two.chunks_exact(4));
+    let bytes = texels.flat_map(|(one, two)| one.iter().chain(two)).flat_map(|half| half.to_le_bytes()).collect();
+    let steps = [
+        "Serve this folder, and before the first area light set Tools.AssetBaseUrl to its URL (checked with 9.34).",
+        "AssetBaseUrl stands for https://assets.babylonjs.com/core: what else a page takes from there has to lie here too.",
+    ];
+    let path = "areaLights/areaLightsLTC.bin";
+    Ok(Bundle { files: vec![file(path, bytes, &[&first, &second])], steps: steps.map(str::to_owned).into() })
 }

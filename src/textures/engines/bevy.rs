@@ -3,33 +3,23 @@
 //! `bevy_pbr` with feature `area_light_luts` embeds `crates/bevy_pbr/src/ltc/ltc.ktx2`: an array of two layers of 64 x
 //! 64, `R16G16B16A16_SFLOAT`, zstd. The render world's resource `AreaLightLuts { image }` replaces it at run time.
 
-use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
+use super::rules::{SIZE, Source, file};
 use crate::{bundle::Bundle, containers::ktx2, file::TextureFileError, halves::Halves, texture::Texture};
 use ltcforge_fit::Precision;
 
-/// Bevy.
-pub(super) struct Bevy;
-
-impl EngineRules for Bevy {
-    fn layout(&self) -> Option<&'static str> {
-        Some("ltc2017")
-    }
-
-    fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError> {
-        let first = source.square(FIRST, SIZE, Precision::F32)?.texture;
-        let second = source.square(SECOND, SIZE, Precision::F32)?.texture;
-        let texels = [first.texels.as_slice(), &second.texels].concat();
-        let mut both = Texture::new("ltc", [SIZE, SIZE, 1], 2, &["x", "y", "z", "w"], texels)?;
-        both.halves = first.halves.as_ref().zip(second.halves.as_ref()).map(|(first, second)| Halves {
-            numbers: [first.numbers.as_slice(), &second.numbers].concat(),
-            displacement: first.displacement,
-        });
-        let stored = source.stored(&both, Precision::F16)?;
-        let bytes = ktx2(&stored, true, source.about)?;
-        let steps = [
-            "Built in: replace crates/bevy_pbr/src/ltc/ltc.ktx2 in Bevy's sources (feature area_light_luts).",
-            "At run time: load ltc.ktx2 with a linear sampler and insert its handle as AreaLightLuts { image } into the render world.",
-        ];
-        Ok(Bundle { files: vec![file("ltc.ktx2", bytes, &[&stored])], steps: steps.map(str::to_owned).into() })
-    }
+pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
+    let [first, second] = source.both(Precision::F32)?.map(|stored| stored.texture);
+    let texels = [first.texels.as_slice(), &second.texels].concat();
+    let mut both = Texture::new("ltc", [SIZE, SIZE, 1], 2, &["x", "y", "z", "w"], texels)?;
+    both.halves = first.halves.as_ref().zip(second.halves.as_ref()).map(|(first, second)| Halves {
+        numbers: [first.numbers.as_slice(), &second.numbers].concat(),
+        displacement: first.displacement,
+    });
+    let stored = source.stored(&both, Precision::F16)?;
+    let bytes = ktx2(&stored, true, source.about)?;
+    let steps = [
+        "Built in: replace crates/bevy_pbr/src/ltc/ltc.ktx2 in Bevy's sources (feature area_light_luts).",
+        "At run time: load ltc.ktx2 with a linear sampler and insert its handle as AreaLightLuts { image } into the render world.",
+    ];
+    Ok(Bundle { files: vec![file("ltc.ktx2", bytes, &[&stored])], steps: steps.map(str::to_owned).into() })
 }

@@ -3,28 +3,16 @@
 //! `servers/rendering/storage/make_ltc_lut.py` compiles two DDS files into the engine: it drops the first 148 bytes of
 //! each, which is the header of Direct3D 10, and takes the rest as 64 x 64 texels of four 32-bit numbers.
 
-use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
+use super::rules::{Source, file};
 use crate::{bundle::Bundle, containers::dx10, file::TextureFileError};
 use ltcforge_fit::Precision;
 
-/// Godot.
-pub(super) struct Godot;
-
-impl EngineRules for Godot {
-    fn layout(&self) -> Option<&'static str> {
-        Some("godot")
-    }
-
-    fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError> {
-        let mut files = Vec::new();
-        for (path, name) in [("ltc_lut1.dds", FIRST), ("ltc_lut2.dds", SECOND)] {
-            let stored = source.square(name, SIZE, Precision::F32)?;
-            files.push(file(path, dx10(&stored)?, &[&stored]));
-        }
-        let steps = [
-            "Replace ltc_lut1.dds and ltc_lut2.dds in servers/rendering/storage/ltc of Godot's sources.",
-            "Build the engine: it has no other way to take tables.",
-        ];
-        Ok(Bundle { files, steps: steps.map(str::to_owned).into() })
-    }
+pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
+    let [first, second] = source.both(Precision::F32)?;
+    let files = vec![file("ltc_lut1.dds", dx10(&first)?, &[&first]), file("ltc_lut2.dds", dx10(&second)?, &[&second])];
+    let steps = [
+        "Replace ltc_lut1.dds and ltc_lut2.dds in servers/rendering/storage/ltc of Godot's sources.",
+        "Build the engine: it has no other way to take tables.",
+    ];
+    Ok(Bundle { files, steps: steps.map(str::to_owned).into() })
 }

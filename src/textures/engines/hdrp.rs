@@ -7,41 +7,28 @@
 //! `sqrt(1 - cos theta)`, and takes a texel as elements 00, 02, 11 and 20 of the transposed inverse over element 22.
 //! Amplitude and Fresnel term come from a table of another kind, which stays.
 
-use super::rules::{EngineRules, FIRST, SIZE, Source, file};
+use super::rules::{FIRST, SIZE, Source, file};
 use crate::{bundle::Bundle, file::TextureFileError};
 use ltcforge_fit::{BrdfKind, Precision};
 
-/// Unity's High Definition Render Pipeline.
-pub(super) struct Hdrp;
-
-impl EngineRules for Hdrp {
-    fn layout(&self) -> Option<&'static str> {
-        Some("hdrp")
-    }
-
-    fn brdfs(&self) -> &'static [BrdfKind] {
-        &[BrdfKind::Ggx, BrdfKind::BurleyDiffuse, BrdfKind::Charlie, BrdfKind::CharlieNeubelt]
-    }
-
-    fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError> {
-        let name = match source.brdf {
-            BrdfKind::BurleyDiffuse => "Disney",
-            BrdfKind::Charlie | BrdfKind::CharlieNeubelt => "Charlie",
-            _ => "GGX",
-        };
-        let stored = source.square(FIRST, SIZE, Precision::F16)?;
-        let bits: Vec<u16> = stored.rounded.half_bits().collect();
-        let rows: String =
-            bits.chunks(4).map(|texel| format!("            {texel:?},\n").replace(['[', ']'], "")).collect();
-        let text = format!(
-            "{}\nnamespace UnityEngine.Rendering.HighDefinition\n{{\n    internal partial class LTCAreaLight\n    {{\n        \
+pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
+    let name = match source.brdf {
+        BrdfKind::BurleyDiffuse => "Disney",
+        BrdfKind::Charlie | BrdfKind::CharlieNeubelt => "Charlie",
+        _ => "GGX",
+    };
+    let stored = source.square(FIRST, SIZE, Precision::F16)?;
+    let bits: Vec<u16> = stored.rounded.half_bits().collect();
+    let rows: String =
+        bits.chunks(4).map(|texel| format!("            {texel:?},\n").replace(['[', ']'], "")).collect();
+    let text = format!(
+        "{}\nnamespace UnityEngine.Rendering.HighDefinition\n{{\n    internal partial class LTCAreaLight\n    {{\n        \
              internal static ushort[] s_LtcMatrixData_BRDF_{name} = new ushort[{SIZE} * {SIZE} * 4]\n        {{\n{rows}        \
              }};\n    }}\n}}\n",
-            source.about.comment()
-        );
-        let path = format!("LtcData.BRDF_{name}.cs");
-        let embed = "Embed the package com.unity.render-pipelines.high-definition in the project, so that its files can be changed.";
-        let steps = vec![embed.to_owned(), format!("Replace {path} in its Runtime/Material/LTCAreaLight/Generated.")];
-        Ok(Bundle { files: vec![file(&path, text.into_bytes(), &[&stored])], steps })
-    }
+        source.about.comment()
+    );
+    let path = format!("LtcData.BRDF_{name}.cs");
+    let embed = "Embed the package com.unity.render-pipelines.high-definition in the project, so that its files can be changed.";
+    let steps = vec![embed.to_owned(), format!("Replace {path} in its Runtime/Material/LTCAreaLight/Generated.")];
+    Ok(Bundle { files: vec![file(&path, text.into_bytes(), &[&stored])], steps })
 }

@@ -13,29 +13,29 @@ mod rules;
 mod three;
 mod wgpu;
 
-pub(crate) use self::rules::{EngineRules, Source};
+use self::rules::Source;
 use super::{about::About, bundle::Bundle, file::TextureFileError, texture::Texture};
 use ltcforge_fit::{BrdfKind, ShaderAxes, named_list};
 
 named_list! {
     /// A renderer that has area lights by LTC tables, or that takes ours.
-    pub enum Engine: EngineRules {
+    pub enum Engine {
         /// three.js.
-        Three = "three" => three::Three,
+        Three = "three",
         /// Babylon.js.
-        Babylon = "babylon" => babylon::Babylon,
+        Babylon = "babylon",
         /// `PlayCanvas`.
-        PlayCanvas = "playcanvas" => playcanvas::PlayCanvas,
+        PlayCanvas = "playcanvas",
         /// Bevy.
-        Bevy = "bevy" => bevy::Bevy,
+        Bevy = "bevy",
         /// Godot.
-        Godot = "godot" => godot::Godot,
+        Godot = "godot",
         /// Open 3D Engine.
-        O3de = "o3de" => o3de::O3de,
+        O3de = "o3de",
         /// Unity's High Definition Render Pipeline.
-        Hdrp = "hdrp" => hdrp::Hdrp,
+        Hdrp = "hdrp",
         /// A renderer of one's own with the shader that `ltcforge shader` writes.
-        Wgpu = "wgpu" => wgpu::Wgpu,
+        Wgpu = "wgpu",
     }
 }
 
@@ -43,13 +43,21 @@ impl Engine {
     /// The layout of its textures; `None` for that of the table.
     #[must_use]
     pub fn layout(self) -> Option<&'static str> {
-        self.rules().layout()
+        match self {
+            Self::Three | Self::Babylon | Self::PlayCanvas | Self::Bevy => Some("ltc2017"),
+            Self::Godot => Some("godot"),
+            Self::O3de => Some("ltc2016"),
+            Self::Hdrp => Some("hdrp"),
+            Self::Wgpu => None,
+        }
     }
 
-    /// The scattering models whose textures it lights with.
+    /// The scattering models whose textures it lights with: a model of another name counts where the formulas agree.
     #[must_use]
     pub fn brdfs(self) -> &'static [BrdfKind] {
-        self.rules().brdfs()
+        const HDRP: [BrdfKind; 4] =
+            [BrdfKind::Ggx, BrdfKind::BurleyDiffuse, BrdfKind::Charlie, BrdfKind::CharlieNeubelt];
+        if self == Self::Hdrp { &HDRP } else { &HDRP[..1] }
     }
 
     /// The files that this engine loads, made of textures of its layout of a table of `brdf`, and their manifest.
@@ -63,7 +71,17 @@ impl Engine {
         axes: &ShaderAxes,
         about: &About,
     ) -> Result<Bundle, TextureFileError> {
-        let bundle = self.rules().bundle(&Source { engine: self.name(), textures, axes, about, brdf })?;
+        let bundle = match self {
+            Self::Three => three::bundle,
+            Self::Babylon => babylon::bundle,
+            Self::PlayCanvas => playcanvas::bundle,
+            Self::Bevy => bevy::bundle,
+            Self::Godot => godot::bundle,
+            Self::O3de => o3de::bundle,
+            Self::Hdrp => hdrp::bundle,
+            Self::Wgpu => wgpu::bundle,
+        };
+        let bundle = bundle(&Source { engine: self.name(), textures, axes, about, brdf })?;
         Ok(bundle.with_manifest("for", self.name(), about))
     }
 }

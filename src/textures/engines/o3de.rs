@@ -5,39 +5,30 @@
 //! (pi/2), takes the inverse as [1 0 w; 0 z 0; y 0 x] of a texel, and has a half texel of 32 x 32 written into it
 //! (`LUT_SIZE`): a texture of another size needs that line changed. `DdsLoader.cpp` reads the header of Direct3D 10.
 
-use super::rules::{EngineRules, FIRST, SECOND, Source, file};
+use super::rules::{FIRST, SECOND, Source, file};
 use crate::{bundle::Bundle, containers::dx10, file::TextureFileError};
 use ltcforge_fit::Precision;
-
-/// Open 3D Engine.
-pub(super) struct O3de;
 
 /// The size that its shader is written for.
 const SHADER_SIZE: u32 = 32;
 
-impl EngineRules for O3de {
-    fn layout(&self) -> Option<&'static str> {
-        Some("ltc2016")
+pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
+    let size = source.named(FIRST, || "4 channels".to_owned())?.width;
+    let matrix = source.square(FIRST, size, Precision::F32)?;
+    let terms = source.square(SECOND, size, Precision::F32)?.texture;
+    let channels: Vec<&str> = terms.channels.iter().take(2).map(String::as_str).collect();
+    let terms = terms.only(&channels)?;
+    let terms = source.stored(&terms, Precision::F32)?;
+    let files = vec![
+        file("ltc_mat_lutrgba32f.dds", dx10(&matrix)?, &[&matrix]),
+        file("ltc_amp_lutrg32f.dds", dx10(&terms)?, &[&terms]),
+    ];
+    let mut steps = vec![
+        "Replace both files in Gems/Atom/Feature/Common/Assets/Textures/LTC; the asset processor does the rest."
+            .to_owned(),
+    ];
+    if size != SHADER_SIZE {
+        steps.push(format!("Set LUT_SIZE in LtcCoords of Ltc.azsli to {size}.0; it is {SHADER_SIZE}.0 there."));
     }
-
-    fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError> {
-        let size = source.named(FIRST, || "4 channels".to_owned())?.width;
-        let matrix = source.square(FIRST, size, Precision::F32)?;
-        let terms = source.square(SECOND, size, Precision::F32)?.texture;
-        let channels: Vec<&str> = terms.channels.iter().take(2).map(String::as_str).collect();
-        let terms = terms.only(&channels)?;
-        let terms = source.stored(&terms, Precision::F32)?;
-        let files = vec![
-            file("ltc_mat_lutrgba32f.dds", dx10(&matrix)?, &[&matrix]),
-            file("ltc_amp_lutrg32f.dds", dx10(&terms)?, &[&terms]),
-        ];
-        let mut steps = vec![
-            "Replace both files in Gems/Atom/Feature/Common/Assets/Textures/LTC; the asset processor does the rest."
-                .to_owned(),
-        ];
-        if size != SHADER_SIZE {
-            steps.push(format!("Set LUT_SIZE in LtcCoords of Ltc.azsli to {size}.0; it is {SHADER_SIZE}.0 there."));
-        }
-        Ok(Bundle { files, steps })
-    }
+    Ok(Bundle { files, steps })
 }

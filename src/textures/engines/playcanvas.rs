@@ -9,35 +9,25 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
+use super::rules::{Source, file};
 use crate::{bundle::Bundle, digits::shortest, file::TextureFileError};
 use ltcforge_fit::Precision;
 
-/// `PlayCanvas`.
-pub(super) struct PlayCanvas;
-
-impl EngineRules for PlayCanvas {
-    fn layout(&self) -> Option<&'static str> {
-        Some("ltc2017")
+pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
+    let [first, second] = source.both(Precision::F16)?;
+    let mut text = format!("{{\"about\":{}", json!(source.about.lines()));
+    for (key, stored) in [("LTC_MAT_1", &first), ("LTC_MAT_2", &second)] {
+        let number = |x: &f32| shortest(*x, Precision::F16);
+        let numbers: Vec<String> = stored.rounded.numbers.iter().map(number).collect();
+        // Writing to a String cannot fail.
+        let _ = write!(text, ",\n\"{key}\":[{}]", numbers.join(","));
     }
-
-    fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError> {
-        let first = source.square(FIRST, SIZE, Precision::F16)?;
-        let second = source.square(SECOND, SIZE, Precision::F16)?;
-        let mut text = format!("{{\"about\":{}", json!(source.about.lines()));
-        for (key, stored) in [("LTC_MAT_1", &first), ("LTC_MAT_2", &second)] {
-            let number = |x: &f32| shortest(*x, Precision::F16);
-            let numbers: Vec<String> = stored.rounded.numbers.iter().map(number).collect();
-            // Writing to a String cannot fail.
-            let _ = write!(text, ",\n\"{key}\":[{}]", numbers.join(","));
-        }
-        text += "}\n";
-        let steps = [
-            "Load area-light-luts.json as an asset of type json (checked with 2.23).",
-            "Then app.setAreaLightLuts( luts.LTC_MAT_1, luts.LTC_MAT_2 ), where luts is its resource.",
-            "Area lights need app.scene.lighting.areaLightsEnabled = true.",
-        ];
-        let files = vec![file("area-light-luts.json", text.into_bytes(), &[&first, &second])];
-        Ok(Bundle { files, steps: steps.map(str::to_owned).into() })
-    }
+    text += "}\n";
+    let steps = [
+        "Load area-light-luts.json as an asset of type json (checked with 2.23).",
+        "Then app.setAreaLightLuts( luts.LTC_MAT_1, luts.LTC_MAT_2 ), where luts is its resource.",
+        "Area lights need app.scene.lighting.areaLightsEnabled = true.",
+    ];
+    let files = vec![file("area-light-luts.json", text.into_bytes(), &[&first, &second])];
+    Ok(Bundle { files, steps: steps.map(str::to_owned).into() })
 }

@@ -2,10 +2,8 @@
 
 use crate::{
     about::About,
-    bundle::Bundle,
-    containers::{Stored, stored},
+    containers::{Stored, rounding_of, stored},
     file::{TextureFile, TextureFileError},
-    rounding::RoundingError,
     texture::Texture,
 };
 use ltcforge_fit::{BrdfKind, Precision, ShaderAxes};
@@ -23,23 +21,8 @@ pub(crate) struct Source<'a> {
     /// The table's axes as shaders read them.
     pub(super) axes: &'a ShaderAxes,
     pub(super) about: &'a About,
-    /// The scattering model of the table, one of [`EngineRules::brdfs`] but for an engine that takes all.
+    /// The scattering model of the table, one of [`super::Engine::brdfs`] but for an engine that takes all.
     pub(super) brdf: BrdfKind,
-}
-
-/// An engine as an item of [`super::Engine`].
-pub(crate) trait EngineRules: Sync {
-    /// The layout of its textures; `None` for the table's own.
-    fn layout(&self) -> Option<&'static str>;
-
-    /// The scattering models whose textures it lights with: what it calls by other names counts as ours where the formulas
-    /// agree.
-    fn brdfs(&self) -> &'static [BrdfKind] {
-        &[BrdfKind::Ggx]
-    }
-
-    /// Its files, and what to do with them.
-    fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError>;
 }
 
 impl Source<'_> {
@@ -59,6 +42,11 @@ impl Source<'_> {
         let Texture { width, height, depth, layers, channels, .. } = found;
         let found = format!("{width} x {height} x {depth} texels, {layers} layers and {} channels", channels.len());
         Err(TextureFileError::Missing { engine: self.engine, name, wanted: wanted(), found })
+    }
+
+    /// Both textures of engines that have two.
+    pub(super) fn both(&self, precision: Precision) -> Result<[Stored<'_>; 2], TextureFileError> {
+        Ok([self.square(FIRST, SIZE, precision)?, self.square(SECOND, SIZE, precision)?])
     }
 
     /// The texture of a name.
@@ -87,6 +75,5 @@ impl Source<'_> {
 
 /// A file of text whose numbers were rounded.
 pub(super) fn file(path: &str, bytes: Vec<u8>, stored: &[&Stored<'_>]) -> TextureFile {
-    let rounding = stored.iter().fold(RoundingError::default(), |all, one| all.and(one.rounded.error));
-    TextureFile { path: path.to_owned(), bytes, rounding }
+    TextureFile { path: path.to_owned(), bytes, rounding: rounding_of(stored.iter().copied()) }
 }

@@ -9,40 +9,28 @@
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use half::f16;
 
-use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
+use super::rules::{SIZE, Source, file};
 use crate::{bundle::Bundle, containers::Stored, file::TextureFileError};
 use ltcforge_fit::Precision;
-
-/// three.js.
-pub(super) struct Three;
 
 /// Makes the four textures with the classes of the page's own three.js.
 const FUNCTION: &str = include_str!("create_ltc.js");
 
-impl EngineRules for Three {
-    fn layout(&self) -> Option<&'static str> {
-        Some("ltc2017")
-    }
-
-    fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError> {
-        let both = |precision| -> Result<[Stored<'_>; 2], TextureFileError> {
-            Ok([source.square(FIRST, SIZE, precision)?, source.square(SECOND, SIZE, precision)?])
-        };
-        let (floats, halves) = (both(Precision::F32)?, both(Precision::F16)?);
-        let [numbers, farther] = [sorted_bytes(&floats), farther_bits(&floats, &halves)];
-        let [numbers, farther] = [numbers, farther].map(|bytes| BASE64_STANDARD.encode(bytes));
-        let about = source.about.comment();
-        let text = format!(
-            "{about}\nconst SIZE = {SIZE};\nconst NUMBERS = '{numbers}';\nconst FARTHER = '{farther}';\n\n{FUNCTION}"
-        );
-        let all: Vec<_> = floats.iter().chain(&halves).collect();
-        let steps = [
-            "Import createLTC from ltc.js beside three.js (checked with 0.187).",
-            "WebGLRenderer: after RectAreaLightUniformsLib.init(), Object.assign( THREE.UniformsLib, createLTC( THREE ) ).",
-            "WebGPURenderer: import { RectAreaLightNode } from 'three/webgpu', and RectAreaLightNode.setLTC( createLTC( THREE ) ).",
-        ];
-        Ok(Bundle { files: vec![file("ltc.js", text.into_bytes(), &all)], steps: steps.map(str::to_owned).into() })
-    }
+pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
+    let (floats, halves) = (source.both(Precision::F32)?, source.both(Precision::F16)?);
+    let [numbers, farther] = [sorted_bytes(&floats), farther_bits(&floats, &halves)];
+    let [numbers, farther] = [numbers, farther].map(|bytes| BASE64_STANDARD.encode(bytes));
+    let about = source.about.comment();
+    let text = format!(
+        "{about}\nconst SIZE = {SIZE};\nconst NUMBERS = '{numbers}';\nconst FARTHER = '{farther}';\n\n{FUNCTION}"
+    );
+    let all: Vec<_> = floats.iter().chain(&halves).collect();
+    let steps = [
+        "Import createLTC from ltc.js beside three.js (checked with 0.187).",
+        "WebGLRenderer: after RectAreaLightUniformsLib.init(), Object.assign( THREE.UniformsLib, createLTC( THREE ) ).",
+        "WebGPURenderer: import { RectAreaLightNode } from 'three/webgpu', and RectAreaLightNode.setLTC( createLTC( THREE ) ).",
+    ];
+    Ok(Bundle { files: vec![file("ltc.js", text.into_bytes(), &all)], steps: steps.map(str::to_owned).into() })
 }
 
 /// Bytes of all numbers, the lowest of each first, and for each byte one channel after another.

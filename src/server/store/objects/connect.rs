@@ -8,7 +8,7 @@ use object_store::{
     aws::AmazonS3Builder, azure::MicrosoftAzureBuilder, gcp::GoogleCloudStorageBuilder, path::Path,
 };
 
-use crate::store::certificates;
+use crate::store::{ConnectError, certificates};
 
 /// How long a request is retried.
 const RETRY: Duration = Duration::from_secs(8);
@@ -30,85 +30,29 @@ const METADATA: [&str; 3] = ["/latest/api/token", "/computeMetadata/", "/metadat
 /// The object that is written to find out whether the store can be written.
 const MARK: &str = "ltcforge";
 
-/// The use that a process has for an object store.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Access {
-    /// Only reading.
-    Read,
-    /// Writing too.
-    Write,
-}
-
-/// Why an object store cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum ObjectsOpenError {
-    /// The URL is invalid.
-    #[error("`{url}` is not the URL of an object store: {reason}; use s3://BUCKET/PREFIX, gs:// or az://")]
-    BadUrl {
-        /// The URL.
-        url: String,
-        /// The reason, in words.
-        reason: String,
-    },
-    /// An environment variable with a URL has a user or a password.
-    #[error(
-        "the environment variable {0} has a user or a password, which errors would show; use variables for credentials"
-    )]
-    SecretInEndpoint(&'static str),
-    /// Credentials, certificates or other settings are missing in the environment, or cannot be used.
-    #[error("the environment lacks what {url} needs: {reason}")]
-    Settings {
-        /// The URL.
-        url: String,
-        /// The missing setting.
-        reason: String,
-    },
-    /// There is no such bucket.
-    #[error("the object store {url} does not exist: {reason}")]
-    Missing {
-        /// The URL.
-        url: String,
-        /// The store's answer.
-        reason: String,
-    },
-    /// The credentials are invalid, or have no permission for this.
-    #[error("the object store {url} cannot be {verb}: {reason}")]
-    Refused {
-        /// The URL.
-        url: String,
-        /// `read` or `written`.
-        verb: &'static str,
-        /// The store's answer.
-        reason: String,
-    },
-    /// It does not respond.
-    #[error("the object store {url} cannot be reached: {reason}")]
-    Unreachable {
-        /// The URL.
-        url: String,
-        /// The reason.
-        reason: String,
-    },
-}
-
 /// Installs the provider of cryptography that reqwest uses.
 pub(super) fn install_crypto() {
     // This fails if one was installed before, which is fine.
     let _ = rustls::crypto::ring::default_provider().install_default();
 }
 
+/// The error of a missing setting.
+pub(super) fn lacking(url: &str, reason: &str) -> ConnectError {
+    ConnectError(format!("the environment lacks what {url} needs: {reason}"))
+}
+
 /// The store of `url`, with credentials as the provider's own tools read them from the environment.
-pub(super) fn connect(url: &str) -> Result<(Arc<dyn ObjectStore>, Path), ObjectsOpenError> {
-    let bad = |reason: String| ObjectsOpenError::BadUrl { url: url.to_owned(), reason };
-    let lacking = |reason: String| ObjectsOpenError::Settings { url: url.to_owned(), reason };
-    let parsed = reqwest::Url::parse(url).map_err(|error| bad(error.to_string()))?;
+pub(super) fn connect(url: &str) -> Result<(Arc<dyn ObjectStore>, Path), ConnectError> {
+    let bad = |url: &str, reason: &str| {
+        let schemes = "use s3://BUCKET/PREFIX, gs:// or az://";
+        ConnectError(format!("`{url}` is not the URL of an object store: {reason}; {schemes}"))
+    };
+    let parsed = reqwest::Url::parse(url).map_err(|error| bad(url, &error.to_string()))?;
     if !parsed.username().is_empty() || parsed.password().is_some() || parsed.query().is_some() {
-        return Err(ObjectsOpenError::BadUrl {
-            url: format!("{}://...", parsed.scheme()),
-            reason: "credentials are not part of the URL; they are read from the environment".to_owned(),
-        });
+        let reason = "credentials are not part of the URL; they are read from the environment";
+        return Err(bad(&format!("{}://...", parsed.scheme()), reason));
     }
-    let (scheme, prefix) = ObjectStoreScheme::parse(&parsed).map_err(|error| bad(error.to_string()))?;
+    let (scheme, prefix) = ObjectStoreScheme::parse(&parsed).map_err(|error| bad(url, &error.to_string()))?;
     install_crypto();
     // `from_env` also reads AWS_ALLOW_HTTP and AWS_ENDPOINT.
     let is_plain = std::env::var_os("AWS_ALLOW_HTTP").is_some_and(|value| value == "true");
@@ -118,20 +62,22 @@ pub(super) fn connect(url: &str) -> Result<(Arc<dyn ObjectStore>, Path), Objects
         let Some(endpoint) = endpoint else { continue };
         has_plain_endpoint |= endpoint.scheme() == "http";
         if !endpoint.username().is_empty() || endpoint.password().is_some() {
-            return Err(ObjectsOpenError::SecretInEndpoint(name));
+            return Err(ConnectError(format!(
+                "the environment variable {name} has a user or a password, which errors would show; use variables for credentials"
+            )));
         }
         if endpoint.scheme() == "http" && scheme == ObjectStoreScheme::AmazonS3 && name.starts_with("AWS") && !is_plain
         {
-            return Err(lacking(format!("{name} has a URL with http://, which needs AWS_ALLOW_HTTP=true")));
+            return Err(lacking(url, &format!("{name} has a URL with http://, which needs AWS_ALLOW_HTTP=true")));
         }
     }
     if !has_plain_endpoint {
-        certificates::load().map_err(lacking)?;
+        certificates::load().map_err(|reason| lacking(url, &reason))?;
     }
     let client = ClientOptions::new().with_timeout_disabled();
     let client = client.with_read_timeout(READ_TIMEOUT).with_connect_timeout(RETRY);
     let retry = RetryConfig { retry_timeout: RETRY, ..RetryConfig::default() };
-    let failed = |error: Error| lacking(format!("{}; {SETTINGS}", text(&error)));
+    let failed = |error: Error| lacking(url, &format!("{}; {SETTINGS}", text(&error)));
     macro_rules! built {
         ($builder:expr) => {{ Ok((Arc::new($builder.with_url(url).with_retry(retry).build().map_err(failed)?), prefix)) }};
     }
@@ -143,38 +89,30 @@ pub(super) fn connect(url: &str) -> Result<(Arc<dyn ObjectStore>, Path), Objects
             built!(GoogleCloudStorageBuilder::from_env().with_client_options(client))
         }
         ObjectStoreScheme::MicrosoftAzure => built!(MicrosoftAzureBuilder::from_env().with_client_options(client)),
-        _ => Err(bad(format!("`{}` is not one of its schemes", parsed.scheme()))),
+        _ => Err(bad(url, &format!("`{}` is not one of its schemes", parsed.scheme()))),
     }
 }
 
-/// Whether the store can be used as `access` says.
-pub(super) async fn probe(
-    store: &dyn ObjectStore,
-    prefix: &Path,
-    url: &str,
-    access: Access,
-) -> Result<(), ObjectsOpenError> {
-    let verb = if access == Access::Write { "written" } else { "read" };
-    let done = match access {
-        Access::Write => {
-            let mark = prefix.clone().join(MARK);
-            store.put(&mark, PutPayload::from_static(b"ltcforge keeps its tables here\n")).await.map(drop)
-        }
-        Access::Read => store.list(Some(prefix)).try_next().await.map(drop),
+/// Whether the store can be read, or written if `writes`.
+pub(super) async fn probe(store: &dyn ObjectStore, prefix: &Path, url: &str, writes: bool) -> Result<(), ConnectError> {
+    let (verb, done) = if writes {
+        let mark = prefix.clone().join(MARK);
+        let text = PutPayload::from_static(b"ltcforge keeps its tables here\n");
+        ("written", store.put(&mark, text).await.map(drop))
+    } else {
+        ("read", store.list(Some(prefix)).try_next().await.map(drop))
     };
-    let url = url.to_owned();
     done.map_err(|error| {
         let reason = text(&error);
-        match error {
-            Error::NotFound { .. } => ObjectsOpenError::Missing { url, reason },
-            Error::PermissionDenied { .. } | Error::Unauthenticated { .. } => {
-                ObjectsOpenError::Refused { url, verb, reason }
-            }
-            _ if reason.contains("NoSuchBucket") => ObjectsOpenError::Missing { url, reason },
-            _ if METADATA.iter().any(|address| reason.contains(address)) => {
-                ObjectsOpenError::Settings { url, reason: format!("no credentials are set: {reason}; {SETTINGS}") }
-            }
-            _ => ObjectsOpenError::Unreachable { url, reason },
+        let is_missing = matches!(error, Error::NotFound { .. }) || reason.contains("NoSuchBucket");
+        if matches!(error, Error::PermissionDenied { .. } | Error::Unauthenticated { .. }) {
+            ConnectError(format!("the object store {url} cannot be {verb}: {reason}"))
+        } else if is_missing {
+            ConnectError(format!("the object store {url} does not exist: {reason}"))
+        } else if METADATA.iter().any(|address| reason.contains(address)) {
+            lacking(url, &format!("no credentials are set: {reason}; {SETTINGS}"))
+        } else {
+            ConnectError(format!("the object store {url} cannot be reached: {reason}"))
         }
     })
 }
@@ -191,7 +129,8 @@ mod tests {
     #[test]
     fn a_url_is_refused_without_its_secrets() {
         for url in ["", "tables", "ftp://host/x", "http://host/x", "memory:///", "file:///tmp"] {
-            assert!(matches!(connect(url), Err(ObjectsOpenError::BadUrl { .. })), "{url}");
+            let error = connect(url).unwrap_err().to_string();
+            assert!(error.contains("is not the URL of an object store"), "{error}");
         }
         let error = connect("s3://key:hunter2@bucket/x").unwrap_err().to_string();
         assert!(!error.contains("hunter2") && error.contains("environment"), "{error}");

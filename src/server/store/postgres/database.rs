@@ -6,10 +6,7 @@ use deadpool_postgres::{
     ClientWrapper, Hook, HookError, Manager, ManagerConfig, Pool, PoolError, QueueMode, RecyclingMethod,
     Runtime as PoolRuntime, Timeouts,
 };
-use tokio::{
-    runtime::{Builder, Runtime},
-    time::{Instant, timeout_at},
-};
+use tokio::time::{Instant, timeout_at};
 use tokio_postgres::{
     Config, NoTls,
     config::{Host, SslMode},
@@ -17,11 +14,8 @@ use tokio_postgres::{
 };
 use tokio_postgres_rustls::MakeRustlsConnect;
 
-use super::{
-    failure::{self, DatabaseOpenError},
-    migrations,
-};
-use crate::store::{StoreError, certificates};
+use super::{failure, migrations};
+use crate::store::{ConnectError, StoreError, certificates, threads::Threads};
 
 /// A connection of the pool.
 pub(crate) type Client = deadpool_postgres::Client;
@@ -71,8 +65,8 @@ fn has_stray_at(url: &str) -> bool {
 
 /// A PostgreSQL database with the schema of this program. Its methods block: do not call them in async tasks.
 pub struct Database {
-    /// Runs the connections. `None` once this is being dropped.
-    runtime: Option<Runtime>,
+    /// Runs the connections.
+    threads: Threads,
     pool: Pool,
     /// Host, port and name.
     name: String,
@@ -84,14 +78,6 @@ impl fmt::Debug for Database {
     }
 }
 
-impl Drop for Database {
-    fn drop(&mut self) {
-        if let Some(runtime) = self.runtime.take() {
-            runtime.shutdown_background();
-        }
-    }
-}
-
 impl Database {
     /// Connections of a process, at most, by default.
     pub const CONNECTIONS: NonZeroUsize = NonZeroUsize::new(16).unwrap();
@@ -99,16 +85,16 @@ impl Database {
     /// Connects to the database of `url` and brings its schema up to date.
     ///
     /// # Errors
-    /// See [`DatabaseOpenError`].
-    pub fn open(url: &str) -> Result<Arc<Self>, DatabaseOpenError> {
+    /// The reason, as a text.
+    pub fn open(url: &str) -> Result<Arc<Self>, ConnectError> {
         Self::open_with(url, Self::CONNECTIONS)
     }
 
     /// As [`Self::open`], with at most so many connections. One is enough: no operation needs another while it has one.
     ///
     /// # Errors
-    /// See [`DatabaseOpenError`].
-    pub fn open_with(url: &str, connections: NonZeroUsize) -> Result<Arc<Self>, DatabaseOpenError> {
+    /// The reason, as a text.
+    pub fn open_with(url: &str, connections: NonZeroUsize) -> Result<Arc<Self>, ConnectError> {
         let database = Self::connect(url, connections)?;
         database.block_on(async {
             let mut client = database.pool.get().await.map_err(|error| database.refusal(&error))?;
@@ -117,24 +103,21 @@ impl Database {
         Ok(Arc::new(database))
     }
 
-    fn connect(url: &str, connections: NonZeroUsize) -> Result<Self, DatabaseOpenError> {
+    fn connect(url: &str, connections: NonZeroUsize) -> Result<Self, ConnectError> {
         if has_stray_at(url) {
-            return Err(DatabaseOpenError::BadUrl(STRAY_AT.to_owned()));
+            return Err(bad_url(STRAY_AT));
         }
         // The error has the name of a parameter, never its value.
-        let mut config: Config =
-            url.parse().map_err(|error: tokio_postgres::Error| DatabaseOpenError::BadUrl(failure::text(&error)))?;
+        let mut config: Config = url.parse().map_err(|error: tokio_postgres::Error| bad_url(&failure::text(&error)))?;
         if config.get_hosts().is_empty() {
-            return Err(DatabaseOpenError::BadUrl("it has no host".to_owned()));
+            return Err(bad_url("it has no host"));
         }
         config.connect_timeout(TIMEOUT).keepalives_idle(TIMEOUT).tcp_user_timeout(2 * TIMEOUT);
         if config.get_application_name().is_none() {
             config.application_name("ltcforge");
         }
         let name = name(&config);
-        let failed = |error: &dyn fmt::Display| DatabaseOpenError::Failed(error.to_string());
-        let runtime = Builder::new_multi_thread().worker_threads(1).thread_name("database").enable_all().build();
-        let runtime = runtime.map_err(|error| failed(&error))?;
+        let threads = Threads::start("database").map_err(failed)?;
         let manager_config = ManagerConfig { recycling_method: RecyclingMethod::Fast };
         let manager = match config.get_ssl_mode() {
             SslMode::Disable => Manager::from_config(config, NoTls, manager_config),
@@ -147,21 +130,23 @@ impl Database {
             Box::pin(async { client.batch_execute(SETTINGS).await.map_err(HookError::Backend) })
         }));
         // The last one used is used next, so that the others are idle.
-        let pool = pool.queue_mode(QueueMode::Lifo).build().map_err(|error| failed(&error))?;
+        let pool = pool.queue_mode(QueueMode::Lifo).build().map_err(failed)?;
         let idle = pool.clone();
-        runtime.spawn(async move {
+        let close_idle = async move {
             loop {
                 tokio::time::sleep(IDLE / 2).await;
                 idle.retain(|_, metrics| metrics.last_used() < IDLE);
             }
-        });
-        Ok(Self { runtime: Some(runtime), pool, name })
+        };
+        threads.block_on(async { tokio::spawn(close_idle) });
+        Ok(Self { threads, pool, name })
     }
 
-    fn refusal(&self, error: &PoolError) -> DatabaseOpenError {
-        let database = self.name.clone();
+    fn refusal(&self, error: &PoolError) -> ConnectError {
+        let database = &self.name;
+        let unreachable = |reason: &str| ConnectError(format!("{database} cannot be reached: {reason}"));
         let (PoolError::Backend(error) | PoolError::PostCreateHook(HookError::Backend(error))) = error else {
-            return DatabaseOpenError::Unreachable { database, reason: error.to_string() };
+            return unreachable(&error.to_string());
         };
         let reason = failure::text(error);
         let is = |state: &SqlState| error.code() == Some(state);
@@ -170,19 +155,19 @@ impl Database {
         let needs_tls = is_role && reason.contains("no encryption");
         let is_unanswered = error.code().is_none();
         if needs_tls || is_unanswered && (reason.contains("TLS") || reason.contains("certificate")) {
-            DatabaseOpenError::Tls { database, reason }
+            ConnectError(format!(
+                "{database}: {reason}; `sslmode` is `disable`, `prefer` or `require`; certificates are always verified"
+            ))
         } else if is_role || is(&SqlState::INVALID_PASSWORD) || is_unanswered && reason.contains("password") {
-            DatabaseOpenError::Refused { database, reason }
+            ConnectError(format!("{database} refuses the user or the password: {reason}"))
         } else {
-            DatabaseOpenError::Unreachable { database, reason }
+            unreachable(&reason)
         }
     }
 
     /// Runs `work` to its end on this thread.
     pub(crate) fn block_on<T>(&self, work: impl Future<Output = T>) -> T {
-        // Only `drop` takes it out.
-        let runtime = self.runtime.as_ref();
-        runtime.unwrap_or_else(|| unreachable!("a database that is being dropped was used")).block_on(work)
+        self.threads.block_on(work)
     }
 
     /// A connection.
@@ -243,13 +228,22 @@ impl Database {
     }
 }
 
+fn bad_url(reason: &str) -> ConnectError {
+    let form = "use postgres://USER:PASSWORD@HOST:PORT/NAME?sslmode=MODE";
+    ConnectError(format!("the database URL is invalid: {reason}; {form}"))
+}
+
+fn failed(error: impl fmt::Display) -> ConnectError {
+    ConnectError(format!("the database: {error}"))
+}
+
 /// TLS with the system's certificates, or those of `SSL_CERT_FILE`.
-fn tls() -> Result<MakeRustlsConnect, DatabaseOpenError> {
+fn tls() -> Result<MakeRustlsConnect, ConnectError> {
     let mut roots = rustls::RootCertStore::empty();
-    roots.add_parsable_certificates(certificates::load().map_err(DatabaseOpenError::Failed)?);
+    roots.add_parsable_certificates(certificates::load().map_err(failed)?);
     let provider = Arc::new(rustls::crypto::ring::default_provider());
     let config = rustls::ClientConfig::builder_with_provider(provider).with_safe_default_protocol_versions();
-    let config = config.map_err(|error| DatabaseOpenError::Failed(error.to_string()))?;
+    let config = config.map_err(failed)?;
     Ok(MakeRustlsConnect::new(config.with_root_certificates(roots).with_no_client_auth()))
 }
 

@@ -1,63 +1,14 @@
 //! Errors of PostgreSQL, and which of them are temporary.
 
-use std::{error::Error as _, fmt::Write as _};
+use std::{error::Error as _, fmt::Write as _, iter::successors};
 
 use tokio_postgres::{Error, error::SqlState};
 
-use crate::store::StoreError;
+use crate::store::{ConnectError, StoreError};
 
-/// Why a database cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum DatabaseOpenError {
-    /// The URL is invalid.
-    #[error("the database URL is invalid: {0}; use postgres://USER:PASSWORD@HOST:PORT/NAME?sslmode=MODE")]
-    BadUrl(String),
-    /// The server refuses the user or the password.
-    #[error("{database} refuses the user or the password: {reason}")]
-    Refused {
-        /// The database.
-        database: String,
-        /// The server's answer.
-        reason: String,
-    },
-    /// The server requires TLS or does not support it, or its certificate is not trusted.
-    #[error("{database}: {reason}; `sslmode` is `disable`, `prefer` or `require`; certificates are always verified")]
-    Tls {
-        /// The database.
-        database: String,
-        /// The reason, in words.
-        reason: String,
-    },
-    /// It does not respond.
-    #[error("{database} cannot be reached: {reason}")]
-    Unreachable {
-        /// The database.
-        database: String,
-        /// The reason.
-        reason: String,
-    },
-    /// A later version of the program wrote it.
-    #[error("the database has schema {found}; this program knows schemas up to {known}")]
-    FromTheFuture {
-        /// Its schema.
-        found: usize,
-        /// The newest schema that this program knows.
-        known: usize,
-    },
-    /// An unreleased version of the program, or another program, made its schema.
-    #[error(
-        "the schema `ltcforge` in the database is of an unreleased version: use an empty database, or remove the schema \
-         with DROP SCHEMA ltcforge CASCADE; tables are not in it"
-    )]
-    Other,
-    /// A statement failed.
-    #[error("the database: {0}")]
-    Failed(String),
-}
-
-impl From<Error> for DatabaseOpenError {
+impl From<Error> for ConnectError {
     fn from(error: Error) -> Self {
-        Self::Failed(text(&error))
+        Self(format!("the database: {}", text(&error)))
     }
 }
 
@@ -66,7 +17,7 @@ impl From<Error> for DatabaseOpenError {
 pub(super) fn is_temporary(error: &Error) -> bool {
     let Some(code) = error.code() else {
         // The server did not answer: the connection failed, unless the client itself found the error.
-        return error.is_closed() || is_io(error);
+        return error.is_closed() || causes(error).any(|cause| cause.is::<std::io::Error>());
     };
     let temporary = [
         SqlState::ADMIN_SHUTDOWN,
@@ -85,15 +36,8 @@ pub(super) fn is_temporary(error: &Error) -> bool {
     temporary.contains(code) || code.code().starts_with("08")
 }
 
-fn is_io(error: &Error) -> bool {
-    let mut source = error.source();
-    while let Some(cause) = source {
-        if cause.is::<std::io::Error>() {
-            return true;
-        }
-        source = cause.source();
-    }
-    false
+fn causes(error: &Error) -> impl Iterator<Item = &(dyn std::error::Error + 'static)> {
+    successors(error.source(), |cause: &&(dyn std::error::Error + 'static)| (*cause).source())
 }
 
 impl From<Error> for StoreError {
@@ -114,14 +58,12 @@ pub(super) fn text(error: &Error) -> String {
         return answer.message().replace('\n', " ");
     }
     let mut text = error.to_string();
-    let mut source = error.source();
-    while let Some(cause) = source {
+    for cause in causes(error) {
         let cause_text = cause.to_string();
         if !text.contains(&cause_text) {
             // Writing to a String cannot fail.
             let _ = write!(text, ": {cause_text}");
         }
-        source = cause.source();
     }
     text.replace('\n', " ")
 }

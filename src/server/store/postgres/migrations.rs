@@ -5,7 +5,7 @@
 
 use deadpool_postgres::{Client, GenericClient};
 
-use super::failure::DatabaseOpenError;
+use crate::store::ConnectError;
 use ltcforge_files::digest::Digest;
 
 /// All migrations, oldest first: number N is at index N - 1.
@@ -13,6 +13,10 @@ pub(super) const ALL: &[&str] = &[include_str!("../../migrations/postgres/0001_i
 
 /// Number of the advisory lock: `ltcforge` in ASCII.
 const LOCK: i64 = 0x6c74_6366_6f72_6765;
+
+/// The error of a schema that an unreleased version of the program, or another program, has made.
+const OTHER: &str = "the schema `ltcforge` in the database is of an unreleased version: use an empty database, or remove \
+    the schema with DROP SCHEMA ltcforge CASCADE; tables are not in it";
 
 const PREPARE: &str = "
     CREATE SCHEMA IF NOT EXISTS ltcforge;
@@ -23,7 +27,7 @@ const PREPARE: &str = "
     )";
 
 /// How many of `migrations` have been applied.
-async fn applied(client: &impl GenericClient, migrations: &[&str]) -> Result<usize, DatabaseOpenError> {
+async fn applied(client: &impl GenericClient, migrations: &[&str]) -> Result<usize, ConnectError> {
     let is_there = client.query_one("SELECT to_regclass('ltcforge.migrations') IS NOT NULL", &[]).await?;
     if !is_there.get::<_, bool>(0) {
         return Ok(0);
@@ -32,17 +36,18 @@ async fn applied(client: &impl GenericClient, migrations: &[&str]) -> Result<usi
     let is_ours =
         |row: &tokio_postgres::Row, text: &str| row.get::<_, &[u8]>(0) == Digest::of(text.as_bytes()).as_bytes();
     if !rows.iter().zip(migrations).all(|(row, text)| is_ours(row, text)) {
-        return Err(DatabaseOpenError::Other);
+        return Err(ConnectError(OTHER.to_owned()));
     }
     if rows.len() > migrations.len() {
-        return Err(DatabaseOpenError::FromTheFuture { found: rows.len(), known: migrations.len() });
+        let (found, known) = (rows.len(), migrations.len());
+        return Err(ConnectError(format!("the database has schema {found}; this program knows schemas up to {known}")));
     }
     Ok(rows.len())
 }
 
 /// Applies those of `migrations` that were not applied yet. If there are none, the role needs no right to change the
 /// schema.
-pub(super) async fn apply(client: &mut Client, migrations: &[&str]) -> Result<(), DatabaseOpenError> {
+pub(super) async fn apply(client: &mut Client, migrations: &[&str]) -> Result<(), ConnectError> {
     if applied(&*client, migrations).await? == migrations.len() {
         return Ok(());
     }

@@ -10,6 +10,5 @@ mod rows;
 pub(crate) mod tests;
 
 pub use database::Database;
-pub use failure::DatabaseOpenError;
 pub use rows::PostgresRows;
 pub(crate) use rows::{apply, seal_result, unseal_result};

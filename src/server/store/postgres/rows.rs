@@ -86,11 +86,7 @@ impl Rows for PostgresRows {
         })
     }
 
-    fn is_writable(&self) -> bool {
-        let fault = self.database.fault();
-        if let Some(fault) = &fault {
-            tracing::warn!(fault, "the database cannot be used");
-        }
-        fault.is_none()
+    fn fault(&self) -> Option<String> {
+        self.database.fault()
     }
 }

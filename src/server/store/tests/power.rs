@@ -32,7 +32,7 @@ impl Rows for PowerRows {
         if self.is_full.load(Ordering::Relaxed) { Err(StoreError::DiskFull) } else { self.rows.commit(batch) }
     }
 
-    fn is_writable(&self) -> bool {
-        !self.is_full.load(Ordering::Relaxed)
+    fn fault(&self) -> Option<String> {
+        self.is_full.load(Ordering::Relaxed).then(|| "full".to_owned())
     }
 }

@@ -6,7 +6,7 @@
 mod file;
 
 pub(crate) use self::file::{IDENTIFIER, Ktx2File, Sample};
-use super::rules::{ContainerRules, Stored, Written, one_each};
+use super::rules::Stored;
 use crate::{about::About, file::TextureFileError};
 use ltcforge_fit::Precision;
 
@@ -16,17 +16,6 @@ const SIGNED_FLOAT: u8 = 0x80 | 0x40;
 
 /// The name in errors.
 const NAME: &str = "KTX2";
-
-/// KTX2, compressed or not.
-pub(super) struct Ktx2 {
-    pub(super) zstd: bool,
-}
-
-impl ContainerRules for Ktx2 {
-    fn files(&self, _stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
-        one_each(textures, "ktx2", |texture| encode(texture, self.zstd, about))
-    }
-}
 
 /// The file of one texture.
 pub(crate) fn encode(stored: &Stored<'_>, zstd: bool, about: &About) -> Result<Vec<u8>, TextureFileError> {
@@ -54,14 +43,9 @@ pub(crate) fn encode(stored: &Stored<'_>, zstd: bool, about: &About) -> Result<V
 
 /// `VK_FORMAT_R16_SFLOAT` and so on.
 pub(crate) fn vk_format(channels: usize, precision: Precision) -> u32 {
-    let first = match precision {
-        Precision::F16 => 76,
-        Precision::F32 => 100,
-    };
-    // Formats of one more channel lie 7 apart for 16 bits, which have normalised ones between, and 3 for 32.
-    let step = match precision {
-        Precision::F16 => 7,
-        Precision::F32 => 3,
+    let (first, step) = match precision {
+        Precision::F16 => (76, 7),
+        Precision::F32 => (100, 3),
     };
     first + step * (channels as u32 - 1)
 }

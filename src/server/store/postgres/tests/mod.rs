@@ -17,7 +17,7 @@ fn rows_are_found_by_key_by_prefix_and_in_order() {
     let Some(database) = database() else { return };
     let rows = super::PostgresRows::new(database);
     crate::store::tests::rows_behave(&rows);
-    assert!(rows.is_writable());
+    assert!(rows.fault().is_none());
 }
 
 #[test]
@@ -27,7 +27,7 @@ fn a_role_that_cannot_write_is_not_ready() {
     owner.run(async |client| Ok(client.batch_execute("CREATE ROLE reader LOGIN; GRANT USAGE ON SCHEMA ltcforge TO reader; GRANT SELECT ON ALL TABLES IN SCHEMA ltcforge TO reader").await?)).unwrap();
     let reader = Database::open(&url.replace("postgres@", "reader@")).unwrap();
     let rows = super::PostgresRows::new(reader);
-    assert!(!rows.is_writable());
+    assert!(rows.fault().is_some());
     let mut batch = Batch::default();
     batch.put(Tree::Tables, "a", "b");
     assert!(matches!(rows.commit(&batch), Err(StoreError::Refused(_))));

@@ -1,11 +1,14 @@
-//! Threads of a command, and other numbers with a greatest value.
+//! Values of options that several commands have: threads, other numbers with a greatest value, and names.
 
 use std::{num::NonZeroUsize, str::FromStr, thread};
 
-use clap::Args;
+use clap::{
+    Args,
+    builder::{PossibleValuesParser, TypedValueParser},
+};
 use serde::Deserialize;
 
-use super::super::{CommandFailure, Exit};
+use super::{CommandFailure, failed};
 
 /// Threads of a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Args)]
@@ -27,7 +30,7 @@ impl Threads {
     /// When the system has no more threads.
     pub(crate) fn pool(self) -> Result<rayon::ThreadPool, CommandFailure> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.count().get()).build();
-        pool.map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))
+        pool.map_err(failed)
     }
 }
 
@@ -66,4 +69,13 @@ impl<const MOST: u64> UpTo<MOST> {
 /// Cores that the process may use.
 pub(crate) fn cores() -> NonZeroUsize {
     thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)
+}
+
+/// An item of a list by its name.
+pub(crate) fn named<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let named = move |text: String| all.iter().copied().find(|item| name(*item) == text).ok_or("no such name");
+    PossibleValuesParser::new(all.iter().map(move |item| name(*item))).try_map(named)
 }

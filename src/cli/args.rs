@@ -1,20 +1,6 @@
 //! The arguments of the command line. A flag goes before its environment variable, that before the configuration
 //! file, that before the default.
 
-mod export;
-mod fitting;
-mod jobs;
-mod light;
-mod light_texture;
-
-mod named;
-mod pictures;
-mod pins;
-mod plan;
-mod tables;
-mod tabulate;
-pub(super) mod threads;
-
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
@@ -22,18 +8,12 @@ use clap_complete::Shell;
 
 #[cfg(unix)]
 use super::service::ServiceCommand;
-pub(super) use export::{AnyContainer, ExportArgs, ExportChoice};
-pub(super) use fitting::{FitArgs, TradeoffArgs};
-pub(super) use jobs::{JobsAction, JobsArgs};
-pub(super) use light::LightArgs;
-pub(super) use light_texture::LightTextureArgs;
-pub(super) use named::named;
-pub(super) use pictures::{AdditionArgs, PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
-pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
-pub(super) use plan::PlanArgs;
-pub(super) use tables::{DiffArgs, LookupArgs, ReportArgs, TableChoice, TableFolder, TableLimit, VerifyArgs};
-pub(super) use tabulate::TabulateArgs;
-pub(super) use threads::Threads;
+use super::{
+    diff::DiffArgs, export::ExportArgs, fit::FitArgs, jobs::JobsArgs, light::LightArgs,
+    light_texture::LightTextureArgs, lock::LockArgs, lookup::LookupArgs, plan::PlanArgs, plot::PlotArgs,
+    preview::PreviewArgs, pull::PullArgs, report::ReportArgs, shader::ShaderArgs, tabulated::TabulateArgs,
+    tradeoff::TradeoffArgs, verify::VerifyArgs,
+};
 
 /// Fits, stores and serves Linearly Transformed Cosine tables for area lights on GGX materials.
 #[derive(Debug, Parser)]
