@@ -51,8 +51,7 @@ pub use lobe::ltc::{Clip, Ltc, MAX_VERTICES, Sides, cheap_form_factor, clipped_f
 pub use measure::{
     Accuracy, Closeness, Corner, Difference, ErrorMap, Extent, Figures, Floors, Gap, GoOn, MOST_POINTS, Matrices,
     Moved, POOR_WIDTH, Poor, REPORT_VERSION, Report, ReportPoints, SampledLobes, SecondReport, Spread, TermError,
-    Worst, difference, error_map_while, extremes, figures_of, report, report_points, report_while,
-    width_between,
+    Worst, difference, error_map_while, extremes, figures_of, report, report_points, report_while, width_between,
 };
 pub use metric::Metric;
 pub use recipe::{FITTER_VERSION, FitSettings, Recipe, StoredTerms};
