@@ -4,7 +4,10 @@ use std::{fmt, str::FromStr};
 
 use serde::{Deserialize, Serialize};
 
-use super::{digest::Digest, hex::to_hex};
+use super::{
+    digest::Digest,
+    hex::{from_hex, to_hex},
+};
 
 /// A job's id: the first 128 bits of its recipe's digest in hex, so that submitting is idempotent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -58,11 +61,8 @@ impl FromStr for JobId {
     type Err = ParseJobIdError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let refuse = || ParseJobIdError(text.to_owned());
-        if text.len() != 32 || !text.bytes().all(|b| b.is_ascii_hexdigit()) {
-            return Err(refuse());
-        }
-        u128::from_str_radix(text, 16).map(|id| Self(id.to_be_bytes())).map_err(|_| refuse())
+        let bytes = from_hex(&text.to_ascii_lowercase());
+        bytes.and_then(|bytes| Self::from_slice(&bytes)).ok_or_else(|| ParseJobIdError(text.to_owned()))
     }
 }
 
@@ -100,13 +100,7 @@ impl StateName {
     /// Its name in metrics and in the database: that of the API.
     #[must_use]
     pub fn text(self) -> &'static str {
-        match self {
-            Self::Queued => "queued",
-            Self::Running => "running",
-            Self::Done => "done",
-            Self::Failed => "failed",
-            Self::Cancelled => "cancelled",
-        }
+        ["queued", "running", "done", "failed", "cancelled"][self as usize]
     }
 
     /// Whether a job in this state only changes by being submitted again.

@@ -76,7 +76,7 @@ USE
 /// The light of the check that is a spherical Gaussian.
 pub const SG_LIGHT: SgLight<f64> = SgLight { axis: [-0.48, 0.36, 0.8], sharpness: 12.0, amplitude: 1.5 };
 
-fn bindings(language: Language) -> &'static str {
+pub(super) fn bindings(language: Language) -> &'static str {
     match language {
         Language::Wgsl => "  here      group 0: case 0, result 1",
         Language::Spirv => "  here      set 0: case 0, result 1",
@@ -112,10 +112,8 @@ fn check() -> String {
                 Gaussian::ALL.iter().map(|kind| of(*kind).map(fixed).join(" ")).collect::<Vec<_>>().join(" | ")
             };
             format!(
-                "  alpha_x {} alpha_y {} wo ({})\n    rectangle {}\n    gaussian {}\n",
-                case.alpha_x,
-                case.alpha_y,
-                listed(&case.wo),
+                "  {}\n    rectangle {}\n    gaussian {}\n",
+                case.named(),
                 joined(&|kind| reflected(kind, alpha, case.wo, &CORNERS, Sides::One)),
                 joined(&|kind| reflected_sg(kind, alpha, case.wo, &SG_LIGHT))
             )

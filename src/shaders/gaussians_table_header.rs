@@ -93,11 +93,5 @@ CHECK
 
 fn shown(case: &Case, layout: Layout) -> String {
     let parts = Gaussian::ALL.iter().map(|kind| case.lit_by_gaussian(layout, *kind).map(fixed).join(" "));
-    format!(
-        "  alpha_x {} alpha_y {} wo ({})\n    rectangle {}\n",
-        case.alpha_x,
-        case.alpha_y,
-        listed(&case.wo),
-        parts.collect::<Vec<_>>().join(" | ")
-    )
+    format!("  {}\n    rectangle {}\n", case.named(), parts.collect::<Vec<_>>().join(" | "))
 }

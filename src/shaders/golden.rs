@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::header::listed;
 use ltcforge_fit::{
     BrdfKind, Configuration, Layout, LobeFresnel, LobeModel, Ltc, PerAxis, SecondLobe, Sides, Table, Terms,
     blend_weight, blended,
@@ -123,6 +124,11 @@ pub fn table_of_two_lobes(layout: Layout) -> Table {
 }
 
 impl Case {
+    /// The surface and the view as comments name them.
+    pub(super) fn named(&self) -> String {
+        format!("alpha_x {} alpha_y {} wo ({})", self.alpha_x, self.alpha_y, listed(&self.wo))
+    }
+
     fn configuration(&self) -> Configuration {
         let [x, y, z] = self.wo;
         let theta = atan2((x * x + y * y).sqrt(), z);

@@ -290,10 +290,8 @@ pub(super) fn checked_table(layout: Layout) -> String {
 
 fn shown(case: &Case, golden: &Golden) -> String {
     format!(
-        "  alpha_x {} alpha_y {} wo ({})\n    M {}\n    amplitude {} fresnel {} covered {}\n",
-        case.alpha_x,
-        case.alpha_y,
-        listed(&case.wo),
+        "  {}\n    M {}\n    amplitude {} fresnel {} covered {}\n",
+        case.named(),
         by_rows(&golden.matrix),
         fixed(golden.amplitude),
         fixed(golden.fresnel),

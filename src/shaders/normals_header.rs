@@ -2,6 +2,7 @@
 
 use super::{
     Language,
+    gaussians_header::bindings,
     golden::{CASES, CORNERS},
     header::{commented, fixed, listed},
     model_shader::{ModelShader, caller},
@@ -73,16 +74,6 @@ EXAMPLE
   lit from both sides, else 0, and 0; then eight vertices with 0 after each, of a disk centre, half_x and half_y.
   Result: a vec4 of f32, the two parts and 0, 0.
 ";
-
-fn bindings(language: Language) -> &'static str {
-    match language {
-        Language::Wgsl => "  here      group 0: case 0, result 1",
-        Language::Spirv => "  here      set 0: case 0, result 1",
-        Language::Glsl | Language::Glsl330 | Language::GlslEs => "  here      uniform block 0, storage block 1",
-        Language::Hlsl => "  here      b0 and u1 of space0",
-        Language::Msl => "  here      buffers 0 and 1",
-    }
-}
 
 /// The comment of the program, in lines that begin with `//`.
 fn normals_header(rule: NormalsRule, language: Language) -> String {

@@ -2,10 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{
-    PortError,
-    translation::{Included, translate_functions},
-};
+use super::{PortError, translation::translate_functions};
 use ltcforge_fit::{IsotropicFunction, Layout};
 use ltcforge_shaders::{
     Additions, Language, Lights, LitBy, Namespace, Reading, commented, functions_of, head, stamped, without_textures,
@@ -50,8 +47,7 @@ pub fn include_function(
     let lit_by = lit_by.map_err(|error| PortError { language, reason: error.to_string() })?;
     let caller = lit_by.caller(Reading::default(), lights);
     let source = format!("{}{caller}", without_textures(&smooth_at(function), lights, lit_by));
-    let included = Included { source: &source, entry: "ltc_included", reading: None };
-    let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
+    let text = translate_functions(language, &source, None)?;
     let lines = about.join("\n  ");
     let about = head(LICENCE, REVISION) + &ABOUT.replace("{lights}", functions_of(lights));
     let header = lit_by.explained(&commented(&format!("{about}  {lines}")), lights);

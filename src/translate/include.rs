@@ -1,9 +1,6 @@
 //! The shader as text to include: functions and their bindings, no program.
 
-use super::{
-    PortError,
-    translation::{Included, translate_functions},
-};
+use super::{PortError, translation::translate_functions};
 use ltcforge_shaders::{GivenAxes, Language, Lights, LitBy, Namespace, Reading, functions, stamped};
 
 /// The functions in `language`, under a comment that explains how to call them, what to bind where, and which values a
@@ -59,8 +56,7 @@ fn made(
 ) -> Result<String, PortError> {
     let caller = lit_by.caller(reading.unwrap_or_default(), lights);
     let source = format!("{functions}{caller}");
-    let included = Included { source: &source, entry: "ltc_included", reading };
-    let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
+    let text = translate_functions(language, &source, reading.map(|reading| reading.filter))?;
     let header = lit_by.explained(header, lights);
     let [header, text] = [header, namespace.bound(&text, language)].map(|part| namespace.named(&part, lit_by));
     Ok(stamped(&header, &text))

@@ -1,9 +1,6 @@
 //! The layers of a material as text to include.
 
-use super::{
-    PortError,
-    translation::{Included, translate_functions},
-};
+use super::{PortError, translation::translate_functions};
 use ltcforge_shaders::{Language, layers_comment, layers_source, stamped};
 
 /// The functions that combine a coat and fuzz with what lies below them, in `language`, under a comment that explains
@@ -12,9 +9,7 @@ use ltcforge_shaders::{Language, layers_comment, layers_source, stamped};
 /// # Errors
 /// SPIR-V, which has no text, or a defect of the shader or of naga.
 pub fn include_layers(language: Language) -> Result<String, PortError> {
-    let included = Included { source: &layers_source(), entry: "ltc_included", reading: None };
-    let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
-    Ok(stamped(&layers_comment(), &text))
+    Ok(stamped(&layers_comment(), &translate_functions(language, &layers_source(), None)?))
 }
 
 #[cfg(test)]

@@ -1,9 +1,6 @@
 //! The prefilter of a picture on a light as text to include.
 
-use super::{
-    PortError,
-    translation::{Included, translate_functions},
-};
+use super::{PortError, translation::translate_functions};
 use ltcforge_shaders::{Language, prefilter_comment, prefilter_source, stamped};
 
 /// The functions that make the pyramid of a picture pass by pass, in `language`, under a comment that explains them. Their
@@ -12,9 +9,7 @@ use ltcforge_shaders::{Language, prefilter_comment, prefilter_source, stamped};
 /// # Errors
 /// SPIR-V, which has no text, or a defect of the shader or of naga.
 pub fn include_prefilter(language: Language) -> Result<String, PortError> {
-    let included = Included { source: &prefilter_source(), entry: "ltc_included", reading: None };
-    let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
-    Ok(stamped(&prefilter_comment(), &text))
+    Ok(stamped(&prefilter_comment(), &translate_functions(language, &prefilter_source(), None)?))
 }
 
 #[cfg(test)]

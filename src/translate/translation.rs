@@ -1,7 +1,5 @@
 //! From WGSL to the other languages: naga validates it and writes SPIR-V, `printer` the texts.
 
-use std::fmt::Display;
-
 use naga::{
     Module, ShaderStage,
     back::spv,
@@ -10,10 +8,11 @@ use naga::{
 };
 
 use super::{
+    PortError,
     printer::{Form, printed},
     wgsl::folded,
 };
-use ltcforge_shaders::{Filter, Language, LitBy, Reading, ported, stamped};
+use ltcforge_shaders::{Filter, Language, LitBy, ported, stamped};
 
 /// The constant that says who interpolates.
 const FILTER: &str = "ltc_hardware_filter";
@@ -36,32 +35,29 @@ fn exact(lit_by: LitBy) -> Result<String, String> {
     with_filter(&ported(lit_by), lit_by.layout().map(|_| Filter::Exact))
 }
 
-/// The input of a translation: WGSL with a fragment shader that calls every function, which is left out.
-pub(super) struct Included<'a> {
-    pub(super) source: &'a str,
-    pub(super) entry: &'a str,
-    /// How the entries of a table are read.
-    pub(super) reading: Option<Reading>,
-}
+/// The fragment shader that calls every function of a text to include, and is left out of it.
+const CALLER: &str = "ltc_included";
 
-/// The functions of the WGSL module `source` in `language`, without the fragment shader that calls them all.
-pub(super) fn translate_functions(language: Language, included: &Included<'_>) -> Result<String, String> {
-    let Included { source, entry, reading } = included;
-    if language == Language::Wgsl {
-        validated(source)?;
-        return without_entry(source).ok_or_else(|| format!("no {entry} in the text"));
-    }
-    if language == Language::Spirv {
-        return Err("SPIR-V has no text to include".to_owned());
-    }
-    let source = with_filter(source, reading.map(|reading| reading.filter))?;
-    validated(&source)?;
-    printed(language, &source, entry, Form::Include)
+/// The functions of a WGSL module in `language`, without the fragment shader that calls them all. `filter` is that of a
+/// shader that reads a table.
+pub(super) fn translate_functions(
+    language: Language,
+    source: &str,
+    filter: Option<Filter>,
+) -> Result<String, PortError> {
+    let text = match language {
+        Language::Wgsl => validated(source).and_then(|_| without_entry(source)),
+        Language::Spirv => Err("SPIR-V has no text to include".to_owned()),
+        _ => with_filter(source, filter)
+            .and_then(|source| validated(&source).and_then(|_| printed(language, &source, CALLER, Form::Include))),
+    };
+    text.map_err(|reason| PortError { language, reason })
 }
 
 /// The text above the entry point, which is last.
-fn without_entry(whole: &str) -> Option<String> {
-    whole.rfind("@fragment\n").map(|at| format!("{}\n", whole[..at].trim_end()))
+fn without_entry(whole: &str) -> Result<String, String> {
+    let end = whole.rfind("@fragment\n").ok_or_else(|| format!("no {CALLER} in the text"))?;
+    Ok(format!("{}\n", whole[..end].trim_end()))
 }
 
 /// The text with the filter put in, of a shader that reads a table.
@@ -70,10 +66,6 @@ fn with_filter(source: &str, filter: Option<Filter>) -> Result<String, String> {
         None => Ok(source.to_owned()),
         Some(filter) => folded(source, FILTER, filter == Filter::Hardware).map_err(|fault| fault.told(source)),
     }
-}
-
-fn text(error: impl Display) -> String {
-    error.to_string()
 }
 
 /// The module of a valid text.
@@ -104,6 +96,6 @@ fn spirv(mut module: Module, entry: &str, source: &str) -> Result<Vec<u8>, Strin
         ..Default::default()
     };
     let pipeline = spv::PipelineOptions { shader_stage: ShaderStage::Compute, entry_point: entry.to_owned() };
-    let words = spv::write_vec(&module, &info, &options, Some(&pipeline)).map_err(text)?;
+    let words = spv::write_vec(&module, &info, &options, Some(&pipeline)).map_err(|error| error.to_string())?;
     Ok(words.into_iter().flat_map(u32::to_le_bytes).collect())
 }

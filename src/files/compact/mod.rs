@@ -142,7 +142,9 @@ fn encode_rounded(
     let mut encoder = Encoder::new();
     for channel in 0..CHANNELS {
         let exact: Vec<f64> = numbers.iter().map(|entry| entry[channel]).collect();
-        if exact.iter().all(|x| x.abs() < 1e-6) && !TERMS.contains(&channel) || !kept(table, channel) {
+        let is_left_out =
+            if TERMS.contains(&channel) { table.terms().is_none() } else { exact.iter().all(|x| x.abs() < 1e-6) };
+        if is_left_out {
             continue;
         }
         let step = rounding.step(channel) as f32;
@@ -195,11 +197,6 @@ pub fn decode(bytes: &[u8]) -> Result<Table, CompactError> {
         Some(entry) => Err(CompactError::Entry { entry }),
         None => Ok(table),
     }
-}
-
-/// Whether a table has this channel at all.
-fn kept(table: &Table, channel: usize) -> bool {
-    table.terms().is_some() || !TERMS.contains(&channel)
 }
 
 /// The header of a table, without channels.

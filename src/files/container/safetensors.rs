@@ -162,10 +162,6 @@ pub fn stated_length(beginning: &[u8]) -> Result<u64, TableFileError> {
     Ok(8 + length + recipe.entries() * numbers * number + 8 * nodes)
 }
 
-fn has_second(recipe: &Recipe) -> bool {
-    recipe.model().fresnel().second().is_some()
-}
-
 fn recipe_of(header: &Metadata) -> Result<Recipe, TableFileError> {
     let text = header.metadata().as_ref().and_then(|metadata| metadata.get(RECIPE_KEY));
     let text = text.ok_or_else(|| TableFileError::Recipe("the key is missing".to_owned()))?;
@@ -206,7 +202,7 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
         Ok(matrices.to_vec())
     };
     let matrix = matrices("matrix")?;
-    let second = if has_second(&recipe) { Some(matrices("matrix_2")?) } else { None };
+    let second = recipe.model().fresnel().second().map(|_| matrices("matrix_2")).transpose()?;
     let not_negative = |name: &str| {
         let values = finite(name, &shape)?;
         match values.iter().position(|x| *x < 0.0) {

@@ -23,12 +23,7 @@ impl Preset {
     /// The name in a recipe.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Draft => "draft",
-            Self::Standard => "standard",
-            Self::Paper => "paper",
-            Self::Best => "best",
-        }
+        ["draft", "standard", "paper", "best"][self as usize]
     }
 
     /// The preset of a name.

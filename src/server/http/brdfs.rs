@@ -3,26 +3,25 @@
 use axum::{
     Json,
     extract::{Request, State},
-    http::{HeaderMap, Method, StatusCode, header},
-    response::{IntoResponse, Response},
+    http::{StatusCode, header},
+    response::IntoResponse,
 };
 
 use super::{
     api::Api,
     etag::check_untagged,
-    extract::{NoQuery, PathOf, QueryOf, check_type, other_type, read_upload},
+    extract::{Asked, NoQuery, PathOf, QueryOf, check_type, other_type, read_upload},
     file,
-    problem::Problem,
+    problem::{Answer, Problem},
     tables::ListParameters,
-    views::PageView,
 };
-use crate::service::{FileKind, FileRow};
+use crate::service::{FileKind, FileRow, Page};
 use ltcforge_files::{digest::Digest, tabulated::TABULATED_LIMIT_BYTES};
 
 const MEDIA_TYPE: &str = "application/octet-stream";
 
 /// `POST /v1/brdfs`.
-pub(super) async fn store(State(api): State<Api>, _: NoQuery, request: Request) -> Result<Response, Problem> {
+pub(super) async fn store(State(api): State<Api>, _: NoQuery, request: Request) -> Answer {
     check_type(request.headers(), MEDIA_TYPE).map_err(|given| other_type(&given, MEDIA_TYPE))?;
     let untagged = check_untagged(request.headers());
     let (bytes, place) = read_upload(request, &api, "the file of a BRDF", TABULATED_LIMIT_BYTES).await?;
@@ -39,31 +38,20 @@ pub(super) async fn store(State(api): State<Api>, _: NoQuery, request: Request) 
 }
 
 /// `GET` and `HEAD /v1/brdfs/{digest}`.
-pub(super) async fn download(
-    State(api): State<Api>,
-    _: NoQuery,
-    PathOf(digest): PathOf<Digest>,
-    method: Method,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
-    file::stored(&api, FileKind::Brdf, digest, &method, &headers).await
+pub(super) async fn download(State(api): State<Api>, asked: Asked, PathOf(digest): PathOf<Digest>) -> Answer {
+    file::stored(&api, FileKind::Brdf, digest, &asked).await
 }
 
 /// `GET /v1/brdfs`.
 pub(super) async fn list(
     State(api): State<Api>,
     QueryOf(ListParameters { cursor, limit }): QueryOf<ListParameters>,
-) -> Result<Json<PageView<FileRow>>, Problem> {
+) -> Result<Json<Page<FileRow>>, Problem> {
     let page = api.read(move |service| service.brdfs(cursor.as_ref(), limit.0)).await?;
-    Ok(Json(PageView::new(page, Ok)?))
+    Ok(Json(page))
 }
 
 /// `DELETE /v1/brdfs/{digest}`.
-pub(super) async fn delete(
-    State(api): State<Api>,
-    _: NoQuery,
-    PathOf(digest): PathOf<Digest>,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
-    file::delete(&api, digest, &headers, move |service| service.delete_brdf(digest)).await
+pub(super) async fn delete(State(api): State<Api>, asked: Asked, PathOf(digest): PathOf<Digest>) -> Answer {
+    file::delete(&api, digest, &asked.headers, move |service| service.delete_brdf(digest)).await
 }

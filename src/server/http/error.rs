@@ -8,10 +8,7 @@ use serde_json::Value;
 use super::{kind::ProblemKind, problem::Problem};
 use crate::{
     queue::{Failure, FailureKind},
-    service::{
-        DeleteBrdfError, DeleteTableError, ExportFailure, PictureError, PlanError, ServiceError, StoreBrdfError,
-        SubmitError,
-    },
+    service::{DeleteError, ExportFailure, PictureError, PlanError, ServiceError, StoreBrdfError, SubmitError},
 };
 use ltcforge_files::{
     recipe_document::{Fault, RecipeError},
@@ -90,30 +87,20 @@ impl From<PlanError> for Problem {
                 let faults = faults.into_iter().map(|SceneFault { pointer, detail }| Fault { pointer, detail });
                 with_faults(ProblemKind::BadPlan, "scene", faults.collect())
             }
-            PlanError::Unmet { nearest, summary } => Self::new(ProblemKind::BudgetUnmet, summary).with_recipe(nearest),
+            PlanError::Unmet(nearest, summary) => Self::new(ProblemKind::BudgetUnmet, summary).with_recipe(nearest),
             PlanError::Service(error) => error.into(),
         }
     }
 }
 
-impl From<DeleteBrdfError> for Problem {
-    fn from(error: DeleteBrdfError) -> Self {
+impl From<DeleteError> for Problem {
+    fn from(error: DeleteError) -> Self {
         let detail = error.to_string();
         match error {
-            DeleteBrdfError::Unknown(_) => Self::new(ProblemKind::UnknownBrdf, detail),
-            DeleteBrdfError::InUse(_) => Self::new(ProblemKind::BrdfInUse, detail),
-            DeleteBrdfError::Store(error) => error.into(),
-        }
-    }
-}
-
-impl From<DeleteTableError> for Problem {
-    fn from(error: DeleteTableError) -> Self {
-        let detail = error.to_string();
-        match error {
-            DeleteTableError::Unknown(_) => Self::new(ProblemKind::UnknownTable, detail),
-            // Nobody can pin a table over HTTP any more.
-            DeleteTableError::Store(error) => error.into(),
+            DeleteError::UnknownTable(_) => Self::new(ProblemKind::UnknownTable, detail),
+            DeleteError::UnknownBrdf(_) => Self::new(ProblemKind::UnknownBrdf, detail),
+            DeleteError::InUse(_) => Self::new(ProblemKind::BrdfInUse, detail),
+            DeleteError::Store(error) => error.into(),
         }
     }
 }
@@ -123,11 +110,8 @@ impl From<SubmitError> for Problem {
         let detail = error.to_string();
         match error {
             SubmitError::Recipe(error) => error.into(),
-            SubmitError::QueueFull { retry_after, .. } => {
-                Self::new(ProblemKind::QueueFull, detail).with_retry_after(retry_after)
-            }
-            SubmitError::TooExpensive { .. } => Self::new(ProblemKind::TooExpensive, detail),
-            SubmitError::Stopping => stopping(),
+            SubmitError::QueueFull(_, after) => Self::new(ProblemKind::QueueFull, detail).with_retry_after(after),
+            SubmitError::TooExpensive(..) => Self::new(ProblemKind::TooExpensive, detail),
             SubmitError::Store(error) => error.into(),
         }
     }
@@ -138,15 +122,10 @@ impl From<PictureError> for Problem {
         let detail = error.to_string();
         match error {
             PictureError::UnknownTable(_) | PictureError::NoTable => Self::new(ProblemKind::UnknownTable, detail),
-            PictureError::QueueFull { retry_after, .. } => {
-                Self::new(ProblemKind::QueueFull, detail).with_retry_after(retry_after)
-            }
-            PictureError::TooExpensive { .. } => Self::new(ProblemKind::TooExpensive, detail),
-            PictureError::TooSlow { retry_after, .. } => {
-                Self::new(ProblemKind::TooSlow, detail).with_retry_after(retry_after)
-            }
+            PictureError::QueueFull(_, after) => Self::new(ProblemKind::QueueFull, detail).with_retry_after(after),
+            PictureError::TooExpensive(..) => Self::new(ProblemKind::TooExpensive, detail),
+            PictureError::TooSlow(_, after) => Self::new(ProblemKind::TooSlow, detail).with_retry_after(after),
             PictureError::OtherBrdf(_) => Self::new(ProblemKind::BadParameter, detail),
-            PictureError::Stopping => stopping(),
             PictureError::Failed(_) => {
                 tracing::error!("{detail}");
                 Self::new(ProblemKind::RenderFailed, detail)
@@ -165,10 +144,8 @@ impl From<ExportFailure> for Problem {
                 let recipe = error.recipe().and_then(|recipe| serde_json::from_str::<Value>(recipe).ok());
                 recipe.into_iter().fold(problem, Self::with_recipe)
             }
-            ExportFailure::TooLarge { .. } => Self::new(ProblemKind::TooExpensive, detail),
-            ExportFailure::QueueFull { retry_after, .. } => {
-                Self::new(ProblemKind::QueueFull, detail).with_retry_after(retry_after)
-            }
+            ExportFailure::TooLarge(..) => Self::new(ProblemKind::TooExpensive, detail),
+            ExportFailure::QueueFull(_, after) => Self::new(ProblemKind::QueueFull, detail).with_retry_after(after),
             ExportFailure::Store(error) => error.into(),
         }
     }
@@ -179,7 +156,7 @@ impl From<ServiceError> for Problem {
         let kind = match error {
             ServiceError::Stopping => return stopping(),
             ServiceError::Lacking(_) => return lacking(error.to_string()),
-            ServiceError::Corrupt { .. } => ProblemKind::DamagedBlob,
+            ServiceError::Corrupt(_) => ProblemKind::DamagedBlob,
             ServiceError::DiskFull => ProblemKind::DiskFull,
             ServiceError::Unavailable(_) => ProblemKind::Unavailable,
             ServiceError::Storage(_) => ProblemKind::Storage,
@@ -218,18 +195,18 @@ mod tests {
             (StoreBrdfError::Faults(TabulatedError(vec!["x".into()])).into(), 422),
             (StoreBrdfError::Store(ServiceError::DiskFull).into(), 507),
             (PlanError::Scene(Vec::new()).into(), 422),
-            (PlanError::Unmet { nearest: serde_json::json!({}), summary: "x".into() }.into(), 422),
+            (PlanError::Unmet(serde_json::json!({}), "x".into()).into(), 422),
             (PlanError::Service(ServiceError::Stopping).into(), 503),
-            (SubmitError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
-            (SubmitError::Stopping.into(), 503),
+            (SubmitError::QueueFull(1, RESTART).into(), 429),
+            (SubmitError::Store(ServiceError::Stopping).into(), 503),
             (PictureError::NoTable.into(), 404),
-            (PictureError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
-            (PictureError::TooExpensive { samples: 31.0, limit: 30.0 }.into(), 422),
-            (PictureError::TooSlow { limit: RESTART, retry_after: RESTART }.into(), 503),
+            (PictureError::QueueFull(1, RESTART).into(), 429),
+            (PictureError::TooExpensive(31.0, 30.0).into(), 422),
+            (PictureError::TooSlow(RESTART, RESTART).into(), 503),
             (PictureError::OtherBrdf("x".into()).into(), 400),
             (PictureError::Failed("x".into()).into(), 500),
-            (ExportFailure::TooLarge { entries: 2, limit: 1 }.into(), 422),
-            (ExportFailure::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
+            (ExportFailure::TooLarge(2, 1).into(), 422),
+            (ExportFailure::QueueFull(1, RESTART).into(), 429),
             (ExportFailure::Store(ServiceError::Stopping).into(), 503),
             (SubmitError::Store(ServiceError::DiskFull).into(), 507),
             (ServiceError::Storage("x".into()).into(), 500),
@@ -251,7 +228,7 @@ mod tests {
 
     #[test]
     fn a_stopping_service_says_when_to_try_again() {
-        for problem in [Problem::from(SubmitError::Stopping), stopping()] {
+        for problem in [Problem::from(SubmitError::Store(ServiceError::Stopping)), stopping()] {
             assert_eq!(problem.into_response().headers()["retry-after"], "5");
         }
     }

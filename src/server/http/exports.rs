@@ -5,7 +5,6 @@ use std::sync::Arc;
 use axum::{
     extract::{FromRequestParts, Path, State},
     http::{HeaderMap, Method, request::Parts},
-    response::Response,
 };
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -13,10 +12,10 @@ use serde_json::{Value, json};
 use super::{
     api::Api,
     error::{self, bad_parameter},
-    extract::{NoQuery, QueryOf},
+    extract::{Asked, QueryOf},
     file::{FOREVER, File, ONE_DAY, media_type},
     kind::ProblemKind,
-    problem::Problem,
+    problem::{Answer, Problem},
     tables::absent,
 };
 use crate::service::{ExportedFile, MadeExport};
@@ -52,29 +51,17 @@ pub(super) struct FileParameters {
 }
 
 /// `GET /v1/tables/{digest}/exports`.
-pub(super) async fn list(
-    State(api): State<Api>,
-    _: NoQuery,
-    Address { table, .. }: Address,
-    method: Method,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
+pub(super) async fn list(State(api): State<Api>, asked: Asked, Address { table, .. }: Address) -> Answer {
     let Some(exports) = api.read(move |service| service.exports(table)).await? else {
         return Err(absent(&api, table).await);
     };
     let item = |export: Export| json!({ "name": export.to_string(), "url": url(table, export) });
     let items: Vec<Value> = exports.into_iter().map(item).collect();
-    File::json(&json!({ "table": table, "items": items }))?.respond(&method, &headers)
+    File::json(&json!({ "table": table, "items": items }))?.respond(&asked.method, &asked.headers)
 }
 
 /// `GET /v1/tables/{digest}/exports/{export}`.
-pub(super) async fn show(
-    State(api): State<Api>,
-    _: NoQuery,
-    address: Address,
-    method: Method,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
+pub(super) async fn show(State(api): State<Api>, asked: Asked, address: Address) -> Answer {
     let (table, export, made) = made(&api, &address).await?;
     let file = |file: &ExportedFile| {
         // Nothing but these bytes is ever served at this address.
@@ -84,7 +71,7 @@ pub(super) async fn show(
     };
     let files: Vec<Value> = made.files.iter().map(file).collect();
     let view = json!({ "table": table, "name": export.to_string(), "files": files, "steps": made.steps });
-    File::json(&view)?.respond(&method, &headers)
+    File::json(&view)?.respond(&asked.method, &asked.headers)
 }
 
 /// `GET` and `HEAD` of a file in the folder of an export, or in a folder below it.
@@ -94,7 +81,7 @@ pub(super) async fn file(
     address: Address,
     method: Method,
     headers: HeaderMap,
-) -> Result<Response, Problem> {
+) -> Answer {
     let (table, export, made) = made(&api, &address).await?;
     let Some(file) = made.files.iter().find(|file| file.path == address.path) else {
         let paths: Vec<&str> = made.files.iter().map(|file| file.path.as_str()).collect();

@@ -5,7 +5,7 @@ use std::{fmt::Display, str::FromStr, sync::Arc};
 use axum::{
     body::Bytes,
     extract::{DefaultBodyLimit, FromRequest, FromRequestParts, Path, Query, Request},
-    http::{HeaderMap, StatusCode, header, request::Parts},
+    http::{HeaderMap, Method, StatusCode, header, request::Parts},
 };
 use futures_util::StreamExt as _;
 use headers::{ContentLength, HeaderMapExt as _};
@@ -13,6 +13,7 @@ use serde::{Deserialize, de::DeserializeOwned};
 use tokio::{sync::OwnedSemaphorePermit, time::timeout};
 
 use super::{
+    access::Caller,
     api::{Api, UPLOADS},
     error::{bad_parameter, lacking},
     kind::ProblemKind,
@@ -59,6 +60,25 @@ pub(super) type NoQuery = QueryOf<NoParameters>;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct NoParameters {}
+
+/// A call without parameters.
+#[derive(Debug, Default)]
+pub(super) struct Asked {
+    pub(super) method: Method,
+    pub(super) headers: HeaderMap,
+    /// The name of the caller's token; `None` where none is needed.
+    pub(super) by: Option<String>,
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for Asked {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        NoQuery::from_request_parts(parts, state).await?;
+        let by = parts.extensions.get::<Caller>().map(|Caller(token)| token.name.clone());
+        Ok(Self { method: parts.method.clone(), headers: parts.headers.clone(), by })
+    }
+}
 
 /// `limit`: items on a page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]

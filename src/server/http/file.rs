@@ -5,12 +5,20 @@ use std::ops::Range;
 use axum::{
     body::Bytes,
     http::{HeaderMap, HeaderName, Method, StatusCode, header},
-    response::{IntoResponse, Response},
+    response::IntoResponse,
 };
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use serde::Serialize;
 
-use super::{api::Api, error, etag::EntityTag, kind::ProblemKind, problem::Problem, tables};
+use super::{
+    api::Api,
+    error,
+    etag::EntityTag,
+    extract::Asked,
+    kind::ProblemKind,
+    problem::{Answer, Problem},
+    tables,
+};
 use crate::service::{FileKind, Service};
 use ltcforge_files::{digest::Digest, tabulated::kept_name};
 
@@ -44,7 +52,7 @@ impl File {
     }
 
     /// The file, one part of it, or 304. Conditions are evaluated in the order of RFC 9110, section 13.2.2.
-    pub(super) fn respond(self, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
+    pub(super) fn respond(self, method: &Method, headers: &HeaderMap) -> Answer {
         let tag = EntityTag::strong(self.digest);
         tag.check_if_match(headers)?;
         let length = self.bytes.len();
@@ -127,13 +135,7 @@ pub(super) fn media_type(name: &str) -> &'static str {
 }
 
 /// `GET` and `HEAD` of a stored file. The service has checked its bytes against the digest.
-pub(super) async fn stored(
-    api: &Api,
-    kind: FileKind,
-    digest: Digest,
-    method: &Method,
-    headers: &HeaderMap,
-) -> Result<Response, Problem> {
+pub(super) async fn stored(api: &Api, kind: FileKind, digest: Digest, asked: &Asked) -> Answer {
     let bytes = match api.service.cached_file(kind, digest) {
         Some(bytes) => Some(bytes),
         None => api.read(move |service| service.file(kind, digest)).await?,
@@ -148,7 +150,7 @@ pub(super) async fn stored(
         }
     };
     let media_type = "application/octet-stream";
-    File { digest, bytes, media_type, caching: FOREVER, name: Some(name) }.respond(method, headers)
+    File { digest, bytes, media_type, caching: FOREVER, name: Some(name) }.respond(&asked.method, &asked.headers)
 }
 
 /// Deletes a stored file if its tag is one that `If-Match` allows.
@@ -157,7 +159,7 @@ pub(super) async fn delete<E: Into<Problem> + Send + 'static>(
     digest: Digest,
     headers: &HeaderMap,
     delete: impl FnOnce(&Service) -> Result<(), E> + Send + 'static,
-) -> Result<Response, Problem> {
+) -> Answer {
     let tag = EntityTag::strong(digest);
     tag.check_if_match(headers)?;
     api.call(delete).await?;
@@ -166,7 +168,7 @@ pub(super) async fn delete<E: Into<Problem> + Send + 'static>(
 
 #[cfg(test)]
 mod tests {
-    use axum::http::HeaderValue;
+    use axum::{http::HeaderValue, response::Response};
 
     use super::*;
 

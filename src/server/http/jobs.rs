@@ -3,25 +3,24 @@
 use std::time::Duration;
 
 use axum::{
-    Extension, Json,
+    Json,
     extract::State,
-    http::{HeaderMap, HeaderValue, StatusCode, header},
-    response::{IntoResponse, Response},
+    http::{HeaderValue, StatusCode, header},
+    response::IntoResponse,
 };
 use serde::Deserialize;
 
 use super::{
-    access::Caller,
     api::Api,
     etag::check_untagged,
-    extract::{NoQuery, PageLimit, PathOf, QueryOf, RecipeBody},
+    extract::{Asked, NoQuery, PageLimit, PathOf, QueryOf, RecipeBody},
     kind::ProblemKind,
-    problem::{Problem, whole_seconds},
-    views::{JobView, PageView},
+    problem::{Answer, Problem, whole_seconds},
+    views::JobView,
 };
 use crate::{
     queue::{JobId, StateName},
-    service::{JobCursor, JobSnapshot, Service, SubmitError, SubmitReply},
+    service::{JobCursor, JobSnapshot, Page, Service, SubmitError, SubmitReply},
 };
 
 /// The longest time that a client is asked to wait before it polls a job again.
@@ -37,17 +36,10 @@ pub(super) struct ListParameters {
 }
 
 /// `POST /v1/jobs`.
-pub(super) async fn submit(
-    State(api): State<Api>,
-    _: NoQuery,
-    caller: Option<Extension<Caller>>,
-    headers: HeaderMap,
-    RecipeBody(document): RecipeBody,
-) -> Result<Response, Problem> {
-    check_untagged(&headers)?;
-    let by = caller.map(|Extension(Caller(token))| token.name.clone());
+pub(super) async fn submit(State(api): State<Api>, asked: Asked, RecipeBody(document): RecipeBody) -> Answer {
+    check_untagged(&asked.headers)?;
     let submit = move |service: &Service| {
-        let (status, job) = match service.submit(&document, by.as_deref())? {
+        let (status, job) = match service.submit(&document, asked.by.as_deref())? {
             SubmitReply::InFlight { job, .. } => (StatusCode::ACCEPTED, job),
             SubmitReply::Ready { job, .. } => (StatusCode::OK, job),
         };
@@ -64,34 +56,26 @@ pub(super) async fn submit(
 pub(super) async fn list(
     State(api): State<Api>,
     QueryOf(ListParameters { state, cursor, limit }): QueryOf<ListParameters>,
-) -> Result<Json<PageView<JobView>>, Problem> {
-    let page = api.call(move |service| service.jobs(state, cursor, limit.0)).await?;
-    Ok(Json(PageView::new(page, |snapshot| JobView::of_snapshot(&snapshot))?))
+) -> Result<Json<Page<JobView>>, Problem> {
+    let Page { items, next } = api.call(move |service| service.jobs(state, cursor, limit.0)).await?;
+    let items = items.iter().map(JobView::of_snapshot).collect::<Result<_, _>>()?;
+    Ok(Json(Page { items, next }))
 }
 
 /// `GET /v1/jobs/{id}`.
-pub(super) async fn show(State(api): State<Api>, _: NoQuery, PathOf(id): PathOf<JobId>) -> Result<Response, Problem> {
+pub(super) async fn show(State(api): State<Api>, _: NoQuery, PathOf(id): PathOf<JobId>) -> Answer {
     let snapshot = api.call(move |service| service.job(id)).await?.ok_or_else(|| unknown(id))?;
     answer(&snapshot)
 }
 
 /// `DELETE /v1/jobs/{id}`.
-pub(super) async fn cancel(
-    State(api): State<Api>,
-    _: NoQuery,
-    PathOf(id): PathOf<JobId>,
-    caller: Option<Extension<Caller>>,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
-    if let Err(problem) = check_untagged(&headers) {
+pub(super) async fn cancel(State(api): State<Api>, asked: Asked, PathOf(id): PathOf<JobId>) -> Answer {
+    if let Err(problem) = check_untagged(&asked.headers) {
         // A condition on a job that does not exist is ignored.
         return Err(api.call(move |service| service.job(id)).await?.map_or_else(|| unknown(id), |_| problem));
     }
-    let snapshot = api
-        .call(move |service| service.cancel(id, caller.as_ref().map(|Extension(Caller(token))| token.name.as_str())))
-        .await?
-        .ok_or_else(|| unknown(id))?;
-    answer(&snapshot)
+    let snapshot = api.call(move |service| service.cancel(id, asked.by.as_deref())).await?;
+    answer(&snapshot.ok_or_else(|| unknown(id))?)
 }
 
 /// The problem of an id that no job has.
@@ -100,7 +84,7 @@ pub(super) fn unknown(id: JobId) -> Problem {
 }
 
 /// The response for a job: not cached, and with `Retry-After` while the job may change.
-fn answer(snapshot: &JobSnapshot) -> Result<Response, Problem> {
+fn answer(snapshot: &JobSnapshot) -> Answer {
     let may_change = !snapshot.job.state.name().is_final();
     let retry_after = may_change.then(|| [(header::RETRY_AFTER, retry_after(snapshot.seconds_left))]);
     let caching = [(header::CACHE_CONTROL, "no-store")];

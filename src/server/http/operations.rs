@@ -11,7 +11,7 @@ use axum::{
 use serde_json::{Value, json};
 
 use super::{api::Api, error, extract::NoQuery, problem::Problem};
-use crate::service::{Backlog, Metrics, PictureCounts, ServiceError};
+use crate::service::{Metrics, PictureCounts, ServiceError};
 use ltcforge_fit::FITTER_VERSION;
 
 const OPENAPI: &str = include_str!("../openapi.yaml");
@@ -60,8 +60,7 @@ fn exposition(metrics: &Metrics) -> String {
     let label = |name: &str, value: &str, count: u64| (format!("{{{name}=\"{value}\"}}"), count as f64);
     let jobs: Vec<_> = metrics.jobs.iter().map(|(state, count)| label("state", state.text(), *count)).collect();
     add("jobs", "gauge", "Jobs by state.", &jobs);
-    let Backlog { shards, core_seconds, oldest_seconds } = metrics.backlog;
-    let shards = [label("state", "waiting", shards.waiting), label("state", "leased", shards.leased)];
+    let shards = [label("state", "waiting", metrics.shards.waiting), label("state", "leased", metrics.shards.leased)];
     add("queue_shards", "gauge", "Shards of unfinished jobs, of all processes that share the queue.", &shards);
     let PictureCounts { done, failed, given_up, refused } = metrics.pictures;
     let pictures = [("done", done), ("failed", failed), ("given_up", given_up), ("refused", refused)];
@@ -69,12 +68,12 @@ fn exposition(metrics: &Metrics) -> String {
     add("pictures_total", "counter", "Pictures since the start, except those served from memory.", &pictures);
     let milli = |seconds: f64| (seconds * 1000.0).round() / 1000.0;
     for (name, kind, help, value) in [
-        ("queue_core_seconds", "gauge", "Predicted seconds of one core for the queue.", milli(core_seconds)),
+        ("queue_core_seconds", "gauge", "Predicted seconds of one core for the queue.", milli(metrics.core_seconds)),
         (
             "queue_oldest_seconds",
             "gauge",
             "Seconds since the oldest unfinished job was submitted.",
-            milli(oldest_seconds),
+            milli(metrics.oldest_seconds),
         ),
         ("entries_fitted_total", "counter", "Entries fitted since the start.", metrics.entries_fitted as f64),
         ("shard_failures_total", "counter", "Shards that failed since the start.", metrics.shard_failures as f64),
@@ -106,7 +105,9 @@ mod tests {
     fn every_metric_has_its_line() {
         let metrics = Metrics {
             jobs: vec![(StateName::Done, 3), (StateName::Queued, 0)],
-            backlog: Backlog { shards: Depth { waiting: 6, leased: 2 }, core_seconds: 1.5, oldest_seconds: 0.25 },
+            shards: Depth { waiting: 6, leased: 2 },
+            core_seconds: 1.5,
+            oldest_seconds: 0.25,
             entries_fitted: 41,
             table_bytes: 176_000,
             exports_made: 7,

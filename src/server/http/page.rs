@@ -9,17 +9,16 @@ use std::sync::LazyLock;
 use axum::{
     body::Bytes,
     extract::{Path, State},
-    http::{HeaderMap, HeaderName, HeaderValue, Method, header},
-    response::Response,
+    http::{HeaderName, HeaderValue, header},
 };
 
 use super::{
     api::Api,
     error,
-    extract::NoQuery,
+    extract::Asked,
     file::{File, REVALIDATE, media_type},
     kind::ProblemKind,
-    problem::Problem,
+    problem::{Answer, Problem},
 };
 use crate::service::published_table;
 use ltcforge_files::digest::Digest;
@@ -126,46 +125,35 @@ fn shader_text(file: &str) -> Result<String, Problem> {
 }
 
 /// `GET /`.
-pub(super) async fn index(_: NoQuery, method: Method, headers: HeaderMap) -> Result<Response, Problem> {
-    respond("index.html", &method, &headers)
+pub(super) async fn index(asked: Asked) -> Answer {
+    respond("index.html", &asked)
 }
 
 /// `GET /page/{file}`.
-pub(super) async fn file(
-    _: NoQuery,
-    Path(name): Path<String>,
-    State(api): State<Api>,
-    method: Method,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
-    let Some(path) = name.strip_prefix("kt2022-").map(str::to_owned) else { return respond(&name, &method, &headers) };
+pub(super) async fn file(asked: Asked, Path(name): Path<String>, State(api): State<Api>) -> Answer {
+    let Some(path) = name.strip_prefix("kt2022-") else { return respond(&name, &asked) };
     // The first request integrates.
     let made = api.call(|_| published_table().map_err(|error| error::internal(&error))).await?;
     let found = made.files.iter().find(|file| file.path == path).ok_or_else(|| no_file(&name))?;
-    send(&path, found.digest, found.bytes.clone(), &method, &headers)
+    send(path, found.digest, found.bytes.clone(), &asked)
 }
 
 /// `GET /page/{folder}/{file}`.
-pub(super) async fn file_of_folder(
-    _: NoQuery,
-    Path((folder, name)): Path<(String, String)>,
-    method: Method,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
-    respond(&format!("{folder}/{name}"), &method, &headers)
+pub(super) async fn file_of_folder(asked: Asked, Path((folder, name)): Path<(String, String)>) -> Answer {
+    respond(&format!("{folder}/{name}"), &asked)
 }
 
-fn respond(name: &str, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
+fn respond(name: &str, asked: &Asked) -> Answer {
     if let Some((name, bytes, digest)) = FILES.iter().find(|(known, ..)| *known == name) {
-        return send(name, *digest, bytes.clone(), method, headers);
+        return send(name, *digest, bytes.clone(), asked);
     }
     let text = Bytes::from(shader_text(name)?);
-    send("shader.txt", Digest::of(&text), text, method, headers)
+    send("shader.txt", Digest::of(&text), text, asked)
 }
 
-fn send(name: &str, digest: Digest, bytes: Bytes, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
+fn send(name: &str, digest: Digest, bytes: Bytes, asked: &Asked) -> Answer {
     let file = File { digest, bytes, media_type: media_type(name), caching: REVALIDATE, name: None };
-    let mut response = file.respond(method, headers)?;
+    let mut response = file.respond(&asked.method, &asked.headers)?;
     let fields = [
         (header::CONTENT_SECURITY_POLICY, POLICY),
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
@@ -232,23 +220,24 @@ mod tests {
         let models =
             layouts.chain(["normals".to_owned()]).flat_map(|of| ["", "-textured"].map(|end| format!("{of}{end}")));
         for name in models.chain(["prefilter".to_owned()]) {
-            let answer = respond(&format!("{name}.glsl"), &Method::GET, &HeaderMap::new()).expect(&name);
+            let answer = respond(&format!("{name}.glsl"), &Asked::default()).expect(&name);
             assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; charset=utf-8", "{name}");
         }
         for name in ["ltc-none.glsl", "normals", "normals.hlsl", "-textured.glsl"] {
-            assert_eq!(respond(name, &Method::GET, &HeaderMap::new()).expect_err(name).status(), 404);
+            assert_eq!(respond(name, &Asked::default()).expect_err(name).status(), 404);
         }
     }
 
     #[test]
     fn a_client_that_has_a_file_gets_304() {
-        let first = respond("index.html", &Method::GET, &HeaderMap::new()).expect("a page");
+        let first = respond("index.html", &Asked::default()).expect("a page");
         assert_eq!(first.headers()[header::CONTENT_TYPE], "text/html; charset=utf-8");
         assert!(
             first.headers()[header::CONTENT_SECURITY_POLICY].to_str().is_ok_and(|it| it.contains("script-src 'self'"))
         );
-        let seen = HeaderMap::from_iter([(header::IF_NONE_MATCH, first.headers()[header::ETAG].clone())]);
-        assert_eq!(respond("index.html", &Method::GET, &seen).expect("an answer").status(), 304);
-        assert_eq!(respond("none.js", &Method::GET, &seen).expect_err("no file").status(), 404);
+        let headers = [(header::IF_NONE_MATCH, first.headers()[header::ETAG].clone())].into_iter().collect();
+        let seen = Asked { headers, ..Asked::default() };
+        assert_eq!(respond("index.html", &seen).expect("an answer").status(), 304);
+        assert_eq!(respond("none.js", &seen).expect_err("no file").status(), 404);
     }
 }

@@ -3,7 +3,7 @@
 use axum::{
     extract::State,
     http::{HeaderMap, StatusCode, header},
-    response::{IntoResponse, Response},
+    response::IntoResponse,
 };
 
 use super::{
@@ -13,7 +13,7 @@ use super::{
     extract::{PathOf, QueryOf},
     file::{ONE_DAY, REVALIDATE},
     kind::ProblemKind,
-    problem::Problem,
+    problem::Answer,
     tables::absent,
 };
 use crate::service::{PictureError, Subject};
@@ -32,11 +32,7 @@ fn texts(pairs: &Pairs) -> impl Iterator<Item = (&str, &str)> {
 }
 
 /// `GET /v1/preview`. When the client disconnects, this future is dropped, and its request with it.
-pub(super) async fn preview(
-    State(api): State<Api>,
-    QueryOf(query): QueryOf<Pairs>,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
+pub(super) async fn preview(State(api): State<Api>, QueryOf(query): QueryOf<Pairs>, headers: HeaderMap) -> Answer {
     let (table, scene) = read_preview(&query).map_err(|faults| bad_parameters(ProblemKind::BadScene, faults))?;
     answer(&api, table, Subject::Scene(Box::new(scene)), headers).await
 }
@@ -47,7 +43,7 @@ pub(super) async fn error_plot(
     PathOf(digest): PathOf<Digest>,
     QueryOf(query): QueryOf<Pairs>,
     headers: HeaderMap,
-) -> Result<Response, Problem> {
+) -> Answer {
     plot(&api, digest, Plot::error_from(texts(&query)), headers).await
 }
 
@@ -57,7 +53,7 @@ pub(super) async fn error_numbers(
     PathOf(digest): PathOf<Digest>,
     QueryOf(query): QueryOf<Pairs>,
     headers: HeaderMap,
-) -> Result<Response, Problem> {
+) -> Answer {
     let slice = ErrorSlice::from_pairs(texts(&query)).map_err(|faults| bad_parameters(ProblemKind::BadPlot, faults))?;
     answer(&api, Some(digest), Subject::Errors(slice), headers).await
 }
@@ -68,22 +64,17 @@ pub(super) async fn matrix_plot(
     PathOf(digest): PathOf<Digest>,
     QueryOf(query): QueryOf<Pairs>,
     headers: HeaderMap,
-) -> Result<Response, Problem> {
+) -> Answer {
     plot(&api, digest, Plot::matrix_from(texts(&query)), headers).await
 }
 
-async fn plot(
-    api: &Api,
-    table: Digest,
-    plot: Result<Plot, Vec<ParameterFault>>,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
+async fn plot(api: &Api, table: Digest, plot: Result<Plot, Vec<ParameterFault>>, headers: HeaderMap) -> Answer {
     let plot = plot.map_err(|faults| bad_parameters(ProblemKind::BadPlot, faults))?;
     answer(api, Some(table), Subject::Plot(plot), headers).await
 }
 
 /// The picture, or 304 if the client has it.
-async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: HeaderMap) -> Result<Response, Problem> {
+async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: HeaderMap) -> Answer {
     let caching = if table.is_none() && subject.needs_table() { REVALIDATE } else { ONE_DAY };
     let media_type = subject.media_type();
     let mut stopping = api.stopping.clone();

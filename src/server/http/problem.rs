@@ -24,6 +24,9 @@ const SCHEME: &str = "Bearer realm=\"ltcforge\"";
 /// Letters of a word in them. No word of the service's own is as long.
 const LONGEST_WORD: usize = 200;
 
+/// The answer of a call.
+pub(super) type Answer = Result<Response, Problem>;
+
 /// An error as it is reported to a client, and the document that the client reads.
 #[derive(Debug, Serialize)]
 pub(super) struct Problem {

@@ -1,19 +1,14 @@
 //! Recipes: the forecast for a document, known recipes and their tables, and the fields of a recipe.
 
-use axum::{
-    Json,
-    extract::State,
-    http::{HeaderMap, Method},
-    response::Response,
-};
+use axum::{Json, extract::State};
 
 use super::{
     api::Api,
     etag::check_untagged,
-    extract::{NoQuery, PathOf, RecipeBody},
+    extract::{Asked, NoQuery, PathOf, RecipeBody},
     file::{File, REVALIDATE},
     kind::ProblemKind,
-    problem::Problem,
+    problem::{Answer, Problem},
     views::{ForeseenView, RecipeView},
 };
 use crate::service::{Service, SubmitError};
@@ -25,11 +20,10 @@ use ltcforge_files::{
 /// `POST /v1/recipes`. The faults of a recipe are the answer that was asked for, and no error.
 pub(super) async fn foresee(
     State(api): State<Api>,
-    _: NoQuery,
-    headers: HeaderMap,
+    asked: Asked,
     RecipeBody(document): RecipeBody,
 ) -> Result<Json<ForeseenView>, Problem> {
-    check_untagged(&headers)?;
+    check_untagged(&asked.headers)?;
     let foresee = move |service: &Service| match service.foresee(&document) {
         Err(SubmitError::Recipe(error @ RecipeError::Faults(_))) => Ok(Err(error)),
         foreseen => foreseen.map(Ok),
@@ -55,6 +49,6 @@ pub(super) async fn show(
 }
 
 /// `GET /v1/recipes/schema`: the fields of a recipe in JSON Schema.
-pub(super) async fn describe(_: NoQuery, method: Method, headers: HeaderMap) -> Result<Response, Problem> {
-    File { caching: REVALIDATE, ..File::json(&schema())? }.respond(&method, &headers)
+pub(super) async fn describe(asked: Asked) -> Answer {
+    File { caching: REVALIDATE, ..File::json(&schema())? }.respond(&asked.method, &asked.headers)
 }

@@ -1,23 +1,16 @@
 //! Tables: list, download by digest, manifest, delete.
 
-use axum::{
-    Extension, Json,
-    extract::State,
-    http::{HeaderMap, Method, header},
-    response::{IntoResponse, Response},
-};
+use axum::{Json, extract::State, http::header, response::IntoResponse};
 use serde::Deserialize;
 
 use super::{
-    access::Caller,
     api::Api,
-    extract::{NoQuery, PageLimit, PathOf, QueryOf},
+    extract::{Asked, NoQuery, PageLimit, PathOf, QueryOf},
     file,
     kind::ProblemKind,
-    problem::Problem,
-    views::PageView,
+    problem::{Answer, Problem},
 };
-use crate::service::{FileKind, TableCursor, TableRow};
+use crate::service::{FileKind, Page, TableCursor, TableRow};
 use ltcforge_files::digest::Digest;
 
 #[derive(Debug, Deserialize)]
@@ -32,28 +25,18 @@ pub(super) struct ListParameters {
 pub(super) async fn list(
     State(api): State<Api>,
     QueryOf(ListParameters { cursor, limit }): QueryOf<ListParameters>,
-) -> Result<Json<PageView<TableRow>>, Problem> {
+) -> Result<Json<Page<TableRow>>, Problem> {
     let page = api.call(move |service| service.tables(cursor.as_ref(), limit.0)).await?;
-    Ok(Json(PageView::new(page, Ok)?))
+    Ok(Json(page))
 }
 
 /// `GET` and `HEAD /v1/tables/{digest}`.
-pub(super) async fn download(
-    State(api): State<Api>,
-    _: NoQuery,
-    PathOf(digest): PathOf<Digest>,
-    method: Method,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
-    file::stored(&api, FileKind::Table, digest, &method, &headers).await
+pub(super) async fn download(State(api): State<Api>, asked: Asked, PathOf(digest): PathOf<Digest>) -> Answer {
+    file::stored(&api, FileKind::Table, digest, &asked).await
 }
 
 /// `GET /v1/tables/{digest}/manifest`.
-pub(super) async fn manifest(
-    State(api): State<Api>,
-    _: NoQuery,
-    PathOf(digest): PathOf<Digest>,
-) -> Result<Response, Problem> {
+pub(super) async fn manifest(State(api): State<Api>, _: NoQuery, PathOf(digest): PathOf<Digest>) -> Answer {
     match api.read(move |service| service.manifest(digest)).await? {
         Some(manifest) => Ok(([(header::CONTENT_TYPE, "application/json")], manifest).into_response()),
         None => Err(absent(&api, digest).await),
@@ -61,17 +44,9 @@ pub(super) async fn manifest(
 }
 
 /// `DELETE /v1/tables/{digest}`.
-pub(super) async fn delete(
-    State(api): State<Api>,
-    _: NoQuery,
-    PathOf(digest): PathOf<Digest>,
-    caller: Option<Extension<Caller>>,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
-    let by = caller.map(|Extension(Caller(token))| token.name.clone());
-    let deleted =
-        file::delete(&api, digest, &headers, move |service| service.delete_table(digest, by.as_deref())).await;
-    match deleted {
+pub(super) async fn delete(State(api): State<Api>, asked: Asked, PathOf(digest): PathOf<Digest>) -> Answer {
+    let Asked { headers, by, .. } = asked;
+    match file::delete(&api, digest, &headers, move |service| service.delete_table(digest, by.as_deref())).await {
         Err(problem) if problem.is(ProblemKind::UnknownTable) => Err(absent(&api, digest).await),
         deleted => deleted,
     }

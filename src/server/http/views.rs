@@ -7,7 +7,7 @@ use serde_json::value::RawValue;
 use super::problem::Problem;
 use crate::{
     queue::{Job, JobId, JobState, StateName},
-    service::{Expected, Foreseen, JobSnapshot, Page},
+    service::{Expected, Foreseen, JobSnapshot},
 };
 use ltcforge_files::digest::Digest;
 
@@ -58,14 +58,6 @@ pub(super) struct ForeseenView {
     expected: Option<Expected>,
     /// The problem that submitting would be answered with.
     problem: Option<Problem>,
-}
-
-/// A page of a list.
-#[derive(Debug, Serialize)]
-pub(super) struct PageView<T> {
-    items: Vec<T>,
-    /// `null` on the last page.
-    next: Option<String>,
 }
 
 impl JobView {
@@ -139,16 +131,6 @@ impl ForeseenView {
     /// A document with faults.
     pub(super) fn refused(problem: Problem) -> Self {
         Self { problem: Some(problem), ..Self::default() }
-    }
-}
-
-impl<T> PageView<T> {
-    /// The page with each item converted by `view`.
-    ///
-    /// # Errors
-    /// The first error of `view`.
-    pub(super) fn new<I>(page: Page<I>, view: impl Fn(I) -> Result<T, Problem>) -> Result<Self, Problem> {
-        Ok(Self { items: page.items.into_iter().map(view).collect::<Result<_, _>>()?, next: page.next })
     }
 }
 

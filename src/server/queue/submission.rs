@@ -53,11 +53,8 @@ pub enum Submitted {
 #[derive(Debug, thiserror::Error)]
 pub enum QueueError {
     /// Too many jobs are queued or running.
-    #[error("the queue is full: {limit} jobs are waiting or running")]
-    Full {
-        /// The limit.
-        limit: usize,
-    },
+    #[error("the queue is full: {0} jobs are waiting or running")]
+    Full(usize),
     /// It could not be stored.
     #[error(transparent)]
     Store(#[from] StoreError),

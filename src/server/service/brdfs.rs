@@ -6,12 +6,13 @@ use jiff::Timestamp;
 use serde::Serialize;
 
 use super::{
-    FileKind, FileRow, Page, Service, ServiceError, TableCursor,
+    DeleteError, FileKind, FileRow, Page, Service, ServiceError, TableCursor,
     catalogue::{Catalogue, age_key},
 };
 use crate::{queue::StateName, store::StoreError};
 use ltcforge_files::{
     digest::Digest,
+    hex::to_hex,
     tabulated::{TabulatedError, decode},
 };
 use ltcforge_fit::{Asymmetry, TabulatedFile};
@@ -30,26 +31,6 @@ pub struct StoredBrdf {
     pub albedo: f64,
     /// How far it is from reciprocity.
     pub asymmetry: Option<Asymmetry>,
-}
-
-/// Why a file was not deleted.
-#[derive(Debug, thiserror::Error)]
-pub enum DeleteBrdfError {
-    /// It is not stored.
-    #[error("no BRDF with the digest {0} is stored")]
-    Unknown(Digest),
-    /// It is needed.
-    #[error("the recipe of a table, or of a queued or running job, names {0}")]
-    InUse(Digest),
-    /// The store failed.
-    #[error(transparent)]
-    Store(#[from] ServiceError),
-}
-
-impl From<StoreError> for DeleteBrdfError {
-    fn from(error: StoreError) -> Self {
-        Self::Store(error.into())
-    }
 }
 
 /// Why a file was not stored.
@@ -125,19 +106,19 @@ impl Service {
         rows.sort_by_key(|row| Reverse(key(row)));
         let is_last = rows.len() <= limit;
         rows.truncate(limit);
-        let next = rows.last().filter(|_| !is_last).map(|row| TableCursor(key(row)).to_string());
+        let next = rows.last().filter(|_| !is_last).map(|row| to_hex(&key(row)));
         Ok(Page { items: rows, next })
     }
 
     /// Deletes a BRDF that no recipe of a table, or of a queued or running job, names.
     ///
     /// # Errors
-    /// See [`DeleteBrdfError`]; then nothing has changed.
-    pub fn delete_brdf(&self, digest: Digest) -> Result<(), DeleteBrdfError> {
+    /// See [`DeleteError`]; then nothing has changed.
+    pub fn delete_brdf(&self, digest: Digest) -> Result<(), DeleteError> {
         let state = &self.state;
         let _alone = state.naming.write().unwrap_or_else(PoisonError::into_inner);
         if state.files.read(FileKind::Brdf, digest)?.is_none() {
-            return Err(DeleteBrdfError::Unknown(digest));
+            return Err(DeleteError::UnknownBrdf(digest));
         }
         // A canonical recipe contains a digest only where it names a BRDF.
         let named = digest.to_string();
@@ -147,7 +128,7 @@ impl Service {
             recipes.extend(jobs.into_iter().map(|job| job.recipe));
         }
         if recipes.iter().any(|recipe| recipe.contains(&named)) {
-            return Err(DeleteBrdfError::InUse(digest));
+            return Err(DeleteError::InUse(digest));
         }
         state.files.delete(digest)?;
         state.fitter.forget_brdfs();

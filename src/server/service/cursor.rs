@@ -1,10 +1,8 @@
 //! Where the next page of a list begins, as clients are given it.
 
-use std::{fmt, str::FromStr};
-
 use serde::Deserialize;
 
-use ltcforge_files::hex::{from_hex, to_hex};
+use ltcforge_files::hex::from_hex;
 
 /// Longest key of a table in the order of age.
 const LONGEST_KEY: usize = 64;
@@ -24,42 +22,13 @@ pub struct TableCursor(pub(super) Vec<u8>);
 #[error("«{0}» is not a cursor: a cursor is the `next` of the page before")]
 pub struct CursorError(String);
 
-impl FromStr for JobCursor {
-    type Err = CursorError;
-
-    fn from_str(text: &str) -> Result<Self, CursorError> {
-        let submission = text.parse().ok().map(Self);
-        // A number has one way to be written.
-        submission.filter(|cursor| cursor.to_string() == text).ok_or_else(|| CursorError(text.to_owned()))
-    }
-}
-
-impl fmt::Display for JobCursor {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
-    }
-}
-
-impl FromStr for TableCursor {
-    type Err = CursorError;
-
-    fn from_str(text: &str) -> Result<Self, CursorError> {
-        let key = from_hex(text).filter(|key| (1..=LONGEST_KEY).contains(&key.len()));
-        key.map(Self).ok_or_else(|| CursorError(text.to_owned()))
-    }
-}
-
-impl fmt::Display for TableCursor {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&to_hex(&self.0))
-    }
-}
-
 impl TryFrom<String> for JobCursor {
     type Error = CursorError;
 
     fn try_from(text: String) -> Result<Self, CursorError> {
-        text.parse()
+        // A number has one way to be written.
+        let submission = text.parse().ok().filter(|submission: &u64| submission.to_string() == text);
+        submission.map(Self).ok_or(CursorError(text))
     }
 }
 
@@ -67,7 +36,8 @@ impl TryFrom<String> for TableCursor {
     type Error = CursorError;
 
     fn try_from(text: String) -> Result<Self, CursorError> {
-        text.parse()
+        let key = from_hex(&text).filter(|key| (1..=LONGEST_KEY).contains(&key.len()));
+        key.map(Self).ok_or(CursorError(text))
     }
 }
 
@@ -77,22 +47,20 @@ mod tests {
 
     #[test]
     fn a_cursor_is_read_as_it_was_given() {
-        for cursor in [JobCursor(0), JobCursor(u64::MAX)] {
-            assert_eq!(cursor.to_string().parse(), Ok(cursor));
+        for submission in [0, u64::MAX] {
+            assert_eq!(JobCursor::try_from(submission.to_string()), Ok(JobCursor(submission)));
         }
-        let cursor = TableCursor(vec![0, 1, 0xfe, 0xff]);
-        assert_eq!(cursor.to_string(), "0001feff");
-        assert_eq!("0001feff".parse(), Ok(cursor));
+        assert_eq!(TableCursor::try_from("0001feff".to_owned()), Ok(TableCursor(vec![0, 1, 0xfe, 0xff])));
     }
 
     #[test]
     fn anything_else_is_named_in_the_error() {
         for text in ["", "none", "-1", "+1", "007", "18446744073709551616", "\0/xyz"] {
-            let error = text.parse::<JobCursor>().expect_err(text);
+            let error = JobCursor::try_from(text.to_owned()).expect_err(text);
             assert!(error.to_string().contains(&format!("«{text}»")), "{error}");
         }
         for text in ["", "0", "0g", "FF", "é", &"00".repeat(LONGEST_KEY + 1)] {
-            assert!(text.parse::<TableCursor>().is_err(), "{text}");
+            assert!(TableCursor::try_from(text.to_owned()).is_err(), "{text}");
         }
     }
 }

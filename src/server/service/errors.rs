@@ -2,21 +2,15 @@
 
 use std::path::PathBuf;
 
-use ltcforge_files::digest::Digest;
-
 use crate::store::{OpenError as StoreOpenError, StoreError};
+use ltcforge_files::digest::Digest;
 
 /// Why a service did not start.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The data folder did not open.
-    #[error("the data folder {} cannot be used: {source}", .path.display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-        /// The reason.
-        source: StoreOpenError,
-    },
+    #[error("the data folder {} cannot be used: {}", .0.display(), .1)]
+    Folder(PathBuf, StoreOpenError),
     /// A thread did not start.
     #[error("cannot start a thread: {0}")]
     Thread(#[from] std::io::Error),
@@ -33,19 +27,35 @@ pub enum OpenError {
     Connect(#[from] crate::store::ConnectError),
 }
 
+/// Why a table or a BRDF was not deleted.
+#[derive(Debug, thiserror::Error)]
+pub enum DeleteError {
+    /// There is no such table.
+    #[error("no table with the digest {0} is stored")]
+    UnknownTable(Digest),
+    /// There is no such BRDF.
+    #[error("no BRDF with the digest {0} is stored")]
+    UnknownBrdf(Digest),
+    /// The BRDF is needed.
+    #[error("the recipe of a table, or of a queued or running job, names {0}")]
+    InUse(Digest),
+    /// The store failed.
+    #[error(transparent)]
+    Store(#[from] ServiceError),
+}
+
+impl From<StoreError> for DeleteError {
+    fn from(error: StoreError) -> Self {
+        Self::Store(error.into())
+    }
+}
+
 /// Why a read or write of the store failed.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum ServiceError {
     /// The bytes of a file do not have its digest. The file was moved to quarantine.
-    #[error("the blob {expected} is damaged (its bytes hash to {actual}); it was moved to {}", .moved_to.display())]
-    Corrupt {
-        /// The requested digest.
-        expected: Digest,
-        /// The digest of the bytes found.
-        actual: Digest,
-        /// The new place of the damaged file.
-        moved_to: PathBuf,
-    },
+    #[error("{0}")]
+    Corrupt(String),
     /// The disk is full.
     #[error("the disk of the data folder is full")]
     DiskFull,
@@ -67,7 +77,7 @@ impl From<StoreError> for ServiceError {
     fn from(error: StoreError) -> Self {
         match error {
             StoreError::DiskFull => Self::DiskFull,
-            StoreError::Corrupt { expected, actual, moved_to } => Self::Corrupt { expected, actual, moved_to },
+            StoreError::Corrupt { .. } => Self::Corrupt(error.to_string()),
             StoreError::Unavailable(reason) => Self::Unavailable(reason),
             other @ (StoreError::Refused(_) | StoreError::OtherBytes(_)) => Self::Unavailable(other.to_string()),
             other if other.is_passing() => Self::Lacking(other.to_string()),

@@ -3,13 +3,14 @@
 use std::{
     sync::{
         Arc, Mutex, PoisonError,
-        atomic::{AtomicU64, AtomicUsize, Ordering},
+        atomic::{AtomicU64, Ordering},
     },
     time::Duration,
 };
 
 use bytes::Bytes;
 use quick_cache::{Weighter, sync::Cache};
+use tokio::sync::Semaphore;
 
 use super::ServiceError;
 use ltcforge_files::digest::Digest;
@@ -59,24 +60,12 @@ pub enum ExportFailure {
     /// The table has no such files.
     #[error(transparent)]
     Refused(#[from] ExportError),
-    /// The table has more entries than are exported.
-    #[error(
-        "the table has {entries} entries, and the service exports at most {limit}; `ltcforge export` exports any table"
-    )]
-    TooLarge {
-        /// Its entries.
-        entries: usize,
-        /// Most entries.
-        limit: usize,
-    },
-    /// Too many exports are asked for at the same time.
-    #[error("{limit} requests for exports are waiting already")]
-    QueueFull {
-        /// Most requests that may wait.
-        limit: usize,
-        /// When to try again.
-        retry_after: Duration,
-    },
+    /// The table has more entries than are exported: its entries, and the limit.
+    #[error("the table has {0} entries, and the service exports at most {1}; `ltcforge export` exports any table")]
+    TooLarge(usize, usize),
+    /// Too many exports are asked for at the same time: the limit, and when to try again.
+    #[error("{0} requests for exports are waiting already")]
+    QueueFull(usize, Duration),
     /// The table could not be read or measured.
     #[error(transparent)]
     Store(#[from] ServiceError),
@@ -88,7 +77,8 @@ pub(super) struct Exports {
     kept: Cache<Digest, Arc<MadeExport>, FileBytes>,
     /// Held while an export is made.
     making: Mutex<()>,
-    waiting: AtomicUsize,
+    /// A permit for each request that may wait.
+    waiting: Semaphore,
     made: AtomicU64,
 }
 
@@ -113,19 +103,10 @@ impl Weighter<Digest, Arc<MadeExport>> for FileBytes {
     }
 }
 
-/// A request for an export that waits or is being made.
-struct Waiting<'a>(&'a AtomicUsize);
-
-impl Drop for Waiting<'_> {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::SeqCst);
-    }
-}
-
 impl Exports {
     pub(super) fn new() -> Self {
         let kept = Cache::with_weighter(EXPECTED, KEPT_BYTES, FileBytes);
-        Self { kept, making: Mutex::new(()), waiting: AtomicUsize::new(0), made: AtomicU64::new(0) }
+        Self { kept, making: Mutex::new(()), waiting: Semaphore::new(LIMIT), made: AtomicU64::new(0) }
     }
 
     /// Forgets those of a table that was removed.
@@ -149,10 +130,7 @@ impl Exports {
         if let Some(kept) = self.kept.get(&key) {
             return Ok(Some(kept));
         }
-        let _waiting = Waiting(&self.waiting);
-        if self.waiting.fetch_add(1, Ordering::SeqCst) >= LIMIT {
-            return Err(ExportFailure::QueueFull { limit: LIMIT, retry_after: RETRY_FULL });
-        }
+        let _place = self.waiting.try_acquire().map_err(|_| ExportFailure::QueueFull(LIMIT, RETRY_FULL))?;
         let _making = self.making.lock().unwrap_or_else(PoisonError::into_inner);
         // An equal request may have been answered before.
         if let Some(kept) = self.kept.get(&key) {

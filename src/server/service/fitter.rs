@@ -52,24 +52,18 @@ impl PlannedRecipe {
 }
 
 /// Why there is no plan with everything that its fit needs.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub(super) enum LoadError {
     /// The recipe cannot be fitted here.
+    #[error("{0}")]
     Failed(String),
     /// The store failed, which says nothing about the recipe.
+    #[error(transparent)]
     Store(StoreError),
 }
 
-impl LoadError {
-    fn lines(self) -> Vec<String> {
-        match self {
-            Self::Failed(line) => vec![line],
-            Self::Store(error) => vec![error.to_string()],
-        }
-    }
-}
-
 /// Parses recipes and keeps their plans.
+#[derive(Debug)]
 pub(super) struct Fitter {
     plans: Cache<Digest, Arc<PlannedRecipe>>,
     brdfs: Cache<String, TabulatedFile>,
@@ -90,15 +84,11 @@ impl Fitter {
         let failed = RefCell::new(None);
         let find = |name: &str| {
             self.brdf(name).map_err(|error| {
-                let line = match error {
-                    LoadError::Failed(line) => line,
-                    LoadError::Store(error) => {
-                        let line = error.to_string();
-                        failed.replace(Some(error));
-                        line
-                    }
-                };
-                line.split("; ").map(str::to_owned).collect()
+                let lines = error.to_string().split("; ").map(str::to_owned).collect();
+                if let LoadError::Store(error) = error {
+                    failed.replace(Some(error));
+                }
+                lines
             })
         };
         let parsed = recipe_document::parse_with(document, entry_limit, &find);
@@ -192,7 +182,7 @@ impl Fitter {
 
     /// Measures a table and makes its manifest, on the current rayon pool; `None` as soon as `go_on` says no.
     pub(super) fn manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<String>, TableFileError> {
-        manifest_json_while(go_on, file, &|name| self.brdf(name).map_err(LoadError::lines))
+        manifest_json_while(go_on, file, &|name| self.brdf(name).map_err(|error| vec![error.to_string()]))
     }
 
     /// A table's file with its BRDF, where that is stored.
@@ -200,7 +190,7 @@ impl Fitter {
         let mut file =
             container::decode(file).map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
         // A missing BRDF is an error only where something needs it.
-        let _ = file.find_brdf(&|name| self.brdf(name).map_err(LoadError::lines));
+        let _ = file.find_brdf(&|name| self.brdf(name).map_err(|error| vec![error.to_string()]));
         Ok(file)
     }
 
@@ -221,7 +211,7 @@ impl Fitter {
         let TableFile { table, recipe } = self.table(digest, file)?;
         let entries = table.matrix.len();
         if entries > MOST_EXPORTED {
-            return Err(ExportFailure::TooLarge { entries, limit: MOST_EXPORTED });
+            return Err(ExportFailure::TooLarge(entries, MOST_EXPORTED));
         }
         let error = mean_error(manifest).map_err(|error| ServiceError::Storage(error.to_string()))?;
         Ok(export.bundle(&table, About::of_table(digest, Some(&recipe), Some(error)))?)

@@ -25,20 +25,20 @@ mod tests;
 mod watch;
 mod work;
 
-pub use brdfs::{DeleteBrdfError, StoreBrdfError, StoredBrdf};
+pub use brdfs::{StoreBrdfError, StoredBrdf};
 pub use catalogue::{FileRow, TableRow};
 pub use config::Config;
 #[cfg(feature = "cluster")]
 pub use config::{DatabaseUrl, Shared};
 pub use cursor::{CursorError, JobCursor, TableCursor};
-pub use errors::{OpenError, ServiceError};
+pub use errors::{DeleteError, OpenError, ServiceError};
 pub use exports::{ExportFailure, ExportedFile, MadeExport};
 pub use files::FileKind;
 pub use forecast::Expected;
 pub use pictures::{PictureCounts, PictureError, PictureFile, Subject};
 pub use plans::{PlanError, Planned, SCENE_LIMIT_BYTES, SceneForm};
 pub use published::published_table;
-pub use state::{Backlog, Metrics, Service};
+pub use state::{Metrics, Service};
 pub use submit::{Foreseen, SubmitError, SubmitReply};
-pub use tables::{DeleteTableError, Page};
+pub use tables::Page;
 pub use watch::JobSnapshot;

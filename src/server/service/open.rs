@@ -33,7 +33,7 @@ impl Service {
     /// When the folder is locked, not usable, or of a later version.
     pub fn open(config: Config) -> Result<Arc<Self>, OpenError> {
         let opened = crate::store::open(&config.data_dir);
-        let store = opened.map_err(|source| OpenError::Folder { path: config.data_dir.clone(), source })?;
+        let store = opened.map_err(|error| OpenError::Folder(config.data_dir.clone(), error))?;
         let queue = EmbeddedQueue::open(Arc::clone(&store.rows), limits(&config), FITTER_VERSION)?;
         let is_clean = store.is_clean;
         let files = Files::new(store);

@@ -105,48 +105,30 @@ pub enum PictureError {
     /// No table is stored.
     #[error("no table is stored")]
     NoTable,
-    /// Too many pictures are requested at the same time.
-    #[error("{limit} pictures are waiting or being rendered already")]
-    QueueFull {
-        /// Maximum number of pictures that may wait or be rendered.
-        limit: usize,
-        /// When to try again.
-        retry_after: Duration,
-    },
+    /// Too many pictures are requested at the same time: the limit, and when to try again.
+    #[error("{0} pictures are waiting or being rendered already")]
+    QueueFull(usize, Duration),
     /// The scene does not go with the table's scattering model.
     #[error("{0}")]
     OtherBrdf(String),
-    /// The scene has more samples than are accepted.
+    /// The scene has more samples than are accepted: its samples, and the limit.
     #[error(
         "the picture takes {:.1} million samples, and this service accepts {:.1} million; fewer pixels or samples take \
         less, and `--picture-seconds` of the service raises the limit",
-        .samples / 1e6,
-        .limit / 1e6
+        .0 / 1e6,
+        .1 / 1e6
     )]
-    TooExpensive {
-        /// Samples of the picture.
-        samples: f64,
-        /// Maximum number of samples.
-        limit: f64,
-    },
-    /// Rendering took too long.
+    TooExpensive(f64, f64),
+    /// Rendering took too long: the limit, and when to try again.
     #[error(
         "the picture was not rendered within {} s; `--picture-seconds` of the service raises the limit",
-        .limit.as_secs_f64()
+        .0.as_secs_f64()
     )]
-    TooSlow {
-        /// How long it may take.
-        limit: Duration,
-        /// When to try again.
-        retry_after: Duration,
-    },
-    /// The service is stopping.
-    #[error("the service is stopping")]
-    Stopping,
+    TooSlow(Duration, Duration),
     /// The renderer failed.
     #[error("the picture could not be rendered: {0}")]
     Failed(String),
-    /// The table could not be read.
+    /// The table could not be read, or the service is stopping.
     #[error(transparent)]
     Store(#[from] ServiceError),
 }
@@ -219,8 +201,8 @@ impl Pictures {
         let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
         *match outcome {
             Ok(_) => &mut counts.done,
-            Err(PictureError::TooSlow { .. } | PictureError::Stopping) => &mut counts.given_up,
-            Err(PictureError::QueueFull { .. } | PictureError::TooExpensive { .. }) => &mut counts.refused,
+            Err(PictureError::TooSlow(..) | PictureError::Store(ServiceError::Stopping)) => &mut counts.given_up,
+            Err(PictureError::QueueFull(..) | PictureError::TooExpensive(..)) => &mut counts.refused,
             Err(_) => &mut counts.failed,
         } += 1;
     }
@@ -234,7 +216,7 @@ impl Pictures {
         let cpu = SAMPLES_PER_CPU_THREAD * rayon::current_num_threads() as f64;
         let limit = self.limit.as_secs_f64() * if is_cpu { cpu } else { SAMPLES_PER_GPU };
         let samples = scene.cost();
-        if samples > limit { Err(PictureError::TooExpensive { samples, limit }) } else { Ok(()) }
+        if samples > limit { Err(PictureError::TooExpensive(samples, limit)) } else { Ok(()) }
     }
 }
 
@@ -258,7 +240,7 @@ impl Service {
             return Ok(file);
         }
         let place = pictures.check_cost(&subject).and_then(|()| {
-            let full = PictureError::QueueFull { limit: MOST_WAITING, retry_after: RETRY_FULL };
+            let full = PictureError::QueueFull(MOST_WAITING, RETRY_FULL);
             Arc::clone(&pictures.places).try_acquire_owned().map_err(|_| full)
         });
         let place = place.inspect_err(|error| pictures.count(&Err::<(), _>(error.clone())))?;
@@ -301,7 +283,7 @@ impl Request {
         let state = Arc::clone(&self.state);
         let pictures = &state.pictures;
         let limit = pictures.limit;
-        let turn = Arc::clone(&pictures.turn).acquire_owned().await.map_err(|_| PictureError::Stopping)?;
+        let turn = Arc::clone(&pictures.turn).acquire_owned().await.map_err(|_| ServiceError::Stopping)?;
         // An equal picture may have been rendered since this one was requested.
         if let Some(file) = pictures.cache.get(&self.key) {
             return Ok(file);
@@ -322,7 +304,7 @@ impl Request {
                 if renderer.adapter == Adapter::Any {
                     renderer.adapter = Adapter::Cpu;
                 }
-                Err(PictureError::TooSlow { limit, retry_after: RETRY_SLOW })
+                Err(PictureError::TooSlow(limit, RETRY_SLOW))
             }
         };
         drop(turn);
@@ -360,9 +342,9 @@ impl Request {
     /// The error of a picture that was stopped before its end.
     fn stopped(&self) -> PictureError {
         if self.state.is_stopping() {
-            return PictureError::Stopping;
+            return ServiceError::Stopping.into();
         }
-        PictureError::TooSlow { limit: self.state.pictures.limit, retry_after: RETRY_SLOW }
+        PictureError::TooSlow(self.state.pictures.limit, RETRY_SLOW)
     }
 
     /// The picture of a scene, and the adapter that rendered it.

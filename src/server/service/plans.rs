@@ -32,14 +32,9 @@ pub enum PlanError {
     /// The scene has faults.
     #[error("{} fault(s) in the scene", .0.len())]
     Scene(Vec<SceneFault>),
-    /// No table is within the budget.
-    #[error("{summary}")]
-    Unmet {
-        /// The recipe of the nearest table that can be had.
-        nearest: Value,
-        /// The summary, which says how near it is.
-        summary: String,
-    },
+    /// No table is within the budget: the recipe of the nearest table, and the summary, which says how near it is.
+    #[error("{1}")]
+    Unmet(Value, String),
     /// The service is stopping.
     #[error(transparent)]
     Service(#[from] ServiceError),
@@ -73,9 +68,7 @@ impl Service {
         }
         let summary = words(&scene, &plans);
         match plans.iter().find(|plan| !plan.is_met) {
-            Some(unmet) => {
-                Err(PlanError::Unmet { nearest: recipe_value(&unmet.chosen.recipe), summary: summary.join("; ") })
-            }
+            Some(unmet) => Err(PlanError::Unmet(recipe_value(&unmet.chosen.recipe), summary.join("; "))),
             None => Ok(Planned { plan: document(&scene, &plans), summary }),
         }
     }

@@ -29,6 +29,7 @@ pub struct Service {
 }
 
 /// The state that callers and workers share.
+#[derive(Debug)]
 pub(super) struct State {
     pub(super) config: Config,
     pub(super) fitter: Fitter,
@@ -55,24 +56,17 @@ pub(super) struct State {
     pub(super) files_removed: AtomicU64,
 }
 
-/// What a queue has to do.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Backlog {
-    /// Waiting and leased shards.
-    pub shards: Depth,
-    /// Predicted seconds that one core takes for the unfinished shards.
-    pub core_seconds: f64,
-    /// Seconds since the oldest unfinished job was submitted; 0 without one.
-    pub oldest_seconds: f64,
-}
-
 /// Figures for `/metrics`.
 #[derive(Debug, Clone, Default)]
 pub struct Metrics {
     /// Jobs by state.
     pub jobs: Vec<(StateName, u64)>,
-    /// What all processes that share the queue have to do.
-    pub backlog: Backlog,
+    /// Waiting and leased shards, of all processes that share the queue.
+    pub shards: Depth,
+    /// Predicted seconds that one core takes for the unfinished shards.
+    pub core_seconds: f64,
+    /// Seconds since the oldest unfinished job was submitted; 0 without one.
+    pub oldest_seconds: f64,
     /// Entries fitted since the start.
     pub entries_fitted: u64,
     /// Shards that failed since the start.
@@ -91,12 +85,6 @@ pub struct Metrics {
     pub exports_made: u64,
     /// Tables evicted since the start.
     pub files_removed: u64,
-}
-
-impl std::fmt::Debug for State {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("State").field("config", &self.config).finish_non_exhaustive()
-    }
 }
 
 impl Service {
@@ -151,11 +139,9 @@ impl Service {
         let oldest = queue.oldest.map(|since| Timestamp::now().duration_since(since).as_secs_f64());
         Ok(Metrics {
             jobs: queue.jobs,
-            backlog: Backlog {
-                shards: queue.depth,
-                core_seconds: state.forecast.core_seconds(queue.core_seconds),
-                oldest_seconds: oldest.unwrap_or(0.0).max(0.0),
-            },
+            shards: queue.depth,
+            core_seconds: state.forecast.core_seconds(queue.core_seconds),
+            oldest_seconds: oldest.unwrap_or(0.0).max(0.0),
             entries_fitted: state.entries_fitted.load(Ordering::Relaxed),
             shard_failures,
             leases_expired,

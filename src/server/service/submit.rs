@@ -53,29 +53,16 @@ pub enum SubmitError {
     /// The document is not a recipe, or has faults.
     #[error(transparent)]
     Recipe(#[from] RecipeError),
-    /// Too many jobs are queued or running.
-    #[error("the queue is full: {limit} jobs are waiting or running; `--queue-limit` of the service raises the limit")]
-    QueueFull {
-        /// The limit.
-        limit: usize,
-        /// When to try again.
-        retry_after: Duration,
-    },
-    /// The fit would take too long.
+    /// Too many jobs are queued or running: the limit, and when to try again.
+    #[error("the queue is full: {0} jobs are waiting or running; `--queue-limit` of the service raises the limit")]
+    QueueFull(usize, Duration),
+    /// The fit would take too long: predicted seconds with all workers on the job, and the limit.
     #[error(
-        "the fit is predicted to take {predicted:.0} s on this machine, and a job may take {limit} s; fewer entries, samples, \
+        "the fit is predicted to take {0:.0} s on this machine, and a job may take {1} s; fewer entries, samples, \
         directions or steps take less, and `--job-seconds` of the service raises the limit"
     )]
-    TooExpensive {
-        /// Predicted seconds, with all workers on the job.
-        predicted: f64,
-        /// The limit in seconds.
-        limit: u64,
-    },
-    /// The service is stopping.
-    #[error("the service is stopping")]
-    Stopping,
-    /// The job could not be stored.
+    TooExpensive(f64, u64),
+    /// The service is stopping, or the job could not be stored.
     #[error(transparent)]
     Store(#[from] ServiceError),
 }
@@ -88,7 +75,7 @@ impl Service {
     pub fn submit(&self, document: &[u8], by: Option<&str>) -> Result<SubmitReply, SubmitError> {
         let state = &self.state;
         if state.is_stopping() {
-            return Err(SubmitError::Stopping);
+            return Err(ServiceError::Stopping.into());
         }
         let _naming = state.naming.read().unwrap_or_else(PoisonError::into_inner);
         let new = state.fitter.new_job(document, state.config.entry_limit)?;
@@ -106,7 +93,7 @@ impl Service {
             Ok(Submitted::Queued(job)) => Ok(SubmitReply::InFlight { job, joined: false }),
             Ok(Submitted::Joined(job)) => Ok(SubmitReply::InFlight { job, joined: true }),
             Ok(Submitted::Done(job, table)) => Ok(SubmitReply::Ready { job, table }),
-            Err(QueueError::Full { limit }) => Err(SubmitError::QueueFull { limit, retry_after: state.retry_after() }),
+            Err(QueueError::Full(limit)) => Err(SubmitError::QueueFull(limit, state.retry_after())),
             Err(QueueError::Store(error)) => Err(SubmitError::Store(error.into())),
         }
     }
@@ -159,7 +146,7 @@ impl Service {
     ) -> Result<Page<JobSnapshot>, ServiceError> {
         let (jobs, next) = self.state.queue.list(state, cursor.map(|cursor| cursor.0), limit)?;
         let items = jobs.into_iter().map(|job| self.state.snapshot(job)).collect();
-        Ok(Page { items, next: next.map(|next| JobCursor(next).to_string()) })
+        Ok(Page { items, next: next.map(|next| next.to_string()) })
     }
 
     /// Cancels a job. An ended job stays as it is. Returns the job as it is afterwards.
@@ -186,7 +173,7 @@ impl State {
         }
         let job = self.queue.job(JobId::of_recipe(&new.recipe_digest))?;
         let is_known = job.is_some_and(|job| !job.state.name().is_final());
-        Ok((!is_known).then_some(SubmitError::TooExpensive { predicted, limit }))
+        Ok((!is_known).then_some(SubmitError::TooExpensive(predicted, limit)))
     }
 
     /// The job of a stored table: the one that made it, or if that is forgotten one that looks like it.

@@ -6,11 +6,11 @@ use bytes::Bytes;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    ExportFailure, FileKind, MadeExport, Service, ServiceError, TableCursor, TableRow, catalogue::Catalogue,
-    exports::key,
+    DeleteError, ExportFailure, FileKind, MadeExport, Service, ServiceError, TableCursor, TableRow,
+    catalogue::Catalogue, exports::key,
 };
-use crate::{queue::JobId, store::StoreError};
-use ltcforge_files::{digest::Digest, manifest::MANIFEST_VERSION};
+use crate::queue::JobId;
+use ltcforge_files::{digest::Digest, hex::to_hex, manifest::MANIFEST_VERSION};
 use ltcforge_textures::Export;
 
 /// A page of a list.
@@ -20,23 +20,6 @@ pub struct Page<T> {
     pub items: Vec<T>,
     /// Pass it as `cursor` to get the next page; `None` on the last one.
     pub next: Option<String>,
-}
-
-/// Why a table was not deleted.
-#[derive(Debug, thiserror::Error)]
-pub enum DeleteTableError {
-    /// It is not stored.
-    #[error("no table with the digest {0} is stored")]
-    Unknown(Digest),
-    /// The store failed.
-    #[error(transparent)]
-    Store(#[from] ServiceError),
-}
-
-impl From<StoreError> for DeleteTableError {
-    fn from(error: StoreError) -> Self {
-        Self::Store(error.into())
-    }
 }
 
 impl Service {
@@ -83,18 +66,18 @@ impl Service {
     pub fn tables(&self, cursor: Option<&TableCursor>, limit: usize) -> Result<Page<TableRow>, ServiceError> {
         let cursor = cursor.map(|cursor| cursor.0.as_slice());
         let (items, next) = self.state.files.catalogue.page(cursor, limit)?;
-        Ok(Page { items, next: next.map(|key| TableCursor(key).to_string()) })
+        Ok(Page { items, next: next.map(|key| to_hex(&key)) })
     }
 
     /// Deletes a table. Its recipe is fitted again when it is submitted.
     ///
     /// # Errors
-    /// See [`DeleteTableError`].
-    pub fn delete_table(&self, table: Digest, by: Option<&str>) -> Result<(), DeleteTableError> {
+    /// See [`DeleteError`].
+    pub fn delete_table(&self, table: Digest, by: Option<&str>) -> Result<(), DeleteError> {
         let state = &self.state;
         let _alone = state.naming.write().unwrap_or_else(PoisonError::into_inner);
         if state.files.read(FileKind::Table, table)?.is_none() {
-            return Err(DeleteTableError::Unknown(table));
+            return Err(DeleteError::UnknownTable(table));
         }
         state.files.delete(table)?;
         state.exports.forget(table);

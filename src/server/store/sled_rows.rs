@@ -40,6 +40,7 @@ const JOB_BYTES: u64 = 1 << 20;
 const RELEASE: Duration = Duration::from_secs(2);
 
 /// Rows in a sled database.
+#[derive(Debug)]
 pub struct SledRows {
     folder: PathBuf,
     db: sled::Db,
@@ -48,12 +49,6 @@ pub struct SledRows {
     file: File,
     /// The error that closed the database.
     failure: OnceLock<String>,
-}
-
-impl std::fmt::Debug for SledRows {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("SledRows").field("folder", &self.folder).finish_non_exhaustive()
-    }
 }
 
 impl SledRows {

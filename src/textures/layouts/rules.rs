@@ -45,7 +45,9 @@ pub(crate) trait TextureRules: Sync {
     fn sampling(&self) -> TextureSampling;
 
     /// The parts that a table of the right layout lacks; `None` if it has all.
-    fn lacks(&self, table: &Table) -> Option<String>;
+    fn lacks(&self, _: &Table) -> Option<String> {
+        None
+    }
 
     /// Whether a recipe of this scattering model gives a table that has them, if the table's layout takes the model.
     fn takes(&self, _: BrdfKind) -> bool {

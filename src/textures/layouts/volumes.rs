@@ -98,10 +98,6 @@ impl TextureRules for ShaderTextures {
         TextureSampling { table: self.table, axes, textures, normalisation: self.normalisation, recipe: self.recipe }
     }
 
-    fn lacks(&self, _: &Table) -> Option<String> {
-        None
-    }
-
     fn takes_two_lobes(&self) -> bool {
         true
     }

@@ -73,8 +73,7 @@ pub fn light_texture_files(
     let files = match container {
         TextureContainer::Ktx2 | TextureContainer::Ktx2Zstd => {
             let file = ktx2(levels, texels, container == TextureContainer::Ktx2Zstd);
-            let [key, value] = [ORIENTATION.0, ORIENTATION.1];
-            let pairs = [(key, value.to_owned()), ("ltcforge", about.lines().join("\n"))];
+            let pairs = [(ORIENTATION.0, ORIENTATION.1.to_owned()), ("ltcforge", about.lines().join("\n"))];
             let bytes = file.bytes(&pairs).map_err(|bytes| {
                 unsupported(name, container, "metadata", format!("{bytes} bytes long"), "less than 4 GiB")
             })?;

@@ -98,50 +98,43 @@ pub fn light_texture(
     options: &LightTextureOptions,
 ) -> Result<LightTexture, LightTextureError> {
     let LightTextureOptions { light, transfer, container, texels, most_pixels } = *options;
-    if is_profile(bytes) {
-        return of_profile(bytes, name, options);
-    }
-    let LightPicture { format, curve, image } = LightPicture::decode_within(bytes, transfer, most_pixels)?;
-    let picture = [image.width(), image.height()];
-    let size = light.map_or(picture, |light| image.square_size(light.sides()));
-    if size[0] as u64 * size[1] as u64 > most_pixels {
-        return Err(LightTextureError::Size { size, most: most_pixels });
-    }
-    let pyramid = LightPyramid::new(&image.resampled(size));
-    let about = about(Digest::of(bytes), light.map_or(size.map(|side| side as f64), LightSize::sides));
-    let LightTextureFiles { files, error, clamped } = light_texture_files(name, &pyramid, container, texels, &about)?;
+    let (format, transfer, picture, pyramid, of) = if is_profile(bytes) {
+        let options = [(light.is_some(), "light"), (transfer.is_some(), "transfer")];
+        let given: Vec<_> = options.into_iter().filter(|(is_given, _)| *is_given).map(|(_, name)| name).collect();
+        if !given.is_empty() {
+            return Err(LightTextureError::OfProfile(given));
+        }
+        let profile = Profile::parse(bytes)?;
+        let of = [
+            format!("IES profile {}", Digest::of(bytes)),
+            format!(
+                "candelas over the cosine by tangents of the angle to the axis, from -{PROFILE_TANGENT} to {PROFILE_TANGENT}"
+            ),
+        ];
+        (PROFILE_FORMAT, "linear".to_owned(), profile.angles(), LightPyramid::new(&profile.image()), of)
+    } else {
+        let LightPicture { format, curve, image } = LightPicture::decode_within(bytes, transfer, most_pixels)?;
+        let picture = [image.width(), image.height()];
+        let size = light.map_or(picture, |light| image.square_size(light.sides()));
+        if size[0] as u64 * size[1] as u64 > most_pixels {
+            return Err(LightTextureError::Size { size, most: most_pixels });
+        }
+        let [width, height] = light.map_or(size.map(|side| side as f64), LightSize::sides);
+        let of = [
+            format!("picture {}", Digest::of(bytes)),
+            format!("texels are square on a light of {width} x {height}"),
+        ];
+        (format.name(), curve.to_string(), picture, LightPyramid::new(&image.resampled(size)), of)
+    };
+    let size = [pyramid.levels()[0].width(), pyramid.levels()[0].height()];
     let levels = pyramid.levels().len();
-    let (format, transfer) = (format.name(), curve.to_string());
+    let about = about(of);
+    let LightTextureFiles { files, error, clamped } = light_texture_files(name, &pyramid, container, texels, &about)?;
     Ok(LightTexture { format, transfer, picture, size, levels, texels, error, clamped, files })
 }
 
-fn of_profile(bytes: &[u8], name: &str, options: &LightTextureOptions) -> Result<LightTexture, LightTextureError> {
-    let LightTextureOptions { light, transfer, container, texels, .. } = *options;
-    let options = [(light.is_some(), "light"), (transfer.is_some(), "transfer")];
-    let given: Vec<_> = options.into_iter().filter(|(is_given, _)| *is_given).map(|(_, name)| name).collect();
-    if !given.is_empty() {
-        return Err(LightTextureError::OfProfile(given));
-    }
-    let profile = Profile::parse(bytes)?;
-    let pyramid = LightPyramid::new(&profile.image());
-    let size = [pyramid.levels()[0].width(), pyramid.levels()[0].height()];
-    let about = about_blur([
-        format!("IES profile {}", Digest::of(bytes)),
-        format!(
-            "candelas over the cosine by tangents of the angle to the axis, from -{PROFILE_TANGENT} to {PROFILE_TANGENT}"
-        ),
-    ]);
-    let LightTextureFiles { files, error, clamped } = light_texture_files(name, &pyramid, container, texels, &about)?;
-    let (levels, transfer, picture) = (pyramid.levels().len(), "linear".to_owned(), profile.angles());
-    Ok(LightTexture { format: PROFILE_FORMAT, transfer, picture, size, levels, texels, error, clamped, files })
-}
-
-/// What the files say of themselves: the picture, and the light on which texels are square.
-fn about(picture: Digest, [width, height]: [f64; 2]) -> About {
-    about_blur([format!("picture {picture}"), format!("texels are square on a light of {width} x {height}")])
-}
-
-fn about_blur([of, texels]: [String; 2]) -> About {
+/// What the files say of themselves: the source, the layout of the texels, and the blur.
+fn about([of, texels]: [String; 2]) -> About {
     About::new([
         concat!("ltcforge ", env!("CARGO_PKG_VERSION")).to_owned(),
         of,

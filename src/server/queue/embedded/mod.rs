@@ -12,7 +12,7 @@ mod write;
 use std::{
     num::NonZeroUsize,
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use super::{
@@ -70,7 +70,7 @@ impl Queue for EmbeddedQueue {
             None => {}
         }
         if self.state().active.len() >= self.limits.jobs {
-            return Err(QueueError::Full { limit: self.limits.jobs });
+            return Err(QueueError::Full(self.limits.jobs));
         }
         let job = self.store_new(&writer, new)?;
         self.changed.notify_all();
@@ -207,16 +207,9 @@ impl Queue for EmbeddedQueue {
     }
 
     fn wait(&self, most: Duration) -> bool {
-        let end = Instant::now() + most;
-        let mut state = self.state();
-        while !state.is_closed && state.is_idle() {
-            let left = end.saturating_duration_since(Instant::now());
-            if left.is_zero() {
-                break;
-            }
-            state = self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0;
-        }
-        !state.is_closed
+        let is_idle = |state: &mut State| !state.is_closed && state.is_idle();
+        let waited = self.changed.wait_timeout_while(self.state(), most, is_idle);
+        !waited.unwrap_or_else(PoisonError::into_inner).0.is_closed
     }
 
     fn close(&self) {

@@ -9,7 +9,6 @@ use super::{
     Clock, EmbeddedQueue,
     record::{Entry, Record, parse_result_key},
     state::State,
-    write::{MOST_REMOVED, remove_garbage},
 };
 use crate::{
     queue::{JobId, JobState, Limits},
@@ -55,8 +54,11 @@ impl EmbeddedQueue {
                 let shard = parse_result_key(&key).and_then(|(id, shard)| records.get_mut(&id).zip(Some(shard)));
                 match shard.filter(|((record, _), shard)| keeps(record, *shard, fitter)) {
                     Some(((_, finished), shard)) => finished.push(shard),
-                    None => state.garbage.push_back(key),
+                    None => batch.remove(Tree::Results, key),
                 }
+            }
+            if !batch.is_empty() {
+                rows.commit(&std::mem::take(&mut batch))?;
             }
         }
         for (mut record, mut finished) in records.into_values() {
@@ -74,19 +76,14 @@ impl EmbeddedQueue {
         }
         let now = (clock.wall)();
         loop {
-            let forgotten = state.forgettable(&limits, now, MOST_REMOVED);
-            for submission in forgotten {
-                if let Some(entry) = state.jobs.get(&submission) {
-                    batch.remove(Tree::Jobs, *entry.record.job.id.as_bytes());
-                }
-                state.forget(submission);
+            for submission in state.forgettable(&limits, now) {
+                state.jobs.get(&submission).into_iter().for_each(|entry| entry.remove(&mut batch));
+                state.remove(submission);
             }
-            let garbage = remove_garbage(&state, &mut batch);
             if batch.is_empty() {
                 break;
             }
             rows.commit(&std::mem::take(&mut batch))?;
-            state.garbage.drain(..garbage);
         }
         let (writer, state) = (Mutex::new(()), Mutex::new(state));
         Ok(Self { rows, limits, clock, writer, state, changed: Condvar::new() })

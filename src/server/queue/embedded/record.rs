@@ -123,6 +123,17 @@ impl Entry {
         tasks.filter(|(_, task)| task.state == TaskState::Finished).map(|(number, _)| number).collect()
     }
 
+    /// Adds the removal of the job's row and results to `batch`.
+    pub(super) fn remove(&self, batch: &mut Batch) {
+        batch.remove(Tree::Jobs, *self.record.job.id.as_bytes());
+        self.remove_results(batch);
+    }
+
+    /// Adds the removal of the stored results to `batch`.
+    pub(super) fn remove_results(&self, batch: &mut Batch) {
+        self.finished().iter().for_each(|shard| batch.remove(Tree::Results, result_key(self.record.job.id, *shard)));
+    }
+
     /// The job as it is now.
     pub(super) fn job(&self) -> Job {
         let mut job = self.record.job.clone();

@@ -8,12 +8,15 @@ use std::{
 
 use jiff::Timestamp;
 
-use super::record::{Entry, Task, TaskState, result_key};
+use super::record::{Entry, Task, TaskState};
 use crate::queue::{
     Depth, Failure, Job, JobId, JobPage, JobState, Lease, LeasedTask, Limits, MOST_FAILURES, MOST_LEASES, StaleLease,
     StateName, Statistics, TaskKind, failed_often, leased_often, order,
 };
 use ltcforge_files::digest::Digest;
+
+/// Jobs that one write forgets, at most.
+const MOST_FORGOTTEN: usize = 256;
 
 /// A job that is about to fail, and why.
 pub(super) type Doomed = (u64, Failure);
@@ -34,8 +37,6 @@ pub(super) struct State {
     leased: BTreeSet<(u64, u32)>,
     /// Jobs that fail with the next write.
     pub(super) doomed: VecDeque<Doomed>,
-    /// Keys of results that nobody needs any more. Later writes remove them.
-    pub(super) garbage: VecDeque<Vec<u8>>,
     pub(super) last_submission: u64,
     last_lease: u64,
     pub(super) is_closed: bool,
@@ -224,23 +225,15 @@ impl State {
         self.set(submission, assembly, TaskState::Blocked);
     }
 
-    /// Ended jobs to forget, at most `most`.
-    pub(super) fn forgettable(&self, limits: &Limits, now: Timestamp, most: usize) -> Vec<u64> {
+    /// Ended jobs to forget, at most [`MOST_FORGOTTEN`].
+    pub(super) fn forgettable(&self, limits: &Limits, now: Timestamp) -> Vec<u64> {
         let too_many = self.ended.len().saturating_sub(limits.most_ended.unwrap_or(usize::MAX));
         let is_old = |ended: Timestamp| {
             limits.keep_ended.is_some_and(|keep| now.duration_since(ended).unsigned_abs() > keep && ended < now)
         };
         let ended = self.ended.iter().enumerate();
         let old = ended.take_while(|(n, (ended, _))| *n < too_many || is_old(*ended));
-        old.map(|(_, (_, submission))| *submission).take(most).collect()
-    }
-
-    /// Forgets an ended job. Its results are garbage.
-    pub(super) fn forget(&mut self, submission: u64) {
-        let Some(entry) = self.jobs.get(&submission) else { return };
-        let id = entry.record.job.id;
-        self.garbage.extend(entry.kept.iter().map(|shard| result_key(id, *shard)));
-        self.remove(submission);
+        old.map(|(_, (_, submission))| *submission).take(MOST_FORGOTTEN).collect()
     }
 
     /// The job that made a table.

@@ -5,24 +5,14 @@ use std::{collections::BTreeSet, sync::MutexGuard};
 use super::{
     EmbeddedQueue,
     record::{Entry, Record, result_key},
-    state::State,
 };
 use crate::{
     queue::{Job, JobId, JobState, Lease, NewJob, StaleLease, TaskKind, order},
     store::{Batch, StoreError, Tree},
 };
 
-/// Rows that a write removes beside its own, at most.
-pub(super) const MOST_REMOVED: usize = 256;
-
 /// Proves that the caller holds the writer's lock.
 pub(super) type Writer<'a> = MutexGuard<'a, ()>;
-
-/// Adds removals of garbage to `batch`. Returns how many.
-pub(super) fn remove_garbage(state: &State, batch: &mut Batch) -> usize {
-    let keys = state.garbage.iter().take(MOST_REMOVED);
-    keys.map(|key| batch.remove(Tree::Results, key.as_slice())).count()
-}
 
 impl EmbeddedQueue {
     /// Stores a job that is unknown or has ended, and forgets old ones.
@@ -32,8 +22,7 @@ impl EmbeddedQueue {
         let entries_total = new.entries();
         let mut batch = Batch::default();
         let mut state = self.state();
-        let garbage = remove_garbage(&state, &mut batch);
-        let mut forgotten = state.forgettable(&self.limits, now, MOST_REMOVED);
+        let mut forgotten = state.forgettable(&self.limits, now);
         let old = state.find(id);
         let is_same = |old: &Record| {
             let entries = |shards: &[crate::queue::Shard]| shards.iter().map(|shard| shard.entries).collect::<Vec<_>>();
@@ -43,15 +32,10 @@ impl EmbeddedQueue {
         if let Some(old) = old {
             forgotten.retain(|submission| *submission != old.record.submission);
             if kept.is_empty() {
-                old.kept.iter().for_each(|shard| batch.remove(Tree::Results, result_key(id, *shard)));
+                old.remove_results(&mut batch);
             }
         }
-        // No later write may remove what this job will store.
-        let is_own = |key: &Vec<u8>| key.starts_with(id.as_bytes());
-        state.garbage.iter().filter(|key| is_own(key)).for_each(|key| batch.remove(Tree::Results, key.as_slice()));
-        for entry in forgotten.iter().filter_map(|submission| state.jobs.get(submission)) {
-            batch.remove(Tree::Jobs, *entry.record.job.id.as_bytes());
-        }
+        forgotten.iter().filter_map(|submission| state.jobs.get(submission)).for_each(|entry| entry.remove(&mut batch));
         state.last_submission += 1;
         let record = Record {
             job: Job {
@@ -77,10 +61,8 @@ impl EmbeddedQueue {
         record.put(&mut batch)?;
         self.rows.commit(&batch)?;
         let mut state = self.state();
-        state.garbage.drain(..garbage);
-        state.garbage.retain(|key| !is_own(key));
         for submission in forgotten {
-            state.forget(submission);
+            state.remove(submission);
         }
         let entry = Entry::unfinished(record, &kept);
         let job = entry.job();
@@ -114,11 +96,9 @@ impl EmbeddedQueue {
         if accepted.is_empty() {
             return Ok(answers);
         }
-        let garbage = remove_garbage(&state, &mut batch);
         drop(state);
         self.rows.commit(&batch)?;
         let mut state = self.state();
-        state.garbage.drain(..garbage);
         for (submission, shard) in accepted {
             state.finish_shard(submission, shard);
             if let Some(entry) = state.jobs.get_mut(&submission) {
@@ -140,7 +120,7 @@ impl EmbeddedQueue {
         let unknown = || StoreError::Database(format!("there is no submission {submission}"));
         let state = self.state();
         let entry = state.jobs.get(&submission).ok_or_else(unknown)?;
-        let (mut record, finished) = (entry.record.clone(), entry.finished());
+        let mut record = entry.record.clone();
         let mut job = Job {
             finished_at: Some((self.clock.wall)()),
             cancelled_by: cancelled_by.map(str::to_owned),
@@ -150,26 +130,18 @@ impl EmbeddedQueue {
         if matches!(job.state, JobState::Done { .. }) {
             job.entries_done = job.entries_total;
         }
-        let (mut batch, mut kept, mut useless) = (rows, vec![], vec![]);
+        let (mut batch, mut kept) = (rows, vec![]);
         if matches!(job.state, JobState::Failed { .. }) {
-            kept = finished;
+            kept = entry.finished();
         } else {
-            useless.extend(finished.iter().map(|shard| result_key(job.id, *shard)));
+            entry.remove_results(&mut batch);
             record.shards = vec![];
         }
-        let garbage = remove_garbage(&state, &mut batch);
         drop(state);
-        let later = useless.split_off(useless.len().min(MOST_REMOVED));
-        for key in useless {
-            batch.remove(Tree::Results, key);
-        }
         record.job = job.clone();
         record.put(&mut batch)?;
         self.rows.commit(&batch)?;
-        let mut state = self.state();
-        state.garbage.drain(..garbage);
-        state.garbage.extend(later);
-        state.insert(Entry::ended(record, kept));
+        self.state().insert(Entry::ended(record, kept));
         Ok(job)
     }
 

@@ -14,7 +14,7 @@ use std::{
         Arc, Condvar, Mutex, PoisonError,
         atomic::{AtomicU64, Ordering},
     },
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use super::{
@@ -181,16 +181,9 @@ impl Queue for PostgresQueue {
 
     /// Other processes change the queue too: this asks again soon rather than waiting for them.
     fn wait(&self, most: Duration) -> bool {
-        let end = Instant::now() + most.min(ASK);
-        let mut is_closed = self.is_closed.lock().unwrap_or_else(PoisonError::into_inner);
-        while !*is_closed {
-            let left = end.saturating_duration_since(Instant::now());
-            if left.is_zero() {
-                break;
-            }
-            is_closed = self.closed.wait_timeout(is_closed, left).unwrap_or_else(PoisonError::into_inner).0;
-        }
-        !*is_closed
+        let is_closed = self.is_closed.lock().unwrap_or_else(PoisonError::into_inner);
+        let waited = self.closed.wait_timeout_while(is_closed, most.min(ASK), |is_closed| !*is_closed);
+        !*waited.unwrap_or_else(PoisonError::into_inner).0
     }
 
     fn close(&self) {

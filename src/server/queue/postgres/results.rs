@@ -2,7 +2,7 @@
 
 use deadpool_postgres::GenericClient;
 
-use super::{PostgresQueue, jobs, tasks::CURRENT};
+use super::{PostgresQueue, jobs};
 use crate::{
     queue::{JobState, Lease, LeaseError, StaleLease},
     store::{Batch, StoreError, apply, seal_result, unseal_result},
@@ -49,10 +49,8 @@ impl PostgresQueue {
     }
 
     pub(super) fn store_results(&self, done: &[(Lease, Vec<u8>)]) -> Result<Vec<Result<(), StaleLease>>, StoreError> {
-        let fences: Vec<_> = done.iter().map(|(lease, _)| Self::fence(lease)).collect();
-        let submissions: Vec<_> = fences.iter().map(|fence| fence.0).collect();
-        let tasks: Vec<_> = fences.iter().map(|fence| fence.1).collect();
-        let numbers: Vec<_> = fences.iter().map(|fence| fence.2).collect();
+        let (submissions, tasks, numbers): (Vec<_>, Vec<_>, Vec<_>) =
+            done.iter().map(|(lease, _)| Self::fence(lease)).collect();
         let results: Vec<_> = done.iter().map(|(_, result)| seal_result(result)).collect();
         let rows = self.database.run(async |client| {
             let statement = client.prepare_cached(COMPLETE).await?;
@@ -68,13 +66,8 @@ impl PostgresQueue {
     }
 
     pub(super) fn read_results(&self, lease: &Lease) -> Result<Vec<Vec<u8>>, LeaseError> {
-        let (submission, shards, number) = Self::fence(lease);
-        let is_current = async |client: &deadpool_postgres::Client| {
-            let current = client.prepare_cached(CURRENT).await?;
-            let row = client.query_opt(&current, &[&submission, &shards, &number]).await?;
-            Ok::<_, StoreError>(row.is_some_and(|row| row.get(0)))
-        };
-        if !self.database.run(async |client| is_current(client).await)? {
+        let (submission, shards, _) = Self::fence(lease);
+        if self.database.run(async |client| Ok(Self::current(&*client, lease).await?))? != Some(true) {
             return Err(StaleLease.into());
         }
         let (mut results, mut lost) = (vec![], vec![]);
@@ -97,9 +90,8 @@ impl PostgresQueue {
         }
         let is_put_back = self.database.run(async |client| {
             let transaction = client.transaction().await?;
-            let current = transaction.prepare_cached(CURRENT).await?;
             if jobs::lock_open(&transaction, submission).await?.is_none()
-                || transaction.query_opt(&current, &[&submission, &shards, &number]).await?.is_none()
+                || Self::current(&transaction, lease).await?.is_none()
             {
                 return Ok(false);
             }
@@ -116,7 +108,7 @@ impl PostgresQueue {
     }
 
     pub(super) fn finish_job(&self, lease: &Lease, table: Digest, rows: &Batch) -> Result<(), LeaseError> {
-        let (submission, task, number) = Self::fence(lease);
+        let (submission, ..) = Self::fence(lease);
         let is_done = self.database.run(async |client| {
             let transaction = client.transaction().await?;
             if jobs::lock_open(&transaction, submission).await?.is_none() {
@@ -125,9 +117,7 @@ impl PostgresQueue {
                 let done = transaction.prepare_cached(done).await?;
                 return Ok(transaction.query_opt(&done, &[&submission, &table.as_bytes().as_slice()]).await?.is_some());
             }
-            let current = transaction.prepare_cached(CURRENT).await?;
-            let row = transaction.query_opt(&current, &[&submission, &task, &number]).await?;
-            if !row.is_some_and(|row| row.get(0)) {
+            if Self::current(&transaction, lease).await? != Some(true) {
                 return Ok(false);
             }
             apply(&transaction, rows).await?;

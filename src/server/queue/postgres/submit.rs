@@ -109,7 +109,7 @@ impl PostgresQueue {
         })?;
         let gone = || StoreError::Unavailable("the job was removed while it was submitted".to_owned());
         match outcome {
-            Outcome::Full => Err(QueueError::Full { limit: self.limits.jobs }),
+            Outcome::Full => Err(QueueError::Full(self.limits.jobs)),
             Outcome::New => Ok(Submitted::Queued(job.ok_or_else(gone)?.1)),
             Outcome::Joined => Ok(match job.ok_or_else(gone)?.1 {
                 job @ Job { state: JobState::Done { table }, .. } => Submitted::Done(job, table),

@@ -1,6 +1,8 @@
 //! Leases of tasks, and tasks that are put back.
 
-use std::sync::atomic::Ordering;
+use std::{num::NonZeroUsize, sync::atomic::Ordering};
+
+use deadpool_postgres::GenericClient;
 
 use super::{PostgresQueue, jobs};
 use crate::{
@@ -10,7 +12,6 @@ use crate::{
     },
     store::StoreError,
 };
-use std::num::NonZeroUsize;
 
 /// `$1` the fitter, `$2` tasks at most, `$3` seconds. The number of a lease is random: after a database was restored, an old
 /// lease is not taken for a new one.
@@ -54,8 +55,7 @@ const PUT_BACK: &str = "
         leases = leases - CASE WHEN $4 THEN 0 ELSE 1 END, failures = failures + CASE WHEN $4 THEN 1 ELSE 0 END
     WHERE submission = $1 AND task = $2 AND lease = $3 AND state = 'leased' RETURNING is_assembly, leases, failures";
 
-/// Whether a lease is current. Selects whether it is the assembly's.
-pub(super) const CURRENT: &str = "
+const CURRENT: &str = "
     SELECT is_assembly FROM ltcforge.tasks WHERE submission = $1 AND task = $2 AND lease = $3 AND state = 'leased'";
 
 fn kind(task: i32, is_assembly: bool) -> TaskKind {
@@ -98,10 +98,8 @@ impl PostgresQueue {
         if leases.is_empty() {
             return Ok(answers);
         }
-        let fences: Vec<_> = leases.iter().map(|(lease, _)| Self::fence(lease)).collect();
-        let submissions: Vec<_> = fences.iter().map(|fence| fence.0).collect();
-        let tasks: Vec<_> = fences.iter().map(|fence| fence.1).collect();
-        let numbers: Vec<_> = fences.iter().map(|fence| fence.2).collect();
+        let (submissions, tasks, numbers): (Vec<_>, Vec<_>, Vec<_>) =
+            leases.iter().map(|(lease, _)| Self::fence(lease)).collect();
         let entries: Vec<_> = leases.iter().map(|(_, entries)| entries.cast_signed()).collect();
         let seconds = self.limits.lease_ttl.as_secs_f64();
         let renewed = self.database.run(async |client| {
@@ -164,6 +162,16 @@ impl PostgresQueue {
         if is_put_back { Ok(()) } else { Err(StaleLease.into()) }
     }
 
+    /// Whether a lease is the assembly's; `None` if it is not current.
+    pub(super) async fn current(
+        client: &impl GenericClient,
+        lease: &Lease,
+    ) -> Result<Option<bool>, tokio_postgres::Error> {
+        let (submission, task, number) = Self::fence(lease);
+        let current = client.prepare_cached(CURRENT).await?;
+        Ok(client.query_opt(&current, &[&submission, &task, &number]).await?.map(|row| row.get(0)))
+    }
+
     /// Fails the job of a current lease.
     pub(super) fn abort(&self, lease: &Lease, failure: &Failure) -> Result<(), LeaseError> {
         let (submission, ..) = Self::fence(lease);
@@ -177,12 +185,10 @@ impl PostgresQueue {
             if jobs::lock_open(&transaction, submission).await?.is_none() {
                 return Ok(false);
             }
-            if let Some(lease) = lease {
-                let (submission, task, number) = Self::fence(lease);
-                let current = transaction.prepare_cached(CURRENT).await?;
-                if transaction.query_opt(&current, &[&submission, &task, &number]).await?.is_none() {
-                    return Ok(false);
-                }
+            if let Some(lease) = lease
+                && Self::current(&transaction, lease).await?.is_none()
+            {
+                return Ok(false);
             }
             jobs::end(&transaction, submission, &JobState::Failed { error: failure.clone() }, None).await?;
             transaction.commit().await?;

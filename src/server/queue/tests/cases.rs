@@ -170,7 +170,7 @@ pub(super) fn statistics_and_pages_agree_with_the_jobs<W: World>() {
     let Some(world) = W::new(Limits { jobs: 4, ..LIMITS }) else { return };
     let ids: Vec<_> = (0..4).map(|n| submit(world.queue(), new_job(&n.to_string(), 2, 1.5))).collect();
     let full = world.queue().submit(new_job("x", 1, 1.0), &|_| true);
-    assert!(matches!(full, Err(QueueError::Full { limit: 4 })));
+    assert!(matches!(full, Err(QueueError::Full(4))));
     assert!(matches!(world.queue().submit(new_job("3", 2, 1.5), &|_| true), Ok(Submitted::Joined(_))));
     world.queue().cancel(ids[1], None).unwrap();
     let tasks = lease(world.queue(), 2);

@@ -243,7 +243,7 @@ impl Model {
         match slot.as_ref().map(|job| job.state) {
             Some(state) if !state.is_final() => prop_assert!(matches!(answer, Ok(Submitted::Joined(_)))),
             Some(StateName::Done) if has_table => prop_assert!(matches!(answer, Ok(Submitted::Done(..)))),
-            _ if open >= MODEL_LIMITS.jobs => prop_assert!(matches!(answer, Err(QueueError::Full { .. })), "full"),
+            _ if open >= MODEL_LIMITS.jobs => prop_assert!(matches!(answer, Err(QueueError::Full(_))), "full"),
             _ if is_full => prop_assert!(matches!(answer, Err(QueueError::Store(_)))),
             state => {
                 prop_assert!(matches!(answer, Ok(Submitted::Queued(_))), "{:?}", answer);

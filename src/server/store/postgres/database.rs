@@ -138,7 +138,7 @@ impl Database {
                 idle.retain(|_, metrics| metrics.last_used() < IDLE);
             }
         };
-        threads.block_on(async { tokio::spawn(close_idle) });
+        threads.block_on(async { drop(tokio::spawn(close_idle)) });
         Ok(Self { threads, pool, name })
     }
 

@@ -17,7 +17,7 @@ impl From<Error> for ConnectError {
 pub(super) fn is_temporary(error: &Error) -> bool {
     let Some(code) = error.code() else {
         // The server did not answer: the connection failed, unless the client itself found the error.
-        return error.is_closed() || causes(error).any(|cause| cause.is::<std::io::Error>());
+        return error.is_closed() || causes(error).any(<dyn std::error::Error + 'static>::is::<std::io::Error>);
     };
     let temporary = [
         SqlState::ADMIN_SHUTDOWN,
