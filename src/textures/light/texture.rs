@@ -120,10 +120,8 @@ pub fn light_texture(
             return Err(LightTextureError::Size { size, most: most_pixels });
         }
         let [width, height] = light.map_or(size.map(|side| side as f64), LightSize::sides);
-        let of = [
-            format!("picture {}", Digest::of(bytes)),
-            format!("texels are square on a light of {width} x {height}"),
-        ];
+        let of =
+            [format!("picture {}", Digest::of(bytes)), format!("texels are square on a light of {width} x {height}")];
         (format.name(), curve.to_string(), picture, LightPyramid::new(&image.resampled(size)), of)
     };
     let size = [pyramid.levels()[0].width(), pyramid.levels()[0].height()];
