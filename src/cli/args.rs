@@ -9,7 +9,7 @@ use clap_complete::Shell;
 #[cfg(unix)]
 use super::service::ServiceCommand;
 use super::{
-    diff::DiffArgs, export::ExportArgs, fit::FitArgs, jobs::JobsArgs, light::LightArgs,
+    diff::DiffArgs, export::ExportArgs, fit::FitArgs, jobs::JobsArgs, light_args::LightArgs,
     light_texture::LightTextureArgs, lock::LockArgs, lookup::LookupArgs, plan::PlanArgs, plot::PlotArgs,
     preview::PreviewArgs, pull::PullArgs, report::ReportArgs, shader::ShaderArgs, tabulated::TabulateArgs,
     tradeoff::TradeoffArgs, verify::VerifyArgs,

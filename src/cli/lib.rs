@@ -15,6 +15,7 @@ mod input;
 mod interrupt;
 mod jobs;
 mod light;
+mod light_args;
 mod light_case;
 mod light_picture;
 mod light_texture;

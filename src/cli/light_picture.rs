@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{CommandFailure, file_failure, light::LightArgs, usage};
+use super::{CommandFailure, file_failure, light_args::LightArgs, usage};
 use ltcforge_files::bounded::read_file;
 use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, Table};
 use ltcforge_light::{

@@ -1,15 +1,14 @@
 //! Downloading the pinned tables that are missing or differ.
 
 use std::{
-    fs::{self, File},
-    io,
+    fs, io,
     path::{Path, PathBuf},
 };
 
 use super::{
     Access, Source, SourcesError, Wanted,
     pin::{KEPT, is_kept},
-    source::from_first,
+    source::{from_first, open_regular},
 };
 use ltcforge_files::{
     digest::Digest,
@@ -102,14 +101,6 @@ pub fn digest_of_file(path: &Path) -> io::Result<(Digest, u64)> {
     let file = open_regular(path)?;
     let bytes = file.metadata()?.len();
     Ok((Digest::of_stream(file)?, bytes))
-}
-
-/// Opens a file that is not a pipe or a device: these may have no end, and opening a pipe may block.
-pub(super) fn open_regular(path: &Path) -> io::Result<File> {
-    if !path.metadata()?.is_file() {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is not a regular file"));
-    }
-    File::open(path)
 }
 
 /// The path to which the file at `path` below `folder` is written, without links. A checkout may hold links, and none

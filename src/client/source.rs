@@ -3,6 +3,7 @@
 use std::{
     ffi::OsString,
     fmt,
+    fs::File,
     io::{self, Write},
     path::{Path, PathBuf},
     str::FromStr,
@@ -15,7 +16,6 @@ use super::{
     base::parse_base,
     download::copy,
     error::{bad_url, is_hidden},
-    pull::open_regular,
 };
 
 /// A place that may have a table. Written as a URL, or as the path of a folder.
@@ -150,6 +150,14 @@ pub fn fetch(sources: &[Source], wanted: &Wanted, access: &Access<'_>) -> Result
         write(&mut bytes)?;
         Ok(bytes)
     })
+}
+
+/// Opens a file that is not a pipe or a device: these may have no end, and opening a pipe may block.
+pub(super) fn open_regular(path: &Path) -> io::Result<File> {
+    if !path.metadata()?.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is not a regular file"));
+    }
+    File::open(path)
 }
 
 #[cfg(test)]

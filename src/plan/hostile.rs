@@ -65,7 +65,7 @@ const BODIES: [Body; 24] = [
     ("nodes", || filled(r#"{"nodes":["#, "{},", "{}]}"), SCENE, "/nodes: more than 524288 objects and lists"),
     ("nodes as lists", || filled(r#"{"nodes":["#, "[],", "[]]}"), SCENE, "/nodes: more than 524288"),
     ("nodes within", || times(r#"{"nodes":["#, "{},", WITHIN, "{}]}"), SCENE, "/nodes: 500001; at most 262144"),
-    ("children", || filled(r#"{"nodes":[{"children":["#, "0,", "0]}]}"), SCENE, "/children: more than 4194304 values"),
+    ("children", || filled(r#"{"nodes":[{"children":["#, "0,", "0]}]}"), SCENE, "/nodes: more than 4194304 values"),
     (
         "accessors",
         || filled(r#"{"accessors":["#, r#"{"componentType":1,"count":1,"type":""},"#, "0]}"),

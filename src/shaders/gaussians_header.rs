@@ -2,8 +2,8 @@
 
 use super::{
     Language,
-    golden::{CASES, CORNERS},
-    header::{commented, fixed, listed},
+    golden::{CASES, CORNERS, listed},
+    header::{commented, fixed},
     model_shader::{ModelShader, caller},
     stamp::{LICENCE, head},
 };

@@ -4,8 +4,8 @@ use super::{
     Bound, Language,
     bindings::{bindings, included_bindings},
     gaussians_header::{LIGHTS, gaussians_caller},
-    golden::{CASES, CORNERS, Case},
-    header::{bound_table, checked_table, commented, fixed, listed},
+    golden::{CASES, CORNERS, Case, listed},
+    header::{bound_table, checked_table, commented, fixed},
     stamp::{LICENCE, head},
 };
 use super::{Lights, Namespace, Reading, model_shader::ModelShader};

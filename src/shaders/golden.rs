@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 
-use super::header::listed;
 use ltcforge_fit::{
     BrdfKind, Configuration, Layout, LobeFresnel, LobeModel, Ltc, PerAxis, SecondLobe, Sides, Table, Terms,
     blend_weight, blended,
@@ -176,4 +175,9 @@ impl Case {
         let columns = [m.x_axis, m.y_axis, m.z_axis].map(|column| column.to_array());
         (SphericalGaussian::of_columns(gaussian, columns), parts)
     }
+}
+
+/// Numbers with a space between them.
+pub(super) fn listed<T: ToString>(numbers: &[T]) -> String {
+    numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }

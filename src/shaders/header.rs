@@ -4,7 +4,7 @@ use super::bindings::{bindings, included_bindings};
 use super::model_shader::{ModelShader, caller};
 use super::{
     Bound, Language, Lights,
-    golden::{CASES, CORNERS, Case, Golden, SecondGolden, table},
+    golden::{CASES, CORNERS, Case, Golden, SecondGolden, listed, table},
 };
 use super::{
     Namespace, Reading,
@@ -297,10 +297,6 @@ fn shown(case: &Case, golden: &Golden) -> String {
         fixed(golden.fresnel),
         fixed(golden.covered),
     )
-}
-
-pub(super) fn listed<T: ToString>(numbers: &[T]) -> String {
-    numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }
 
 /// Six decimals, without a sign on zero.

@@ -3,8 +3,8 @@
 use super::{
     Language,
     gaussians_header::bindings,
-    golden::{CASES, CORNERS},
-    header::{commented, fixed, listed},
+    golden::{CASES, CORNERS, listed},
+    header::{commented, fixed},
     model_shader::{ModelShader, caller},
     stamp::{LICENCE, head},
 };

@@ -7,6 +7,7 @@
 //!
 //! Invariants: only `translation` uses naga; equal arguments give equal bytes on every machine.
 
+mod error;
 mod function;
 mod include;
 mod layers;
@@ -18,8 +19,9 @@ mod tests;
 mod translation;
 mod wgsl;
 
+pub use error::PortError;
 pub use function::include_function;
 pub use include::{include, include_given};
 pub use layers::include_layers;
-pub use port::{PortError, port};
+pub use port::port;
 pub use prefilter::include_prefilter;

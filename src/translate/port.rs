@@ -2,18 +2,10 @@
 
 use ltcforge_shaders::{Language, LitBy, stamped, wgsl};
 
-use super::translation::{program, spirv_program};
-
-/// Why there is no translation: a language that has no such text ([`Language::has_programs`],
-/// [`Language::has_includes`]), or a defect of the shaders or of naga.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{}: {reason}", language.name())]
-pub struct PortError {
-    /// The language asked for.
-    pub language: Language,
-    /// The message of naga, or what is not printed, with line and column.
-    pub reason: String,
-}
+use super::{
+    PortError,
+    translation::{program, spirv_program},
+};
 
 /// The shader that lights by a table of some layout, or without one, in `language`: UTF-8, or the words of SPIR-V in
 /// little-endian order.

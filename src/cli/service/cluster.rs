@@ -1,17 +1,21 @@
-//! `work`, and what `serve` needs to be one of several processes on a shared database and object store.
+//! `work`: fits shards from a shared queue.
 
 use std::{
     net::SocketAddr,
     num::{NonZeroU64, NonZeroUsize},
     path::PathBuf,
     sync::Arc,
-    time::Duration,
 };
 
 use clap::Args;
 use serde_json::json;
 
-use super::{CommandFailure, Context, Exit, failed, serve::listen, settings::ServeSettings};
+use super::{
+    CommandFailure, Context, Exit, failed,
+    replica::{lease_ttl, unless_interrupted},
+    serve::listen,
+    settings::ServeSettings,
+};
 use crate::values::ThreadCount;
 use ltcforge_server::{
     http,
@@ -19,44 +23,8 @@ use ltcforge_server::{
 };
 use ltcforge_view::preview::Adapter;
 
-/// Connections to the database of a process that serves, and of a worker.
-const REPLICA_CONNECTIONS: NonZeroUsize = NonZeroUsize::new(16).unwrap();
+/// Connections to the database of a worker.
 const WORKER_CONNECTIONS: NonZeroUsize = NonZeroUsize::new(3).unwrap();
-
-/// Flags that make `serve` one of several processes.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Args)]
-pub(crate) struct ReplicaArgs {
-    /// PostgreSQL database of the queue and the list of tables
-    #[arg(long, env = "LTCFORGE_DATABASE", hide_env_values = true, value_name = "URL", requires = "blobs")]
-    pub database: Option<DatabaseUrl>,
-    /// Object store of the tables: `s3://BUCKET/PREFIX`, `gs://`, `az://` or `file:///`
-    #[arg(long, env = "LTCFORGE_BLOBS", value_name = "URL", requires = "database")]
-    pub blobs: Option<String>,
-    /// Serve only; `ltcforge work` fits
-    #[arg(long, requires = "database")]
-    pub no_workers: bool,
-    /// Seconds after which another worker takes over a silent worker's shard
-    #[arg(long, env = "LTCFORGE_LEASE_SECONDS", value_name = "N", requires = "database")]
-    pub lease_seconds: Option<NonZeroU64>,
-}
-
-impl ReplicaArgs {
-    /// Opens the service on the shared database, or `None` for a service on its own data folder.
-    pub(super) fn shared(&self) -> Option<Shared> {
-        let (database, store) = self.database.clone().zip(self.blobs.clone())?;
-        Some(Shared { database, store, connections: REPLICA_CONNECTIONS })
-    }
-
-    /// The configuration with what these flags change.
-    pub(super) fn change(&self, config: Config) -> Config {
-        let workers = if self.no_workers { 0 } else { config.workers };
-        Config { workers, lease_ttl: lease_ttl(self.lease_seconds, &config), ..config }
-    }
-}
-
-fn lease_ttl(seconds: Option<NonZeroU64>, config: &Config) -> Duration {
-    seconds.map_or(config.lease_ttl, |seconds| Duration::from_secs(seconds.get()))
-}
 
 /// `work`.
 #[derive(Debug, Args)]
@@ -130,12 +98,4 @@ pub(super) fn work(args: WorkArgs, file: &ServeSettings, context: &mut Context<'
         tokio::task::spawn_blocking(move || service.stop()).await.map_err(failed)?;
         Ok(Exit::Ok)
     })
-}
-
-/// The result of `opening`, which waits while the database has no room; `None` if the process is interrupted first.
-pub(super) async fn unless_interrupted<T>(opening: impl Future<Output = T>, context: &Context<'_>) -> Option<T> {
-    tokio::select! {
-        opened = opening => Some(opened),
-        () = context.interrupt.clone().wait() => None,
-    }
 }

@@ -4,6 +4,8 @@
 mod cluster;
 mod descriptors;
 mod doors;
+#[cfg(feature = "cluster")]
+mod replica;
 mod serve;
 mod settings;
 mod token;

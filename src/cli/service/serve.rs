@@ -25,7 +25,7 @@ pub(super) fn run(settings: &ServeSettings, context: &mut Context<'_>) -> Result
             None => Some(tokio::task::spawn_blocking(move || Service::open(config)).await),
             Some(shared) => {
                 let opening = tokio::task::spawn_blocking(move || Service::open_shared(config, &shared));
-                super::cluster::unless_interrupted(opening, context).await
+                super::replica::unless_interrupted(opening, context).await
             }
         };
         #[cfg(not(feature = "cluster"))]

@@ -15,7 +15,7 @@ use clap::{ArgMatches, Args, Command, FromArgMatches};
 use serde::{Deserialize, Deserializer, de::Error as _};
 
 #[cfg(feature = "cluster")]
-use super::cluster::ReplicaArgs;
+use super::replica::ReplicaArgs;
 use super::{CommandFailure, named, usage};
 use crate::values::{ThreadCount, UpTo, cores};
 use ltcforge_files::recipe_document::DEFAULT_ENTRY_LIMIT;

@@ -74,15 +74,9 @@ fn errors_are_those_of_the_weight() {
         (Roughness::All, _) => [0.0004, 0.002, 0.08],
         (_, _) => [0.0006, 0.0031, 0.06],
     };
-    for (seed, count, roughness, sizes) in [
-        (11, 3000, Roughness::All, USUAL),
-        (12, 2000, Roughness::All, USUAL),
-        (13, 1000, Roughness::All, USUAL),
-        (14, 2500, Roughness::Anisotropic, USUAL),
-        (15, 1500, Roughness::Anisotropic, USUAL),
-        (16, 2500, Roughness::All, HUGE),
-        (17, 1500, Roughness::All, HUGE),
-    ] {
+    for (seed, count, roughness, sizes) in
+        [(11, 2000, Roughness::All, USUAL), (14, 1500, Roughness::Anisotropic, USUAL), (16, 1500, Roughness::All, HUGE)]
+    {
         for (rule, energy, fresnel) in errors(seed, count, roughness, sizes) {
             for (found, limit) in energy.into_iter().zip(limits(roughness, sizes, rule)) {
                 assert!(found < limit, "{seed} {roughness:?} {sizes:?} {rule}: {energy:?}");
@@ -185,7 +179,7 @@ fn f32_tells_the_same_as_f64() {
 #[test]
 fn lights_of_any_size_are_right() {
     let mut draw = Draw::new(61);
-    let cases: Vec<Lit> = (0..1200).map(|_| draw.lit_by(Roughness::Extreme, [0.0005, 50.0])).collect();
+    let cases: Vec<Lit> = (0..600).map(|_| draw.lit_by(Roughness::Extreme, [0.0005, 50.0])).collect();
     let error = |lit: &Lit| {
         let wanted = truth_within(1e-6, &lit.at, &lit.light(Sides::Two)).expect("a surface");
         [NormalsRule::Balanced, NormalsRule::Fine].map(|rule| (found(lit, rule).energy - wanted.energy).abs())
@@ -201,8 +195,8 @@ fn lights_of_any_size_are_right() {
 /// Checks that no surface, view or light is far off in f32. The truth takes a millisecond, so one case in
 /// twenty is held to it, and each in which two other rules tell something else.
 #[test]
-fn a_hundred_thousand_configurations_are_right() {
-    const COUNT: usize = 100_000;
+fn random_configurations_are_right() {
+    const COUNT: usize = 30_000;
     let seen = [Roughness::All, Roughness::Anisotropic, Roughness::Extreme].map(|roughness| {
         let cases = Draw::many(41 + roughness as u64, COUNT / 3 + 1, roughness);
         let error = |(i, lit): (usize, &Lit)| {

@@ -43,9 +43,9 @@ fn beyond(found: ReflectedLight, [coarse, fine]: [[f64; 2]; 2]) -> f64 {
 
 #[test]
 fn it_is_the_sum_over_a_polygon() {
-    let lit: Vec<Lit> = Draw::many(101, 60, Roughness::All).into_iter().filter(is_broad).collect();
+    let lit: Vec<Lit> = Draw::many(101, 30, Roughness::All).into_iter().filter(is_broad).collect();
     let cut = lit.iter().filter(|lit| lit.vertices.iter().any(|v| v.z < 0.0)).count();
-    assert!(lit.len() > 20 && (3..lit.len() - 3).contains(&cut), "{cut} of {}", lit.len());
+    assert!(lit.len() > 10 && (2..lit.len() - 2).contains(&cut), "{cut} of {}", lit.len());
     for brdf in models() {
         let off = |lit: &Lit| {
             let surface = brdf.surface(lit.alpha());
@@ -61,7 +61,7 @@ fn it_is_the_sum_over_a_polygon() {
 fn it_is_the_sum_over_other_shapes() {
     let mut draw = Draw::new(102);
     let mut lights: Vec<(Configuration, Case)> = Vec::new();
-    while lights.len() < 40 {
+    while lights.len() < 20 {
         let lit = draw.lit(Roughness::All);
         let centre = lit.vertices[0].midpoint(lit.vertices[2]);
         if is_broad(&lit) {
@@ -77,7 +77,7 @@ fn it_is_the_sum_over_other_shapes() {
         let found: Vec<f64> = lights.par_iter().filter_map(off).collect();
         let worst = found.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         println!("{brdf}: {} lights, beyond what the sum still changes {worst:.1e}", found.len());
-        assert!(found.len() > 30 && worst < 1e-5, "{brdf}: {worst} of {}", found.len());
+        assert!(found.len() > 15 && worst < 1e-5, "{brdf}: {worst} of {}", found.len());
     }
 }
 
@@ -110,7 +110,7 @@ fn it_is_the_mean_of_sampled_rays() {
             assert!(error < allowed, "{brdf}: {mean} {error} {deviation} {lit:?}");
             [error, deviation]
         };
-        let lit = Draw::many(103, 50, Roughness::Extreme);
+        let lit = Draw::many(103, 25, Roughness::Extreme);
         let sums = lit.par_iter().map(errors).reduce(|| [0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
         assert!(sums[0] < 0.6 * sums[1], "{brdf}: {sums:?}");
     }
@@ -125,7 +125,7 @@ fn it_converges_for_mirrors_and_horizons() {
             assert!((rough.energy - fine.energy).abs() < 1e-4, "{brdf}: {rough:?} {fine:?} {lit:?}");
             (usual.energy - fine.energy).abs().max((usual.fresnel - fine.fresnel).abs())
         };
-        let lit = Draw::many(104, 20, Roughness::Extreme);
+        let lit = Draw::many(104, 10, Roughness::Extreme);
         let worst = lit.par_iter().map(change).reduce(|| 0.0, f64::max);
         println!("{brdf}: worst change {worst:.1e}");
         assert!(worst < 2e-8, "{brdf}: {worst}");
@@ -142,8 +142,8 @@ fn everything_around_gives_the_albedo() {
             let at = Configuration { alpha_x: alpha, alpha_y: alpha, theta, phi: 0.3 };
             let found = truth_of(&brdf, 1e-7, &at, &dome).expect("a surface").energy;
             let (surface, wo) = (brdf.surface([alpha; 2]), direction(theta, 0.3));
-            let points = Lattice::new(1 << 16, [0.0; 2]).points();
-            let albedo = points.map(|u| surface.sample(wo, u).weight).sum::<f64>() / f64::from(1 << 16);
+            let points = Lattice::new(1 << 14, [0.0; 2]).points();
+            let albedo = points.map(|u| surface.sample(wo, u).weight).sum::<f64>() / f64::from(1 << 14);
             assert!((found - albedo).abs() < 1e-3 * albedo.max(0.1), "{brdf} {alpha} {theta}: {found} {albedo}");
             most = most.max(found);
         }

@@ -13,10 +13,9 @@ use super::{
     api::Api,
     error::{self, bad_parameter},
     extract::{Asked, QueryOf},
-    file::{FOREVER, File, ONE_DAY, media_type},
+    file::{FOREVER, File, ONE_DAY, absent, media_type},
     kind::ProblemKind,
     problem::{Answer, Problem},
-    tables::absent,
 };
 use crate::service::{ExportedFile, MadeExport};
 use ltcforge_files::digest::Digest;

@@ -17,7 +17,6 @@ use super::{
     extract::Asked,
     kind::ProblemKind,
     problem::{Answer, Problem},
-    tables,
 };
 use crate::service::{FileKind, Service};
 use ltcforge_files::{digest::Digest, tabulated::kept_name};
@@ -143,7 +142,7 @@ pub(super) async fn stored(api: &Api, kind: FileKind, digest: Digest, asked: &As
     let (name, bytes) = match (kind, bytes) {
         (FileKind::Table, Some(bytes)) => (format!("{}.safetensors", digest.hex()), bytes),
         (_, Some(bytes)) => (kept_name(digest.as_bytes()), bytes),
-        (FileKind::Table, None) => return Err(tables::absent(api, digest).await),
+        (FileKind::Table, None) => return Err(absent(api, digest).await),
         (_, None) => {
             let detail = format!("no BRDF with the digest {digest} is stored");
             return Err(Problem::new(ProblemKind::UnknownBrdf, detail));
@@ -151,6 +150,19 @@ pub(super) async fn stored(api: &Api, kind: FileKind, digest: Digest, asked: &As
     };
     let media_type = "application/octet-stream";
     File { digest, bytes, media_type, caching: FOREVER, name: Some(name) }.respond(&asked.method, &asked.headers)
+}
+
+/// The problem of a table that is not stored. If a known job made it, the problem has the recipe that fits it again.
+pub(super) async fn absent(api: &Api, digest: Digest) -> Problem {
+    match api.call(move |service| service.job_of_table(digest)).await {
+        Err(problem) => problem,
+        Ok(None) => Problem::new(ProblemKind::UnknownTable, format!("no table with the digest {digest} is stored")),
+        Ok(Some(job)) => {
+            let detail = format!("the table {digest} was removed; submit its recipe to fit it again");
+            let problem = Problem::new(ProblemKind::RemovedTable, detail);
+            serde_json::from_str(&job.recipe).into_iter().fold(problem, Problem::with_recipe)
+        }
+    }
 }
 
 /// Deletes a stored file if its tag is one that `If-Match` allows.

@@ -11,10 +11,9 @@ use super::{
     error::{self, bad_parameters},
     etag::EntityTag,
     extract::{PathOf, QueryOf},
-    file::{ONE_DAY, REVALIDATE},
+    file::{ONE_DAY, REVALIDATE, absent},
     kind::ProblemKind,
     problem::Answer,
-    tables::absent,
 };
 use crate::service::{PictureError, Subject};
 use ltcforge_files::digest::Digest;

@@ -39,7 +39,7 @@ pub(super) async fn download(State(api): State<Api>, asked: Asked, PathOf(digest
 pub(super) async fn manifest(State(api): State<Api>, _: NoQuery, PathOf(digest): PathOf<Digest>) -> Answer {
     match api.read(move |service| service.manifest(digest)).await? {
         Some(manifest) => Ok(([(header::CONTENT_TYPE, "application/json")], manifest).into_response()),
-        None => Err(absent(&api, digest).await),
+        None => Err(file::absent(&api, digest).await),
     }
 }
 
@@ -47,20 +47,7 @@ pub(super) async fn manifest(State(api): State<Api>, _: NoQuery, PathOf(digest):
 pub(super) async fn delete(State(api): State<Api>, asked: Asked, PathOf(digest): PathOf<Digest>) -> Answer {
     let Asked { headers, by, .. } = asked;
     match file::delete(&api, digest, &headers, move |service| service.delete_table(digest, by.as_deref())).await {
-        Err(problem) if problem.is(ProblemKind::UnknownTable) => Err(absent(&api, digest).await),
+        Err(problem) if problem.is(ProblemKind::UnknownTable) => Err(file::absent(&api, digest).await),
         deleted => deleted,
-    }
-}
-
-/// The problem of a table that is not stored. If a known job made it, the problem has the recipe that fits it again.
-pub(super) async fn absent(api: &Api, digest: Digest) -> Problem {
-    match api.call(move |service| service.job_of_table(digest)).await {
-        Err(problem) => problem,
-        Ok(None) => Problem::new(ProblemKind::UnknownTable, format!("no table with the digest {digest} is stored")),
-        Ok(Some(job)) => {
-            let detail = format!("the table {digest} was removed; submit its recipe to fit it again");
-            let problem = Problem::new(ProblemKind::RemovedTable, detail);
-            serde_json::from_str(&job.recipe).into_iter().fold(problem, Problem::with_recipe)
-        }
     }
 }

@@ -1,9 +1,9 @@
 //! Errors of opening a service and of its storage.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, time::Duration};
 
 use crate::store::{OpenError as StoreOpenError, StoreError};
-use ltcforge_files::digest::Digest;
+use ltcforge_files::{digest::Digest, recipe_document::RecipeError};
 
 /// Why a service did not start.
 #[derive(Debug, thiserror::Error)]
@@ -84,4 +84,24 @@ impl From<StoreError> for ServiceError {
             other => Self::Storage(other.to_string()),
         }
     }
+}
+
+/// Why a recipe was not accepted.
+#[derive(Debug, thiserror::Error)]
+pub enum SubmitError {
+    /// The document is not a recipe, or has faults.
+    #[error(transparent)]
+    Recipe(#[from] RecipeError),
+    /// Too many jobs are queued or running: the limit, and when to try again.
+    #[error("the queue is full: {0} jobs are waiting or running; `--queue-limit` of the service raises the limit")]
+    QueueFull(usize, Duration),
+    /// The fit would take too long: predicted seconds with all workers on the job, and the limit.
+    #[error(
+        "the fit is predicted to take {0:.0} s on this machine, and a job may take {1} s; fewer entries, samples, \
+        directions or steps take less, and `--job-seconds` of the service raises the limit"
+    )]
+    TooExpensive(f64, u64),
+    /// The service is stopping, or the job could not be stored.
+    #[error(transparent)]
+    Store(#[from] ServiceError),
 }

@@ -4,7 +4,7 @@ use std::{cell::RefCell, sync::Arc};
 
 use quick_cache::sync::Cache;
 
-use super::{ExportFailure, ServiceError, submit::SubmitError};
+use super::{ExportFailure, ServiceError, SubmitError};
 use crate::{
     queue::{NewJob, Shard},
     store::{Blobs, StoreError},

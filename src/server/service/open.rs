@@ -12,7 +12,7 @@ use std::{
 
 use super::{
     Config, FileRow, OpenError, Service, TableRow, catalogue::Catalogue, exports::Exports, files::Files,
-    fitter::Fitter, forecast::Forecast, pictures::Pictures, state::State, watch::Hub,
+    fitter::Fitter, forecast::Forecast, hub::Hub, pictures::Pictures, state::State,
 };
 use crate::{
     queue::{EmbeddedQueue, Limits, Queue},

@@ -13,8 +13,8 @@ use std::{
 use jiff::Timestamp;
 
 use super::{
-    Config, PictureCounts, ServiceError, exports::Exports, files::Files, fitter::Fitter, forecast::Forecast,
-    pictures::Pictures, watch::Hub, work::Running,
+    Config, PictureCounts, ServiceError, exports::Exports, files::Files, fitter::Fitter, forecast::Forecast, hub::Hub,
+    pictures::Pictures, running::Running,
 };
 use crate::queue::{Depth, Lease, Queue, StateName};
 use ltcforge_files::digest::Digest;

@@ -2,9 +2,9 @@
 
 use std::{sync::PoisonError, time::Duration};
 
-use super::{Expected, JobCursor, JobSnapshot, Page, Service, ServiceError, state::State};
+use super::{Expected, JobCursor, JobSnapshot, Page, Service, ServiceError, SubmitError, state::State};
 use crate::queue::{Job, JobId, JobState, NewJob, QueueError, StateName, Submitted};
-use ltcforge_files::{digest::Digest, recipe_document::RecipeError};
+use ltcforge_files::digest::Digest;
 
 /// Shortest and longest time, in seconds, after which a refused client is asked to try again.
 const RETRY_SECONDS: (f64, f64) = (1.0, 600.0);
@@ -45,26 +45,6 @@ pub struct Foreseen {
     pub expected: Option<Expected>,
     /// Why the job would be refused although the recipe is valid.
     pub refused: Option<SubmitError>,
-}
-
-/// Why a recipe was not accepted.
-#[derive(Debug, thiserror::Error)]
-pub enum SubmitError {
-    /// The document is not a recipe, or has faults.
-    #[error(transparent)]
-    Recipe(#[from] RecipeError),
-    /// Too many jobs are queued or running: the limit, and when to try again.
-    #[error("the queue is full: {0} jobs are waiting or running; `--queue-limit` of the service raises the limit")]
-    QueueFull(usize, Duration),
-    /// The fit would take too long: predicted seconds with all workers on the job, and the limit.
-    #[error(
-        "the fit is predicted to take {0:.0} s on this machine, and a job may take {1} s; fewer entries, samples, \
-        directions or steps take less, and `--job-seconds` of the service raises the limit"
-    )]
-    TooExpensive(f64, u64),
-    /// The service is stopping, or the job could not be stored.
-    #[error(transparent)]
-    Store(#[from] ServiceError),
 }
 
 impl Service {

@@ -1,62 +1,10 @@
-//! Notifying the followers of jobs.
-
-use std::{
-    collections::HashMap,
-    sync::{Mutex, MutexGuard, PoisonError},
-};
+//! Following jobs.
 
 use jiff::Timestamp;
 use tokio::sync::watch;
 
-use super::{Expected, Service, ServiceError, state::State};
+use super::{JobSnapshot, Service, ServiceError, state::State};
 use crate::queue::{Job, JobId, StateName};
-
-/// Distance of a final state's sequence number from its time: more than a burst of snapshots within one microsecond.
-const FINAL_AFTER: u64 = 1000;
-
-/// A job at one moment. `sequence` grows with each change.
-#[derive(Debug, Clone)]
-pub struct JobSnapshot {
-    /// Position in the history of the job.
-    pub sequence: u64,
-    /// The job.
-    pub job: Job,
-    /// Expected time to the end, once it can be estimated.
-    pub seconds_left: Option<f64>,
-    /// The forecast for the whole fit; `None` for a recipe of another fitter.
-    pub expected: Option<Expected>,
-}
-
-/// Channels to the followers of jobs.
-///
-/// Invariant: a job in a final state has no channel, so memory does not grow with the number of ended jobs.
-#[derive(Debug, Default)]
-pub(super) struct Hub(Mutex<Channels>);
-
-#[derive(Debug, Default)]
-struct Channels {
-    last_sequence: u64,
-    by_job: HashMap<JobId, watch::Sender<JobSnapshot>>,
-}
-
-impl Hub {
-    fn lock(&self) -> MutexGuard<'_, Channels> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Channels {
-    /// Microseconds since 1970, or one more than the last number, so that numbers grow across restarts too. The number
-    /// of a final state follows from the time when it was reached.
-    fn sequence(&mut self, job: &Job) -> u64 {
-        let micros = |time: Timestamp| u64::try_from(time.as_microsecond()).unwrap_or(0);
-        if let Some(finished_at) = job.finished_at {
-            return micros(finished_at) + FINAL_AFTER;
-        }
-        self.last_sequence = micros(Timestamp::now()).max(self.last_sequence + 1);
-        self.last_sequence
-    }
-}
 
 impl Service {
     /// Follows a job: the receiver always holds its latest snapshot. The receiver of an ended job gets no more.

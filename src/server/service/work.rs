@@ -5,10 +5,7 @@ use std::{
     num::NonZeroUsize,
     ops::ControlFlow,
     panic::{AssertUnwindSafe, catch_unwind},
-    sync::{
-        Arc, PoisonError,
-        atomic::{AtomicBool, AtomicU64, Ordering},
-    },
+    sync::{Arc, PoisonError, atomic::Ordering},
     thread,
     time::{Duration, Instant},
 };
@@ -19,6 +16,7 @@ use super::{
     TableRow,
     catalogue::Catalogue,
     fitter::{Fitter, LoadError},
+    running::Running,
     state::State,
 };
 use crate::{
@@ -32,14 +30,6 @@ use ltcforge_fit as fit;
 const IDLE: Duration = Duration::from_millis(500);
 /// How long to wait after an error that passes, such as a lack of file descriptors.
 const RETRY: Duration = Duration::from_secs(1);
-
-/// A leased task of this process.
-#[derive(Debug, Default)]
-pub(super) struct Running {
-    entries_done: AtomicU64,
-    /// The lease is not the current one: the job was cancelled, or the lease expired.
-    is_stale: AtomicBool,
-}
 
 /// Why a task was not delivered.
 #[derive(Debug, thiserror::Error)]

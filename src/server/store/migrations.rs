@@ -8,7 +8,7 @@ use serde_json::json;
 
 use super::{
     OpenError,
-    sled_rows::{seal, unseal},
+    seal::{seal, unseal},
 };
 use ltcforge_files::digest::Digest;
 

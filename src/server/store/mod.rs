@@ -25,11 +25,13 @@ mod open;
 #[cfg(feature = "cluster")]
 mod postgres;
 mod rows;
+mod seal;
 mod sled_rows;
 #[cfg(test)]
 mod tests;
 #[cfg(feature = "cluster")]
 mod threads;
+mod tree;
 
 pub use blobs::{BlobInfo, Blobs};
 #[cfg(feature = "cluster")]
@@ -46,10 +48,11 @@ pub(crate) use postgres::tests as test_database;
 pub use postgres::{Database, PostgresRows};
 #[cfg(feature = "cluster")]
 pub(crate) use postgres::{apply, seal_result, unseal_result};
-pub use rows::{Batch, Row, Rows, Tree};
+pub use rows::{Batch, Row, Rows};
 pub use sled_rows::SledRows;
 #[cfg(test)]
 pub(crate) use tests::power::PowerRows;
+pub use tree::Tree;
 
 /// The fault of a data folder without room.
 const DISK_FULL: &str = "the disk of the data folder is full";

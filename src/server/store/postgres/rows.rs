@@ -5,7 +5,7 @@ use std::sync::Arc;
 use deadpool_postgres::GenericClient;
 
 use super::Database;
-use crate::store::{Batch, Row, Rows, StoreError, Tree, sled_rows};
+use crate::store::{Batch, Row, Rows, StoreError, Tree, seal};
 
 /// Rows in a table of PostgreSQL.
 #[derive(Debug)]
@@ -47,12 +47,12 @@ pub(crate) async fn apply(client: &impl GenericClient, batch: &Batch) -> Result<
 
 /// A shard's result as it is stored in a task: with a hash in front of it.
 pub(crate) fn seal_result(result: &[u8]) -> Vec<u8> {
-    sled_rows::seal(Tree::Results.name(), &[], result)
+    seal::seal(Tree::Results.name(), &[], result)
 }
 
 /// The inverse of [`seal_result`]; `None` when the hash does not match.
 pub(crate) fn unseal_result(sealed: &[u8]) -> Option<Vec<u8>> {
-    sled_rows::unseal(Tree::Results.name(), &[], sealed)
+    seal::unseal(Tree::Results.name(), &[], sealed)
 }
 
 impl Rows for PostgresRows {
