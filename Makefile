@@ -187,7 +187,6 @@ test-for-%:
 lint: packages
 	$(CARGO) fmt --all -- --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
-	$(CARGO) clippy --locked -p ltcforge -- -D warnings
 	$(CARGO) clippy --locked -p ltcforge --no-default-features -- -D warnings
 	RUSTDOCFLAGS='-D warnings -A rustdoc::private-intra-doc-links' $(CARGO) doc --lib --examples --locked --workspace \
 		--no-deps --document-private-items
