@@ -31,7 +31,7 @@ help:
 	@echo 'make figures draw the figures of docs/figures.md anew'
 	@echo 'make test    run the tests that every change has to pass'
 	@echo 'make test-all run those, and the slow ones: engines, pages, schemathesis, pgbouncer, studies, documents of deploy/'
-	@echo 'make soak    kills, damage, histories of the queue and mutated inputs for up to an hour'
+	@echo 'make soak    kills, power cuts, histories of the queue and mutated inputs for up to an hour'
 	@echo 'make lint    rustfmt, clippy and docs, warnings denied'
 	@echo 'make bench   measure an evaluation, an entry, the speed-up over the published algorithm, a picture, a plan, what the service adds'
 
@@ -107,7 +107,7 @@ schemathesis:
 # The long forms of the harnesses in docs/soak.md.
 soak: EXTRA_PACKAGES := strace
 soak: packages cluster schemathesis
-	LTCFORGE_TEST_HISTORIES=10000 $(CARGO) test --locked -p ltcforge-server --lib -- every_history
+	LTCFORGE_TEST_HISTORIES=10000 $(CARGO) test --locked -p ltcforge-server --features cluster --lib -- every_history
 	LTCFORGE_TEST_KILLS=200 LTCFORGE_TEST_CUTS=300 LTCFORGE_TEST_CLIENTS=64 LTCFORGE_TEST_EXAMPLES=20 \
 		$(CARGO) test --locked --test product -- --include-ignored kills power_cut memory:: schemathesis
 	LTCFORGE_TEST_FUZZ_SECONDS=600 $(CARGO) test --locked --test core -- --test-threads 32 fuzz

@@ -67,7 +67,8 @@ pub(super) fn work(args: WorkArgs, file: &ServeSettings, context: &mut Context<'
     let http = address.map(|listen| {
         let allow_anyone = allow_anyone.then_some(true).or(file.allow_anyone);
         let tokens = tokens.or_else(|| file.tokens.clone());
-        let settings = ServeSettings { listen, tokens, allow_anyone, ..file.clone() };
+        let (tls_certificate, tls_key) = (None, None);
+        let settings = ServeSettings { listen, tokens, allow_anyone, tls_certificate, tls_key, ..file.clone() };
         Ok::<_, CommandFailure>((listen, http::Options { only_operations: true, ..settings.http()? }))
     });
     let http = http.transpose()?;

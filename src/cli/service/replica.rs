@@ -49,7 +49,7 @@ pub(super) fn lease_ttl(seconds: Option<NonZeroU64>, config: &Config) -> Duratio
     seconds.map_or(config.lease_ttl, |seconds| Duration::from_secs(seconds.get()))
 }
 
-/// The result of `opening`, which waits while the database has no room; `None` if the process is interrupted first.
+/// The result of `opening`; `None` if the process is interrupted first.
 pub(super) async fn unless_interrupted<T>(opening: impl Future<Output = T>, context: &Context<'_>) -> Option<T> {
     tokio::select! {
         opened = opening => Some(opened),

@@ -19,7 +19,7 @@ pub(super) fn run(settings: &ServeSettings, context: &mut Context<'_>) -> Result
     let runtime = context.runtime.clone();
     runtime.block_on(async {
         let (listener, address) = self::listen(listen).await?;
-        // A data folder is not left in the middle of being opened. A database may be waited for.
+        // A data folder is not left in the middle of being opened.
         #[cfg(feature = "cluster")]
         let opened = match shared {
             None => Some(tokio::task::spawn_blocking(move || Service::open(config)).await),

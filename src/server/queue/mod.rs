@@ -74,7 +74,7 @@ pub trait Queue: Send + Sync + Debug {
     /// When it cannot be stored; then nothing has changed.
     fn cancel(&self, id: JobId, by: Option<&str>) -> Result<Option<Job>, StoreError>;
 
-    /// Leases up to `most` tasks, first in the [order](order) first. Empty if no task waits or the queue is closed.
+    /// Leases up to `most` tasks, first in the [order] first. Empty if no task waits or the queue is closed.
     ///
     /// # Errors
     /// When the database fails.

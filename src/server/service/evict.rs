@@ -27,6 +27,7 @@ impl State {
     }
 
     pub(super) fn evict_above(&self, limit: u64, now: Timestamp) -> Result<(), StoreError> {
+        self.files.record_uses();
         let mut blobs: HashMap<_, _> = self.files.blobs.list()?.into_iter().map(|blob| (blob.digest, blob)).collect();
         let mut bytes: u64 = blobs.values().map(|blob| blob.bytes).sum();
         let mut tables: Vec<BlobInfo> =

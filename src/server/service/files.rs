@@ -1,8 +1,12 @@
 //! Stored files: read, verified against their digest, and kept in one bounded cache.
 
-use std::sync::{
-    Arc,
-    atomic::{AtomicU64, Ordering},
+use std::{
+    collections::BTreeSet,
+    mem,
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
 };
 
 use bytes::Bytes;
@@ -48,6 +52,8 @@ pub(super) struct Files {
     pub(super) blobs: Arc<dyn Blobs>,
     pub(super) catalogue: Catalogue,
     cache: Cache<Digest, Bytes, FileBytes>,
+    /// Files that were served from memory since their use was last recorded.
+    served: Mutex<BTreeSet<Digest>>,
     corrupt: AtomicU64,
     /// Keeps the data folder locked.
     _store: Store,
@@ -59,6 +65,7 @@ impl Files {
             blobs: Arc::clone(&store.blobs),
             catalogue: Catalogue { rows: Arc::clone(&store.rows) },
             cache: Cache::with_weighter(CACHE_FILES, CACHE_BYTES, FileBytes),
+            served: Mutex::default(),
             corrupt: AtomicU64::new(0),
             _store: store,
         }
@@ -66,7 +73,9 @@ impl Files {
 
     /// The verified bytes of a file of this kind, if they are in memory.
     pub(super) fn cached(&self, kind: FileKind, digest: Digest) -> Option<Bytes> {
-        self.cache.get(&digest).filter(|bytes| FileKind::of(bytes) == kind)
+        let bytes = self.cache.get(&digest).filter(|bytes| FileKind::of(bytes) == kind)?;
+        self.served.lock().unwrap_or_else(PoisonError::into_inner).insert(digest);
+        Some(bytes)
     }
 
     /// The verified bytes of a file of this kind. Callers that ask for one file at once share one read.
@@ -98,6 +107,14 @@ impl Files {
     /// Whether the file exists. Its bytes are not read.
     pub(super) fn contains(&self, digest: Digest) -> Result<bool, StoreError> {
         Ok(self.blobs.stat(digest)?.is_some())
+    }
+
+    /// Records the uses of files that were served from memory.
+    pub(super) fn record_uses(&self) {
+        let served = mem::take(&mut *self.served.lock().unwrap_or_else(PoisonError::into_inner));
+        for digest in served {
+            self.used(digest);
+        }
     }
 
     /// Records that a file was used.

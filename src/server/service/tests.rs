@@ -156,9 +156,11 @@ fn the_least_recently_used_tables_are_evicted_and_a_brdf_never() {
     assert_eq!(service.file(FileKind::Table, tables[0]).unwrap(), None, "the cache has forgotten it");
     let job = service.job_of_table(tables[0]).unwrap().unwrap();
     assert!(job.recipe.contains("\"seed\":1"), "the recipe is still known: {}", job.recipe);
-    // Nothing but the BRDF fits, and the table was just used.
+    // Nothing but the BRDF fits, and the table was just used, from memory too.
     assert!(service.file(FileKind::Table, tables[1]).unwrap().is_some());
-    service.state.evict_above(1, Timestamp::now() - SignedDuration::from_secs(1000)).unwrap();
+    used_ago(&path(folder.path(), tables[1]), 1000);
+    assert!(service.cached_file(FileKind::Table, tables[1]).is_some());
+    service.state.evict_above(1, Timestamp::now()).unwrap();
     assert!(path(folder.path(), tables[1]).exists(), "a table that is about to be fetched stays");
     service.state.evict_above(1, Timestamp::now() + SignedDuration::from_secs(1000)).unwrap();
     assert!(!path(folder.path(), tables[1]).exists() && path(folder.path(), stored.digest).exists());

@@ -111,6 +111,7 @@ impl State {
                 }
                 Err(_) => {}
             }
+            self.files.record_uses();
             self.publish();
         }
     }
