@@ -96,10 +96,6 @@ fn nginx_passes_requests_and_events_and_cuts_slow_clients() {
     silent.write_all(b"\x16").expect("the beginning of TLS");
     let mut rest = Vec::new();
     silent.read_to_end(&mut rest).expect("the end of the connection");
-
-    // An address with too many requests gets 429. The service itself has no such limit.
-    let limited = (0..400).any(|_| agent.get(url("/healthz")).call().expect("an answer").status() == 429);
-    assert!(limited);
     assert!(host(&server).starts_with("127.0.0.1"));
     server.get("/healthz").with_status(200);
 }
