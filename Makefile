@@ -205,7 +205,7 @@ lines:
 CORE_CRATES := 50
 CORE_WITHOUT := tokio|axum|sled|wgpu|naga|clap|rustls|ureq|object_store|reqwest
 lint-core:
-	@crates=$$($(CARGO) tree --locked -e normal --no-default-features --prefix none | sed 's/ (\*)//' | sort -u); \
+	@crates=$$($(CARGO) tree --locked -p ltcforge -e normal --no-default-features --prefix none | sed 's/ (\*)//' | sort -u); \
 	count=$$(echo "$$crates" | wc -l); echo "crates of the core: $$count"; \
 	if [ "$$count" -gt $(CORE_CRATES) ]; then echo "more than $(CORE_CRATES)" >&2; exit 1; fi; \
 	if echo "$$crates" | grep -E '^($(CORE_WITHOUT))[- ]'; then echo 'the core must not need these' >&2; exit 1; fi
