@@ -7,7 +7,6 @@ use std::{
     time::Duration,
 };
 
-use clap::Parser as _;
 use ltcforge_cli::{self as cli, Cli, CommandFailure, Context, Exit, Interrupt, OnInterrupt, without_passwords};
 #[cfg(unix)]
 use tokio::signal::unix::{Signal, SignalKind, signal};
@@ -20,7 +19,7 @@ use tracing_subscriber::{Layer as _, filter::Targets, fmt, layer::SubscriberExt 
 const CLEAN_UP: Duration = Duration::from_secs(2);
 
 fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match Cli::from_args(env::args_os()) {
         Ok(cli) => cli,
         Err(error) if error.use_stderr() => {
             let text = error.render().to_string();
@@ -131,7 +130,7 @@ fn listen_to_signals(
         tell.send_replace(true);
         match on_interrupt {
             OnInterrupt::Ends => {}
-            OnInterrupt::Told => {
+            OnInterrupt::Notified => {
                 tokio::select! {
                     () = either(&mut interrupts, &mut terminations) => {}
                     () = tokio::time::sleep(CLEAN_UP) => {}
@@ -149,7 +148,7 @@ fn listen_to_signals(
 fn signals(on_interrupt: OnInterrupt) -> io::Result<(Signal, Option<Signal>)> {
     let terminations = match on_interrupt {
         OnInterrupt::Finishes => Some(signal(SignalKind::terminate())?),
-        OnInterrupt::Ends | OnInterrupt::Told => None,
+        OnInterrupt::Ends | OnInterrupt::Notified => None,
     };
     Ok((signal(SignalKind::interrupt())?, terminations))
 }

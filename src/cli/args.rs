@@ -1,35 +1,29 @@
 //! The arguments of the command line. A flag goes before its environment variable, that before the configuration
 //! file, that before the default.
 
-use std::path::PathBuf;
+use std::{ffi::OsString, path::PathBuf};
 
-use clap::{Parser, Subcommand};
+use clap::{Args, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use clap_complete::Shell;
+use ltcforge_client::{ServerTokens, ServerTokensError};
 
 #[cfg(unix)]
 use super::service::ServiceCommand;
 use super::{
-    diff::DiffArgs, export::ExportArgs, fit::FitArgs, jobs::JobsArgs, light_args::LightArgs,
+    CommandFailure, diff::DiffArgs, export::ExportArgs, fit::FitArgs, jobs::JobsArgs, light_args::LightArgs,
     light_texture::LightTextureArgs, lock::LockArgs, lookup::LookupArgs, plan::PlanArgs, plot::PlotArgs,
     preview::PreviewArgs, pull::PullArgs, report::ReportArgs, shader::ShaderArgs, tabulated::TabulateArgs,
-    tradeoff::TradeoffArgs, verify::VerifyArgs,
+    tradeoff::TradeoffArgs, usage, verify::VerifyArgs,
 };
 
-/// Fits, stores and serves Linearly Transformed Cosine tables for area lights on GGX materials.
+/// Lookup tables (LTC) and closed forms for area lights on GGX materials.
 #[derive(Debug, Parser)]
 #[command(name = "ltcforge", version, propagate_version = true, after_help = EXIT_CODES)]
 pub struct Cli {
-    /// Configuration file; `ltcforge.toml` in the working folder if there is one
+    /// Configuration file [default: `ltcforge.toml`, if it exists]
     #[arg(long, global = true, env = "LTCFORGE_CONFIG", value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Server of the commands `jobs`, `lock` and `pull` [default: <http://127.0.0.1:8317>]
-    #[arg(long, global = true, env = "LTCFORGE_SERVER", value_name = "URL")]
-    pub server: Option<String>,
-    /// Token for one server, `URL TOKEN`, and of others behind `;`; others see flags of this machine's processes, so put it into
-    /// the environment
-    #[arg(long, global = true, env = "LTCFORGE_TOKEN", hide_env_values = true, value_name = "URL TOKEN")]
-    pub token: Option<String>,
-    /// Print JSON, one document a line
+    /// Print JSON, one document per line
     #[arg(long, global = true)]
     pub json: bool,
     /// The command
@@ -40,6 +34,68 @@ pub struct Cli {
 const EXIT_CODES: &str = "Exit codes: 0 ok, 1 failed, 2 usage, 3 verification mismatch, 4 server unavailable, \
                           5 job failed, 130 interrupted.";
 
+/// The commands by subject, as the help lists them.
+const GROUPS: [(&str, &[&str]); 6] = [
+    ("Tables", &["fit", "report", "diff", "tradeoff", "lookup", "export", "tabulate"]),
+    ("Lights and pictures", &["light", "shader", "light-texture", "preview", "plot"]),
+    ("Scenes", &["plan"]),
+    ("Service", &["serve", "work", "jobs", "token"]),
+    ("CI", &["lock", "pull", "verify"]),
+    ("Other", &["completions", "help"]),
+];
+
+impl Cli {
+    /// Parses the arguments of the process, the first of which is its name.
+    ///
+    /// # Errors
+    /// The fault of the arguments, or the help that they request.
+    pub fn from_args(arguments: impl Iterator<Item = OsString>) -> Result<Self, clap::Error> {
+        Self::from_arg_matches(&grouped().try_get_matches_from(arguments)?)
+    }
+}
+
+/// The command line, whose help lists the commands by subject.
+fn grouped() -> clap::Command {
+    let mut command = Cli::command();
+    command.build();
+    let mut template = "{about}\n\n{usage-heading} {usage}\n\n".to_owned();
+    for (title, names) in GROUPS {
+        template += &format!("{title}:\n");
+        for of in names.iter().filter_map(|name| command.find_subcommand(name)) {
+            template += &format!("  {:15}{}\n", of.get_name(), of.get_about().unwrap_or_default());
+        }
+        template.push('\n');
+    }
+    command.help_template(template + "Options:\n{options}{after-help}")
+}
+
+/// The service that a command calls.
+#[derive(Debug, Args)]
+pub struct ServerArgs {
+    /// Service to call [default: <http://127.0.0.1:8317>]
+    #[arg(long, global = true, env = "LTCFORGE_SERVER", value_name = "URL")]
+    pub server: Option<String>,
+    /// Its token.
+    #[command(flatten)]
+    pub token: TokenArgs,
+}
+
+/// The token of a service.
+#[derive(Debug, Args)]
+pub struct TokenArgs {
+    /// Token of a service; put it into the environment, to keep it secret
+    #[arg(long, global = true, env = "LTCFORGE_TOKEN", hide_env_values = true, value_name = "URL TOKEN")]
+    token: Option<String>,
+}
+
+impl TokenArgs {
+    /// The tokens, `URL TOKEN` each, with `;` between them.
+    pub(super) fn tokens(&self) -> Result<ServerTokens, CommandFailure> {
+        let none = Ok(ServerTokens::NONE);
+        self.token.as_ref().map_or(none, |text| text.parse().map_err(usage::<ServerTokensError>))
+    }
+}
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -47,43 +103,43 @@ pub enum Command {
     #[cfg(unix)]
     #[command(flatten)]
     Service(ServiceCommand),
-    /// Fit a table without a server; the last line of stdout is its digest
+    /// Fit a table on this machine; the last output line is its digest
     Fit(FitArgs),
-    /// Print the matrices that a shader would fetch from a table, as CSV
+    /// Print the matrices that a shader reads from a table, as CSV
     Lookup(LookupArgs),
-    /// Print what surfaces reflect of area lights, as CSV: in closed form, by a table, and the truth
+    /// Print the light that surfaces reflect from area lights, as CSV
     Light(LightArgs),
-    /// Prefilter a picture on a light for a renderer: all its blurred levels, as KTX2 or in other formats
+    /// Prefilter a picture for a textured light: a pyramid of blurred levels
     LightTexture(LightTextureArgs),
-    /// Measure how good a table is
+    /// Measure the error of a table
     Report(ReportArgs),
-    /// Render metal under an area light with a table, or compare it with Monte Carlo integration, as PNG
+    /// Render surfaces under an area light as PNG
     Preview(Box<PreviewArgs>),
-    /// Draw where a table's errors are, or all its numbers, as PNG
+    /// Draw the errors or the entries of a table as PNG
     Plot(PlotArgs),
-    /// Fit a family of recipes and show what speed and size cost in accuracy
+    /// Measure accuracy against fitting time and size for many recipes
     Tradeoff(TradeoffArgs),
-    /// Find the recipe that a scene needs, within a budget of error, bytes or seconds
+    /// Find the table that a scene needs, within a budget
     Plan(Box<PlanArgs>),
-    /// Write the lookup and the area light as a shader, with how to bind it and values to check it against
+    /// Write shader code for area lights
     Shader(ShaderArgs),
-    /// Write a scattering model as the file of a tabulated one
+    /// Sample a scattering model into a BRDF file
     Tabulate(TabulateArgs),
-    /// Write a table as the textures that an engine loads, and say where they go
+    /// Write a table as the files that an engine loads
     Export(ExportArgs),
-    /// Work with the jobs of a server
+    /// Submit, list, follow and cancel the jobs of a service
     Jobs(JobsArgs),
-    /// Pin a table, and files that are made of it, in ltcforge.lock: with its recipe, by hash
+    /// Pin a table and its exported files in ltcforge.lock
     Lock(Box<LockArgs>),
-    /// Bring in the pinned tables that are missing or have other bytes, and make the files that are pinned with them
+    /// Download or make the pinned files that are missing or changed
     Pull(PullArgs),
-    /// Check that files are tables and have the digests in their names
+    /// Check tables, exports and data folders against their digests
     Verify(VerifyArgs),
-    /// Tell how far two tables are apart, and how good each is
+    /// Compare two tables
     Diff(DiffArgs),
-    /// Print a completion script
+    /// Print a completion script for a shell
     Completions {
-        /// For this shell
+        /// The shell
         shell: Shell,
     },
 }
@@ -94,7 +150,7 @@ pub enum OnInterrupt {
     /// The process ends at once.
     Ends,
     /// The command is notified, and has two seconds to clean up.
-    Told,
+    Notified,
     /// The command is notified, and takes as long as it needs.
     Finishes,
 }
@@ -126,7 +182,7 @@ impl Command {
         match self {
             #[cfg(unix)]
             Self::Service(command) if command.runs_until_stopped() => OnInterrupt::Finishes,
-            Self::Fit(_) | Self::Plan(_) | Self::Tradeoff(_) | Self::Lock(_) | Self::Pull(_) => OnInterrupt::Told,
+            Self::Fit(_) | Self::Plan(_) | Self::Tradeoff(_) | Self::Lock(_) | Self::Pull(_) => OnInterrupt::Notified,
             _ => OnInterrupt::Ends,
         }
     }
@@ -134,8 +190,6 @@ impl Command {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory as _;
-
     use super::*;
     use ltcforge_files::digest::Digest;
 
@@ -146,6 +200,51 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    /// Checks the help of a command and of the commands below it.
+    fn check_help(command: &clap::Command, path: &str) {
+        let path = format!("{path} {}", command.get_name());
+        let check = |of: &str, help: Option<&clap::builder::StyledStr>| {
+            let help = help.map(ToString::to_string).unwrap_or_default();
+            // The default follows the sentence.
+            let line = help.split(" [default").next().unwrap_or_default();
+            assert!(!line.is_empty() && line.chars().count() <= 70, "{path} {of}: {} characters: {line}", line.len());
+        };
+        check("", command.get_about());
+        for argument in command.get_arguments() {
+            // The parameters of a preview have lines of their own, which the service shows too.
+            if !path.ends_with(" preview") {
+                check(argument.get_id().as_str(), argument.get_help());
+            }
+        }
+        for below in command.get_subcommands() {
+            check_help(below, &path);
+        }
+    }
+
+    #[test]
+    fn a_line_of_help_has_at_most_70_characters() {
+        check_help(&Cli::command(), "");
+    }
+
+    #[test]
+    fn every_command_has_its_place_in_the_help() {
+        let help = grouped().render_help().to_string();
+        for command in Cli::command().get_subcommands() {
+            let line = help.lines().find(|line| line.starts_with(&format!("  {} ", command.get_name())));
+            assert!(line.is_some(), "{}: {help}", command.get_name());
+        }
+    }
+
+    #[test]
+    fn only_commands_that_call_a_service_have_its_options() {
+        for command in Cli::command().get_subcommands() {
+            let has = |name: &str| command.get_arguments().any(|argument| argument.get_id() == name);
+            let name = command.get_name();
+            assert_eq!(has("server"), ["jobs", "lock", "pull"].contains(&name), "{name}");
+            assert_eq!(has("token") && name != "token", ["jobs", "lock", "pull", "verify"].contains(&name), "{name}");
+        }
     }
 
     #[test]

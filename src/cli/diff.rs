@@ -11,19 +11,17 @@ use ltcforge_fit::{Difference, Gap, MOST_POINTS, Report, Spread, difference};
 /// `diff`.
 #[derive(Debug, Args)]
 pub struct DiffArgs {
-    /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or a digest as `fit` prints it (its
-    /// first digits suffice) of a table in the folder of `--tables`
+    /// Table: a file, or the first digits of a digest in --tables
     pub a: PathBuf,
-    /// Another one
+    /// Table to compare it with
     pub b: PathBuf,
     /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
-    /// Nodes of each table to compare and measure, and as many configurations between them, 8 to 1000000 [default: 1024
-    /// to compare, and for each report as many as `report` takes]
+    /// Nodes to compare, and places between nodes, 8 to 1000000 [default: 1024]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=1_000_000), hide_default_value = true)]
     pub points: Option<u32>,
-    /// Number of threads that measure
+    /// Threads.
     #[command(flatten)]
     pub threads: Threads,
 }

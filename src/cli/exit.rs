@@ -119,10 +119,7 @@ impl From<ClientError> for CommandFailure {
                 }
                 Exit::Usage
             }
-            ClientError::Refused { .. }
-            | ClientError::Unexpected { .. }
-            | ClientError::TooLong { .. }
-            | ClientError::Unreadable { .. } => Exit::Failed,
+            _ => Exit::Failed,
         };
         Self::new(exit, message)
     }

@@ -14,7 +14,6 @@ use super::{
 };
 use ltcforge_files::{
     compact::{self, Encoded},
-    digest::Digest,
     manifest::{MeanError, table_report},
 };
 use ltcforge_fit::{Precision, Recipe, Spread, Table};
@@ -33,10 +32,10 @@ pub struct ExportArgs {
     /// The kind of files
     #[command(flatten)]
     pub choice: ExportChoice,
-    /// The folder; it is made if it is missing
+    /// Output folder, created if missing
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
-    /// How many threads measure the table, whose files state how good it is
+    /// Threads.
     #[command(flatten)]
     pub threads: Threads,
 }
@@ -44,16 +43,16 @@ pub struct ExportArgs {
 /// The kind of files to make from a table.
 #[derive(Debug, Clone, PartialEq, Eq, Args)]
 pub struct ExportChoice {
-    /// Write the files of this engine, under its names
+    /// Engine to write files for
     #[arg(long = "for", value_name = "ENGINE", value_parser = named(Engine::ALL, Engine::name), requires = "out")]
     pub engine: Option<Engine>,
-    /// Write textures of this layout, in a format of one's own choice
+    /// Texture layout, with --container
     #[arg(long, value_name = "NAME", requires = "container", conflicts_with = "engine")]
     pub layout: Option<String>,
-    /// The files' format; those that begin with «compact» hold the table itself in a few kilobytes, in its own layout
+    /// File format; `compact` formats take a few kilobytes
     #[arg(long, value_name = "NAME", value_parser = containers(), requires = "out", conflicts_with = "engine")]
     pub container: Option<AnyContainer>,
-    /// Bits of a number: 16 or 32 [default: float]
+    /// Number format: 16-bit half or 32-bit float [default: float]
     #[arg(long, value_parser = precisions(), requires = "layout", conflicts_with = "engine")]
     pub precision: Option<Precision>,
 }
@@ -101,23 +100,16 @@ pub(super) fn run(args: &ExportArgs, context: &mut Context<'_>) -> Result<Exit, 
     check_output_folder(&args.out)?;
     let AnyTable { path, digest, table, origin } = AnyTable::read(&args.table)?;
     let recipe = origin.recipe();
-    if let ExportChoice { engine: None, layout: None, container: Some(AnyContainer::Textures(container)), .. } =
-        args.choice
-    {
-        return Err(usage(no_layout(container, Some(&table))));
-    }
     let export = export_of(&args.choice)?;
     // Faults are reported before the table is measured.
     let layout = export.layout(&table).map_err(usage)?;
     let pool = args.threads.pool()?;
     tabulated::check_complete(&table, &path)?;
     let error = pool.install(|| measured(&table, recipe));
+    let about = About::of_table(digest, recipe, error);
     let (Bundle { files, steps }, compared) = match export {
-        Export::Compact(container) => {
-            let about = About::of_table(digest, recipe, error);
-            pool.install(|| compact_bundle(container, &table, &about))?
-        }
-        Export::Engine(_) | Export::Textures { .. } => (bundle(export, &table, digest, recipe, error)?, vec![]),
+        Export::Compact(container) => pool.install(|| compact_bundle(container, &table, &about))?,
+        _ => (export.bundle(&table, about).map_err(usage)?, vec![]),
     };
     let mut list = Vec::new();
     for file in &files {
@@ -148,11 +140,14 @@ pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure>
         },
         (None, None, Some(AnyContainer::Compact(container))) if precision.is_none() => Ok(Export::Compact(container)),
         (None, _, Some(AnyContainer::Compact(container))) => Err(usage(format!(
-            "container {} holds a table in its own layout, rounded in its own way: leave out layout and precision",
+            "--container {} keeps the table's own layout: leave out --layout and --precision",
             container.name()
         ))),
-        (None, None, Some(AnyContainer::Textures(container))) => Err(usage(no_layout(container, None))),
-        (None, _, None) => Err(usage("name an engine, or a container")),
+        (None, None, Some(AnyContainer::Textures(container))) => {
+            let layouts: Vec<&str> = TextureLayout::ALL.iter().map(|layout| layout.name()).collect();
+            Err(usage(format!("--container {} needs --layout: {}", container.name(), layouts.join(", "))))
+        }
+        (None, _, None) => Err(usage("use --for ENGINE or --container NAME")),
     }
 }
 
@@ -161,17 +156,6 @@ pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure>
 struct Compared {
     table: Spread,
     decoded: Spread,
-}
-
-/// The message that a container needs a layout, with the layouts that the table has, or all.
-fn no_layout(container: TextureContainer, table: Option<&Table>) -> String {
-    let has = |layout: TextureLayout, table: &Table| {
-        Export::Textures { layout, container, precision: Precision::F32 }.layout(table).is_ok()
-    };
-    let layouts = TextureLayout::ALL.iter().filter(|layout| table.is_none_or(|table| has(**layout, table)));
-    let layouts = layouts.map(|layout| layout.name()).collect::<Vec<_>>().join(", ");
-    let which = if table.is_some() { "this table has" } else { "there are" };
-    format!("container {} holds textures: name their layout by --layout; {which} {layouts}", container.name())
 }
 
 /// The files of the compact forms of a table's lobes, and their errors. Measures on the current rayon pool.
@@ -193,21 +177,6 @@ pub(super) fn measured(table: &Table, recipe: Option<&Recipe>) -> Option<MeanErr
     recipe.map(|recipe| MeanError::of(&table_report(table, recipe)))
 }
 
-/// The files of an export, and the steps to use them. They depend on the arguments and this program alone.
-///
-/// # Errors
-/// When the table has no such files.
-pub(super) fn bundle(
-    export: Export,
-    table: &Table,
-    digest: Digest,
-    recipe: Option<&Recipe>,
-    error: Option<MeanError>,
-) -> Result<Bundle, CommandFailure> {
-    let made = export.bundle(table, About::of_table(digest, recipe, error));
-    made.map_err(usage)
-}
-
 /// A text that lists the files, the changes by rounding, and the steps to use them.
 fn text(args: &ExportArgs, files: &[TextureFile], compared: &[Compared], steps: &[String]) -> String {
     let mut out = String::new();
@@ -223,16 +192,19 @@ fn text(args: &ExportArgs, files: &[TextureFile], compared: &[Compared], steps: 
             "rounded to 16 bits: relative error at most {relative:.1e}, of numbers below 6.1e-5 {absolute_of_small:.1e}"
         );
         if let Some(Displacement { mean, max }) = displacement {
-            let _ = writeln!(out, "which moves a lobe by {mean:.4} of its width in the mean, by {max:.4} at most");
+            let _ = writeln!(out, "rounding moves a lobe by {mean:.4} of its width on average, at most {max:.4}");
         }
-        if let Some(beyond) = beyond(clamped, raised) {
-            let _ = writeln!(out, "{beyond}");
+        if clamped + raised > 0 {
+            let _ = writeln!(
+                out,
+                "beyond the range of 16 bits: {clamped} became 65504, {raised} became 6.0e-8 instead of 0"
+            );
         }
     }
     for Compared { table, decoded } in compared {
         let _ = writeln!(
             out,
-            "error between nodes as it is decoded: mean {:.5}, p95 {:.5} of the lobe's width; of the table: mean {:.5}, p95 {:.5}",
+            "error between nodes, in widths of the lobe: decoded mean {:.5}, p95 {:.5}; table mean {:.5}, p95 {:.5}",
             decoded.mean, decoded.p95, table.mean, table.p95
         );
     }
@@ -240,29 +212,4 @@ fn text(args: &ExportArgs, files: &[TextureFile], compared: &[Compared], steps: 
         let _ = writeln!(out, "{step}");
     }
     out
-}
-
-/// A line about numbers that are too large or too small for 16 bits; `None` if all fit.
-fn beyond(clamped: u64, raised: u64) -> Option<String> {
-    let told = [(clamped, "65504"), (raised, "6.0e-8 in place of 0")].map(|(count, became)| match count {
-        0 => None,
-        1 => Some(format!("1 number became {became}")),
-        _ => Some(format!("{count} numbers became {became}")),
-    });
-    let told: Vec<String> = told.into_iter().flatten().collect();
-    (!told.is_empty()).then(|| format!("beyond the range of 16 bits: {}", told.join(", ")))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_numbers_that_there_are_are_told() {
-        assert_eq!(beyond(0, 0), None);
-        let told = |clamped, raised| beyond(clamped, raised).expect("some");
-        assert_eq!(told(0, 70), "beyond the range of 16 bits: 70 numbers became 6.0e-8 in place of 0");
-        assert_eq!(told(1, 0), "beyond the range of 16 bits: 1 number became 65504");
-        assert!(told(2, 3).contains("2 numbers became 65504, 3 numbers became 6.0e-8"));
-    }
 }

@@ -27,20 +27,20 @@ use ltcforge_fit::{Plan, Recipe, Report, Table, fit_plan};
 /// `fit`.
 #[derive(Debug, Args)]
 pub struct FitArgs {
-    /// A recipe's file, `-` for stdin, or the name of a preset
+    /// Recipe: a file, `-` for stdin, or a preset's name
     pub recipe: PathBuf,
-    /// Folder that the table and its manifest go to
+    /// Folder for the table and its manifest
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub out: PathBuf,
     /// Number of threads
     #[command(flatten)]
     pub threads: Threads,
-    /// Entries the table may have [default: 2000000]
+    /// Maximum entries of the table [default: 2000000]
     #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
     pub entry_limit: Option<NonZeroU64>,
 }
 
-/// The length of a digest's beginning that tells a table from many thousands: `sha256:` and 12 digits.
+/// Characters of a short digest: `sha256:` and 12 digits, unique among many thousands of tables.
 const SHORT_DIGEST: usize = "sha256:".len() + 12;
 
 /// Fits a recipe and writes the table and its manifest.
@@ -62,8 +62,8 @@ pub(super) fn run(args: &FitArgs, context: &mut Context<'_>) -> Result<Exit, Com
 
     let seconds = started.elapsed().as_secs_f64();
     let (mean, p95) = (report.between.width.mean, report.between.width.p95);
-    let name =
-        if finds_digests_in(&args.out) { digest.to_string()[..SHORT_DIGEST].to_owned() } else { shown(&table_path) };
+    let is_searched = TABLE_FOLDERS.iter().any(|folder| args.out == Path::new(folder));
+    let name = if is_searched { digest.to_string()[..SHORT_DIGEST].to_owned() } else { shown(&table_path) };
     let next = [format!("ltcforge preview {name} -o sphere.png"), format!("ltcforge report {name}")];
     let value = json!({
         "table": digest, "file": shown(&table_path), "manifest": shown(&manifest_path), "bytes": bytes,
@@ -106,11 +106,6 @@ pub(super) fn store(out: &Path, recipe: &Recipe, table: &Table) -> Result<Stored
     replace_pair((&paths[0], &file), (&paths[1], manifest.as_bytes()))
         .map_err(|error| file_failure(&error.path, &error.source))?;
     Ok(Stored { digest, bytes: file.len(), paths, report })
-}
-
-/// Whether a digest alone finds the tables in `folder`.
-fn finds_digests_in(folder: &Path) -> bool {
-    TABLE_FOLDERS.iter().any(|searched| folder == Path::new(searched))
 }
 
 /// The table of a recipe, with a progress bar of its own. Fits on the current rayon pool.

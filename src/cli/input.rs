@@ -21,8 +21,7 @@ use ltcforge_fit::{BrdfKind, MOST_POINTS, PerAxis, Recipe, Report, Table, ggx_te
 /// The choice of a table.
 #[derive(Debug, Args)]
 pub struct TableChoice {
-    /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or a digest as `fit` prints it
-    /// (its first digits suffice) of a table in the folder of `--tables`
+    /// Table: a file, or the first digits of a digest in --tables
     pub table: PathBuf,
     /// The folder of tables
     #[command(flatten)]
@@ -32,7 +31,7 @@ pub struct TableChoice {
 /// The folder that is searched for digests, and the length of tables.
 #[derive(Debug, Args)]
 pub struct TableFolder {
-    /// Folder of `<digest>.safetensors` files [default: the working folder, then `tables` in it]
+    /// Folder to search for digests [default: `.`, then `tables`]
     #[arg(long, value_name = "DIR")]
     pub tables: Option<PathBuf>,
     /// How long a table may be
@@ -43,7 +42,7 @@ pub struct TableFolder {
 /// How long a table may be.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct TableLimit {
-    /// Longest table that is read or downloaded
+    /// Largest table to read or download
     #[arg(long, env = "LTCFORGE_TABLE_LIMIT", value_name = "BYTES", default_value_t = TABLE_BYTES)]
     pub table_limit: u64,
 }
@@ -92,7 +91,7 @@ impl AnyTable {
         Self::named(&choice.table, &choice.folder)
     }
 
-    /// Reads the table that a file's name or a digest stands for.
+    /// Reads a table by its file's name or by its digest.
     ///
     /// # Errors
     /// As [`Self::read`].
@@ -125,13 +124,16 @@ impl AnyTable {
         report(&self.table, self.origin.range(), points.map_or(usual, |points| (points as usize).into()))
     }
 
-    /// The table with amplitude and Fresnel term of GGX itself in place of its own.
+    /// Replaces the table's amplitude and Fresnel term by those of GGX, if `of_ggx`.
     ///
     /// # Errors
     /// When it is of another scattering model.
-    pub(super) fn with_ggx_terms(mut self) -> Result<Self, CommandFailure> {
+    pub(super) fn with_terms(mut self, of_ggx: bool) -> Result<Self, CommandFailure> {
+        if !of_ggx {
+            return Ok(self);
+        }
         if self.table.brdf != BrdfKind::Ggx {
-            let message = format!("--ggx-terms are of brdf ggx, and the table is of brdf {}", self.table.brdf);
+            let message = format!("--ggx-terms needs a table of brdf ggx; this table has brdf {}", self.table.brdf);
             return Err(usage(message));
         }
         self.table.terms = Some(ggx_terms(self.table.layout, &self.table.axes));
@@ -139,7 +141,7 @@ impl AnyTable {
     }
 }
 
-/// The document that `name` stands for: `-` is stdin, a bare word is a preset, anything else a file.
+/// Reads a recipe by name: `-` is stdin, a bare word is a preset, anything else is a file.
 ///
 /// # Errors
 /// When it cannot be read, or is longer than [`RECIPE_LIMIT_BYTES`].

@@ -2,7 +2,7 @@
 
 use tokio::sync::watch;
 
-/// Tells a running command that the user wants to stop. Made by `main`, which owns the signals.
+/// Notifies a running command that the user wants to stop. Made by `main`, which owns the signals.
 #[derive(Debug, Clone)]
 pub struct Interrupt(watch::Receiver<bool>);
 

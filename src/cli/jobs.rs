@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::{CommandFailure, Context, Exit, input, progress, tabulated};
+use super::{CommandFailure, Context, Exit, args::ServerArgs, input, progress, tabulated};
 use ltcforge_client::{Client, JobDocument, JobStatus};
 use ltcforge_files::job::{JobId, StateName};
 
@@ -14,6 +14,9 @@ pub struct JobsArgs {
     /// The action
     #[command(subcommand)]
     pub action: JobsAction,
+    /// The service
+    #[command(flatten)]
+    pub server: ServerArgs,
 }
 
 /// The commands on jobs.
@@ -21,46 +24,45 @@ pub struct JobsArgs {
 pub enum JobsAction {
     /// Submit a recipe
     Submit {
-        /// A recipe's file, `-` for stdin, or the name of a preset
+        /// Recipe: a file, `-` for stdin, or a preset's name
         recipe: PathBuf,
-        /// Follow the job to its end; the last line of stdout is the table's digest
+        /// Follow the job; the last output line is the table's digest
         #[arg(long)]
         watch: bool,
     },
     /// List jobs, newest first
     List {
-        /// Only jobs in this state
+        /// State of the jobs to list
         #[arg(long, value_parser = parse_state, value_name = "STATE")]
         state: Option<StateName>,
-        /// List at most so many jobs
+        /// Most jobs to list
         #[arg(long, default_value_t = 50, value_name = "N")]
         limit: usize,
     },
     /// Show a job
     Show {
-        /// The job
+        /// Job id
         id: JobId,
     },
-    /// Follow a job to its end; the last line of stdout is the table's digest
+    /// Follow a job; the last output line is the table's digest
     Watch {
-        /// The job
+        /// Job id
         id: JobId,
     },
     /// Cancel a job
     Cancel {
-        /// The job
+        /// Job id
         id: JobId,
     },
 }
 
 fn parse_state(text: &str) -> Result<StateName, String> {
-    serde_json::from_value(text.into())
-        .map_err(|_| "a state is one of queued, running, done, failed, cancelled".to_owned())
+    serde_json::from_value(text.into()).map_err(|_| "use queued, running, done, failed or cancelled".to_owned())
 }
 
 /// Runs an action on jobs.
-pub(super) fn run(args: &JobsArgs, client: &Client, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    match &args.action {
+pub(super) fn run(action: &JobsAction, client: &Client, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    match action {
         JobsAction::Submit { recipe, watch } => {
             let document = input::recipe_document(recipe)?;
             let job = client.submit(&tabulated::uploaded(recipe, document, client)?)?;

@@ -27,7 +27,7 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
     if let Some(material) = args.material
         && material != material.within_bounds()
     {
-        eprintln!("material: alpha {} {} is taken as 1 where it is above", material.alpha_x, material.alpha_y);
+        eprintln!("material: alpha {} {} is clamped to 1", material.alpha_x, material.alpha_y);
     }
     let columns = columns(args);
     let mut rows = Rows::new(context, &columns)?;
@@ -81,7 +81,7 @@ fn columns(args: &LightArgs) -> Vec<String> {
     prefixes.iter().flat_map(|prefix| names.iter().map(move |name| format!("{prefix}{name}"))).collect()
 }
 
-/// The functions that give the numbers of a light: of a model, or of the truth.
+/// Functions that evaluate a light, by a model or by quadrature.
 struct Of<'a> {
     args: &'a LightArgs,
     light: ReflectedLight,
@@ -117,7 +117,7 @@ fn needs_table(model: LightModel) -> String {
     format!("model {model} needs a table: --table TABLE")
 }
 
-/// The table that the model lights by; `None` for a model without one. All that stands against the options is told at once.
+/// Reads the model's table; `None` for a model without a table. Lists all faults of the options at once.
 fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
     let faults = option_faults(args);
     if !faults.is_empty() {
@@ -145,25 +145,23 @@ fn option_faults(args: &LightArgs) -> Vec<String> {
     let mut faults = Vec::new();
     for (option, value) in [("--f0", args.f0), ("--f82", args.f82), ("--f90", Some(args.f90))] {
         if let Some(value) = value.filter(|value| !(0.0..=1.0).contains(value)) {
-            faults.push(format!("{option} {value}: a reflectance is a number from 0 to 1"));
+            faults.push(format!("{option} {value}: a reflectance must be between 0 and 1"));
         }
     }
     if args.table.is_some() && model.lobe().is_none() {
-        faults.push("--table is of model ltc; add --model ltc, or leave it out".to_owned());
+        faults.push("--table needs a model that reads tables: add --model ltc".to_owned());
     }
     if args.table.is_none() && model.needs_table() {
         faults.push(needs_table(model));
     }
     if args.rule.is_some() && model.rule_choices().is_empty() {
         let ruled = LightModel::names_of(|other| !other.rule_choices().is_empty());
-        let is_alike =
-            |other: LightModel| other.rule_choices().is_empty() && other.needs_table() == model.needs_table();
-        let alike = LightModel::names_of(is_alike);
-        let has = if alike == model.name() { format!("model {model} has") } else { format!("models {alike} have") };
-        faults.push(format!("--rule is of model {ruled}; {has} one rule"));
+        faults.push(format!("--rule is only for model {ruled}, not for {model}: leave it out"));
     }
     if args.cut && model != LightModel::Ltc {
-        faults.push(format!("--cut is of model ltc; by model {model} nothing shines through from below: leave it out"));
+        faults.push(format!(
+            "--cut is only for model ltc; model {model} always cuts lights at the surface: leave it out"
+        ));
     }
     faults
 }
@@ -173,12 +171,12 @@ fn table_faults(args: &LightArgs, table: &Table) -> Vec<String> {
     let (brdf, lobe, model) = (table.brdf(), table.lobe, args.model);
     let lacks_edge = table.terms().is_none_or(|terms| terms.edge().is_none());
     let found = [
-        (Some(lobe) != model.lobe()).then(|| format!("the table has lobe {lobe}, not {model}: choose --model {lobe}")),
+        (Some(lobe) != model.lobe())
+            .then(|| format!("the table has lobe {lobe}: use --model {lobe} instead of {model}")),
         (args.compensate && !brdf.follows_reflection()).then(|| LightError::NoFacets(brdf).to_string()),
         (args.blend && table.second_matrices().is_none()).then(|| LightError::OneLobe.to_string()),
-        (args.f0.is_some() && !brdf.has_fresnel()).then(|| {
-            format!("--f0: brdf {brdf} has no Fresnel factor, and energy is all that it reflects: leave it out")
-        }),
+        (args.f0.is_some() && !brdf.has_fresnel())
+            .then(|| format!("--f0: brdf {brdf} has no Fresnel factor: leave it out")),
         (args.f82.is_some() && lacks_edge).then(|| format!("--f82: {}", LightError::NoEdge)),
     ];
     found.into_iter().flatten().collect()

@@ -27,18 +27,6 @@ pub(super) struct CaseFormat {
     pub(super) material: Option<AnisotropicRoughness>,
 }
 
-/// The names of a light's columns, after those of the surface and the view. A polygon has further ones for its
-/// vertices.
-fn columns_of(shape: LightShape) -> Vec<&'static str> {
-    let names = |parameter: &'static ShapeParameter| match parameter {
-        ShapeParameter::Sides => &["sides"][..],
-        ShapeParameter::Point(names) => names,
-        ShapeParameter::Length(name) => std::slice::from_ref(name),
-        ShapeParameter::Vertices => &[],
-    };
-    shape.parameters().iter().flat_map(names).copied().collect()
-}
-
 fn has_vertices(shape: LightShape) -> bool {
     shape.parameters().contains(&ShapeParameter::Vertices)
 }
@@ -49,19 +37,28 @@ impl CaseFormat {
         if self.material.is_some() { &COLUMNS[ROUGHNESS_COLUMNS..] } else { &COLUMNS }
     }
 
-    /// The name of a column. After its own, a polygon has `x0`, `y0`, `z0`, `x1` ... `None` beyond the last column.
-    fn column(&self, index: usize) -> Option<String> {
-        let own = columns_of(self.shape);
-        if let Some(name) = self.surface_columns().iter().chain(&own).nth(index) {
-            return Some((*name).to_owned());
-        }
-        let number = index - self.surface_columns().len() - own.len();
-        has_vertices(self.shape).then(|| format!("{}{}", ["x", "y", "z"][number % 3], number / 3))
+    /// The names of the columns before those of a polygon's vertices.
+    fn own_columns(&self) -> Vec<&'static str> {
+        let names = |parameter: &'static ShapeParameter| match parameter {
+            ShapeParameter::Sides => &["sides"][..],
+            ShapeParameter::Point(names) => names,
+            ShapeParameter::Length(name) => std::slice::from_ref(name),
+            ShapeParameter::Vertices => &[],
+        };
+        self.surface_columns().iter().chain(self.shape.parameters().iter().flat_map(names)).copied().collect()
+    }
+
+    /// The names of the columns of a line of so many fields. Those of a polygon end in `x0`, `y0`, `z0`, `x1` ...
+    fn columns(&self, fields: usize) -> Vec<String> {
+        let own = self.own_columns();
+        let vertices = if has_vertices(self.shape) { fields.saturating_sub(own.len()) } else { 0 };
+        let coordinate = |i: usize| format!("{}{}", ["x", "y", "z"][i % 3], i / 3);
+        own.into_iter().map(str::to_owned).chain((0..vertices).map(coordinate)).collect()
     }
 
     /// The columns that a line should have, for the message to a line that has others.
     fn expected(&self) -> String {
-        let names = [self.surface_columns(), &columns_of(self.shape)].concat().join(",");
+        let names = self.own_columns().join(",");
         if has_vertices(self.shape) {
             return format!("{names} and then x,y,z of {MIN_VERTICES} to {MAX_VERTICES} vertices");
         }
@@ -78,7 +75,7 @@ impl CaseFormat {
         }
         let shape = self.shape;
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-        let more = fields.len().checked_sub(self.surface_columns().len() + columns_of(shape).len());
+        let more = fields.len().checked_sub(self.own_columns().len());
         let are_vertices = |more: usize| more.is_multiple_of(3) && (MIN_VERTICES..=MAX_VERTICES).contains(&(more / 3));
         let is_whole = more.is_some_and(|more| if has_vertices(shape) { are_vertices(more) } else { more == 0 });
         if !is_whole {
@@ -96,10 +93,8 @@ impl CaseFormat {
     /// Whether a line is a header of the columns. Those of polygons have any number of vertices.
     pub(super) fn is_header(&self, line: &str) -> bool {
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-        let min = self.surface_columns().len() + columns_of(self.shape).len();
-        let min = min + usize::from(has_vertices(self.shape));
-        fields.len() >= min
-            && fields.iter().enumerate().all(|(index, name)| self.column(index).as_deref() == Some(*name))
+        let min = self.own_columns().len() + usize::from(has_vertices(self.shape));
+        fields.len() >= min && self.columns(fields.len()) == fields
     }
 }
 
@@ -112,7 +107,7 @@ struct Fields<'a> {
 
 impl Fields<'_> {
     fn refuse(&mut self, index: usize, allowed: &str) {
-        let name = self.format.column(index).unwrap_or_default();
+        let name = &self.format.columns(self.texts.len())[index];
         self.faults.push(format!("{name} is «{}»; {allowed}", self.texts[index]));
     }
 
@@ -128,7 +123,7 @@ impl Fields<'_> {
     }
 
     fn roughness(&mut self, index: usize) -> f64 {
-        self.number(index, |x| x > 0.0 && x <= 1.0, "roughness is a number above 0, up to 1")
+        self.number(index, |x| x > 0.0 && x <= 1.0, "roughness must be above 0 and at most 1")
     }
 
     fn surface_and_view(&mut self) -> Configuration {
@@ -138,8 +133,8 @@ impl Fields<'_> {
         };
         let first = self.format.surface_columns().len() - 2;
         let is_above = |x| (0.0..FRAC_PI_2).contains(&x);
-        let theta = self.number(first, is_above, "a polar angle is a number from 0 to below pi/2, in radians");
-        let phi = self.number(first + 1, |_| true, "an azimuth is a finite number, in radians");
+        let theta = self.number(first, is_above, "a polar angle must be at least 0 and below pi/2, in radians");
+        let phi = self.number(first + 1, |_| true, "an azimuth must be a finite number, in radians");
         roughness.seen_from(theta, phi)
     }
 
@@ -153,13 +148,13 @@ impl Fields<'_> {
     }
 
     fn point(&mut self, first: usize) -> DVec3 {
-        let [x, y, z] = [0, 1, 2].map(|i| self.number(first + i, |_| true, "a coordinate is a finite number"));
+        let [x, y, z] = [0, 1, 2].map(|i| self.number(first + i, |_| true, "a coordinate must be a finite number"));
         let point = DVec3::new(x, y, z);
         self.format.material.map_or(point, |material| material.turned(point))
     }
 
     fn length(&mut self, index: usize, name: &str) -> f64 {
-        self.number(index, |x| x > 0.0, &format!("a {name} is a number above 0"))
+        self.number(index, |x| x > 0.0, &format!("a {name} must be above 0"))
     }
 
     /// The light, or its fault; `None` if a field has one.
@@ -237,9 +232,12 @@ mod tests {
             fields.join(",")
         };
         let cases = [
-            (with(0, "1.5"), "alpha_x is «1.5»; roughness is a number above 0"),
+            (with(0, "1.5"), "alpha_x is «1.5»; roughness must be above 0"),
             (with(1, "0"), "alpha_y is «0»; roughness"),
-            (with(2, "1.5707963267948966"), "theta is «1.5707963267948966»; a polar angle is a number from 0 to below"),
+            (
+                with(2, "1.5707963267948966"),
+                "theta is «1.5707963267948966»; a polar angle must be at least 0 and below",
+            ),
             (with(3, "inf"), "phi is «inf»; an azimuth"),
             (with(4, "3"), "sides is «3»; a light has 1 or 2"),
             (with(4, "one"), "sides is «one»"),
@@ -313,16 +311,16 @@ mod tests {
             (
                 LightShape::Sphere,
                 "NaN,0.5,inf,-1",
-                "x is «NaN»; a coordinate is a finite number; z is «inf»; a coordinate is a finite number; radius is «-1»; a radius is a number above 0",
+                "x is «NaN»; a coordinate must be a finite number; z is «inf»; a coordinate must be a finite number; radius is «-1»; a radius must be above 0",
             ),
-            (LightShape::Sphere, "0,0.5,1,0", "radius is «0»; a radius is a number above 0"),
+            (LightShape::Sphere, "0,0.5,1,0", "radius is «0»; a radius must be above 0"),
             (LightShape::Sphere, "0,0.5,1,1.2", "the shaded point lies inside the light"),
             (LightShape::Sphere, "0,0,0,1e-9", "the shaded point lies inside the light"),
             (LightShape::Tube, "-1,0,0.1,1,0,0.1,0.2", "the shaded point lies inside the light"),
-            (LightShape::Tube, "-1,0,,1,0,0.1,0", "az is «»; a coordinate is a finite number; radius is «0»"),
+            (LightShape::Tube, "-1,0,,1,0,0.1,0", "az is «»; a coordinate must be a finite number; radius is «0»"),
             (LightShape::Line, "1,0,1,1,0,1,0.1", "the length of the line is 0; the two ends are points apart"),
             (LightShape::Line, "-1,0,-1,2,0,2,0.1", "the shaded point lies inside the light"),
-            (LightShape::Line, "-1,0,1,2,0,2,0", "width is «0»; a width is a number above 0"),
+            (LightShape::Line, "-1,0,1,2,0,2,0", "width is «0»; a width must be above 0"),
         ];
         for (shape, light, said) in cases {
             let refused = refused(shape, light);

@@ -32,18 +32,18 @@ impl Picture {
         let Some(path) = &args.texture else { return Ok(None) };
         let mut faults = Vec::new();
         if args.light != LightShape::Polygon {
-            faults.push(format!("a {} has no picture: leave out --light", args.light));
+            faults.push(format!("--texture needs rectangles, not {}: leave out --light", args.light));
         }
         if !matches!(args.model, LightModel::Normals | LightModel::Ltc) {
-            faults.push(format!("model {} reads no pictures: choose normals or ltc", args.model));
+            faults.push(format!("--texture needs model normals or ltc, not {}", args.model));
         }
         for (name, is_given) in [("--f82", args.f82.is_some()), ("--blend", args.blend)] {
             if is_given {
-                faults.push(format!("{name} is of lights without a picture: leave it out"));
+                faults.push(format!("{name} does not apply to textured lights: leave it out"));
             }
         }
         if args.truth && brdf.kind() != BrdfKind::Ggx {
-            faults.push(format!("--truth of a picture is that of brdf ggx, and the table is of {brdf}: leave it out"));
+            faults.push(format!("--truth of a textured light needs a table of brdf ggx, not {brdf}: leave it out"));
         }
         if !faults.is_empty() {
             return Err(usage(format!("--texture: {}", faults.join("; "))));
@@ -59,7 +59,7 @@ impl Picture {
         }))
     }
 
-    /// What is reflected of each channel: by the table, or by model `normals`.
+    /// The reflected light of each channel, by the table or by model `normals`.
     pub(super) fn reflected(
         &mut self,
         table: Option<&Table>,

@@ -19,29 +19,28 @@ use ltcforge_textures::{
 /// `light-texture`.
 #[derive(Debug, Args)]
 pub struct LightTextureArgs {
-    /// The picture: PNG, `OpenEXR`, Radiance HDR or JPEG; or an IES profile, `docs/textured.md`
+    /// Picture (PNG, `OpenEXR`, Radiance HDR, JPEG) or IES profile
     #[arg(value_name = "IMAGE")]
     pub picture: PathBuf,
-    /// The folder; it is made if it is missing
+    /// Output folder, created if missing
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
-    /// The size of the light, in any unit: texels become square on it [default: they are square already]
+    /// Size of the light, so that texels become square on it [default: as the picture]
     #[arg(long, value_name = "WxH", value_parser = LightSize::from_str)]
     pub light: Option<LightSize>,
-    /// What the picture's numbers stand for [default: `OpenEXR` and Radiance HDR linear, JPEG sRGB, PNG what it says, else
-    /// sRGB]
+    /// Transfer function of the picture [default: by its format]
     #[arg(long, value_parser = named(TransferFunction::ALL, TransferFunction::name))]
     pub transfer: Option<TransferFunction>,
-    /// The format: all levels in one file of KTX2, or a file of another format for each level
+    /// Output format; formats other than KTX2 write a file per level
     #[arg(long = "as", value_name = "NAME", default_value = TextureContainer::ALL[0].name(), value_parser = named(TextureContainer::ALL, TextureContainer::name))]
     pub container: TextureContainer,
-    /// How texels are stored
+    /// Texel format
     #[arg(long, default_value = LightTexels::ALL[0].name(), value_parser = named(LightTexels::ALL, LightTexels::name))]
     pub texels: LightTexels,
-    /// The name of the files: 1 to 60 letters, digits and underscores, a letter first
+    /// File name: 1 to 60 letters, digits and underscores, a letter first
     #[arg(long, default_value = "light", value_parser = file_name)]
     pub name: String,
-    /// How many threads make the levels
+    /// Threads.
     #[command(flatten)]
     pub threads: Threads,
 }
@@ -52,10 +51,10 @@ fn file_name(text: &str) -> Result<String, String> {
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     is_name
         .then(|| text.to_owned())
-        .ok_or_else(|| "it is 1 to 60 letters, digits and underscores, a letter first".to_owned())
+        .ok_or_else(|| "use 1 to 60 letters, digits and underscores, a letter first".to_owned())
 }
 
-/// Writes the files, and prints what they are. A file that is no picture is refused before anything is written.
+/// Writes the files and lists them. Rejects an invalid picture before it writes anything.
 pub(super) fn run(args: &LightTextureArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     check_output_folder(&args.out)?;
     let refuse = |error: &dyn std::fmt::Display| file_failure(&args.picture, error);
@@ -71,7 +70,7 @@ pub(super) fn run(args: &LightTextureArgs, context: &mut Context<'_>) -> Result<
     let unit = if *format == PROFILE_FORMAT { "angles" } else { "pixels" };
     let ([across, down], [width, height]) = (picture, size);
     let mut text = format!(
-        "{format} of {across} x {down} {unit}, {transfer}; {width} x {height} texels, {levels} levels, {texels}\n"
+        "{format}, {across} x {down} {unit}, {transfer}; {levels} levels from {width} x {height} texels, {texels}\n"
     );
     let mut list = Vec::new();
     for file in files {
@@ -84,13 +83,13 @@ pub(super) fn run(args: &LightTextureArgs, context: &mut Context<'_>) -> Result<
     value["files"] = list.into();
     if *format != PROFILE_FORMAT && (0..2).any(|i| size[i] < picture[i]) {
         let [along, in_all] = MOST_SQUARE_TEXELS;
-        let _ = writeln!(text, "coarser than the picture: texels are at most {along} a side and {in_all} in all");
+        let _ = writeln!(text, "coarser than the picture: at most {along} texels per side and {in_all} in total");
     }
     if *error > 0.0 {
         let _ = writeln!(text, "rounded: a channel changes by at most {error:.1e} of its texel's largest");
     }
     if *clamped > 0 {
-        let _ = writeln!(text, "{clamped} numbers are above the largest of {texels} and became that");
+        let _ = writeln!(text, "{clamped} numbers are too large for {texels} and were clamped");
     }
     context.print(&value, text.trim_end())
 }

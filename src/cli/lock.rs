@@ -29,31 +29,30 @@ const SHEEN: &str = "-sheen";
 /// `lock`.
 #[derive(Debug, Args)]
 pub struct LockArgs {
-    /// The table's name in the project; without one, all pins are written anew, with the files that this program makes
+    /// Name of the pin; without it, update all pins
     pub name: Option<String>,
-    /// The table: its file, or its digest, which must be complete if the table comes from a source [default: the one
-    /// that is pinned under this name]
+    /// Table: a file, or a digest [default: the pinned table]
     #[arg(conflicts_with = "recipe")]
     pub table: Option<PathBuf>,
-    /// The table of this recipe: its file, `-` for stdin, or the name of a preset. It is fitted, unless it is there
+    /// Recipe to fit: a file, `-` for stdin, or a preset's name
     #[arg(long)]
     pub recipe: Option<PathBuf>,
-    /// The tables of a plan: the folder that `plan` wrote its recipes to. That of sheen is pinned as NAME-sheen
+    /// Folder that `plan` wrote; pins NAME, and NAME-sheen for sheen
     #[arg(long, value_name = "DIR", conflicts_with_all = ["table", "recipe"])]
     pub plan: Option<PathBuf>,
-    /// Path of the table, relative to the lock file's folder and below it [default: NAME.safetensors]
+    /// Path of the table, below the lock file [default: NAME.safetensors]
     #[arg(long, value_name = "PATH", requires = "name")]
     pub to: Option<PathBuf>,
     /// Files to make from the table and to pin as well
     #[command(flatten)]
     pub export: ExportChoice,
-    /// Their folder, relative to the lock file's and below it
+    /// Folder of the exported files, below the lock file
     #[arg(short, long, value_name = "DIR", requires = "name")]
     pub out: Option<PathBuf>,
-    /// Remove the pin of this name; its files stay
+    /// Remove the pin and keep its files
     #[arg(long, requires = "name", conflicts_with_all = ["table", "recipe", "plan", "to", "out"])]
     pub remove: bool,
-    /// Folder that is searched for a digest first [default: the working folder, then `tables` in it]
+    /// Folder to search for digests first [default: `.`, then `tables`]
     #[arg(long, value_name = "DIR")]
     pub tables: Option<PathBuf>,
     /// The sources of tables
@@ -138,7 +137,8 @@ pub(super) fn run(args: &LockArgs, sources: &Sources, context: &mut Context<'_>)
         // Names are checked before the work, and again with the files that it makes.
         check_pins(&pins).map_err(refused)?;
         check_places(path, &lock.folder, pins.iter().filter(|pin| made.contains(&pin.name)))?;
-        let locking = Locking { args, sources, lock: &lock, context };
+        let fitting = Fitting::new(args.sources.threads, args.sources.entry_limit, context);
+        let locking = Locking { args, fitting, sources, lock: &lock, context };
         for pin in pins.iter_mut().filter(|pin| made.contains(&pin.name)) {
             planned.extend(locking.pin(pin).map_err(|failure| of_pin(pin, &failure))?);
         }
@@ -204,7 +204,7 @@ fn print_pin(pin: &Pin, context: &mut Context<'_>) -> Result<Exit, CommandFailur
 }
 
 fn unknown(name: &str, path: &Path) -> CommandFailure {
-    let what = "no table of that name is pinned; name its file or its digest, or give --recipe";
+    let what = "no pin has this name; add its table, its digest or --recipe";
     usage(format!("{}: {}: {what}", path.display(), name.escape_debug()))
 }
 
@@ -240,7 +240,7 @@ fn asked_pin(args: &LockArgs, end: &str, pins: &mut Vec<Pin>, lock: &Path) -> Re
     // Files are made of the first one: engines read tables of one scattering model.
     if let Some(out) = args.out.as_ref().filter(|_| end.is_empty()) {
         if args.export.engine.is_none() && args.export.container.is_none() {
-            return Err(usage("--out is the folder of an export: add --for or --container"));
+            return Err(usage("--out needs an export: add --for or --container"));
         }
         let asked = asked_by(&args.export, out);
         if !pin.exports.iter().any(|export| export.requests_same_as(&asked)) {
@@ -262,17 +262,13 @@ fn ended(path: &Path, end: &str) -> PathBuf {
 
 struct Locking<'a, 'b> {
     args: &'a LockArgs,
+    fitting: Fitting<'a>,
     sources: &'a Sources,
     lock: &'a LockFile,
     context: &'a Context<'b>,
 }
 
 impl Locking<'_, '_> {
-    fn fitting(&self) -> Fitting<'_> {
-        let args = &self.args.sources;
-        Fitting::new(args.threads, args.entry_limit, self.context)
-    }
-
     /// Completes a pin, and returns the files that it names.
     fn pin(&self, pin: &mut Pin) -> Result<Vec<Planned>, CommandFailure> {
         let Found { digest, file, bytes, from_source } = self.find(pin)?;
@@ -289,7 +285,7 @@ impl Locking<'_, '_> {
         if pin.exports.is_empty() {
             return Ok(planned);
         }
-        let measured = self.fitting().measure(file, digest)?;
+        let measured = self.fitting.measure(file, digest)?;
         for export in &mut pin.exports {
             let files;
             (*export, files) = measured.export(export)?;
@@ -327,7 +323,7 @@ impl Locking<'_, '_> {
     /// The table of a recipe. It is the pinned table, if that has this recipe and its file is right, or else a fitted
     /// one.
     fn fitted(&self, name: &Path, pin: &Pin) -> Result<Found, CommandFailure> {
-        let recipe = self.fitting().recipe(name, &input::recipe_document(name)?)?;
+        let recipe = self.fitting.recipe(name, &input::recipe_document(name)?)?;
         let is_pinned = pin.recipe.as_ref().is_some_and(|old| *old == recipe_document::canonical_json(&recipe));
         let old = self.lock.pins.iter().find(|old| old.name == pin.name);
         if let Some(old) = old.filter(|_| is_pinned)
@@ -335,7 +331,7 @@ impl Locking<'_, '_> {
         {
             return self.read(&self.lock.folder.join(&old.path), Some(old.digest));
         }
-        let bytes = self.fitting().fit(&recipe)?;
+        let bytes = self.fitting.fit(&recipe)?;
         let digest = Digest::of(&bytes);
         let (_, file) = table_file::check(name, &bytes, Some(digest))?;
         Ok(Found { digest, file, bytes, from_source: false })

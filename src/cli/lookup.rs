@@ -16,11 +16,10 @@ pub struct LookupArgs {
     /// The table
     #[command(flatten)]
     pub table: TableChoice,
-    /// CSV with `alpha_x,alpha_y,theta,phi` on each line, angles in radians; `-` for stdin
+    /// CSV of `alpha_x,alpha_y,theta,phi` in radians; `-` for stdin
     #[arg(long, value_name = "CSV")]
     pub points: PathBuf,
-    /// Look up this material of a table of layout `materials`, by its place in the recipe's list, from 0; the CSV then has
-    /// `theta,phi` on each line
+    /// Material of a `materials` table, from 0; the CSV has `theta,phi`
     #[arg(long, value_name = "N")]
     pub material: Option<u32>,
 }
@@ -54,8 +53,12 @@ fn material(table: &Table, number: u32) -> Result<[f64; 2], CommandFailure> {
     let found = table.materials().nth(number as usize).map(|[alpha, ratio]| [alpha, alpha * ratio]);
     found.ok_or_else(|| {
         let message = match table.materials().count() {
-            0 => format!("--material is for tables of layout {}; this one is of {}", Layout::Materials, table.layout()),
-            count => format!("--material {number}: the table has the materials 0 to {}", count - 1),
+            0 => format!(
+                "--material needs a table of layout {}; this table has layout {}",
+                Layout::Materials,
+                table.layout()
+            ),
+            count => format!("--material {number}: use 0 to {}", count - 1),
         };
         usage(message)
     })

@@ -66,7 +66,7 @@ impl OutOfRangeCount {
 impl fmt::Display for OutOfRangeCount {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { points, clamped, ends } = self;
-        write!(f, "{clamped} of {points} points lie outside the table's range and were moved to its nearest end:")?;
+        write!(f, "{clamped} of {points} points are outside the table's range and were clamped:")?;
         for ((axis, is_above), (count, to)) in ends {
             let side = if *is_above { "above" } else { "below" };
             write!(f, "\n  {axis} {side} {to}: {count} clamped to {to}")?;

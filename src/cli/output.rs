@@ -38,7 +38,7 @@ impl OutputFile {
     pub(super) fn check(path: &Path) -> Result<Self, CommandFailure> {
         let refuse = |error: &dyn std::fmt::Display| file_failure(path, error);
         let destination = match fs::metadata(path) {
-            Ok(found) if found.is_dir() => return Err(refuse(&"this is a folder; name a file in it")),
+            Ok(found) if found.is_dir() => return Err(refuse(&"this is a folder; add a file name")),
             Ok(found) if found.is_file() => {
                 // The file is opened to see whether that is allowed. A link stays a link, and its target is replaced.
                 OpenOptions::new().write(true).open(path).map_err(|error| refuse(&error))?;
@@ -56,7 +56,7 @@ impl OutputFile {
             if !folder.is_dir() {
                 return Err(refuse(&format!("there is no folder {}", folder.display())));
             }
-            check_folder(folder).map_err(|error| refuse(&format!("no file can be made in its folder: {error}")))?;
+            check_folder(folder).map_err(|error| refuse(&format!("cannot write to its folder: {error}")))?;
         }
         Ok(Self { path: path.to_owned(), destination })
     }
@@ -94,7 +94,7 @@ pub(super) fn listed(path: &Path, bytes: &[u8]) -> serde_json::Value {
 /// # Errors
 /// When that is not possible.
 pub(super) fn check_output_folder(folder: &Path) -> Result<(), CommandFailure> {
-    check_folder(folder).map_err(|error| file_failure(folder, &format!("no file can be made there: {error}")))
+    check_folder(folder).map_err(|error| file_failure(folder, &format!("cannot write there: {error}")))
 }
 
 #[cfg(all(test, unix))]

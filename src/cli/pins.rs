@@ -1,4 +1,4 @@
-//! Making pinned files anew for `lock`, `pull` and `verify`: tables from their recipes, and exports from tables.
+//! Pinned files made again, for `lock`, `pull` and `verify`: tables from their recipes, exports from tables.
 
 use std::{
     num::NonZeroU64,
@@ -19,7 +19,7 @@ use ltcforge_files::{
     manifest::MeanError,
 };
 use ltcforge_fit::Recipe;
-use ltcforge_textures::{Engine, Export, TextureFile};
+use ltcforge_textures::{About, Engine, Export, TextureFile};
 
 /// How tables are fitted.
 #[derive(Debug, Clone, Copy)]
@@ -97,7 +97,7 @@ impl Measured {
     /// When the table has no such files.
     pub(super) fn files(&self, export: Export) -> Result<Vec<TextureFile>, CommandFailure> {
         let Self { file: TableFile { table, recipe, .. }, digest, error } = self;
-        Ok(export::bundle(export, table, *digest, Some(recipe), *error)?.files)
+        Ok(export.bundle(table, About::of_table(*digest, Some(recipe), *error)).map_err(usage)?.files)
     }
 }
 

@@ -19,58 +19,58 @@ use ltcforge_plan::{
     Budget, Form, GpuLimit, Needs, Scene, SceneError, TablePlan, document, left_out, of_other_models,
     other_reflectances, outside, picture, words,
 };
-use ltcforge_textures::{CompactContainer, Engine, Export, TextureLayout};
+use ltcforge_textures::{About, CompactContainer, Engine, Export, TextureLayout};
 
 /// `plan`.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("budget").args(["error", "bytes", "seconds"])))]
 #[expect(clippy::struct_excessive_bools, reason = "a flag each")]
 pub struct PlanArgs {
-    /// A scene, `.glb` or `.gltf` with its files beside it, or a list of materials, `.json`
+    /// Scene (`.glb`, `.gltf`) or list of materials (`.json`)
     pub scene: PathBuf,
-    /// With `--check`, the table: its file, or its digest or the beginning of that
+    /// Table to check, with --check: a file, or the first digits of a digest
     #[arg(requires = "check")]
     pub table: Option<PathBuf>,
-    /// Find the smallest table whose mean error on the scene is at most this, as a part of the lobe's width
+    /// Find the smallest table with at most this mean error on the scene
     #[arg(long, value_name = "E", value_parser = positive)]
     pub error: Option<f64>,
-    /// Find the best table of at most as many bytes, of matrices and terms
+    /// Find the best table of at most this many bytes
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub bytes: Option<u64>,
-    /// Find the best table that one core fits in this time
+    /// Find the best table that one core fits in this many seconds
     #[arg(long, value_name = "S", value_parser = positive)]
     pub seconds: Option<f64>,
-    /// Plan tables of this engine's layout, and with `--fit` write its files
+    /// Plan for this engine; with --fit, write its files
     #[arg(long = "for", value_name = "ENGINE", value_parser = named(Engine::ALL, Engine::name))]
     pub engine: Option<Engine>,
-    /// Let nodes stand on the scene's own roughnesses or be placed by its weights: a shader for them is `shader --nodes TABLE`
+    /// Allow uneven nodes, read by the shader of `shader --nodes TABLE`
     #[arg(long, conflicts_with = "engine")]
     pub any_nodes: bool,
-    /// Plan tables without terms, for a renderer that knows from elsewhere how much light a lobe holds
+    /// Plan tables without amplitude and Fresnel term
     #[arg(long, conflicts_with = "engine")]
     pub no_terms: bool,
-    /// Ship the table in its compact form: `--bytes` are those of that, without its decoder, and with `--fit` it is written
+    /// Ship the compact form: --bytes counts it, and --fit writes it
     #[arg(long, conflicts_with_all = ["engine", "any_nodes"])]
     pub ship: bool,
-    /// Take only tables whose shader has at most as many vector registers, and name the rule of model `normals` that does
+    /// Most vector registers that the shader may use
     #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..))]
     pub registers: Option<u32>,
-    /// The same for instructions
+    /// Most instructions that the shader may have
     #[arg(long, value_name = "I", value_parser = clap::value_parser!(u32).range(1..))]
     pub instructions: Option<u32>,
-    /// Folder that the recipe, `plan.json` and `plan.svg` go to
+    /// Folder for the recipe, `plan.json` and `plan.svg`
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub out: PathBuf,
-    /// Fit the table, measure it on the scene, and correct the plan once if the prediction was off by more than a fifth
+    /// Fit the table, measure it, and correct the plan once if needed
     #[arg(long)]
     pub fit: bool,
-    /// Write nothing; exit with 3 and name the materials if some lie outside of the table
+    /// Write nothing; exit with 3 if TABLE does not cover all materials
     #[arg(long, requires = "table", conflicts_with_all = ["budget", "engine", "fit", "ship"])]
     pub check: bool,
-    /// The folder that is searched for a digest
+    /// The folder of tables.
     #[command(flatten)]
     pub folder: TableFolder,
-    /// Number of threads
+    /// Threads.
     #[command(flatten)]
     pub threads: Threads,
 }
@@ -78,7 +78,7 @@ pub struct PlanArgs {
 /// A number above zero.
 fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "it is a number above 0".to_owned())
+    number.ok_or_else(|| "use a number above 0".to_owned())
 }
 
 /// The longest list of materials.
@@ -100,7 +100,7 @@ pub(super) fn run(args: &PlanArgs, context: &mut Context<'_>) -> Result<Exit, Co
     let engine = args.engine.filter(|_| layout.is_some());
     if let Some(engine) = engine.filter(|_| Needs::of(&scene, true).is_some()) {
         scene.notes.push(format!(
-            "sheen: files for {engine} are of one scattering model; without --for it has a table of its own"
+            "sheen: files for {engine} hold one scattering model; plan without --for to get a table of sheen"
         ));
     }
     let mut plans = Vec::new();
@@ -112,7 +112,7 @@ pub(super) fn run(args: &PlanArgs, context: &mut Context<'_>) -> Result<Exit, Co
     }
     if let Some(engine) = engine.filter(|_| plans.is_empty()) {
         let why = format!(
-            "{}: nothing but sheen, and files for {engine} are of none: plan without --for",
+            "{}: all materials are sheen, which files for {engine} cannot hold: plan without --for",
             args.scene.display()
         );
         return Err(usage(why));
@@ -219,36 +219,36 @@ fn write_table(
     let compact = shipped.then_some(Export::Compact(CompactContainer::Bytes));
     if let Some(export) = args.engine.map(Export::Engine).or(compact) {
         let error = export::measured(table, Some(recipe));
-        for file in export::bundle(export, table, digest, Some(recipe), error)?.files {
+        for file in export.bundle(table, About::of_table(digest, Some(recipe), error)).map_err(usage)?.files {
             files.push(shown(&write_in(&args.out, &file.path, &file.bytes)?));
         }
     }
     Ok(digest)
 }
 
-/// Tells which materials lie outside of a table.
+/// Lists the materials that a table does not cover.
 fn check(scene: &Scene, of: &AnyTable, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let outside = outside(scene, &of.table);
     let line = |material: &ltcforge_plan::Outside| {
         let axes = material.axes.iter().map(|axis| {
             let ([low, high], [first, last]) = (axis.scene, axis.table);
-            format!("{} {low:.4} to {high:.4}, of the table {first:.4} to {last:.4}", axis.axis)
+            format!("{} {low:.4} to {high:.4}, table {first:.4} to {last:.4}", axis.axis)
         });
         format!("{}: {}", material.material, axes.collect::<Vec<_>>().join("; "))
     };
     let mut lines: Vec<String> = outside.iter().map(line).collect();
     if lines.is_empty() {
-        lines.push("every lobe of the table's model lies within the table".to_owned());
+        lines.push("the table covers every lobe of its scattering model".to_owned());
     }
     let others = of_other_models(scene, &of.table);
     let other = |(material, kind): &(String, _)| {
-        format!("{material}: its {} is of another model", json!(kind).as_str().unwrap_or("lobe"))
+        format!("{material}: {} needs a table of another scattering model", json!(kind).as_str().unwrap_or("lobe"))
     };
     let mut left: Vec<String> = others.iter().map(other).collect();
     left.extend(other_reflectances(scene, &of.table).map(|[found, fitted]| {
         let [found, fitted] = [found, fitted]
             .map(|[low, high]| if low == high { format!("{low:.2}") } else { format!("{low:.2} to {high:.2}") });
-        format!("reflectance: materials have F0 {found}, and the table's lobes are those of {fitted}")
+        format!("reflectance: the materials have F0 {found}; the table was fitted for {fitted}")
     }));
     left.extend(left_out(scene));
     let value = json!({ "table": of.digest, "outside": outside, "not_checked": left });

@@ -16,19 +16,19 @@ pub struct PlotArgs {
     /// The table
     #[command(flatten)]
     pub table: TableChoice,
-    /// The plot
+    /// Plot
     #[arg(value_enum)]
     pub name: PlotName,
-    /// The picture
+    /// Output file
     #[arg(short, long, value_name = "FILE.png")]
     pub out: PathBuf,
-    /// Smaller over larger roughness at which errors are shown, moved into the table's range [default: 0.25]
+    /// Ratio of roughnesses to show errors at [default: 0.25]
     #[arg(long, value_name = "X")]
     pub ratio: Option<Ratio>,
-    /// Azimuth of the view direction at which errors are shown, radians, likewise [default: 0.7]
+    /// Azimuth of the view to show errors at, in radians [default: 0.7]
     #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
     pub phi: Option<Azimuth>,
-    /// How many threads measure
+    /// Threads.
     #[command(flatten)]
     pub threads: Threads,
 }
@@ -45,7 +45,7 @@ pub enum PlotName {
 /// Draws and writes the picture.
 pub(super) fn run(args: &PlotArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     if args.name != PlotName::Error && (args.ratio.is_some() || args.phi.is_some()) {
-        return Err(usage("--ratio and --phi belong to error, which shows a slice; matrix shows all of them"));
+        return Err(usage("--ratio and --phi are only for plot error; plot matrix shows every entry"));
     }
     let out = OutputFile::check(&args.out)?;
     let AnyTable { table, digest, path, .. } = AnyTable::read(&args.table)?;

@@ -36,11 +36,11 @@ pub(super) fn parse(line: &str) -> Result<Option<Point<'_>>, String> {
         _ => Err(format!("{} is «{}»; {allowed}", COLUMNS[column], written[column])),
     };
     let configuration = Configuration {
-        alpha_x: value(0, 0.0, 1.0, "roughness is a number from 0 to 1")?,
-        alpha_y: value(1, 0.0, 1.0, "roughness is a number from 0 to 1")?,
-        theta: value(2, 0.0, FRAC_PI_2 + THETA_ROUNDING, "a polar angle is a number from 0 to pi/2, in radians")?
+        alpha_x: value(0, 0.0, 1.0, "roughness must be between 0 and 1")?,
+        alpha_y: value(1, 0.0, 1.0, "roughness must be between 0 and 1")?,
+        theta: value(2, 0.0, FRAC_PI_2 + THETA_ROUNDING, "a polar angle must be between 0 and pi/2, in radians")?
             .min(FRAC_PI_2),
-        phi: value(3, f64::MIN, f64::MAX, "an azimuth is a finite number, in radians")?,
+        phi: value(3, f64::MIN, f64::MAX, "an azimuth must be a finite number, in radians")?,
     };
     Ok(Some(Point { written, configuration }))
 }

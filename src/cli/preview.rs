@@ -1,7 +1,5 @@
 //! `preview`: surfaces lit by a table, as a picture.
 
-mod materials;
-
 use std::{
     path::PathBuf,
     sync::{Arc, LazyLock},
@@ -26,56 +24,36 @@ use ltcforge_view::preview::{
 /// `preview`. A parameter that is not given is that of the named scene.
 #[derive(Debug, Args)]
 pub struct PreviewArgs {
-    /// A table's file, or a digest as `fit` prints it (its first digits suffice) of a table in the folder of
-    /// `--tables`; not needed for a picture that shows none
+    /// Table: a file, or the first digits of a digest in --tables
     pub table: Option<PathBuf>,
     /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
-    /// The picture
+    /// Output file
     #[arg(short, long, value_name = "FILE.png")]
     pub out: PathBuf,
     /// The scene and its parameters
     #[command(flatten)]
     pub scene: SceneChoices,
-    /// A picture on the light, in place of one with a name: PNG, `OpenEXR`, Radiance HDR or JPEG
+    /// Picture on the light (PNG, `OpenEXR`, Radiance HDR, JPEG)
     #[arg(long, value_name = "IMAGE", conflicts_with = "light_picture")]
     pub light_texture: Option<PathBuf>,
-    /// Width of the table's numbers on the GPU
+    /// Number format of the table on the GPU
     #[arg(long, value_parser = named(TexelFormat::ALL, TexelFormat::name), default_value = "f32")]
     pub precision: TexelFormat,
-    /// Take amplitude and Fresnel term of GGX itself at the table's nodes, in place of the table's own; a table without
-    /// any reflects all light
+    /// Use amplitude and Fresnel term of GGX instead of the table's
     #[arg(long)]
     pub ggx_terms: bool,
-    /// The renderer
+    /// Renderer
     #[arg(long, value_parser = named(Adapter::ALL, Adapter::name), default_value = "any", env = "LTCFORGE_ADAPTER")]
     pub adapter: Adapter,
 }
 
-/// The scene of nine materials: on the command line beside the preview's named scenes, which one renderer shades.
-const MATERIALS: &str = "materials";
-
-/// The choices of a scene on the command line: an argument for each of the preview's parameters.
+/// The parameters of a scene that the command line gives.
 #[derive(Debug, Clone)]
-pub struct SceneChoices {
-    /// The parameters that are given; the scene among them if it is a named one.
-    pub choices: Choices,
-    /// Whether the scene is the one of nine materials.
-    pub is_materials: bool,
-}
+pub struct SceneChoices(Choices);
 
-/// The value of `--scene`.
-#[derive(Debug, Clone)]
-enum SceneName {
-    Named(Value),
-    Materials,
-}
-
-/// The parameter that names a scene.
-const SCENE: &str = "scene";
-
-/// Their names on the command line, in their order.
+/// The names of the parameters on the command line, in the order of [`PARAMETERS`].
 static FLAGS: LazyLock<[String; PARAMETERS.len()]> =
     LazyLock::new(|| std::array::from_fn(|i| PARAMETERS[i].name.replace('_', "-")));
 
@@ -83,14 +61,6 @@ fn argument(parameter: &'static Parameter, flag: &'static str) -> Arg {
     let arg = Arg::new(parameter.name).long(flag).help(parameter.line()).value_name(parameter.value_name);
     let parse = |text: &str| parameter.parse(text);
     match parameter.form {
-        ParameterForm::Name { names, .. } if parameter.name == SCENE => {
-            let names = names().into_iter().chain([MATERIALS]);
-            let read = move |name: String| match name.as_str() {
-                MATERIALS => Ok(SceneName::Materials),
-                name => parse(name).map(SceneName::Named),
-            };
-            arg.value_parser(PossibleValuesParser::new(names).try_map(read))
-        }
         ParameterForm::Name { names, .. } => {
             arg.value_parser(PossibleValuesParser::new(names()).try_map(move |name| parse(&name)))
         }
@@ -112,13 +82,7 @@ impl Args for SceneChoices {
 
 impl FromArgMatches for SceneChoices {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
-        let scene = matches.get_one::<SceneName>(SCENE);
-        let choices = Choices::of(|parameter| match scene {
-            _ if parameter.name != SCENE => matches.get_one::<Value>(parameter.name).cloned(),
-            Some(SceneName::Named(value)) => Some(value.clone()),
-            Some(SceneName::Materials) | None => None,
-        });
-        Ok(Self { choices, is_materials: matches!(scene, Some(SceneName::Materials)) })
+        Ok(Self(Choices::of(|parameter| matches.get_one::<Value>(parameter.name).cloned())))
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
@@ -130,26 +94,20 @@ impl FromArgMatches for SceneChoices {
 /// Renders a picture and writes it. Prints the adapter, materials outside the table, and the errors of modes that
 /// compare to standard error, or as JSON to standard output.
 pub(super) fn run(args: &PreviewArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    if args.scene.is_materials {
-        return materials::run(args, context);
-    }
     let out = OutputFile::check(&args.out)?;
-    let mut scene = args.scene.choices.clone().into_scene();
+    let mut scene = args.scene.0.clone().into_scene();
     if let Some(path) = &args.light_texture {
         scene.picture = ScenePicture::Image(Arc::new(read_picture(path)?));
     }
-    let read = args.table.as_deref().map(|name| AnyTable::named(name, &args.folder)).transpose()?;
+    let named = args.table.as_deref();
+    let read = named.map(|name| AnyTable::named(name, &args.folder)?.with_terms(args.ggx_terms)).transpose()?;
     if read.is_none() && scene.needs_table() {
         return Err(usage(LightError::NeedsTable(LightModel::Ltc)));
     }
-    let digest = read.as_ref().map(|any| any.digest);
-    let table = read.map(|any| if args.ggx_terms { any.with_ggx_terms() } else { Ok(any) }).transpose()?;
-    let table = table.map(|any| any.table);
+    let (table, digest) = read.map(|any| (any.table, any.digest)).unzip();
     if let Some(table) = table.as_ref().filter(|table| !table.layout().is_even(table.axes())) {
-        let message = format!(
-            "the preview's shader searches for no nodes, and those of the table's recipe are not evenly spaced as layout {} has them",
-            table.layout()
-        );
+        let message =
+            format!("preview cannot show tables with uneven nodes; layout {} has evenly spaced nodes", table.layout());
         return Err(usage(message));
     }
     let shader_table = match (&table, &digest) {
@@ -202,9 +160,7 @@ pub(super) fn run(args: &PreviewArgs, context: &mut Context<'_>) -> Result<Exit,
 fn failure(error: &PreviewError) -> CommandFailure {
     let exit = match error {
         PreviewError::Scene(..) | PreviewError::Table(_) | PreviewError::CpuOnly(_) => Exit::Usage,
-        PreviewError::NoBrdfFile(_) | PreviewError::NoAdapter(_) | PreviewError::Gpu(_) | PreviewError::Stopped => {
-            Exit::Failed
-        }
+        _ => Exit::Failed,
     };
     CommandFailure::new(exit, error.to_string())
 }

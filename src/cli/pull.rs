@@ -20,10 +20,10 @@ use ltcforge_files::{bounded::read_file, container::TableFile, digest::Digest, r
 /// `pull`.
 #[derive(Debug, Args)]
 pub struct PullArgs {
-    /// Change nothing; fail with exit code 3 when a file is missing or has other bytes
+    /// Change nothing; exit with 3 if a file is missing or changed
     #[arg(long, conflicts_with_all = ["from", "fit", "offline"])]
     pub locked: bool,
-    /// Fit a table from its recipe if no source has it; it must have the pinned digest
+    /// Fit a table from its recipe if no source has it
     #[arg(long)]
     pub fit: bool,
     /// The sources of tables
@@ -50,7 +50,8 @@ pub(super) fn run(args: &PullArgs, sources: &Sources, context: &mut Context<'_>)
         if context.interrupt.is_set() {
             return Err(CommandFailure::interrupted());
         }
-        let mut pulling = Pulling { args, sources, lock: &lock, context, staged: Staged::default() };
+        let fitting = Fitting::new(args.sources.threads, args.sources.entry_limit, context);
+        let mut pulling = Pulling { args, fitting, sources, lock: &lock, context, staged: Staged::default() };
         let mut done = Vec::new();
         let failure = pulling.pin(pin, &mut done).err();
         if failure.is_none() {
@@ -95,6 +96,7 @@ const UNCHANGED: &str = "unchanged";
 
 struct Pulling<'a, 'b> {
     args: &'a PullArgs,
+    fitting: Fitting<'a>,
     sources: &'a Sources,
     lock: &'a LockFile,
     context: &'a Context<'b>,
@@ -103,11 +105,6 @@ struct Pulling<'a, 'b> {
 }
 
 impl Pulling<'_, '_> {
-    fn fitting(&self) -> Fitting<'_> {
-        let args = &self.args.sources;
-        Fitting::new(args.threads, args.entry_limit, self.context)
-    }
-
     /// Pulls a table and the files that are made from it. Adds the outcome for each file to `done`.
     fn pin<'p>(&mut self, pin: &'p Pin, done: &mut Vec<Done<'p>>) -> Result<(), CommandFailure> {
         let outcome = match self.state(&pin.path, pin.digest, pin.bytes)? {
@@ -132,7 +129,7 @@ impl Pulling<'_, '_> {
             if !comes && !wrong.is_empty() {
                 let table = match read.take() {
                     Some(table) => table,
-                    None => self.fitting().measure(self.read(pin)?, pin.digest)?,
+                    None => self.fitting.measure(self.read(pin)?, pin.digest)?,
                 };
                 self.export(export, read.insert(table), &wrong)?;
             }
@@ -158,7 +155,7 @@ impl Pulling<'_, '_> {
             PinState::Different { actual } if self.args.locked => {
                 let cause = client::change_of_git(path, digest, &self.lock.folder);
                 let cause = cause.map(|cause| format!("; {cause}")).unwrap_or_default();
-                drift(format!("the file hashes to {actual}, {digest} is pinned{cause}"))
+                drift(format!("the file has digest {actual}, but {digest} is pinned{cause}"))
             }
             state => Ok(state),
         }
@@ -192,20 +189,20 @@ impl Pulling<'_, '_> {
         if actual == pinned {
             return Ok(());
         }
-        Err(mismatch(&place, format!("the table's recipe hashes to {actual}, {pinned} is pinned")))
+        Err(mismatch(&place, format!("the table's recipe has digest {actual}, but {pinned} is pinned")))
     }
 
     /// Fits a pinned recipe again. The table must have the pinned bytes.
     fn fit(&mut self, pin: &Pin) -> Result<&'static str, CommandFailure> {
         let Some(document) = &pin.recipe else {
-            let reason = "no source has the table, and the lock file has no recipe of it: `ltcforge lock` writes it";
+            let reason = "no source has the table, and the lock file has no recipe to fit: run `ltcforge lock`";
             return Err(failed(reason));
         };
         let (place, target) = (self.lock.folder.join(&pin.path), client::target(&pin.path, &self.lock.folder)?);
-        let bytes = self.fitting().fit(&self.fitting().recipe(Path::new("recipe"), document.as_bytes())?)?;
+        let bytes = self.fitting.fit(&self.fitting.recipe(Path::new("recipe"), document.as_bytes())?)?;
         let actual = Digest::of(&bytes);
         if actual != pin.digest {
-            let reason = format!("the recipe gives a table that hashes to {actual}, {} is pinned", pin.digest);
+            let reason = format!("fitting the recipe gives {actual}, but {} is pinned", pin.digest);
             return Err(mismatch(&place, reason));
         }
         client::check_size(place, bytes.len() as u64, pin.bytes)?;
@@ -241,7 +238,7 @@ impl Pulling<'_, '_> {
         let form_of = |file: &FilePin| forms.iter().find(|form| export.to.join(&form.path) == file.path);
         let place = |file: &FilePin| self.lock.folder.join(&file.path);
         if let Some(file) = export.file.iter().find(|file| form_of(file).is_none()) {
-            return Err(mismatch(&place(file), format!("this program makes no such file; {ADVICE}")));
+            return Err(mismatch(&place(file), format!("this version does not make this file; {ADVICE}")));
         }
         for file in wrong {
             let Some(wanted) = export.wanted(pin.digest, file) else { return Ok(false) };
@@ -251,7 +248,7 @@ impl Pulling<'_, '_> {
             let bytes =
                 read_file(&self.found(&file.path)?, file.bytes).map_err(|error| file_failure(&place(file), &error))?;
             if !form_of(file).is_some_and(|form| form.resembles(&bytes)) {
-                let reason = format!("the pinned bytes are not those of export {asked}; {ADVICE}");
+                let reason = format!("the pinned bytes are not an export {asked}; {ADVICE}");
                 return Err(mismatch(&place(file), reason));
             }
         }
@@ -269,16 +266,13 @@ impl Pulling<'_, '_> {
                     client::check_size(self.lock.folder.join(path), file.bytes, Some(*bytes))?;
                 }
                 Some(FilePin { digest: actual, .. }) => {
-                    return refused(
-                        path,
-                        format!("this program makes a file that hashes to {actual}, {digest} is pinned"),
-                    );
+                    return refused(path, format!("this version makes {actual}, but {digest} is pinned"));
                 }
-                None => return refused(path, "this program makes no such file".to_owned()),
+                None => return refused(path, "this version does not make this file".to_owned()),
             }
         }
         if let Some(file) = made.file.iter().find(|made| export.file.iter().all(|pinned| pinned.path != made.path)) {
-            return refused(&file.path, "this program makes this file too, and it is not pinned".to_owned());
+            return refused(&file.path, "this version also makes this file, which is not pinned".to_owned());
         }
         for (made, file) in
             made.file.iter().zip(&files).filter(|(made, _)| wrong.iter().any(|file| file.path == made.path))
@@ -291,4 +285,4 @@ impl Pulling<'_, '_> {
 }
 
 /// What to do when a pinned file is not one that this program makes.
-const ADVICE: &str = "`ltcforge lock` pins what this program makes";
+const ADVICE: &str = "run `ltcforge lock` to pin the files of this version";

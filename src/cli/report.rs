@@ -16,14 +16,13 @@ pub struct ReportArgs {
     /// The table
     #[command(flatten)]
     pub table: TableChoice,
-    /// Nodes to measure, and as many configurations between them, 8 to 1000000 [default: as many as the manifest's
-    /// report, which depend on the recipe; 1024 of a `.npy` file]
+    /// Nodes to measure, and places between nodes, 8 to 1000000 [default: as in the manifest]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=1_000_000), hide_default_value = true)]
     pub points: Option<u32>,
-    /// Measure the corners of the domain as well: mirrors, needles, the horizon, every fold
+    /// Also measure the corners of the domain
     #[arg(long)]
     pub extremes: bool,
-    /// Number of threads
+    /// Threads.
     #[command(flatten)]
     pub threads: Threads,
 }
@@ -118,7 +117,7 @@ fn poor_line(lobe: LobeModel, Poor { limit, nodes, alpha, theta }: &Poor) -> Str
     let what = format!("nodes with an error over {:.0} % of the lobe's width", 100.0 * limit);
     match (alpha, theta) {
         (Some(alpha), Some(theta)) => format!(
-            "{what}: {nodes}, alpha {:.4} to {:.4}, theta {:.3} to {:.3}; {model} is a poor model of the lobe there",
+            "{what}: {nodes}, alpha {:.4} to {:.4}, theta {:.3} to {:.3}, where {model} models the lobe poorly",
             alpha[0], alpha[1], theta[0], theta[1]
         ),
         _ => format!("{what}: none"),

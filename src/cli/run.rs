@@ -5,9 +5,9 @@ use serde_json::json;
 
 use super::{
     Cli, Command, CommandFailure, ConfigFile, Context, DEFAULT_SERVER, Exit, Sources, diff, export, fit, jobs, light,
-    light_texture, lock, lookup, plan, plot, preview, pull, report, shader, tabulated, tradeoff, usage, verify,
+    light_texture, lock, lookup, plan, plot, preview, pull, report, shader, tabulated, tradeoff, verify,
 };
-use ltcforge_client::{Client, ServerTokens, ServerTokensError};
+use ltcforge_client::Client;
 
 /// Runs a command.
 ///
@@ -15,12 +15,8 @@ use ltcforge_client::{Client, ServerTokens, ServerTokensError};
 /// The exit code and the lines for standard error.
 pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let file = ConfigFile::load(cli.config.as_deref())?;
-    let Cli { command, server, token, json, .. } = cli;
-    context.json = json;
-    let tokens =
-        || token.as_ref().map_or(Ok(ServerTokens::NONE), |text| text.parse().map_err(usage::<ServerTokensError>));
-    let sources = |args| Sources::new(args, server.as_deref(), &file, tokens()?);
-    match command {
+    context.json = cli.json;
+    match cli.command {
         #[cfg(unix)]
         Command::Service(command) => super::service::run(command, file.serve, context),
         Command::Fit(args) => fit::run(&args, context),
@@ -36,12 +32,12 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
         Command::Tabulate(args) => tabulated::run(&args, context),
         Command::Export(args) => export::run(&args, context),
         Command::Jobs(args) => {
-            let server = server.as_deref().or(file.server.as_deref()).unwrap_or(DEFAULT_SERVER);
-            jobs::run(&args, &Client::new(server, &tokens()?)?, context)
+            let server = args.server.server.as_deref().or(file.server.as_deref()).unwrap_or(DEFAULT_SERVER);
+            jobs::run(&args.action, &Client::new(server, &args.server.token.tokens()?)?, context)
         }
-        Command::Lock(args) => lock::run(&args, &sources(&args.sources)?, context),
-        Command::Pull(args) => pull::run(&args, &sources(&args.sources)?, context),
-        Command::Verify(args) => verify::run(&args, &tokens()?, context),
+        Command::Lock(args) => lock::run(&args, &Sources::new(&args.sources, &file)?, context),
+        Command::Pull(args) => pull::run(&args, &Sources::new(&args.sources, &file)?, context),
+        Command::Verify(args) => verify::run(&args, context),
         Command::Diff(args) => diff::run(&args, context),
         Command::Completions { shell } => {
             let mut script = Vec::new();

@@ -18,66 +18,61 @@ use ltcforge_translate::{include, include_function, include_given, include_layer
 #[derive(Debug, Args)]
 #[expect(clippy::struct_excessive_bools, reason = "a flag each")]
 pub struct ShaderArgs {
-    /// Language to write
+    /// Shading language
     #[arg(long, value_parser = named(Language::ALL, Language::name))]
     pub language: Language,
-    /// The model of light
+    /// Model of light
     #[arg(long, value_parser = named(LightModel::ALL, LightModel::name), default_value = "ltc")]
     pub model: LightModel,
-    /// The rule of model normals, each a text of its own [default: balanced]
+    /// Rule of model normals [default: balanced]
     #[arg(long, value_parser = named(&NormalsRule::SHADED, NormalsRule::name))]
     pub rule: Option<NormalsRule>,
-    /// Functions to include in your own shader, or a program that calls them
+    /// Form of the code
     #[arg(long = "as", value_enum, default_value = "include")]
     pub form: ShaderForm,
-    /// Let the sampler interpolate a table's entries, in a text to include: fewer fetches, less exact
+    /// Let the sampler interpolate: fewer fetches, less exact
     #[arg(long)]
     pub hardware_filter: bool,
-    /// Read the table from one 2D array in place of three 3D textures, in a text to include: one sampler
+    /// Read the table from one 2D array instead of three 3D textures
     #[arg(long)]
     pub texture_array: bool,
-    /// Read the second lobe too, in a text to include: of tables whose recipes have field `fresnel` of `two_lobes` or
-    /// `blended_lobes`
+    /// Read the second lobe of a `two_lobes` or `blended_lobes` table
     #[arg(long)]
     pub two_lobes: bool,
-    /// Lights that a text of model ltc to include has functions for: all, or polygons alone, which is two fifths
-    /// shorter [default: all]
+    /// Lights to include functions for, in model ltc [default: all]
     #[arg(long, value_parser = named(Lights::ALL, Lights::name))]
     pub lights: Option<Lights>,
-    /// Functions to add to a text to include
+    /// Functions to add.
     #[command(flatten)]
     pub additions: AdditionArgs,
-    /// Beginning of all names in a text to include, in place of ltc, normals or gaussians, for two tables in one shader
+    /// Prefix of all names instead of ltc, normals or gaussians
     #[arg(long, value_name = "NAME")]
     pub prefix: Option<Prefix>,
-    /// Number of the first binding, in a text to include that reads a table and binds it by number [default: 0]
+    /// Number of the first binding [default: 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=1000))]
     pub first_binding: Option<u16>,
-    /// Group of the bindings in WGSL, set in Vulkan's GLSL, space in HLSL, in a text to include that reads a table
-    /// [default: 0]
+    /// Group (WGSL), set (GLSL) or space (HLSL) of the bindings [default: 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=31))]
     pub group: Option<u16>,
-    /// Layout of the tables that the shader reads: of LTCs for model ltc, of Gaussians for sg and asg, which have
-    /// closed forms without it; a table's recipe names it
+    /// Layout of the tables to read, as in the table's recipe
     #[arg(long, value_parser = named(Layout::ALL, Layout::name))]
     pub layout: Option<Layout>,
-    /// Put this table of isotropic surfaces into the code as polynomials: the shader reads no texture
+    /// Isotropic table to embed as polynomials instead of textures
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "hardware_filter", "texture_array", "two_lobes", "first_binding", "group"])]
     pub without_textures: Option<PathBuf>,
-    /// Read this table of LTCs alone, whose recipe gives nodes one by one: they stand in the text, which searches for
-    /// them
+    /// Table with uneven nodes to read; the code holds the nodes
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "without_textures"])]
     pub nodes: Option<PathBuf>,
     /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
-    /// How many threads measure that table, and its polynomials
+    /// Threads.
     #[command(flatten)]
     pub threads: Threads,
-    /// Write the text as a module of JavaScript, -o NAME.js or NAME.mjs, and its types beside it, NAME.d.ts or NAME.d.mts
+    /// Write a JavaScript module (-o NAME.js or .mjs) and its types
     #[arg(long)]
     pub es_module: bool,
-    /// The file [default: standard output]
+    /// Output file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }
@@ -85,14 +80,13 @@ pub struct ShaderArgs {
 /// Options that add functions to a text to include.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct AdditionArgs {
-    /// Add functions, in a text of model ltc to include, by which nothing shines through from below the surface
+    /// Add functions that cut lights at the surface (model ltc)
     #[arg(long)]
     pub cut: bool,
-    /// Add the factor, in a text to include, by which facets of metals lose no light to each other
+    /// Add the factor that compensates multiple scattering (metals)
     #[arg(long)]
     pub compensate: bool,
-    /// Add rectangles with pictures, in a text of model normals or ltc to include, and read a picture so often for a light:
-    /// 4, 1, 2 or 6
+    /// Add textured rectangles, with this many texture reads per light
     #[arg(long, value_name = "READINGS", value_parser = named(Readings::ALL, Readings::name), conflicts_with = "without_textures")]
     pub textured: Option<Readings>,
 }
@@ -100,11 +94,11 @@ pub struct AdditionArgs {
 /// The form of a shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ShaderForm {
-    /// Functions and their bindings
+    /// Functions and bindings to include in your shader
     Include,
-    /// A compute shader that calls them
+    /// Compute shader that calls them
     Example,
-    /// Functions that combine a coat and fuzz with what lies below them, for any model
+    /// Functions that layer coat and fuzz over a base, for any model
     Layers,
     /// Functions that prefilter a picture on a light, pass by pass
     Prefilter,
@@ -192,11 +186,12 @@ fn of_table(args: &ShaderArgs) -> Result<(Vec<u8>, Value), CommandFailure> {
     let mut value = json!({ "language": language.name(), "model": LightModel::Ltc, "table": digest });
     let text = if args.nodes.is_some() {
         if let Some(gaussian) = table.lobe().gaussian() {
-            return Err(refused(format!("--nodes is for tables of LTCs, not of lobe {gaussian}")));
+            return Err(refused(format!("--nodes needs a table of LTCs; this table has lobe {gaussian}")));
         }
         let layout = table.layout();
-        let given = GivenAxes::of(&table)
-            .ok_or_else(|| refused(format!("its nodes are those of layout {layout}: say --layout {layout}")))?;
+        let given = GivenAxes::of(&table).ok_or_else(|| {
+            refused(format!("the table has the nodes of layout {layout}: use --layout {layout} instead of --nodes"))
+        })?;
         value["layout"] = json!(given.layout());
         let lit_by = LitBy::from(given.layout()).with(additions(args)).map_err(usage)?;
         include_given(language, lit_by, &given, about.lines(), reading(args), lights(args), &namespace(args))
@@ -207,9 +202,8 @@ fn of_table(args: &ShaderArgs) -> Result<(Vec<u8>, Value), CommandFailure> {
         let [table_width, width] = args.threads.pool()?.install(measure);
         value["coefficients"] = json!(6 * FUNCTION_SIDE * FUNCTION_SIDE);
         (value["error"], value["table_error"]) = (json!(width), json!(table_width));
-        let about = about.and([format!(
-            "mean error of the polynomials: {width:.4} of the lobe's width; of the table: {table_width:.4}"
-        )]);
+        let about =
+            about.and([format!("mean error in widths of the lobe: polynomials {width:.4}, table {table_width:.4}")]);
         include_function(language, &function, about.lines(), lights(args), additions(args), &namespace(args))
     };
     Ok((text.map_err(failed)?.into_bytes(), value))
@@ -254,7 +248,7 @@ fn types_file(args: &ShaderArgs) -> Result<Option<PathBuf>, CommandFailure> {
     }
 }
 
-const NO_MODULE: &str = "--es-module needs -o NAME.js or -o NAME.mjs: the types are written beside it";
+const NO_MODULE: &str = "--es-module needs -o NAME.js or -o NAME.mjs";
 
 /// The reason that the form, the language or the model of a text does not have an option that is given.
 fn refusal(args: &ShaderArgs) -> Option<String> {
@@ -283,11 +277,11 @@ fn refusal(args: &ShaderArgs) -> Option<String> {
         ShaderForm::Layers | ShaderForm::Prefilter => {
             let given: Vec<&str> = given.map(|(name, ..)| *name).collect();
             return (!given.is_empty())
-                .then(|| format!("a text of no model is bound as it says: leave out {}", given.join(", ")));
+                .then(|| format!("this form does not depend on a model: leave out {}", given.join(", ")));
         }
         ShaderForm::Example => {
             if let Some((name, ..)) = given.find(|(.., is_for_includes)| *is_for_includes) {
-                return Some(format!("{name} is for a text to include"));
+                return Some(format!("{name} needs --as include"));
             }
         }
         ShaderForm::Include => {}
@@ -298,43 +292,26 @@ fn refusal(args: &ShaderArgs) -> Option<String> {
     let is_numbered = matches!(language, Language::Wgsl | Language::Glsl | Language::Hlsl);
     let name = language.name();
     let faults = [
-        (
-            !is_ltc && (args.nodes.is_some() || args.without_textures.is_some()),
-            "--nodes is for a text of model ltc, and so is --without-textures".to_owned(),
-        ),
-        (is_placed && !is_numbered, format!("{name} binds nothing by number: leave out --first-binding and --group")),
-        (
-            is_placed && !has_table && textured.is_none(),
-            format!("model {model} binds nothing by number: leave out --first-binding and --group"),
-        ),
-        (
-            args.two_lobes && !(has_table && is_ltc),
-            format!("--two-lobes is for tables of LTCs: model {model} has no second lobe to read"),
-        ),
-        (
-            args.lights.is_some() && !is_ltc,
-            format!("--lights is of model ltc: model {model} has no spheres, tubes and lines to leave out"),
-        ),
-        (
-            (args.texture_array || args.hardware_filter) && !has_table,
-            format!("--texture-array and --hardware-filter are for tables: model {model} reads none"),
-        ),
-        (
-            args.hardware_filter && language == Language::Wgsl,
-            "in WGSL the constant ltc_hardware_filter chooses: leave out --hardware-filter".to_owned(),
-        ),
-        (
-            args.es_module && !language.has_includes(),
-            format!("--es-module is for texts, and {name} is binary: leave it out"),
-        ),
-        (
-            form == ShaderForm::Include && !language.has_includes(),
-            format!("{name} has no text to include: add --as example"),
-        ),
-        (
-            form == ShaderForm::Example && !language.has_programs(),
-            format!("{name} has no compute shaders, and the example is one: leave out --as example"),
-        ),
+        (!is_ltc && (args.nodes.is_some() || args.without_textures.is_some()))
+            .then(|| "--nodes and --without-textures need --model ltc".to_owned()),
+        (is_placed && !is_numbered)
+            .then(|| format!("{name} has no numbered bindings: leave out --first-binding and --group")),
+        (is_placed && !has_table && textured.is_none())
+            .then(|| format!("model {model} binds no textures: leave out --first-binding and --group")),
+        (args.two_lobes && !(has_table && is_ltc))
+            .then(|| format!("--two-lobes needs a table of LTCs: add --layout, or leave it out")),
+        (args.lights.is_some() && !is_ltc)
+            .then(|| format!("--lights is only for model ltc, not for {model}: leave it out")),
+        ((args.texture_array || args.hardware_filter) && !has_table)
+            .then(|| format!("--texture-array and --hardware-filter need a table: add --layout, or leave them out")),
+        (args.hardware_filter && language == Language::Wgsl)
+            .then(|| "in WGSL, set the constant ltc_hardware_filter instead of --hardware-filter".to_owned()),
+        (args.es_module && !language.has_includes())
+            .then(|| format!("--es-module needs a text language; {name} is binary")),
+        (form == ShaderForm::Include && !language.has_includes())
+            .then(|| format!("{name} has no include: add --as example")),
+        (form == ShaderForm::Example && !language.has_programs())
+            .then(|| format!("{name} has no compute shaders: leave out --as example")),
     ];
-    faults.into_iter().find(|(is_wrong, _)| *is_wrong).map(|(_, why)| why)
+    faults.into_iter().flatten().next()
 }

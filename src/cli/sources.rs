@@ -8,26 +8,30 @@ use std::{
 
 use clap::Args;
 
-use super::{CommandFailure, ConfigFile, DEFAULT_SERVER, Interrupt, TableLimit, Threads};
+use super::{CommandFailure, ConfigFile, DEFAULT_SERVER, Interrupt, TableLimit, Threads, args::ServerArgs};
 use ltcforge_client::{Access, ServerTokens, Source};
 
 /// The sources of pinned tables.
 #[derive(Debug, Args)]
 pub struct SourceArgs {
-    /// The lock file; paths are relative to its folder
+    /// Lock file; paths are relative to its folder
     #[arg(long, value_name = "FILE", default_value = "ltcforge.lock")]
     pub lock: PathBuf,
-    /// Look for tables here: the URL of a service, or a folder of `<digest>.safetensors` files; give it several times
-    /// to look in several places, in this order [default: --server, or what the lock file and the configuration name]
+    /// Service or folder to take tables from; repeatable, in order
+    ///
+    /// A folder has files <digest>.safetensors. [default: --server, or the sources of lock file and configuration]
     #[arg(long, value_name = "URL|DIR")]
     pub from: Vec<OsString>,
-    /// Use no server, only folders
+    /// The service
+    #[command(flatten)]
+    pub server: ServerArgs,
+    /// Use folders only, no service
     #[arg(long)]
     pub offline: bool,
     /// The longest table whose size the lock file does not state
     #[command(flatten)]
     pub limit: TableLimit,
-    /// Entries that a table may have to be fitted [default: 2000000]
+    /// Maximum entries of a table to fit [default: 2000000]
     #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
     pub entry_limit: Option<NonZeroU64>,
     /// Number of threads that fit and measure
@@ -51,13 +55,9 @@ impl Sources {
     ///
     /// # Errors
     /// When a server's URL is invalid, even if the server is not used.
-    pub(super) fn new(
-        args: &SourceArgs,
-        server: Option<&str>,
-        file: &ConfigFile,
-        tokens: ServerTokens,
-    ) -> Result<Self, CommandFailure> {
-        let server = server.map(Source::server).transpose()?;
+    pub(super) fn new(args: &SourceArgs, file: &ConfigFile) -> Result<Self, CommandFailure> {
+        let tokens = args.server.token.tokens()?;
+        let server = args.server.server.as_deref().map(Source::server).transpose()?;
         let usual_server = file.server.as_deref().map(Source::server).transpose()?;
         // Clap would show a wrong source as it is, with its password.
         let from: Vec<Source> = args.from.iter().cloned().map(Source::try_from).collect::<Result<_, _>>()?;

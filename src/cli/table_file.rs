@@ -55,7 +55,7 @@ pub(super) fn table_path(name: &Path, folder: Option<&Path>) -> Result<PathBuf, 
         (looked_in.join(" and "), if folder.is_none() { "; --tables names another folder" } else { "" });
     match found.into_values().next() {
         Some(path) if count == 1 => Ok(path),
-        Some(_) => Err(usage(format!("{beginning}: {count} tables in {places} begin with this"))),
+        Some(_) => Err(usage(format!("{beginning}: {count} tables in {places} begin with these digits; add more"))),
         None => {
             Err(failed(format!("{text}: there is no such file, and no {beginning}*.safetensors in {places}{other}")))
         }
@@ -101,7 +101,7 @@ pub(super) fn check(
     if let Some(expected) = expected.or_else(|| digest_in_name(path))
         && actual != expected
     {
-        let reason = || format!("the file hashes to {actual}, not to {expected}");
+        let reason = || format!("the file has digest {actual}, expected {expected}");
         return Err(mismatch(path, other_form(bytes).unwrap_or_else(reason)));
     }
     let file = container::decode(bytes).map_err(|error| mismatch(path, error))?;

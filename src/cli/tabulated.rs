@@ -27,25 +27,25 @@ use ltcforge_fit::{BrdfKind, Recipe, Table, TabulatedAxes, TabulatedBrdf};
 /// `tabulate`.
 #[derive(Debug, Args)]
 pub struct TabulateArgs {
-    /// The scattering model
+    /// Scattering model
     #[arg(value_parser = formulas())]
     pub brdf: BrdfKind,
-    /// The file
+    /// Output file
     #[arg(short, long, value_name = "FILE")]
     pub out: PathBuf,
-    /// Roughnesses, ascending; none for one surface, the roughest
+    /// Roughnesses, ascending [default: 1 alone]
     #[arg(long, value_name = "ALPHA,...", value_delimiter = ',')]
     pub alpha: Vec<f64>,
-    /// Ratios of roughnesses, ascending, for a file of anisotropic surfaces; none for an isotropic one
+    /// Ratios of roughnesses, ascending, for an anisotropic BRDF
     #[arg(long, value_name = "RATIO,...", value_delimiter = ',')]
     pub ratio: Vec<f64>,
-    /// Nodes of the polar angle of the light, closer towards the horizon; the view has the same nodes up to 85 degrees
+    /// Polar nodes of the light; the view has those up to 85 degrees
     #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u16).range(4..=1024))]
     pub theta: u16,
-    /// Nodes of the azimuth of the view, a quarter of a turn
+    /// Azimuth nodes of the view, over a quarter turn
     #[arg(long, value_name = "N", default_value_t = 9, requires = "ratio", value_parser = clap::value_parser!(u16).range(2..=256))]
     pub phi_o: u16,
-    /// Nodes of the difference of azimuths on one side; with --ratio as many on the other, closer across from the view
+    /// Nodes of the azimuth difference, per side
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u16).range(4..=1024))]
     pub phi: u16,
 }

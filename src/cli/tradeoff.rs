@@ -25,17 +25,18 @@ use ltcforge_view::tradeoff::{
 /// `tradeoff`.
 #[derive(Debug, Args)]
 pub struct TradeoffArgs {
-    /// A recipe's file, `-` for stdin, or the name of a preset: the family keeps its ranges, terms, seed and solver,
-    /// and varies its layout, resolution and precision [default: paper]
+    /// Recipe to vary: a file, `-`, or a preset's name [default: paper]
+    ///
+    /// The family keeps its ranges, terms, seed and solver, and varies layout, resolution and precision
     #[arg(long, value_name = "RECIPE")]
     pub recipe: Option<PathBuf>,
-    /// Fit a small family: the presets and a few recipes around them
+    /// Fit only the presets and a few recipes around them
     #[arg(long)]
     pub quick: bool,
-    /// Folder that `tradeoff.csv`, `tradeoff.json` and `tradeoff.svg` go to
+    /// Folder for `tradeoff.csv`, `tradeoff.json` and `tradeoff.svg`
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub out: PathBuf,
-    /// Number of threads
+    /// Threads.
     #[command(flatten)]
     pub threads: Threads,
 }
@@ -49,23 +50,19 @@ pub(super) fn run(args: &TradeoffArgs, context: &mut Context<'_>) -> Result<Exit
     let name = args.recipe.as_deref().unwrap_or(Path::new(DEFAULT_RECIPE));
     let document = input::recipe_document(name)?;
     let (base, _) = tabulated::recipe(name, &document, None)?;
-    if base.brdf() != BrdfKind::Ggx {
-        return Err(usage(format!(
-            "{}: /brdf: the trade-off is between tables and the models {}, which are of brdf ggx, not {}",
-            name.display(),
-            LightModel::names_of(|model| !model.needs_table()),
-            base.brdf()
-        )));
-    }
-    if base.lobe().gaussian().is_some() {
-        return Err(usage(format!(
-            "{}: /lobe: the family is of LTCs, and tables of lobe sg and asg come with it: leave the field out",
-            name.display()
-        )));
-    }
-    if !base.given().is_none() {
-        let what = "/nodes: the family varies how many nodes there are: leave the field out";
-        return Err(usage(format!("{}: {what}", name.display())));
+    let fault = if base.brdf() != BrdfKind::Ggx {
+        let models = LightModel::names_of(|model| !model.needs_table());
+        let brdf = base.brdf();
+        Some(format!("/brdf: the models {models} need brdf ggx, got {brdf}"))
+    } else if base.lobe().gaussian().is_some() {
+        let what = "/lobe: the family already has lobes sg and asg: remove the field";
+        Some(what.to_owned())
+    } else {
+        let what = "/nodes: the family varies the number of nodes: remove the field";
+        (!base.given().is_none()).then(|| what.to_owned())
+    };
+    if let Some(fault) = fault {
+        return Err(usage(format!("{}: {fault}", name.display())));
     }
     check_output_folder(&args.out)?;
     let (threads, pool) = (args.threads.count().get(), args.threads.pool()?);
@@ -108,12 +105,7 @@ pub(super) fn run(args: &TradeoffArgs, context: &mut Context<'_>) -> Result<Exit
         paths.push(shown(&write_in(&args.out, name, text.as_bytes())?));
     }
     let value = json!({ "files": paths, "recipes": rows.len(), "predicted": off_by(&rows), "models": models });
-    let mut text = format!("{}\n\n{}", summary(&rows), models.text());
-    for path in &paths {
-        text.push('\n');
-        text.push_str(path);
-    }
-    context.print(&value, &text)
+    context.print(&value, &format!("{}\n\n{}\n{}", summary(&rows), models.text(), paths.join("\n")))
 }
 
 /// Fits and measures one table.
@@ -164,16 +156,9 @@ fn summary(rows: &[FittedRecipe]) -> String {
         );
     }
     let off = off_by(rows);
-    let _ = write!(
-        out,
-        "measured over predicted, {} recipes (least, median, greatest): seconds {:.2} {:.2} {:.2}, error {:.2} {:.2} {:.2}",
-        rows.len(),
-        off.seconds[0],
-        off.seconds[1],
-        off.seconds[2],
-        off.error[0],
-        off.error[1],
-        off.error[2]
-    );
-    out
+    let three = |of: [f64; 3]| of.map(|x| format!("{x:.2}")).join(" ");
+    let (seconds, error, count) = (three(off.seconds), three(off.error), rows.len());
+    out + &format!(
+        "measured over predicted, {count} recipes (least, median, greatest): seconds {seconds}, error {error}"
+    )
 }

@@ -48,32 +48,34 @@ fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<ModelRow, Com
     let model = LightModel::of_lobe(table.lobe());
     let lit_by = LitBy::new(model, Some(recipe.layout)).map_err(failed)?;
     Ok(ModelRow {
-        model: lit_by.model(),
         rule: None,
         layout: Some(recipe.layout),
         recipe_digest: Some(recipe_document::digest(recipe)),
-        light_error: error(Lighting::by(table), lights)?,
-        gpu_cost: GpuCost::of(&lit_by.name()),
         gpu_bytes: ShaderTable::new(table, format).gpu_bytes(),
         file_bytes: file.len() as u64,
-        shader_bytes: wgsl(lit_by).len() as u64,
         fit_seconds: *fit_seconds,
+        ..row(lit_by, error(Lighting::by(table), lights)?)
     })
 }
 
 fn by_formula(form: ClosedForm, lights: &RandomLights) -> Result<ModelRow, CommandFailure> {
     let lit_by = LitBy::new(form.model(), None).and_then(|lit_by| lit_by.by_rule(form.chosen_rule()));
-    let lit_by = lit_by.map_err(failed)?;
-    Ok(ModelRow {
-        model: form.model(),
-        rule: form.chosen_rule(),
+    let light_error = error(Lighting::ClosedForm(form), lights)?;
+    Ok(ModelRow { rule: form.chosen_rule(), ..row(lit_by.map_err(failed)?, light_error) })
+}
+
+/// The row of a model without a table.
+fn row(lit_by: LitBy, light_error: Spread) -> ModelRow {
+    ModelRow {
+        model: lit_by.model(),
+        rule: None,
         layout: None,
         recipe_digest: None,
-        light_error: error(Lighting::ClosedForm(form), lights)?,
+        light_error,
         gpu_cost: GpuCost::of(&lit_by.name()),
         gpu_bytes: 0,
         file_bytes: 0,
         shader_bytes: wgsl(lit_by).len() as u64,
         fit_seconds: 0.0,
-    })
+    }
 }

@@ -13,7 +13,7 @@ use super::{CommandFailure, failed};
 /// Threads of a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Args)]
 pub struct Threads {
-    /// Threads to use, 1 to 512 [default: one for each core]
+    /// Threads to use, 1 to 512 [default: one per core]
     #[arg(long, env = "LTCFORGE_THREADS", value_name = "N")]
     pub threads: Option<ThreadCount>,
 }
@@ -47,7 +47,7 @@ impl<const MOST: u64> TryFrom<u64> for UpTo<MOST> {
 
     fn try_from(number: u64) -> Result<Self, String> {
         let is_allowed = (1..=MOST).contains(&number);
-        is_allowed.then_some(Self(number)).ok_or_else(|| format!("it is a number from 1 to {MOST}"))
+        is_allowed.then_some(Self(number)).ok_or_else(|| format!("use a number from 1 to {MOST}"))
     }
 }
 

@@ -11,55 +11,60 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::{
-    CommandFailure, Context, Exit, Fitting, TableFolder, Threads, failed, file_failure, mismatch, shown, table_file,
-    table_path, usage, verify_export,
+    CommandFailure, Context, Exit, Fitting, TableFolder, Threads, args::TokenArgs, failed, file_failure, mismatch,
+    shown, table_file, table_path, usage, verify_export,
 };
-use ltcforge_client::{Access, ServerTokens, Source, Wanted, digest_of_file, fetch};
+use ltcforge_client::{Access, Source, Wanted, digest_of_file, fetch};
 use ltcforge_files::{container::TableFile, digest::Digest, recipe_document, tabulated::kept_name};
 
 /// `verify`.
 #[derive(Debug, Args)]
 pub struct VerifyArgs {
-    /// Tables' files, digests (their first digits suffice) of tables in the folder of `--tables`, addresses of tables of a
-    /// service (`http://HOST/v1/tables/sha256:DIGEST`), folders of files that `export` made, or a service's data folder or a
-    /// copy of one, whose blobs must hash to their names; a file named after a digest must hash to it
+    /// Tables, exports, data folders, or URLs of tables
+    ///
+    /// A table is a file, the first digits of a digest in --tables, or <http://HOST/v1/tables/sha256:DIGEST>. A folder was
+    /// written by `export`, or is the data folder of a service or a copy of it. A file named by a digest must have it
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
     /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
-    /// The digest that the table must have, whatever its name
+    /// Digest that the table must have
     #[arg(long)]
     pub digest: Option<Digest>,
-    /// Fit each table's recipe again as well: it must give the table's bytes, and those of an export's files
+    /// Also fit each recipe again and compare the bytes
     #[arg(long)]
     pub refit: bool,
-    /// Entries that a table may have to be fitted [default: 2000000]
+    /// Maximum entries of a table to fit [default: 2000000]
     #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
     pub entry_limit: Option<NonZeroU64>,
-    /// Number of threads that fit
+    /// Threads.
     #[command(flatten)]
     pub threads: Threads,
+    /// The token of a service
+    #[command(flatten)]
+    pub token: TokenArgs,
 }
 
 /// Checks everything that is named. The first that fails decides the exit code.
-pub(super) fn run(args: &VerifyArgs, tokens: &ServerTokens, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+pub(super) fn run(args: &VerifyArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    let tokens = &args.token.tokens()?;
     let mut failures: Vec<CommandFailure> = Vec::new();
     for name in &args.files {
         let fitting = Fitting::new(args.threads, args.entry_limit, context);
         let interrupt = &context.interrupt;
         let table_bytes = args.folder.limit.table_limit;
         let access = Access { table_bytes, offline: false, tokens, should_stop: &|| interrupt.is_set() };
-        let Checked { path, found } = check_one(name, args, &access, args.refit.then_some(&fitting));
+        let (path, found) = check_one(name, args, &access, args.refit.then_some(&fitting));
         match found {
             Ok(Found::Table(digest)) => {
                 let value = json!({ "file": shown(&path), "digest": digest, "ok": true, "refitted": args.refit });
-                let refitted = if args.refit { ", and so is the table that its recipe gives" } else { "" };
+                let refitted = if args.refit { ", and fitting its recipe gives the same bytes" } else { "" };
                 context.print(&value, &format!("{}: ok, {digest}{refitted}", path.display()))?;
             }
             Ok(Found::Blobs(count)) => {
                 let value = json!({ "file": shown(&path), "blobs": count, "ok": true });
-                context.print(&value, &format!("{}: ok, {count} files have their digests", path.display()))?;
+                context.print(&value, &format!("{}: ok, all {count} files match their digests", path.display()))?;
             }
             Err(failure) if failure.exit == Exit::Interrupted => return Err(failure),
             Err(failure) => {
@@ -81,12 +86,6 @@ fn all_of(failures: Vec<CommandFailure>) -> Result<(), CommandFailure> {
     Err(CommandFailure::new(exit, lines.join("\n")))
 }
 
-/// The name under which something was checked, and the result.
-struct Checked {
-    path: PathBuf,
-    found: Result<Found, CommandFailure>,
-}
-
 enum Found {
     /// A table, or files of one.
     Table(Digest),
@@ -95,13 +94,18 @@ enum Found {
 }
 
 /// Checks the table of a URL, the files of an export, a folder of blobs, or a table's file.
-fn check_one(name: &Path, args: &VerifyArgs, access: &Access<'_>, fitting: Option<&Fitting<'_>>) -> Checked {
+fn check_one(
+    name: &Path,
+    args: &VerifyArgs,
+    access: &Access<'_>,
+    fitting: Option<&Fitting<'_>>,
+) -> (PathBuf, Result<Found, CommandFailure>) {
     let checked = |path: &Path, table: Result<Digest, _>| {
         let expected = |table| match args.digest {
             Some(expected) if expected != table => Err(mismatch(path, format!("the table is {table}, not {expected}"))),
             _ => Ok(Found::Table(table)),
         };
-        Checked { path: path.to_owned(), found: table.and_then(expected) }
+        (path.to_owned(), table.and_then(expected))
     };
     if let Some(url) = name.to_str().filter(|name| name.contains("://")) {
         return checked(name, served(url, access, fitting));
@@ -110,12 +114,12 @@ fn check_one(name: &Path, args: &VerifyArgs, access: &Access<'_>, fitting: Optio
         Some(manifest) if name.is_dir() && !manifest.exists() => {
             let found = match fitting {
                 None if args.digest.is_none() => blobs(name, access).map(Found::Blobs),
-                _ => Err(usage(format!(
-                    "{}: --digest and --refit are for tables, not for folders of blobs",
-                    shown(name)
-                ))),
+                _ => {
+                    let name = name.display();
+                    Err(usage(format!("{name}: this is a folder of blobs; --digest and --refit need a table")))
+                }
             };
-            Checked { path: name.to_owned(), found }
+            (name.to_owned(), found)
         }
         Some(manifest) => checked(&manifest, verify_export::check(&manifest, access.table_bytes, fitting)),
         None => match table_path(name, args.folder.tables.as_deref()) {
@@ -157,20 +161,18 @@ fn blobs(folder: &Path, access: &Access<'_>) -> Result<u64, CommandFailure> {
             count += 1;
             match digest_of_file(&path) {
                 Ok((actual, _)) if actual != expected => {
-                    failures.push(mismatch(&path, format!("the file hashes to {actual}, not to its name")));
+                    failures.push(mismatch(&path, format!("the file has digest {actual}, not the one in its name")));
                 }
                 Ok(_) if name.starts_with(&text(&beginning)) => {}
-                Ok(_) => failures.push(mismatch(&path, format!("the file belongs into the folder {}", &name[..2]))),
+                Ok(_) => failures.push(mismatch(&path, format!("the file belongs in the folder {}", &name[..2]))),
                 Err(error) => failures.push(mismatch(&path, error)),
             }
         }
     }
     all_of(failures)?;
     if count == 0 {
-        return Err(file_failure(
-            folder,
-            &"the folder has neither ltcforge.json nor files ab/ab12... named by digests",
-        ));
+        let reason = "the folder has neither ltcforge.json nor files ab/ab12... named by digests";
+        return Err(file_failure(folder, &reason));
     }
     Ok(count)
 }
@@ -180,7 +182,7 @@ fn blobs(folder: &Path, access: &Access<'_>) -> Result<u64, CommandFailure> {
 fn served(url: &str, access: &Access<'_>, fitting: Option<&Fitting<'_>>) -> Result<Digest, CommandFailure> {
     let parts = url.split_once("/v1/tables/").and_then(|(base, digest)| Some((base, digest.parse::<Digest>().ok()?)));
     let Some((base, digest)) = parts else {
-        let what = "the address of a table is http://HOST/v1/tables/sha256:DIGEST";
+        let what = "use http://HOST/v1/tables/sha256:DIGEST";
         return Err(usage(format!("{}: {what}", url.escape_debug())));
     };
     let (name, source) = (Path::new(url), [Source::server(base)?]);
@@ -209,7 +211,7 @@ fn refitted(
     if actual == digest {
         return Ok(digest);
     }
-    Err(mismatch(path, format!("the file hashes to {digest}, the table that its recipe gives to {actual}")))
+    Err(mismatch(path, format!("the file has digest {digest}, but fitting its recipe gives {actual}")))
 }
 
 fn read(path: &Path, expected: Option<Digest>, limit_bytes: u64) -> Result<(Digest, TableFile), CommandFailure> {

@@ -50,34 +50,35 @@ pub(super) fn check(
 ) -> Result<Digest, CommandFailure> {
     let mismatch = |reason: &str| exit::mismatch(manifest, reason);
     let text = read_file(manifest, MANIFEST_LIMIT).map_err(|error| file_failure(manifest, &error))?;
-    let read: Manifest = serde_json::from_slice(&text)
-        .map_err(|error| mismatch(&format!("this is no manifest of an export: {error}")))?;
+    let read: Manifest =
+        serde_json::from_slice(&text).map_err(|error| mismatch(&format!("not a manifest of an export: {error}")))?;
     let table = read.about.iter().find_map(|line| line.strip_prefix("table ")?.parse::<Digest>().ok());
-    let table = table.ok_or_else(|| mismatch("it names no table"))?;
+    let table = table.ok_or_else(|| mismatch("it does not name a table"))?;
     let folder = manifest.parent().unwrap_or(Path::new(""));
     let mut here = vec![(PathBuf::from(MANIFEST), text)];
     for Listed { path, bytes, sha256 } in &read.files {
         let is_below = path.components().all(|part| matches!(part, Component::Normal(_)));
         if !is_below {
-            return Err(mismatch(&format!("the file «{}» is not below the manifest's folder", path.display())));
+            return Err(mismatch(&format!("the file «{}» is outside the manifest's folder", path.display())));
         }
         let file = folder.join(path);
         let found = read_file(&file, limit_bytes).map_err(|error| file_failure(&file, &error))?;
         if found.len() as u64 != *bytes || Digest::of(&found).hex() != *sha256 {
             let (found, actual) = (found.len(), Digest::of(&found).hex());
-            let reason = format!("the manifest has {bytes} bytes of sha256 {sha256}, the file {found} of {actual}");
+            let reason = format!("expected {bytes} bytes with sha256 {sha256}, found {found} bytes with {actual}");
             return Err(exit::mismatch(&file, reason));
         }
         here.push((path.clone(), found));
     }
     let Some(fitting) = fitting else { return Ok(table) };
-    let recipe = read.recipe.as_ref().ok_or_else(|| mismatch("it has no recipe to fit: export the table again"))?;
+    let recipe =
+        read.recipe.as_ref().ok_or_else(|| mismatch("the manifest has no recipe to fit: export the table again"))?;
     let bytes = fitting.fit(&fitting.recipe(manifest, recipe.get().as_bytes())?)?;
     let fitted = Digest::of(&bytes);
     if fitted != table {
-        return Err(mismatch(&format!("the files are of table {table}, and their recipe gives {fitted}")));
+        return Err(mismatch(&format!("the files belong to table {table}, but fitting their recipe gives {fitted}")));
     }
-    let name = read.engine.or(read.export).ok_or_else(|| mismatch("it names no export"))?;
+    let name = read.engine.or(read.export).ok_or_else(|| mismatch("it does not name an export"))?;
     let export: Export = name.parse().map_err(|error: UnknownExport| mismatch(&error.to_string()))?;
     let file = TableFile::from_bytes(&bytes).map_err(|error| mismatch(&error.to_string()))?;
     let made_by = read.about.first().map(String::as_str).unwrap_or_default();
@@ -86,11 +87,11 @@ pub(super) fn check(
         let what = match found {
             Some((_, bytes)) if *bytes == made.bytes => continue,
             Some(_) => "has other bytes",
-            None => "is not among them",
+            None => "is missing",
         };
         let version = concat!("ltcforge ", env!("CARGO_PKG_VERSION"));
         let path = &made.path;
-        let why = format!("made anew from the table, {path} {what}; they were made by {made_by}, this is {version}");
+        let why = format!("exported again, {path} {what}; the files were made by {made_by}, this is {version}");
         return Err(mismatch(&why));
     }
     Ok(table)

@@ -12,7 +12,7 @@ pub enum ClientError {
     BadUrl {
         /// The text, without a password.
         text: String,
-        /// What is wrong with it.
+        /// The reason.
         reason: &'static str,
     },
     /// A file in a folder of tables cannot be read.

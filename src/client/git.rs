@@ -1,4 +1,4 @@
-//! What Git makes of pinned files: other line ends, and pointers of Git LFS.
+//! Changes that Git makes to pinned files: other line ends, and pointers of Git LFS.
 
 use std::{fs, path::Path};
 

@@ -53,7 +53,7 @@ pub struct LockFile {
     pub folder: PathBuf,
 }
 
-/// The part that every version has, which tells the version.
+/// The part that every version of the lock file has.
 #[derive(Debug, Deserialize)]
 struct Head {
     version: i64,

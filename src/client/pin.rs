@@ -42,10 +42,10 @@ pub struct ExportPin {
     /// The layout of the textures, if there is no engine. A compact form has the layout of its table.
     #[serde(default)]
     pub layout: Option<String>,
-    /// The format of the files, likewise.
+    /// The format of the files, if there is no engine.
     #[serde(default)]
     pub container: Option<String>,
-    /// The format of their numbers, as in recipes, likewise.
+    /// The format of their numbers, as in recipes, if there is no engine.
     #[serde(default)]
     pub precision: Option<String>,
     /// The folder of the files, relative to the lock file's and below it.
@@ -135,13 +135,13 @@ pub fn check_pins(pins: &[Pin]) -> Result<(), LockFileError> {
     Ok(())
 }
 
-/// Notes a name, unless another is the same, or is the same for systems that tell neither case nor Unicode forms apart.
+/// Adds a name to `seen`. Fails if a name is the same, or differs only in case or Unicode form, which some systems ignore.
 fn check_once(
     seen: &mut BTreeMap<String, String>,
     (owners, what): (&'static str, &'static str),
     name: &str,
 ) -> Result<(), LockFileError> {
-    // Lower case alone would tell a final sigma from others.
+    // Lower case alone would keep a final sigma different from other sigmas.
     let folded = name.nfkc().collect::<String>().to_uppercase().to_lowercase().nfkc().collect();
     match seen.insert(folded, name.to_owned()) {
         None => Ok(()),

@@ -56,9 +56,9 @@ struct Page {
     next: Option<String>,
 }
 
-/// What sends requests to a server.
+/// The HTTP agent for a server.
 fn agent(server: &Uri, stall: Duration) -> Agent {
-    // A farm's own authority vouches for its services, which no list of the web's knows.
+    // The platform's verifier also knows private certificate authorities.
     let tls = TlsConfig::builder().root_certs(RootCerts::PlatformVerifier).build();
     let config = Agent::config_builder()
         .tls_config(tls)

@@ -106,7 +106,7 @@ impl RecipeBuilder {
         self.set("fresnel", second.name())
     }
 
-    /// The distribution that stands for a lobe.
+    /// The distribution that approximates a lobe.
     pub fn lobe(self, lobe: LobeModel) -> Self {
         self.set("lobe", lobe.name())
     }

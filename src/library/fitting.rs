@@ -54,7 +54,7 @@ impl<'a> Fit<'a> {
     /// the file of its tabulated BRDF.
     pub fn run(self) -> Result<TableFile, Error> {
         if !self.recipe.model().is_complete() {
-            let missing = "a recipe that was read from a table has none; build it anew".to_owned();
+            let missing = "a recipe that was read from a table has no BRDF file; build the recipe again".to_owned();
             return Err(TableFileError::Brdf(missing).into());
         }
         let threads = self.threads.map_or(0, NonZeroUsize::get);

@@ -20,6 +20,7 @@ pub mod light_errors;
 pub mod lights;
 pub mod linear;
 pub mod markdown;
+pub mod materials;
 pub mod minimax;
 pub mod models;
 pub mod networks;

@@ -3,6 +3,7 @@
 use std::{
     env,
     error::Error,
+    fs,
     path::{Path, PathBuf},
     process::{Command, ExitCode},
 };
@@ -17,7 +18,7 @@ use ltcforge_driver::FAMILY_VARIABLE;
 use ltcforge_studies::{
     albedo, arcs, below, best, costs, expected,
     figures::Figure,
-    glass, gpu_costs, gpu_times, l3, light_errors, minimax, models,
+    glass, gpu_costs, gpu_times, l3, light_errors, materials, minimax, models,
     networks::{self, Asked, Numbers},
     prefilter, tabulated, textured,
 };
@@ -131,6 +132,12 @@ enum Study {
     Glass,
     /// The table of docs/tabulated.md: what it costs to have a BRDF as numbers
     Tabulated,
+    /// Nine materials in truth, by a table and by model `normals`: docs/materials.png, and the errors
+    Materials {
+        /// The picture
+        #[arg(short, long, value_name = "FILE.png", default_value = "docs/materials.png")]
+        out: PathBuf,
+    },
     /// The figures of docs/figures.md, gaussians.md and refraction.md
     Figures {
         /// Only this one, once or several times [default: all]
@@ -216,6 +223,11 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
             for (name, numbers, error) in minimax::told() {
                 println!("{name}: {}; error {error:.1e}", numbers.join(" "));
             }
+        }
+        Study::Materials { out } => {
+            let (png, errors) = materials::drawn()?;
+            fs::write(out, png)?;
+            print!("{errors}");
         }
         Study::Figures { names, adapter, out } => {
             let mut preview = Preview::new(adapter);

@@ -93,7 +93,7 @@ fn light_names_the_line_and_the_column_that_is_wrong() {
     let refused = run(folder.path(), ["light", "l.csv"]).exited(2);
     assert_eq!(
         refused.complaints(),
-        ["l.csv, line 3: theta is «1.7»; a polar angle is a number from 0 to below pi/2, in radians"]
+        ["l.csv, line 3: theta is «1.7»; a polar angle must be at least 0 and below pi/2, in radians"]
     );
     // The rows before the fault are answered.
     assert_eq!(refused.stdout.lines().count(), 2);
@@ -181,8 +181,8 @@ fn every_shape_is_lit_by_every_model() {
     assert_eq!(
         faults.complaints(),
         [
-            "standard input, line 1: alpha_y is «2»; roughness is a number above 0, up to 1; az is «NaN»; a coordinate is \
-          a finite number; radius is «0»; a radius is a number above 0"
+            "standard input, line 1: alpha_y is «2»; roughness must be above 0 and at most 1; az is «NaN»; a coordinate is \
+          a finite number; radius is «0»; a radius must be above 0"
         ]
     );
     assert!(

@@ -79,7 +79,7 @@ fn what_cannot_be_written_is_told_before_the_work() {
             ("none/p", "none/p: there is no folder none"),
             (".", ".: this is a folder"),
             ("file/p", "file/p: Not a directory"),
-            ("/proc/p", "/proc/p: no file can be made in its folder"),
+            ("/proc/p", "/proc/p: cannot write to its folder"),
         ] {
             let refused = run(folder.path(), command.iter().chain(&[out])).exited(1);
             assert!(refused.complaints()[0].starts_with(said), "{refused:#?}");
@@ -98,7 +98,7 @@ fn what_cannot_be_written_is_told_before_the_work() {
         (["--lock", "none/l"].as_slice(), "none/l: there is no folder none"),
         (&["--to", "folder"], "folder: this is not a regular file"),
         (&["--to", "file/a.safetensors"], "file/a.safetensors: Not a directory"),
-        (&["--for", "wgpu", "--out", "file"], "file: no file can be made there"),
+        (&["--for", "wgpu", "--out", "file"], "file: cannot write there"),
     ] {
         let refused = run(folder.path(), recipe.iter().chain(more)).exited(1);
         assert!(refused.complaints()[0].contains(said), "{refused:#?}");

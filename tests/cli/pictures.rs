@@ -76,8 +76,6 @@ fn preview_shows_a_picture_on_the_light() {
     assert!(preview(&["--light-texture", "no.png"]).exited(1).stderr.contains("no.png: this file is not an image"));
     let both = preview(&["--light-texture", "red.png", "--light-picture", "window"]).exited(2);
     assert!(both.stderr.contains("--light-texture") && both.stderr.contains("--light-picture"), "{}", both.stderr);
-    let materials = preview(&["--scene", "materials", "--light-texture", "red.png"]).exited(2);
-    assert!(materials.stderr.contains("--light-texture is not of scene materials"), "{}", materials.stderr);
 }
 
 /// A picture of 8 x 6 pixels of one colour.
@@ -87,45 +85,6 @@ fn write_png(folder: &Path, name: &str, colour: [u8; 3]) {
     encoder.set_color(png::ColorType::Rgb);
     let pixels = colour.repeat(8 * 6);
     encoder.write_header().and_then(|mut writer| writer.write_image_data(&pixels)).expect("a picture");
-}
-
-/// Without a table it fits one; what the picture does not depend on is refused, all at once.
-#[test]
-fn nine_materials_are_drawn_with_a_table_fitted_on_the_spot() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let preview = |more: &[&str]| {
-        let arguments = ["preview", "--scene", "materials", "-o", "m.png"];
-        run(folder.path(), arguments.iter().chain(more))
-    };
-    let told = preview(&["--size", "64", "--json"]).exited(0);
-    let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
-    assert_eq!((&told["adapter"], &told["width"]), (&"cpu".into(), &(9 * 64 + 8 * 4).into()));
-    let errors = told["errors"].as_array().expect("errors");
-    assert_eq!(errors.len(), 17);
-    for error in errors {
-        let of = |name: &str| error[name].as_f64().expect("a number");
-        assert!(of("mean_absolute_error") < 0.08 * of("mean_radiance"), "{error}");
-    }
-    assert!(fs::read(folder.path().join("m.png")).expect("the picture").starts_with(b"\x89PNG\r\n"));
-
-    let recipe = r#"{"fresnel": "two_lobes", "terms": "f82"}"#;
-    let fitted = run_with_stdin(folder.path(), ["fit", "-"], recipe).exited(0);
-    assert_eq!(told["table"], fitted.last_line());
-
-    let faults = preview(&["--size", "600", "--alpha-x", "0.2", "--mode", "strip", "--adapter", "gpu"]).exited(2);
-    let complaints = faults.complaints();
-    assert_eq!(complaints.len(), 4, "{complaints:?}");
-    for (complaint, begin) in
-        complaints.iter().zip(["--mode is not", "--alpha-x is not", "--adapter is gpu", "size is 600"])
-    {
-        assert!(complaint.starts_with(begin), "{complaints:?}");
-    }
-    let sheen =
-        run_with_stdin(folder.path(), ["fit", "-"], r#"{"brdf": "fuzz", "resolution": {"alpha": 4, "theta": 4}}"#);
-    let sheen = sheen.exited(0);
-    let table = &sheen.last_line()[..16];
-    let refused = run(folder.path(), ["preview", table, "--scene", "materials", "-o", "m.png"]).exited(2);
-    assert!(refused.stderr.contains("brdf fuzz"), "{refused:#?}");
 }
 
 /// A table is compared with its own scattering model, and with nothing that is of GGX alone.

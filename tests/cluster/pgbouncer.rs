@@ -132,8 +132,7 @@ fn pgbouncer_in_between_costs_no_job() {
         }
         replica.get("/readyz").with_status(200);
         let table = text(&replica.finished(&ids[0])["table"]).to_owned();
-        replica.request("PUT", &format!("/v1/tables/{table}/pins/film"), &[], None).with_status(201);
-        replica.request("DELETE", &format!("/v1/tables/{table}"), &[], None).with_status(409);
+        replica.request("DELETE", &format!("/v1/tables/{table}"), &[], None).with_status(204);
         let begun = Instant::now();
         (JOBS..2 * JOBS).for_each(|seed| drop(replica.fit(&seeded(seed))));
         println!("{mode} mode of pgbouncer {version:?}: {:.2} s for a job", (begun.elapsed() / JOBS).as_secs_f64());

@@ -81,13 +81,13 @@ fn a_file_that_was_sent_is_fitted_and_survives_a_kill() {
     assert_eq!(server.get(&format!("/v1/brdfs/{digest}")).with_status(200).body, bytes);
     // The command line sends the file that a recipe names by its path.
     fs::write(here.join("recipe.json"), recipe("eon.safetensors").replace("64", "65")).expect("a recipe");
-    let watched = run(here, ["--server", &server.url, "jobs", "submit", "recipe.json", "--watch"]).exited(0);
+    let watched = run(here, ["jobs", "submit", "recipe.json", "--watch", "--server", &server.url]).exited(0);
     assert_ne!(watched.last_line(), table);
     server.get(&format!("/v1/tables/{}", watched.last_line())).with_status(200);
     let refused = run(here, ["tabulate", "oren_nayar", "-o", "other.safetensors"]).exited(0);
     fs::write(here.join("recipe.json"), recipe("other.safetensors").replace(r#""alpha": 2"#, r#""alpha": 2000"#))
         .expect("a recipe");
-    let refused = (refused, run(here, ["--server", &server.url, "jobs", "submit", "recipe.json"]).exited(2));
+    let refused = (refused, run(here, ["jobs", "submit", "recipe.json", "--server", &server.url]).exited(2));
     assert!(refused.1.stderr.contains("/resolution/alpha"), "{refused:#?}");
 }
 

@@ -29,19 +29,19 @@ const WORKER_CONNECTIONS: NonZeroUsize = NonZeroUsize::new(3).unwrap();
 /// `work`.
 #[derive(Debug, Args)]
 pub struct WorkArgs {
-    /// PostgreSQL database of the queue and the list of tables
+    /// PostgreSQL database of the queue
     #[arg(long, env = "LTCFORGE_DATABASE", hide_env_values = true, value_name = "URL")]
     pub database: DatabaseUrl,
-    /// Object store of the tables: `s3://BUCKET/PREFIX`, `gs://`, `az://` or `file:///`
+    /// Object store: `s3://BUCKET/PREFIX`, `gs://`, `az://` or `file:///`
     #[arg(long, env = "LTCFORGE_BLOBS", value_name = "URL")]
     pub blobs: String,
-    /// Shards fitted at the same time, 1 to 512 [default: one per core]
+    /// Shards to fit at the same time, 1 to 512 [default: one per core]
     #[arg(long, env = "LTCFORGE_WORKERS", value_name = "N")]
     pub workers: Option<ThreadCount>,
-    /// Seconds after which another worker takes over a silent worker's shard
+    /// Seconds until a silent worker's shard goes to another
     #[arg(long, env = "LTCFORGE_LEASE_SECONDS", value_name = "N")]
     pub lease_seconds: Option<NonZeroU64>,
-    /// Address that answers /healthz, /readyz, /metrics and /version
+    /// Address for /healthz, /readyz, /metrics and /version
     #[arg(long, env = "LTCFORGE_WORK_LISTEN", value_name = "ADDRESS")]
     pub listen: Option<SocketAddr>,
     /// File of tokens that requests to that address need

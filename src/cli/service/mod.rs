@@ -21,10 +21,10 @@ use token::TokenCommand;
 pub enum ServiceCommand {
     /// Run the HTTP service
     Serve(ServeArgs),
-    /// Run a worker: fit shards from a shared queue
+    /// Run a worker that fits shards from a shared queue
     #[cfg(feature = "cluster")]
     Work(cluster::WorkArgs),
-    /// Make a token for a service, which stores only its hash
+    /// Make an access token for a service
     #[command(subcommand)]
     Token(TokenCommand),
 }

@@ -16,16 +16,16 @@ const REPLICA_CONNECTIONS: NonZeroUsize = NonZeroUsize::new(16).unwrap();
 /// Flags that make `serve` one of several processes.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Args)]
 pub(crate) struct ReplicaArgs {
-    /// PostgreSQL database of the queue and the list of tables
+    /// PostgreSQL database of the queue
     #[arg(long, env = "LTCFORGE_DATABASE", hide_env_values = true, value_name = "URL", requires = "blobs")]
     pub database: Option<DatabaseUrl>,
-    /// Object store of the tables: `s3://BUCKET/PREFIX`, `gs://`, `az://` or `file:///`
+    /// Object store: `s3://BUCKET/PREFIX`, `gs://`, `az://` or `file:///`
     #[arg(long, env = "LTCFORGE_BLOBS", value_name = "URL", requires = "database")]
     pub blobs: Option<String>,
-    /// Serve only; `ltcforge work` fits
+    /// Do not fit here; leave it to `ltcforge work`
     #[arg(long, requires = "database")]
     pub no_workers: bool,
-    /// Seconds after which another worker takes over a silent worker's shard
+    /// Seconds until a silent worker's shard goes to another
     #[arg(long, env = "LTCFORGE_LEASE_SECONDS", value_name = "N", requires = "database")]
     pub lease_seconds: Option<NonZeroU64>,
 }

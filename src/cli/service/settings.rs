@@ -32,11 +32,6 @@ const LEASE_TTL: Duration = Duration::from_secs(60);
 type WaitSeconds = UpTo<86_400>;
 
 impl WaitSeconds {
-    /// `number`, or the nearest that is allowed.
-    fn clamped(number: u64) -> Self {
-        Self(number.clamp(1, 86_400))
-    }
-
     /// As a time.
     fn duration(self) -> Duration {
         Duration::from_secs(self.0)
@@ -47,67 +42,67 @@ impl WaitSeconds {
 #[derive(Debug, Clone, PartialEq, Eq, Args, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct ServeSettings {
-    /// Address to listen on; port 0 takes a free one [default: 127.0.0.1:8317]
+    /// Address to listen on; port 0 picks a free port [default: 127.0.0.1:8317]
     #[arg(long, env = "LTCFORGE_LISTEN", value_name = "ADDRESS")]
     pub listen: SocketAddr,
-    /// Folder of jobs and tables, created if missing [default: ltcforge-data]
+    /// Data folder, created if missing [default: ltcforge-data]
     #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
     pub data: PathBuf,
-    /// Shards fitted at the same time, 1 to 512 [default: one per core]
+    /// Shards to fit at the same time, 1 to 512 [default: one per core]
     #[arg(long, env = "LTCFORGE_WORKERS", value_name = "N")]
     pub workers: Option<ThreadCount>,
     /// Maximum number of waiting and running jobs [default: 64]
     #[arg(long, env = "LTCFORGE_QUEUE_LIMIT", value_name = "N")]
     pub queue_limit: NonZeroUsize,
-    /// Maximum number of entries of a table [default: 2000000]
+    /// Maximum entries of a table [default: 2000000]
     #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
     pub entry_limit: NonZeroU64,
     /// Maximum predicted seconds of a job [default: 86400]
     #[arg(long, env = "LTCFORGE_JOB_SECONDS", value_name = "N")]
     pub job_seconds: NonZeroU64,
-    /// Days after which an ended job is forgotten, 0 for never [default: 90]
+    /// Days until an ended job is deleted; 0 keeps all [default: 90]
     #[arg(long, env = "LTCFORGE_JOB_DAYS", value_name = "N")]
     pub job_days: u32,
-    /// Bytes above which the least recently used tables are deleted
+    /// Keep at most this many bytes; delete the least recently used tables
     #[arg(long, env = "LTCFORGE_STORE_BYTES", value_name = "N")]
     pub store_bytes: Option<NonZeroU64>,
     /// Maximum number of stored BRDFs [default: 256]
     #[arg(long, env = "LTCFORGE_BRDF_LIMIT", value_name = "N")]
     pub brdf_limit: NonZeroUsize,
-    /// The renderer of previews [default: any]
+    /// Renderer of previews [default: any]
     #[arg(long, value_parser = named(Adapter::ALL, Adapter::name), env = "LTCFORGE_ADAPTER")]
     #[serde(deserialize_with = "adapter")]
     pub adapter: Adapter,
-    /// Maximum seconds of a picture, 1 to 86400 [default: 30]
+    /// Maximum seconds to render a picture, 1 to 86400 [default: 30]
     #[arg(long, env = "LTCFORGE_PICTURE_SECONDS", value_name = "N")]
     pub picture_seconds: WaitSeconds,
-    /// Name by which clients may call the service; may be repeated
+    /// Host name that clients may use; repeatable
     #[arg(long, env = "LTCFORGE_ALLOW_HOST", value_name = "HOST[:PORT]", value_delimiter = ',')]
     #[serde(deserialize_with = "from_texts")]
     pub allow_host: Vec<AllowedHost>,
-    /// Origin of web pages that may call, such as <https://wiki.example>
+    /// Web origin that may call the service, e.g. <https://wiki.example>
     #[arg(long, env = "LTCFORGE_ALLOW_ORIGIN", value_name = "ORIGIN", value_delimiter = ',')]
     #[serde(deserialize_with = "from_texts")]
     pub allow_origin: Vec<AllowedOrigin>,
-    /// File of tokens; each request then needs one
+    /// Token file; every request then needs a token
     #[arg(long, env = "LTCFORGE_TOKENS", value_name = "FILE")]
     pub tokens: Option<PathBuf>,
-    /// Further tokens, separated by `;`
+    /// More tokens, separated by `;`
     #[arg(long, env = "LTCFORGE_TOKEN_LIST", hide_env_values = true, value_name = "TOKENS")]
     pub token_list: Option<String>,
     /// Serve other machines without tokens
     #[arg(long, env = "LTCFORGE_ALLOW_ANYONE", num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL")]
     pub allow_anyone: Option<bool>,
-    /// Certificate chain for TLS, in PEM
+    /// TLS certificate chain (PEM)
     #[arg(long, env = "LTCFORGE_TLS_CERTIFICATE", value_name = "FILE")]
     pub tls_certificate: Option<PathBuf>,
-    /// Private key of that certificate, in PEM
+    /// Private key of the certificate (PEM)
     #[arg(long, env = "LTCFORGE_TLS_KEY", value_name = "FILE")]
     pub tls_key: Option<PathBuf>,
-    /// Requests answered at the same time, event streams not counted [default: 256]
+    /// Requests to answer at the same time, without event streams [default: 256]
     #[arg(long, env = "LTCFORGE_REQUESTS", value_name = "N")]
     pub requests: NonZeroUsize,
-    /// Seconds for the head of a request, and for its body, 1 to 86400 [default: 30]
+    /// Seconds a client has to send headers, and again the body, to 86400 [default: 30]
     #[arg(long, env = "LTCFORGE_CLIENT_SECONDS", value_name = "N")]
     pub client_seconds: WaitSeconds,
     /// The database and object store of a cluster, which the file does not have.
@@ -130,7 +125,7 @@ impl Default for ServeSettings {
             store_bytes: None,
             brdf_limit: const { NonZeroUsize::new(256).unwrap() },
             adapter: Adapter::Any,
-            picture_seconds: WaitSeconds::clamped(30),
+            picture_seconds: UpTo(30),
             allow_host: Vec::new(),
             allow_origin: Vec::new(),
             tokens: None,
@@ -139,7 +134,7 @@ impl Default for ServeSettings {
             tls_certificate: None,
             tls_key: None,
             requests: const { NonZeroUsize::new(256).unwrap() },
-            client_seconds: WaitSeconds::clamped(30),
+            client_seconds: UpTo(30),
             #[cfg(feature = "cluster")]
             replica: ReplicaArgs::default(),
         }
@@ -155,7 +150,7 @@ fn from_texts<'de, D: Deserializer<'de>, T: FromStr<Err: Display>>(from: D) -> R
 fn adapter<'de, D: Deserializer<'de>>(from: D) -> Result<Adapter, D::Error> {
     let name = String::deserialize(from)?;
     let known = Adapter::from_name(&name);
-    known.ok_or_else(|| D::Error::custom(format!("«{name}» is not an adapter; the adapters are any, gpu, cpu")))
+    known.ok_or_else(|| D::Error::custom(format!("adapter must be any, gpu or cpu, got «{name}»")))
 }
 
 /// The flags and variables of `serve`: some of its settings, before the file's are known.

@@ -11,11 +11,11 @@ use ltcforge_server::http::{Scope, TOKEN_BYTES, Token};
 /// The commands on tokens.
 #[derive(Debug, Subcommand)]
 pub enum TokenCommand {
-    /// Print a new token and its line for the file of tokens
+    /// Print a new token and its line for the service's token file
     New {
-        /// Owner: up to 64 letters, digits and -_.@; jobs show it
+        /// Owner, shown with jobs: up to 64 letters, digits and -_.@
         name: String,
-        /// Scope: read, submit (and cancel), or admin (and delete)
+        /// Rights: read; submit also cancels; admin also deletes
         #[arg(long, value_parser = named(&Scope::ALL, Scope::name))]
         scope: Scope,
     },
@@ -29,6 +29,6 @@ pub(super) fn run(command: &TokenCommand, context: &mut Context<'_>) -> Result<E
     read.map_err(|error| failed(format!("/dev/urandom: {error}")))?;
     let (secret, kept) = Token::new(name, *scope, &random).map_err(usage)?;
     let kept = kept.to_string();
-    let text = format!("for the client, to be kept secret:\n{secret}\nfor the service's file of tokens:\n{kept}");
+    let text = format!("token for the client (keep it secret):\n{secret}\nline for the service's token file:\n{kept}");
     context.print(&json!({ "token": secret, "kept": kept }), &text)
 }

@@ -62,7 +62,7 @@ fn integrate(n: usize, f: impl FnMut(DVec3) -> f64) -> f64 {
 /// `E(wo)`, the albedo under uniform light. Heights are squares, so that the pole of diffuse models at the horizon is
 /// resolved.
 fn albedo(brdf: &dyn Brdf, wo: DVec3) -> f64 {
-    const N: usize = 200;
+    const N: usize = 400;
     let part = |k: usize| (k as f64 + 0.5) / N as f64;
     let ring = |i: usize| {
         let (z, weight) = (part(i) * part(i), 2.0 * part(i) * TAU / (N * N) as f64);

@@ -132,7 +132,7 @@ fn the_descent_by_l3_finds_broad_lobes_and_stays_finite_at_sharp_ones() {
 #[test]
 fn an_entry_of_any_size_is_stopped_within_a_moment() {
     let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
-    let (samples, directions) = (16_384, 64);
+    let (samples, directions) = (16_384, 256);
     // The tabulation of both sample sets, and one evaluation; of `sgd` the sorts of its one step, if it sorts.
     let least = |solver: Solver, metric: Metric| {
         let sorts = match (solver, metric) {

@@ -97,7 +97,7 @@ impl Problem {
     }
 }
 
-/// A text without most of what a client sent, if that is long.
+/// Shortens the long words of a text, which a client may have sent.
 fn bounded(text: &str) -> String {
     let shown: String = text.split_inclusive(char::is_whitespace).map(|word| cut(word, LONGEST_WORD)).collect();
     cut(&shown, LONGEST_DETAIL)

@@ -75,10 +75,10 @@ pub struct Job {
     pub started_at: Option<Timestamp>,
     /// When it reached a final state.
     pub finished_at: Option<Timestamp>,
-    /// Who submitted it: the name of a token; `None` where none was needed.
+    /// Who submitted it: the name of a token; `None` without tokens.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub submitted_by: Option<String>,
-    /// Who cancelled it, likewise.
+    /// Who cancelled it: the name of a token.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cancelled_by: Option<String>,
 }

@@ -14,7 +14,7 @@ use jiff::{SignedDuration, Timestamp};
 use super::state::State;
 use crate::store::{BlobInfo, StoreError};
 
-/// How long a table stays after its last use, whatever the size: clients fetch what a job has just made.
+/// A table used within this time is never evicted: clients download the table of a job that has just ended.
 const GRACE: SignedDuration = SignedDuration::from_secs(600);
 
 impl State {

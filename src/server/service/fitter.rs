@@ -107,7 +107,7 @@ impl Fitter {
         Ok(NewJob { recipe, recipe_digest, shards, fitter: FITTER_VERSION, submitted_by: None })
     }
 
-    /// What follows from a canonical recipe; an error for a recipe of another fitter.
+    /// The plan of a canonical recipe; an error for a recipe of another fitter version.
     pub(super) fn planned(&self, digest: Digest, recipe: &str) -> Result<Arc<PlannedRecipe>, String> {
         self.plans.get_or_insert_with(&digest, || {
             let parsed = recipe_document::parse_stored(recipe.as_bytes())

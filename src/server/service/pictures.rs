@@ -143,7 +143,7 @@ pub(super) struct Pictures {
     counts: Mutex<PictureCounts>,
 }
 
-/// What the thread that renders takes, and puts back when it ends. The renderer of a hung thread is lost.
+/// The renderer. The rendering thread takes it and puts it back when it ends; a hung thread never does.
 #[derive(Debug)]
 pub(super) struct Renderer {
     pub(super) adapter: Adapter,

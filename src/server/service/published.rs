@@ -40,7 +40,7 @@ mod tests {
         let made = published_table().expect("textures");
         let names: Vec<&str> = made.files.iter().map(|file| file.path.as_str()).collect();
         assert_eq!(names, ["ltc_matrix_a.ktx2", "ltc_matrix_b.ktx2", "ltc_terms.ktx2", "ltc.json", "ltcforge.json"]);
-        // Of the roughest surface at the horizon, from its end: nothing, the Fresnel term, the amplitude.
+        // The last texel is the roughest surface at the horizon: amplitude, Fresnel term, 0.
         let last: Vec<f32> = made.files[2]
             .bytes
             .rchunks(4)

@@ -32,7 +32,7 @@ const RETRY_SLOW: Duration = Duration::from_secs(30);
 /// hanging GPU after half of this time.
 const HUNG_AFTER: Duration = Duration::from_secs(20);
 
-/// Tells a render that its caller has left.
+/// Stops a render when its caller has left.
 struct Caller(Arc<AtomicBool>);
 
 impl Drop for Caller {

@@ -30,7 +30,7 @@ pub enum SubmitReply {
     },
 }
 
-/// What submitting a recipe would begin.
+/// The forecast of a submission.
 #[derive(Debug)]
 pub struct Foreseen {
     /// Canonical text of the recipe.
@@ -78,7 +78,7 @@ impl Service {
         }
     }
 
-    /// What submitting a recipe document would begin. Nothing is stored.
+    /// The forecast of submitting a recipe document. Stores nothing.
     ///
     /// # Errors
     /// [`SubmitError::Recipe`] for a document that is refused, [`SubmitError::Store`] when the store fails.

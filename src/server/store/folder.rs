@@ -75,7 +75,7 @@ impl FolderBlobs {
         Ok(files)
     }
 
-    /// Times and size of the file of a blob; `None` if there is no regular file.
+    /// Times and size of a blob's file; `None` if it is missing or not a regular file.
     fn info(path: &Path, digest: Digest) -> Result<Option<BlobInfo>, StoreError> {
         let Some(metadata) = found(files::regular_metadata(path), path)? else { return Ok(None) };
         let time = |time: io::Result<SystemTime>| {
@@ -87,7 +87,7 @@ impl FolderBlobs {
     }
 }
 
-/// The answer about the file of a blob; `None` if there is no regular file.
+/// The result of a file operation; `None` if the file is missing or not a regular file.
 fn found<T>(answer: io::Result<T>, path: &Path) -> Result<Option<T>, StoreError> {
     match answer {
         Ok(answer) => Ok(Some(answer)),

@@ -51,11 +51,6 @@ impl Choices {
         Self { values: chosen.collect() }
     }
 
-    /// The names of the parameters that are chosen, in the order of [`PARAMETERS`].
-    pub fn names(&self) -> impl Iterator<Item = &'static str> {
-        self.values.keys().map(|index| PARAMETERS[*index].name)
-    }
-
     /// The named scene with the changes. Its bounds are not checked.
     #[must_use]
     pub fn into_scene(self) -> Scene {

@@ -43,41 +43,30 @@ macro_rules! number {
 pub static PARAMETERS: [Parameter; 30] = [
     name(
         "scene",
-        "Named set-up",
+        "Scene",
         || NamedScene::ALL.iter().map(|named| named.name()).collect(),
         |_| Some(0),
         |s, i| *s = NamedScene::ALL[i].scene(),
     ),
-    listed!("mode", "What to show of it", Mode::ALL, mode),
-    listed!("model", "What stands for GGX where it is lit", LightModel::ALL, model),
-    listed!(
-        "rule",
-        "The rule of model normals: how much it costs and how near to the truth it is",
-        NormalsRule::SHADED,
-        rule
-    ),
-    flag("cut", "Whether light and lobe of model ltc end at the surface: nothing shines through from below", |s| {
-        &mut s.cut
-    }),
-    flag(
-        "compensate",
-        "Whether what the facets of a metal lose to each other is given back, in reference and models",
-        |s| &mut s.compensate,
-    ),
-    whole("size", "Pixels a side of each panel", [64, 2048], |s| &mut s.size),
-    whole("spp", "Samples a pixel of the reference", [1, 4096], |s| &mut s.spp),
+    listed!("mode", "View of the scene", Mode::ALL, mode),
+    listed!("model", "Model of light", LightModel::ALL, model),
+    listed!("rule", "Rule of model normals: speed against accuracy", NormalsRule::SHADED, rule),
+    flag("cut", "Cut light and lobe of model ltc at the surface", |s| &mut s.cut),
+    flag("compensate", "Compensate multiple scattering of metals", |s| &mut s.compensate),
+    whole("size", "Pixels per side of a panel", [64, 2048], |s| &mut s.size),
+    whole("spp", "Samples per pixel of the reference", [1, 4096], |s| &mut s.spp),
     Parameter {
         name: "material",
-        help: "One material in place of the scene's, by the parameters of a material description",
+        help: "One material instead of the scene's",
         value_name: "MODEL:NAME=X,...",
         unit: None,
         form: ParameterForm::OneMaterial,
     },
-    alpha("alpha_x", "GGX roughness along the tangent, of one material in place of the scene's", |m| &mut m.alpha_x),
-    alpha("alpha_y", "GGX roughness across the tangent, of one material in place of the scene's", |m| &mut m.alpha_y),
+    alpha("alpha_x", "GGX roughness along the tangent; shows one material", |m| &mut m.alpha_x),
+    alpha("alpha_y", "GGX roughness across the tangent; shows one material", |m| &mut m.alpha_y),
     Parameter {
         name: "rotation",
-        help: "Angle by which tangents are turned",
+        help: "Rotation of the tangents",
         value_name: "ANGLE",
         unit: RAD,
         form: ParameterForm::OfMaterials(TURN, |m| &mut m.rotation),
@@ -90,51 +79,51 @@ pub static PARAMETERS: [Parameter; 30] = [
         |s| LightKind::NAMED.iter().position(|(_, kind)| *kind == s.light.kind),
         |s, i| s.light.kind = LightKind::NAMED[i].1,
     ),
-    numbers("light_centre", "Middle of the light", "X,Y,Z", RADII, [-PLACE, PLACE], |s| &mut s.light.centre),
+    numbers("light_centre", "Centre of the light", "X,Y,Z", RADII, [-PLACE, PLACE], |s| &mut s.light.centre),
     numbers(
         "light_half_size",
-        "Half the light's width and height; of a sphere radius and any, of a tube half its length and its radius",
+        "Half the width and height; a sphere's radius; a tube's half length, radius",
         "X,Y",
         RADII,
         [1e-3, PLACE],
         |s| &mut s.light.half_size,
     ),
-    numbers("light_rotation", "Turn of the light from facing the origin", "YAW,PITCH,ROLL", RAD, TURN, |s| {
+    numbers("light_rotation", "Rotation of the light away from facing the origin", "YAW,PITCH,ROLL", RAD, TURN, |s| {
         &mut s.light.rotation
     }),
     number!("light_intensity", "Radiance of the light", None, [0.0, 1e4], light.intensity),
-    flag("light_two_sided", "Whether the back of a flat light emits too", |s| &mut s.light.two_sided),
+    flag("light_two_sided", "Let both sides of a flat light emit", |s| &mut s.light.two_sided),
     name(
         "light_picture",
-        "Picture on a rectangle light, which is then drawn too",
+        "Picture on a rectangle light",
         || ScenePicture::NAMED.map(|(name, _)| name).into(),
         |s| ScenePicture::NAMED.iter().position(|(_, picture)| *picture == s.picture),
         |s, i| s.picture = ScenePicture::NAMED[i].1.clone(),
     ),
-    listed!("light_readings", "How often models read the picture for a point", Readings::ALL, readings),
-    number!("camera_distance", "Distance of the camera from its target", RADII, [NEAREST, PLACE], camera.distance),
-    number!("camera_azimuth", "Angle of the camera about the vertical", RAD, TURN, camera.azimuth),
+    listed!("light_readings", "Texture reads per shaded point", Readings::ALL, readings),
+    number!("camera_distance", "Distance from the camera to its target", RADII, [NEAREST, PLACE], camera.distance),
+    number!("camera_azimuth", "Azimuth of the camera", RAD, TURN, camera.azimuth),
     number!(
         "camera_elevation",
-        "Angle of the camera above the horizontal; a floor is seen only from above",
+        "Elevation of the camera; a floor is visible only from above",
         RAD,
         [-QUARTER, QUARTER],
         camera.elevation
     ),
     Parameter {
         name: "camera_target",
-        help: "What the camera looks at",
+        help: "Target of the camera",
         value_name: "X,Y,Z",
         unit: RADII,
         form: ParameterForm::Point(FARTHEST_TARGET, |s| &mut s.camera.target),
     },
-    number!("field_of_view", "Whole angle of view", RAD, [0.01, 2.5], camera.field_of_view),
-    number!("theta", "Polar angle of the view direction in mode lobe", RAD, [0.0, QUARTER], lobe.theta),
-    number!("phi", "Azimuth of the view direction in mode lobe", RAD, TURN, lobe.phi),
-    number!("exposure", "Factor on radiance before it is displayed", None, [1e-4, 1e4], exposure),
+    number!("field_of_view", "Field of view, edge to edge", RAD, [0.01, 2.5], camera.field_of_view),
+    number!("theta", "Polar angle of the view in mode lobe", RAD, [0.0, QUARTER], lobe.theta),
+    number!("phi", "Azimuth of the view in mode lobe", RAD, TURN, lobe.phi),
+    number!("exposure", "Factor on the displayed radiance", None, [1e-4, 1e4], exposure),
     number!(
         "difference_scale",
-        "Difference in radiance at the end of the colour bar",
+        "Radiance difference at the end of the colour bar",
         None,
         [1e-6, 1e4],
         difference_scale
@@ -230,9 +219,9 @@ mod tests {
     #[test]
     fn lines_tell_bounds_units_and_defaults() {
         let line = |name: &str| PARAMETERS.iter().find(|p| p.name == name).map(Parameter::line).expect(name);
-        assert_eq!(line("size"), "Pixels a side of each panel, 64 to 2048 [default: 512]");
-        assert_eq!(line("theta"), "Polar angle of the view direction in mode lobe, 0 to pi/2 rad [default: 1]");
-        assert_eq!(line("mode"), "What to show of it [default: ltc]");
+        assert_eq!(line("size"), "Pixels per side of a panel, 64 to 2048 [default: 512]");
+        assert_eq!(line("theta"), "Polar angle of the view in mode lobe, 0 to pi/2 rad [default: 1]");
+        assert_eq!(line("mode"), "View of the scene [default: ltc]");
         assert!(line("rotation").ends_with(", -2 pi to 2 pi rad [default of scene sphere: 0]"), "{}", line("rotation"));
         assert!(line("f0").ends_with(", each 0 to 1 [default: 0.91,0.92,0.92]"), "{}", line("f0"));
         assert!(

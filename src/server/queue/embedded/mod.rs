@@ -1,7 +1,7 @@
 //! The queue of one process: all jobs in memory, and what was acknowledged in the database.
 //!
-//! Invariant: whoever writes to the database holds `writer`, and holds `state` only before and after. Only leases change
-//! in between. After a restart, shards without a result wait again.
+//! Invariant: a thread that writes to the database holds `writer`, and takes `state` only before and after the write. Only
+//! leases change meanwhile. After a restart, shards without a result wait again.
 
 mod clock;
 mod open;

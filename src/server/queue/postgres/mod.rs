@@ -138,7 +138,7 @@ impl Queue for PostgresQueue {
 
     fn list(&self, wanted: Option<StateName>, before: Option<u64>, limit: usize) -> Result<JobPage, StoreError> {
         let before = before.map_or(i64::MAX, |before| i64::try_from(before).unwrap_or(i64::MAX));
-        // One more tells whether there is a next page.
+        // One more row shows whether there is a next page.
         let one_more = i64::try_from(limit).unwrap_or(i64::MAX).saturating_add(1);
         let mut page = match wanted {
             None => self.jobs("submission < $1 ORDER BY submission DESC LIMIT $2", &[&before, &one_more])?,

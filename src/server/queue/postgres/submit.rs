@@ -57,7 +57,7 @@ fn shards_digest(new: &NewJob) -> Digest {
     Digest::of(&entries)
 }
 
-/// What became of a submission.
+/// The result of a submission.
 enum Outcome {
     New,
     Joined,

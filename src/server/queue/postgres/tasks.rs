@@ -178,7 +178,7 @@ impl PostgresQueue {
         if self.fail(submission, Some(lease), failure)? { Ok(()) } else { Err(StaleLease.into()) }
     }
 
-    /// Fails an unfinished job if `lease` is current or there is none.
+    /// Fails an unfinished job, if `lease` is `None` or current.
     fn fail(&self, submission: i64, lease: Option<&Lease>, failure: &Failure) -> Result<bool, StoreError> {
         let is_failed = self.database.run(async |client| {
             let transaction = client.transaction().await?;

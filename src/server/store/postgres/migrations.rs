@@ -45,8 +45,7 @@ async fn applied(client: &impl GenericClient, migrations: &[&str]) -> Result<usi
     Ok(rows.len())
 }
 
-/// Applies those of `migrations` that were not applied yet. If there are none, the role needs no right to change the
-/// schema.
+/// Applies the new ones of `migrations`. Without new migrations, the role does not need the right to change the schema.
 pub(super) async fn apply(client: &mut Client, migrations: &[&str]) -> Result<(), ConnectError> {
     if applied(&*client, migrations).await? == migrations.len() {
         return Ok(());

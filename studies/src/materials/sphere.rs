@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use ltcforge_fit::{Configuration, Sides, math::atan2};
+use ltcforge::fit::{Configuration, Sides, math::atan2};
 use ltcforge_light::{LightError, PolygonLight};
 
 /// The sphere's radius, in sides of a panel.

@@ -1,11 +1,8 @@
-use std::ops::ControlFlow;
-
 use super::{
     list::{Base, MATERIALS},
     *,
 };
-use ltcforge_files::recipe_document;
-use ltcforge_fit::{Plan, Recipe, Table, fit_plan};
+use ltcforge::fit::Recipe;
 
 /// Wide enough for each material to show its highlight.
 const SIDE: u32 = 24;

@@ -1,5 +1,5 @@
-//! Nine materials under one lamp: the truth, a table and the closed form in the space of normals, and how far each of both
-//! is from the truth.
+//! Nine materials under one lamp: the truth, a table and model `normals`, with the error of each model. docs/materials.png is
+//! this picture.
 
 mod glass;
 mod list;
@@ -14,10 +14,15 @@ use self::{
     rendered::{Apart, Sphere},
     shade::{TRUTH_TOLERANCE, Way},
 };
-use crate::picture::{
+use ltcforge::view::picture::{
     Anchor, GROUND, LINE, Picture, bar, beside, colour, fitting, headed, number, short_digest, write,
 };
-use ltcforge_fit::{BrdfKind, PerAxis, SecondLobe, Table};
+use ltcforge::{
+    files::{container, digest::Digest, recipe_document},
+    fit::{BrdfKind, PerAxis, Plan, SecondLobe, Table, fit_plan},
+};
+use std::ops::ControlFlow;
+
 use ltcforge_light::{LightError, LightModel, Lighting, NormalsRule, TableUse};
 
 /// What may be chosen of the picture.
@@ -66,6 +71,27 @@ pub struct MaterialError {
     pub mean_absolute_error: f64,
     /// Mean radiance of the truth over the same.
     pub mean_radiance: f64,
+}
+
+/// The recipe of the picture's table: the default, with a second lobe for plastic and the term of F82.
+const RECIPE: &str = r#"{"fresnel": "two_lobes", "terms": "f82"}"#;
+
+/// Fits [`RECIPE`], draws the picture and returns it as PNG, with a line for each error.
+///
+/// # Errors
+/// Those of the recipe, of the light and of PNG.
+pub fn drawn() -> Result<(Vec<u8>, String), Box<dyn std::error::Error>> {
+    let recipe = recipe_document::parse(RECIPE.as_bytes(), recipe_document::DEFAULT_ENTRY_LIMIT)?;
+    let table = fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).ok_or("the fit was stopped")?;
+    let digest = Digest::of(&container::encode(&recipe, &table)?).hex();
+    let named = NamedTable { table: &table, digest: &digest, range: &recipe.range };
+    let MaterialSpheres { picture, errors, .. } = material_spheres(named, &MaterialChoices::default())?;
+    let line = |MaterialError { material, model, mean_absolute_error, mean_radiance }: &MaterialError| {
+        format!(
+            "{model}, {material}: mean absolute error {mean_absolute_error:.5} of mean radiance {mean_radiance:.5}\n"
+        )
+    };
+    Ok((picture.png()?, errors.iter().map(line).collect()))
 }
 
 impl Default for MaterialChoices {

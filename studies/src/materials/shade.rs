@@ -9,7 +9,7 @@ use super::{
     list::{Base, COAT_F0, GLASS_ETA, Material},
     sphere::Point,
 };
-use ltcforge_fit::{
+use ltcforge::fit::{
     BrdfKind, Ltc, Sides,
     brdf::{Brdf, Ggx, LobeTerms, edge_factor, edge_of_parts},
     math::{Lattice, SquarePoint},

@@ -7,7 +7,7 @@ use super::{
     shade::{Way, shade},
     sphere::seen,
 };
-use crate::picture::{Picture, colour, srgb};
+use ltcforge::view::picture::{Picture, colour, srgb};
 use ltcforge_light::LightError;
 
 /// The lamp's radiance, of glass its basic radiance; and radiance where nothing is.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use ltcforge_fit::brdf::Ggx;
+use ltcforge::fit::brdf::Ggx;
 
 /// Cells along each side of the rectangle, and Gauss's rule of three points in each: its nodes and weights on [0, 1].
 const CELLS: u32 = 16;
@@ -49,7 +49,7 @@ fn density(ggx: &Ggx, wo: DVec3, wi: DVec3, eta: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ltcforge_fit::{Sides, math::direction};
+    use ltcforge::fit::{Sides, math::direction};
     use ltcforge_light::transmission::sampled;
 
     #[test]
