@@ -220,7 +220,7 @@ fn light_refuses_a_shaded_point_within_a_polygon() {
 /// The example of the documentation, as it stands there.
 #[test]
 fn the_documentation_shows_what_is_printed() {
-    let text = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/light.md")).expect("the documentation");
+    let text = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/lights.md")).expect("the documentation");
     let block = text.split("```").find_map(|block| block.strip_prefix("console\n")).expect("a session");
     let [_, lights, answer] = block.split("$ ").collect::<Vec<_>>()[..] else { panic!("{block}") };
     let (command, lights) = lights.split_once('\n').expect("lights");
