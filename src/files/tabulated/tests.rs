@@ -89,7 +89,7 @@ fn every_fault_of_a_container_is_told_at_once() {
         "tensor «theta_o»: shape [2, 1]; allowed: one axis",
         "tensor «value»: shape [2, 3]; the axes have [2, 0, 2]",
         "tensor «theta_i»: 0 nodes; allowed: 2 and more",
-        "tensor «phi»: it goes from 0 to 1; allowed: from 0 to 3.141592653589793, all of it",
+        "tensor «phi»: nodes go from 0 to 1; they must go from 0 to 3.141592653589793",
         "tensor «value»: 5 of 6 numbers are negative; the first is -1, at element 1",
     ];
     assert_eq!(told, wanted);
@@ -111,8 +111,8 @@ fn every_fault_of_azimuths_is_told_at_once() {
         "tensor «alpha»: no roughness; leave it out for a surface that has none",
         "tensor «ratio»: no nodes; leave it out for a surface that has none",
         "tensor «value»: shape [2, 2, 2, 3]; the axes have [0, 0, 2, 2, 2, 3]",
-        "tensor «phi_o»: it goes from 0 to 1; allowed: from 0 to 1.5707963267948966, all of it",
-        "tensor «phi»: it goes from 0 to 3.1415927410125732; allowed: from 0 to 6.283185307179586, all of it",
+        "tensor «phi_o»: nodes go from 0 to 1; they must go from 0 to 1.5707963267948966",
+        "tensor «phi»: nodes go from 0 to 3.1415927410125732; they must go from 0 to 6.283185307179586",
     ];
     assert_eq!(told.expect_err("faults").0, wanted);
 }

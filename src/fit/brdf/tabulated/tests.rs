@@ -121,10 +121,10 @@ fn every_fault_is_told_at_once() {
     (values[5], values[7], values[40]) = (-1.0, f64::NAN, -2.0);
     let told = faults(bad, values.clone());
     let wanted = [
-        "tensor «alpha»: node 1 is 0.2 after 0.6; nodes ascend by 0.000001 at least",
+        "tensor «alpha»: node 1 is 0.2 after 0.6; nodes must ascend by at least 0.000001",
         "tensor «theta_o»: node 3 is 1.6; allowed: 0 to 1.5707963267948966",
-        "tensor «theta_o»: node 2 is 0.5 after 0.5; nodes ascend by 0.000001 at least",
-        "tensor «theta_i»: it goes from 0.1 to 1.5707963267948966; allowed: from 0 to 1.5707963267948966, all of it",
+        "tensor «theta_o»: node 2 is 0.5 after 0.5; nodes must ascend by at least 0.000001",
+        "tensor «theta_i»: nodes go from 0.1 to 1.5707963267948966; they must go from 0 to 1.5707963267948966",
         "tensor «phi»: node 1 is NaN, not a finite number",
         "tensor «value»: 1 of 96 numbers are not finite; the first is NaN, at alpha 0.6000, theta_o 0.0000, theta_i 1.0000, phi NaN",
         "tensor «value»: 2 of 96 numbers are negative; the first is -1, at alpha 0.6000, theta_o 0.0000, theta_i 0.5000, phi 3.1416",
@@ -144,11 +144,11 @@ fn energy_is_bounded_above_and_below() {
         |axes: TabulatedAxes, value: f64| lambert(axes, value).map(|_| ()).map_err(|faults| faults[0].to_string());
     let axes = || axes(&[0.2, 0.6], 4, 3);
     assert_eq!(told(axes(), 1.0009 / PI), Ok(()));
-    let most = "tensor «value»: 8 of 8 views reflect more than 1.001 of even light; the most is 1.0020, at alpha 0.6000, theta_o 1.5708";
+    let most = "tensor «value»: 8 of 8 views reflect more than 1.001 of uniform light; the largest part is 1.0020, at alpha 0.6000, theta_o 1.5708";
     assert_eq!(told(axes(), 1.002 / PI), Err(most.to_owned()));
-    let none = "tensor «value»: nothing is reflected at alpha 0.2000, theta_o 0.0000; end the axis before it, or give it a value";
+    let none = "tensor «value»: no light is reflected at alpha 0.2000, theta_o 0.0000; end the axis before it, or give it values";
     assert_eq!(told(axes(), 0.0), Err(none.to_owned()));
-    assert!(told(axes(), f64::MAX).is_err_and(|fault| fault.contains("the most is inf")));
+    assert!(told(axes(), f64::MAX).is_err_and(|fault| fault.contains("the largest part is inf")));
 }
 
 /// Too bright, negative and no number, each told; a view that has nothing but wrong values is not called dark too.
@@ -161,7 +161,7 @@ fn energy_is_told_beside_wrong_values() {
     assert_eq!(told.len(), 3, "{told:?}");
     assert!(told[0].contains("1 of 96 numbers are not finite"), "{told:?}");
     assert!(told[1].contains("13 of 96 numbers are negative"), "{told:?}");
-    assert!(told[2].contains("7 of 8 views reflect more than 1.001 of even light; the most is 1.5000"), "{told:?}");
+    assert!(told[2].contains("7 of 8 views reflect more than 1.001 of uniform light; the largest part is 1.5"), "{told:?}");
 }
 
 #[test]
