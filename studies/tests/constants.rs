@@ -23,7 +23,7 @@ const SHADERS: [&str; 3] = [
 const NORMALS_PAGE: &str = include_str!("../../docs/normals.md");
 const LIGHTS_PAGE: &str = include_str!("../../docs/lights.md");
 const README: &str = include_str!("../../README.md");
-const ISOTROPIC_PAGE: &str = include_str!("../../docs/isotropic.md");
+const ISOTROPIC_PAGE: &str = include_str!("../isotropic.md");
 const MATERIALS_PAGE: &str = include_str!("../../docs/materials.md");
 const REFRACTION_PAGE: &str = include_str!("../../docs/refraction.md");
 
