@@ -53,7 +53,7 @@ fn the_bytes_of_compact_tables_are_those_of_the_documents() {
     let compact = length("compact", "ltc.compact");
     let with_source = |container, file| format!("{compact} + {}", length(container, file));
     let (rust, wgsl) = (with_source("compact-rust", "ltc.compact.rs"), with_source("compact-wgsl", "ltc.compact.wgsl"));
-    let mut told = row("layouts.md", "`reflected`");
+    let mut told = row("layouts.md", "default `reflected`");
     // The gzipped length is that of another program.
     told.remove(2);
     assert_eq!(told, [compact, length("compact-js", "ltc.compact.js"), rust, wgsl]);
