@@ -20,7 +20,7 @@ fn prefilter_levels(picture: vec2<u32>) -> u32 {
     return levels;
 }
 
-/// The tent filter at a distance from the middle of a coarse texel, which is ratio fine texels long.
+/// The weight of the tent filter at an offset from the middle of a coarse texel, which is `ratio` fine texels long.
 fn prefilter_tent(offset: f32, ratio: f32, coarse: u32) -> f32 {
     // One coarse texel is the mean of the level.
     return select(max(1.0 - abs(offset) / ratio, 0.0), 1.0, coarse == 1u);

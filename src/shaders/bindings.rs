@@ -1,8 +1,8 @@
-//! Where a table is bound, in words, by language.
+//! Descriptions of a table's bindings, by language.
 
 use super::{Bound, Filter, Language, Namespace, Reading};
 
-/// Where the program binds them.
+/// The bindings of a program.
 pub(super) fn bindings(language: Language) -> &'static str {
     match language {
         Language::Wgsl => {
@@ -40,7 +40,7 @@ pub(super) fn bindings(language: Language) -> &'static str {
     }
 }
 
-/// Where a text to include binds them.
+/// The bindings of a text to include.
 pub(super) fn included_bindings(language: Language, reading: Reading, namespace: &Namespace) -> String {
     let bound = match reading.bound {
         Bound::Volumes => bound_volumes(language),
@@ -62,7 +62,7 @@ pub(super) fn included_bindings(language: Language, reading: Reading, namespace:
     format!("{}\n  {weighed}", namespace.numbered(&bound))
 }
 
-/// Where three textures are bound.
+/// The bindings of a table in three textures.
 fn bound_volumes(language: Language) -> &'static str {
     match language {
         Language::Wgsl => {
@@ -92,7 +92,7 @@ fn bound_volumes(language: Language) -> &'static str {
     }
 }
 
-/// Where the one array is bound.
+/// The bindings of a table in one array.
 fn bound_array(language: Language) -> &'static str {
     match language {
         Language::Wgsl => {

@@ -20,7 +20,7 @@ pub(super) const SHADER: ModelShader = ModelShader {
     include_comment: |_, _, _, _, _| gaussians_include_header(),
 };
 
-/// The fragment shader that reaches every function, with the one that gives the view.
+/// The fragment shader that calls every function. `view` names the function that returns the view.
 pub(super) fn gaussians_caller(view: &str) -> String {
     caller(&format!("let view = {view}(1u, 0.5, 0.5, vec3(0.0, 0.0, 1.0));"), CALLS)
 }
@@ -30,10 +30,10 @@ const CALLS: &str = "    let disk = gaussians_disk(view, vertices[0], vertices[1
     return vec4(gaussians_rectangle(view, corners, true) + polygon, disk);
 ";
 
-/// Raised when the values of the check change.
+/// The revision, raised when the values of the check change.
 const REVISION: u32 = 1;
 
-/// The opening comment: what the shader is.
+/// The first part of the comment: description and functions.
 const ABOUT: &str = "\
 Area lights on anisotropic GGX by one Gaussian on the sphere: no table, cheap and coarse.
 
@@ -55,7 +55,7 @@ pub(super) const LIGHTS: &str =
   Light of radiance L arrives as L (f0 (x - y) + f90 y).
 ";
 
-/// The program beside the functions.
+/// The description of the example program.
 const EXAMPLE: &str = "\
   gaussians_example calls them; it stands for your own code, and all bindings go with it.
 
@@ -66,14 +66,14 @@ EXAMPLE
   Result: a vec4 of f32, the two parts and 0, 0.
 ";
 
-/// How the functions are used where they are included.
+/// The use of the functions of a text to include.
 const USE: &str = "
 USE
   gaussians_view once for a point and view, then one call for each light. Isotropic surfaces have alpha_x = alpha_y.
   Nothing is bound. Diffuse light is not here: it is Lambert's form factor of the light.
 ";
 
-/// The light of the check that is a spherical Gaussian.
+/// The spherical Gaussian of the check.
 pub const SG_LIGHT: SgLight<f64> = SgLight { axis: [-0.48, 0.36, 0.8], sharpness: 12.0, amplitude: 1.5 };
 
 pub(super) fn bindings(language: Language) -> &'static str {

@@ -22,10 +22,10 @@ pub(super) const SHADER: ModelShader = ModelShader {
     include_comment: gaussians_table_include_header,
 };
 
-/// Raised when the values of the check change.
+/// The revision, raised when the values of the check change.
 const REVISION: u32 = 1;
 
-/// The opening comment: what the shader is.
+/// The first part of the comment: description and functions.
 const ABOUT: &str = "\
 Area lights on anisotropic GGX by one Gaussian on the sphere, by a table that ltcforge fitted with lobe sg or asg.
 
@@ -37,7 +37,7 @@ FUNCTIONS
       the tangent frame, normal +z, of unit length.
 {lights}";
 
-/// The program beside the functions.
+/// The description of the example program.
 const EXAMPLE: &str = "\
 EXAMPLE
   gaussians_table_example calls them; it stands for your own code. All but group 0 goes with it.
@@ -47,7 +47,7 @@ EXAMPLE
   Result: a vec4 of f32, the two parts and 0, 0.
 ";
 
-/// How the functions are used where they are included.
+/// The use of the functions of a text to include.
 const USE: &str = "
 USE
   gaussians_lookup once for a point and view, then one call for each light. Isotropic surfaces have alpha_x = alpha_y.

@@ -30,7 +30,7 @@ pub(super) fn light_files(lights: Lights) -> &'static [&'static str] {
     }
 }
 
-/// The fragment shader that reaches every function of a table's light.
+/// The fragment shader that calls every function of a table's light.
 #[must_use]
 pub fn table_caller(two_lobes: bool, lights: Lights) -> String {
     let (shapes, parts) = match lights {
@@ -53,10 +53,10 @@ const POLYGONS_CALLED: &str =
     "    let polygon = ltc_rectangle(inverse, corners, true) + ltc_polygon(inverse, vertices, 4u, true);
 ";
 
-/// Raised when the values of the check change.
+/// The revision, raised when the values of the check change.
 const REVISION: u32 = 1;
 
-/// The opening comment: what the shader is.
+/// The first part of the comment: description and functions.
 const ABOUT: &str = "\
 Linearly Transformed Cosines: area lights on anisotropic GGX, by a table that ltcforge fitted.
 
@@ -80,7 +80,7 @@ const TWO_LOBES: &str = "  ltc_lookup_both(alpha_x, alpha_y, wo)  first, as ltc_
   ltc_blend(lobes, f0, f90)         one matrix for a material, M below: one integral, for which blended_lobes are fitted.
 ";
 
-/// The functions of lights that both kinds of tables have.
+/// The functions of lights for tables with and without textures.
 #[must_use]
 pub fn functions_of(lights: Lights) -> &'static str {
     match lights {
@@ -169,7 +169,7 @@ EXAMPLE
   Result: 4 x vec4 of f32. The columns of M with 0 after each; amplitude, fresnel, covered, 0.
 ";
 
-/// The table and what it is called.
+/// Licence, description and functions.
 fn about(layout: Layout, two_lobes: bool, lights: Lights) -> String {
     let materials = if layout.is_of_materials() { MATERIALS } else { "" };
     let two_lobes = if two_lobes { TWO_LOBES } else { "" };
@@ -213,7 +213,7 @@ fn table_include_header(
     include_comment_of(language, layout, reading, lights, namespace, &check)
 }
 
-/// The same with other lines at its end, in lines that begin with `//`.
+/// The comment of a text to include, in lines that begin with `//`, followed by the lines `last`.
 pub(super) fn include_comment_of(
     language: Language,
     layout: Layout,
@@ -251,7 +251,7 @@ CHECK
     )
 }
 
-/// The table's second lobes, in words.
+/// The description of the table's second lobes.
 const SECOND_NUMBERS: &str = "  The second lobe has the numbers I[k] + e * (9 - k) / 1024, with the zeros of the first; blended is what the blend for
   f0 = 0.04, f90 = 1 covers.
 ";
@@ -265,7 +265,7 @@ fn by_rows(matrix: &[f64; 9]) -> String {
     rows.collect::<Vec<_>>().join(" | ")
 }
 
-/// The table that ports are checked with, in words.
+/// The description of the table that ports are checked with.
 pub(super) fn checked_table(layout: Layout) -> String {
     let axes = table(layout).axes;
     let PerAxis { ratio: ratios, theta: thetas, phi: phis, .. } = layout.lengths(&axes);
@@ -299,7 +299,7 @@ fn shown(case: &Case, golden: &Golden) -> String {
     )
 }
 
-/// Six decimals, without a sign on zero.
+/// The number with six decimals, without a sign on zero.
 pub(super) fn fixed(x: f64) -> String {
     let text = format!("{x:.6}");
     if text == "-0.000000" { "0.000000".to_owned() } else { text }

@@ -52,10 +52,10 @@ const CALLS: &str = "    let disk = normals_disk(view, vertices[0], vertices[1],
     return vec4(normals_rectangle(view, corners, true) + normals_polygon(view, &vertices, 4u, true), disk);
 ";
 
-/// Raised when the values of the check of any rule change.
+/// The revision, raised when the values of the check of any rule change.
 const REVISION: u32 = 1;
 
-/// The opening comment: what the shader is.
+/// The first part of the comment: description and functions.
 const ABOUT: &str = "\
 Area lights on GGX without a table, in the space of its normals, by rule {rule}.
 
@@ -65,7 +65,7 @@ Area lights on GGX without a table, in the space of its normals, by rule {rule}.
       Light of radiance L arrives as L (f0 (x - y) + f90 y).
 ";
 
-/// The program beside the functions.
+/// The description of the example program.
 const EXAMPLE: &str = "\
   normals_example calls them; it stands for your own code, and all bindings go with it.
 

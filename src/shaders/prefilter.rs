@@ -1,13 +1,13 @@
-//! The text that prefilters a picture on a light, which is of no model of light.
+//! The text that prefilters a picture on a light, for any light model.
 
 use super::{header::commented, sources::joined, stamp::head};
 
-/// Raised when the pyramid changes.
+/// The revision, raised when the pyramid changes.
 const REVISION: u32 = 1;
 
 const LICENCE: &str = "MIT OR Apache-2.0";
 
-/// The opening comment: what the text is, and the passes.
+/// The first part of the comment: description, functions and passes.
 const ABOUT: &str = "\
 The prefiltered pyramid of a picture on a rectangle light, for pictures that change, such as video: what `ltcforge light-texture`
 makes of a file. For fragment or compute shaders, without filtering: each function gives one texel of what a pass writes.
@@ -39,7 +39,7 @@ pub fn prefilter_comment() -> String {
     commented(&format!("{}{ABOUT}", head(LICENCE, REVISION)))
 }
 
-/// The functions, and a fragment shader named `ltc_included` that calls them all.
+/// The functions, and a fragment shader named `ltc_included` that calls all of them.
 #[must_use]
 pub fn prefilter_source() -> String {
     let caller = "
