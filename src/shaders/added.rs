@@ -5,17 +5,17 @@ use ltcforge_light::LightModel;
 
 const CUT: &str = "\
 LIGHT FROM BELOW
-  ltc_cut_rectangle, ltc_cut_polygon{shapes} take the same arguments
-      and let the lobe end at the surface: nothing shines through from below. Without them an LTC lets through up to a
-      fifth of a light that lies below.
+  ltc_cut_rectangle, ltc_cut_polygon{shapes} take the same arguments.
+      Their lobes end at the surface, so no light shines through from below. The functions without cut let through up to
+      a fifth of a light that lies below.
 ";
 const CUT_SHAPES: &str = ", ltc_cut_disk, ltc_cut_sphere, ltc_cut_tube, ltc_cut_line";
 
 const COMPENSATION: &str = "\
 ENERGY
   {call}
-      once for a point and view: the factor on what a metal of reflectance f0 reflects, by which facets lose no light to
-      each other: white metal reflects all of a white sky.
+      once for a point and view: the factor by which to multiply what a metal of reflectance f0 reflects. It gives back
+      the energy that shadowing loses: white metal then reflects all light of a white sky.
 ";
 
 const POLYGONS_CUT: &str =

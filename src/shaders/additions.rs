@@ -17,10 +17,10 @@ pub struct Additions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum AdditionError {
     /// No light shines through from below.
-    #[error("--cut is of model ltc: by model {0} nothing shines through from below the surface")]
+    #[error("--cut needs model ltc: model {0} lets no light through from below the surface")]
     NothingBelow(LightModel),
     /// The model has no functions for pictures.
-    #[error("--textured is of models normals and ltc: model {0} lights by no pictures")]
+    #[error("--textured needs model normals or ltc: model {0} has no lights with pictures")]
     NoPictures(LightModel),
 }
 

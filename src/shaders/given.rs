@@ -69,7 +69,7 @@ impl GivenAxes {
             let listed = nodes.iter().map(|node| format!("{:?}", *node as f32)).collect::<Vec<_>>().join(", ");
             writeln!(out, "/// The nodes of {axis}.")?;
             writeln!(out, "const LTC_NODES_OF_{upper} = array<f32, {count}>({listed});\n")?;
-            writeln!(out, "/// The number of the node below a value of {axis}, and the weight of the node above.")?;
+            writeln!(out, "/// The number of the last node at or below a value of {axis}; the weight of the next node.")?;
             writeln!(out, "fn ltc_among_{axis}(x: f32) -> vec2<f32> {{")?;
             writeln!(out, "    var nodes = LTC_NODES_OF_{upper};")?;
             writeln!(out, "    var lower = 0u;")?;
@@ -78,7 +78,7 @@ impl GivenAxes {
             writeln!(out, "    let weight = (x - nodes[lower]) / (nodes[lower + 1u] - nodes[lower]);")?;
             writeln!(out, "    return vec2(f32(lower), clamp(weight, 0.0, 1.0));\n}}\n")?;
         }
-        writeln!(out, "/// Where a configuration lies among the nodes, some of which are searched for.")?;
+        writeln!(out, "/// The place of a configuration among the nodes, with a search of the listed nodes.")?;
         writeln!(out, "fn ltc_place_given(alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcPlace {{")?;
         writeln!(out, "    var place = {place}(alpha, ratio, wo);")?;
         if !self.nodes.theta.is_empty() || !self.nodes.phi.is_empty() {
@@ -112,8 +112,8 @@ impl GivenAxes {
         let axes = self.nodes.named().into_iter().filter(|(_, nodes)| !nodes.is_empty()).map(|(axis, _)| axis);
         let axes = axes.collect::<Vec<_>>().join(", ");
         let table = format!(
-            "TABLE\n  The text reads this table alone: its nodes of {axes} were given one by one, and stand here. `ltcforge lookup`\n  \
-             prints what a port has to find in it.\n  {}\n",
+            "TABLE\n  The text reads only this table. Its recipe lists nodes of {axes}, and the text contains them.\n  \
+             `ltcforge lookup` prints values to check a port against.\n  {}\n",
             about.join("\n  ")
         );
         header::include_comment_of(language, self.layout, reading, lights, namespace, &commented(&table))

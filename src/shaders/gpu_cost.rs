@@ -1,7 +1,7 @@
 //! Costs of the texts on a GPU: registers and instructions that a compiler counts.
 
-/// A compiler's counts for one rectangle by a text to include, with the tangent frame; the sampler filters entries of
-/// tables. They are no timing, and code behind an early return counts less.
+/// A compiler's counts for one rectangle by a text to include, with the tangent frame. The sampler interpolates tables.
+/// Counts are not timings, and code after an early return counts less.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct GpuCost {
     /// Vector registers. More registers mean fewer pixels at a time.

@@ -14,19 +14,19 @@ const REVISION: u32 = 1;
 
 /// The first part of the comment: description, functions and use.
 const ABOUT: &str = "\
-Metals and layers under area lights, as OpenPBR has them: a coat and fuzz over a base. By any model; nothing is bound.
+Metals and layers under area lights, as in OpenPBR: a coat and fuzz over a base. Works with any model; no bindings.
 
 FUNCTIONS
-  layers_metal(parts, f0, tint)  what a metal reflects by F82: parts as normals_rectangle returns them, or
-      vec2(lobe.amplitude, lobe.fresnel) times the part that ltc_rectangle tells.
-  layers_fuzz(roughness, wo)  fuzz as one view sees it, in the tangent frame, normal +z: LtcInverse(inverse, 1.0) is what
-      ltc_rectangle and its like take, and albedo the part of all light that it reflects.
-  layers_albedo(amplitude, fresnel, f0)  what a dielectric reflects of all light, by the terms of a table's lobe.
+  layers_metal(parts, f0, tint)  reflected light of a metal by F82. parts is the result of normals_rectangle, or
+      vec2(lobe.amplitude, lobe.fresnel) times the result of ltc_rectangle.
+  layers_fuzz(roughness, wo)  the lobe of fuzz for one view, in the tangent frame, normal +z. Pass
+      LtcInverse(inverse, 1.0) to ltc_rectangle and the other shapes. albedo is the part of all light that it reflects.
+  layers_albedo(amplitude, fresnel, f0)  the albedo of a dielectric, from the terms of a table's lobe.
   layers_coated(base, coat, albedo, weight, transmittance)  the light of a base under a coat.
-  layers_fuzzed(below, fuzz, albedo, weight)  the light of all below under fuzz.
+  layers_fuzzed(below, fuzz, albedo, weight)  the light of all layers below under fuzz.
 
 USE
-  Sum up what base, coat and fuzz each reflect of the lights, then combine the sums once:
+  Add up the reflected light of all lights for base, coat and fuzz separately. Then combine the three sums:
     let fuzz = layers_fuzz(fuzz_roughness, wo);
     let fuzz_light = radiance * fuzz_color * fuzz.albedo * ltc_rectangle(LtcInverse(fuzz.inverse, 1.0), corners, false);
     let albedo = layers_albedo(coat_lobe.amplitude, coat_lobe.fresnel, 0.04);

@@ -33,8 +33,8 @@ pub enum LitByError {
     },
     /// The layout does not store the lobes of the model.
     #[error(
-        "layout {layout} has tables of LTCs only: model {model} has those of {layouts}",
-        layouts = layouts_of(*model).join(" and ")
+        "layout {layout} stores LTCs only: model {model} needs layout {layouts}",
+        layouts = layouts_of(*model).join(" or ")
     )]
     NotStored {
         /// The model.

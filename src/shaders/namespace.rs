@@ -22,8 +22,8 @@ pub struct Prefix(String);
 /// The text is not a valid prefix.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "«{}» is no prefix: a prefix has lower-case letters and digits, at most {LONGEST}, begins with a letter, and is none \
-    of {}", .0.escape_debug(), RESERVED.join(", ")
+    "the prefix «{}» is invalid: use at most {LONGEST} lower-case letters and digits, beginning with a letter; \
+    {} are reserved", .0.escape_debug(), RESERVED.join(" and ")
 )]
 pub struct BadPrefix(pub String);
 

@@ -111,7 +111,7 @@ fn parts_of(layouts: &[Layout]) -> Vec<&'static str> {
 fn asked_of(LayoutShader { place, restore, is_isotropic, .. }: &LayoutShader) -> String {
     if *is_isotropic {
         return format!(
-            "/// Where a configuration lies along alpha and theta, in the variables in which nodes are evenly spaced.\n\
+            "/// The place of a configuration along alpha and theta, in coordinates with evenly spaced nodes.\n\
             fn ltc_steps(alpha: f32, wo: vec3<f32>) -> vec2<f32> {{\n    return {place}(alpha, wo);\n}}\n\n\
             /// The lobe of interpolated numbers.\n\
             fn ltc_restore(stored: LtcPlane) -> LtcPlane {{\n    return {restore}(stored);\n}}\n"
@@ -152,7 +152,7 @@ fn asked_of_several(layouts: &[Layout]) -> String {
 
 fn asked_with(place: &str, restore: &str) -> String {
     format!(
-        "/// Where a configuration lies among the nodes, within the table's ranges seen from wo in the first quadrant.\n\
+        "/// The place of a configuration among the nodes. Domain: the table's ranges, wo in the first quadrant.\n\
         fn ltc_place_of(alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcPlace {{\n{place}}}\n\n\
         /// The lobe of interpolated numbers. Domain: as for ltc_place_of.\n\
         fn ltc_restore(stored: LtcLobe, alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {{\n{restore}}}\n"

@@ -11,15 +11,15 @@ const ABOUT: &str = "\
 PICTURES ON LIGHTS
   {own}_textured_rectangle({view}, corners, two_sided, picture, base)
       {result}
-      The picture's upper left is at the first corner, its rows run to the second, its columns to the fourth; all four
-      are read. picture is a layer of {own}_pictures, a 2D array with all levels that light-texture writes; base is
-      log2(sqrt(width height)) - 1 of its first level, whose texels are best square on the light.
+      The picture's upper left is at the first corner; rows run to the second corner, columns to the fourth. All four are
+      read. picture is a layer of {own}_pictures, a 2D array with all levels from ltcforge light-texture. base is
+      log2(sqrt(width height)) - 1 of the first level; its texels should be square on the light.
       {own}_picture_sampler is linear between texels and levels and clamps to the edge.
-      {constant}, a constant, says how often a picture is read: {number}.
+      The constant {constant} is the number of readings of a picture: {number}.
   {own}_profile_rectangle({view}, corners, two_sided, picture)
-      the same of a lamp whose radiance depends on the direction, as its IES profile tells it: picture is a layer with all
-      levels that light-texture writes of the profile. Angles around its axis are from the side to the second corner to that to
-      the fourth.
+      the same for a lamp with an IES profile, whose radiance depends on the direction. picture is a layer with all
+      levels from ltcforge light-texture for the profile. Angles around the lamp's axis run from the side towards the
+      second corner to the side towards the fourth.
 ";
 
 /// The comment of the rule's rectangle with a picture.
@@ -145,10 +145,10 @@ impl LitBy {
         };
         let (of, result) = match self.model() {
             LightModel::Ltc => {
-                ("inverse", "covered, as ltc_rectangle has it, and colour: light arrives as that of radiance colour.")
+                ("inverse", "covered, as from ltc_rectangle, and colour, to use as the radiance of the light.")
             }
             _ => {
-                ("view", "parts, as normals_rectangle has them, and colour: light arrives as that of radiance colour.")
+                ("view", "parts, as from normals_rectangle, and colour, to use as the radiance of the light.")
             }
         };
         ABOUT
