@@ -69,7 +69,7 @@ impl GivenAxes {
             let listed = nodes.iter().map(|node| format!("{:?}", *node as f32)).collect::<Vec<_>>().join(", ");
             writeln!(out, "/// The nodes of {axis}.")?;
             writeln!(out, "const LTC_NODES_OF_{upper} = array<f32, {count}>({listed});\n")?;
-            writeln!(out, "/// The number of the last node at or below a value of {axis}; the weight of the next node.")?;
+            writeln!(out, "/// The last node at or below a value of {axis}, and the weight of the next node.")?;
             writeln!(out, "fn ltc_among_{axis}(x: f32) -> vec2<f32> {{")?;
             writeln!(out, "    var nodes = LTC_NODES_OF_{upper};")?;
             writeln!(out, "    var lower = 0u;")?;

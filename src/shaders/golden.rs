@@ -68,9 +68,9 @@ const STEP: f64 = 1.0 / 1024.0;
 /// The elements of a row-major matrix that are zero for a lobe symmetric in the plane of incidence.
 const ACROSS: [usize; 4] = [1, 3, 5, 7];
 
-/// The table: number `k` of entry `e`, both from 0 in storage order, is `I[k] + e (k + 1) / 1024`. `I` is the identity, an
-/// amplitude of 1 and a Fresnel term of 0. Layouts of isotropic tables have one ratio and one phi, and zeros across the
-/// plane of incidence. Layout `materials` has three materials.
+/// The table: number `k` of entry `e`, both from 0 in storage order, is `I[k] + e (k + 1) / 1024`. `I` is the identity,
+/// an amplitude of 1 and a Fresnel term of 0. Layouts of isotropic tables have one ratio and one phi, and zeros across
+/// the plane of incidence. Layout `materials` has three materials.
 #[must_use]
 pub fn table(layout: Layout) -> Table {
     const START: [f64; 11] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
@@ -158,8 +158,8 @@ impl Case {
         SecondGolden { matrix, blended }
     }
 
-    /// Reflected light of the rectangle by [`table`], read as a table of Gaussians, in f64: for a Fresnel factor of one,
-    /// and weighed by Schlick's fifth power.
+    /// Reflected light of the rectangle by [`table`], read as a table of Gaussians, in f64: for a Fresnel factor of
+    /// one, and weighed by Schlick's fifth power.
     #[must_use]
     pub fn lit_by_gaussian(&self, layout: Layout, gaussian: Gaussian) -> [f64; 2] {
         let (shape, parts) = self.gaussian(layout, gaussian);

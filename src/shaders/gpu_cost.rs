@@ -16,8 +16,8 @@ pub struct GpuCost {
 pub const COMPILER: &str = "Null hardware (RADV NAVI21), Mesa 22.3.6";
 
 /// The costs of all texts: registers, instructions and inverse throughput. Names are those of
-/// [`LitBy::name`](super::LitBy::name), plus `cheap horizon` for `LTC_CHEAP_HORIZON`, the use of two lobes, `layers` over a
-/// metal, and the methods of engines. `cargo run --release -p ltcforge-studies -- gpu-costs` measures them.
+/// [`LitBy::name`](super::LitBy::name), plus `cheap horizon` for `LTC_CHEAP_HORIZON`, the use of two lobes, `layers`
+/// over a metal, and the methods of engines. `cargo run --release -p ltcforge-studies -- gpu-costs` measures them.
 const COSTS: &[(&str, [u32; 3])] = &[
     ("ltc reflected", [48, 692, 1261]),
     ("ltc kt2022", [40, 577, 1033]),

@@ -141,8 +141,8 @@ BINDINGS OF A TABLE
 ";
 
 /// The axis of materials.
-const PAIRS: &str = "\x20 In layout materials, the nodes of alpha are the materials; each has one ratio. The number after
-  fresnel is the material's alpha at the first node of theta, its ratio at the second node, and 0 at the others.
+const PAIRS: &str = "\x20 In layout materials, the nodes of alpha are the materials; each has one ratio. The number
+  after fresnel is the material's alpha at the first node of theta, its ratio at the second node, and 0 at the others.
 ";
 
 /// A table in three textures.

@@ -4,8 +4,8 @@ use super::{AdditionError, Additions};
 use ltcforge_fit::{Layout, named_list};
 use ltcforge_light::{LightModel, NormalsRule};
 
-/// The kind of a shader for other renderers: a model, and a layout if the model reads tables. Models `sg` and `asg` have the
-/// same text; its functions take the model as an argument.
+/// The kind of a shader for other renderers: a model, and a layout if the model reads tables. Models `sg` and `asg`
+/// have the same text; its functions take the model as an argument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LitBy {
     model: LightModel,
@@ -192,8 +192,8 @@ pub enum Filter {
     /// The shader interpolates: 16 fetches a texture, weights of 32 bits, any texture format.
     #[default]
     Exact,
-    /// The sampler interpolates along phi and theta, and along alpha in volumes: 2 fetches a texture, 4 in an array. Many
-    /// GPUs have weights of 8 bits, which is visible on sharp lobes. Textures must be filterable.
+    /// The sampler interpolates along phi and theta, and along alpha in volumes: 2 fetches a texture, 4 in an array.
+    /// Many GPUs have weights of 8 bits, which is visible on sharp lobes. Textures must be filterable.
     Hardware,
 }
 

@@ -13,7 +13,8 @@ pub struct ModelShader {
     pub example: &'static str,
     /// A fragment shader that calls every function, named `ltc_included`.
     pub caller: fn(Reading, Lights) -> String,
-    /// The comment at the top of the program, in lines that begin with `//`. A model without a table ignores the layout.
+    /// The comment at the top of the program, in lines that begin with `//`. A model without a table ignores the
+    /// layout.
     pub(super) program_comment: fn(Language, Layout) -> String,
     /// The comment at the top of the text to include, in lines that begin with `//`.
     pub(super) include_comment: fn(Language, Layout, Reading, Lights, &Namespace) -> String,

@@ -43,7 +43,8 @@ impl FromStr for Prefix {
 }
 
 impl Namespace {
-    /// `text` with the prefix in all names: those of the light's own code, and those of the arithmetic that lights share.
+    /// `text` with the prefix in all names: those of the light's own code, and those of the arithmetic that lights
+    /// share.
     #[must_use]
     pub fn named(&self, text: &str, lit_by: LitBy) -> String {
         let own = lit_by.shader().prefix;

@@ -159,8 +159,8 @@ fn asked_with(place: &str, restore: &str) -> String {
     )
 }
 
-/// The shaders of the preview except those of model `normals`: all other models, and the preview's entry points instead of
-/// the examples.
+/// The shaders of the preview except those of model `normals`: all other models, and the preview's entry points instead
+/// of the examples.
 fn previewed() -> Vec<&'static str> {
     let layouts = [None, Some(Layout::ALL[0])];
     let models = layouts.iter().flat_map(|layout| LightModel::ALL.iter().map(|model| LitBy::new(*model, *layout)));
@@ -176,8 +176,8 @@ fn previewed() -> Vec<&'static str> {
         .collect()
 }
 
-/// The module of the preview. It reads tables of every layout and has model `normals` with each rule; names in a rule's text
-/// begin with the name of the rule. Pictures on lights use the texts to include.
+/// The module of the preview. It reads tables of every layout and has model `normals` with each rule; names in a rule's
+/// text begin with the name of the rule. Pictures on lights use the texts to include.
 #[must_use]
 pub fn preview_module() -> String {
     let by_rule = |rule: &NormalsRule| {
@@ -295,7 +295,8 @@ mod tests {
         validate_text(&["preview"], &preview_module());
     }
 
-    /// Every rule and layout, with each number of readings, and its caller. The names of the shared text are all replaced.
+    /// Every rule and layout, with each number of readings, and its caller. The names of the shared text are all
+    /// replaced.
     #[test]
     fn texts_with_pictures_are_valid() {
         let rules = NormalsRule::SHADED.map(|rule| LitBy::new(LightModel::Normals, None)?.by_rule(Some(rule)));

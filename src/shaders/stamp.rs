@@ -17,8 +17,8 @@ pub fn head(licence: &str, revision: u32) -> String {
     )
 }
 
-/// The comment `header`, a blank line and the `code`. The comment contains the digest of the code: the first 16 digits of
-/// the SHA-256 of the text below the first blank line.
+/// The comment `header`, a blank line and the `code`. The comment contains the digest of the code: the first 16 digits
+/// of the SHA-256 of the text below the first blank line.
 #[must_use]
 pub fn stamped(header: &str, code: &str) -> String {
     format!("{}\n{code}", header.replace(DIGEST, &digest(code)))
