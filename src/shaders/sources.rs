@@ -85,15 +85,15 @@ pub fn joined(names: &[&str]) -> String {
 /// lookup.
 fn module(names: &[&str], layouts: &[Layout]) -> String {
     let parts = parts_of(layouts);
-    let (lookup, asked) = match layouts {
-        [only] => ("", asked_of(&only.shader())),
-        _ => ("ltc_lookup_among", asked_of_several(layouts)),
+    let (lookup, called) = match layouts {
+        [only] => ("", functions_of_one(&only.shader())),
+        _ => ("ltc_lookup_among", functions_of_several(layouts)),
     };
     let is_isotropic = matches!(layouts, [only] if only.shader().is_isotropic);
     let lookup = if is_isotropic { "ltc_lookup_round" } else { lookup };
     let is_there = |name: &&str| !(is_isotropic && *name == "ltc_lookup");
     let names: Vec<&str> = names.iter().copied().filter(is_there).chain([lookup]).collect();
-    format!("{}\n{}\n{asked}", joined(&names), parts.join("\n"))
+    format!("{}\n{}\n{called}", joined(&names), parts.join("\n"))
 }
 
 /// The parts of these layouts, without duplicates.
@@ -108,7 +108,7 @@ fn parts_of(layouts: &[Layout]) -> Vec<&'static str> {
 }
 
 /// The functions that a lookup calls, for one layout.
-fn asked_of(LayoutShader { place, restore, is_isotropic, .. }: &LayoutShader) -> String {
+fn functions_of_one(LayoutShader { place, restore, is_isotropic, .. }: &LayoutShader) -> String {
     if *is_isotropic {
         return format!(
             "/// The place of a configuration along alpha and theta, in coordinates with evenly spaced nodes.\n\
@@ -117,14 +117,14 @@ fn asked_of(LayoutShader { place, restore, is_isotropic, .. }: &LayoutShader) ->
             fn ltc_restore(stored: LtcPlane) -> LtcPlane {{\n    return {restore}(stored);\n}}\n"
         );
     }
-    asked_with(
+    lookup_functions(
         &format!("    return {place}(alpha, ratio, wo);\n"),
         &format!("    return {restore}(stored, alpha, ratio, wo);\n"),
     )
 }
 
 /// The functions that a lookup calls, switching on the layout of the table.
-fn asked_of_several(layouts: &[Layout]) -> String {
+fn functions_of_several(layouts: &[Layout]) -> String {
     let switch = |default: &str, of: &dyn Fn(&LayoutShader) -> String| {
         let case = |layout: &Layout| {
             let shader = layout.shader();
@@ -147,10 +147,10 @@ fn asked_of_several(layouts: &[Layout]) -> String {
             format!("{}(stored, alpha, ratio, wo)", shader.restore)
         }
     };
-    asked_with(&switch("LtcPlace()", &place), &switch("stored", &restore))
+    lookup_functions(&switch("LtcPlace()", &place), &switch("stored", &restore))
 }
 
-fn asked_with(place: &str, restore: &str) -> String {
+fn lookup_functions(place: &str, restore: &str) -> String {
     format!(
         "/// The place of a configuration among the nodes. Domain: the table's ranges, wo in the first quadrant.\n\
         fn ltc_place_of(alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcPlace {{\n{place}}}\n\n\
@@ -301,7 +301,7 @@ mod tests {
     fn texts_with_pictures_are_valid() {
         let rules = NormalsRule::SHADED.map(|rule| LitBy::new(LightModel::Normals, None)?.by_rule(Some(rule)));
         let tables = Layout::ALL.iter().filter_map(|layout| LitBy::new(LightModel::Ltc, Some(*layout)).ok());
-        let mut seen = 0;
+        let mut checked = 0;
         for lit_by in rules.into_iter().map(|rule| rule.expect("a rule")).chain(tables) {
             for (number, reading) in Readings::ALL
                 .iter()
@@ -317,11 +317,11 @@ mod tests {
                     );
                     assert!(text.contains(&format!("_READINGS: u32 = {number}u")), "{}", lit_by.name());
                     validate_text(&[&lit_by.name()], &(text + &lit_by.caller(reading, Lights::All)));
-                    seen += 1;
+                    checked += 1;
                 }
             }
         }
-        assert!(seen > 100, "{seen}");
+        assert!(checked > 100, "{checked}");
         let of = |text: &str| (text.matches("fn normals_mean").count(), text.matches("NormalsTextured").count());
         let plain = LitBy::new(LightModel::Normals, None).expect("normals");
         assert_eq!(of(&functions(plain, Reading::default(), Lights::All)), (1, 0));

@@ -147,9 +147,7 @@ impl LitBy {
             LightModel::Ltc => {
                 ("inverse", "covered, as from ltc_rectangle, and colour, to use as the radiance of the light.")
             }
-            _ => {
-                ("view", "parts, as from normals_rectangle, and colour, to use as the radiance of the light.")
-            }
+            _ => ("view", "parts, as from normals_rectangle, and colour, to use as the radiance of the light."),
         };
         ABOUT
             .replace("{own}", own)
