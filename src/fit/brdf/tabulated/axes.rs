@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::TabulatedFault;
 
-/// The tolerance for the ends of axes and the smallest distance of two nodes. It is larger than the rounding of pi to f32.
+/// The tolerance for the ends of axes and the smallest distance of two nodes. It exceeds the rounding of pi to f32.
 const TOLERANCE: f64 = 1e-6;
 
 /// The nodes of a tabulated BRDF. Each axis ascends strictly.

@@ -69,7 +69,7 @@ impl TabulatedBrdf {
         if let Some((node, albedo)) = most.filter(|_| count > 0) {
             let place = place(node);
             note(format!(
-                "{count} of {} views reflect more than {MOST_ALBEDO} of uniform light; the largest part is {albedo:.4}, at {place}",
+                "{count} of {} views reflect more than {MOST_ALBEDO} of uniform light, up to {albedo:.4} at {place}",
                 albedos.len()
             ));
         }
@@ -132,7 +132,7 @@ impl Apart {
         let Self { pairs, largest: (most, index) } = self;
         let place = axes.place(index);
         let detail = format!(
-            "{pairs} pairs of numbers {what}; allowed: {SAME} of the view's largest number; the largest difference is {most:.4}, at {place}"
+            "{pairs} pairs of numbers {what}, by up to {most:.4} of the view's largest number, at {place}; allowed: {SAME}"
         );
         (pairs > 0).then_some(TabulatedFault { tensor: "value", detail })
     }
