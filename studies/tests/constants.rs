@@ -143,8 +143,8 @@ fn the_documents_have_the_rows_of_model_normals() {
 fn the_documents_have_the_ratio_to_the_best_ltcs() {
     let recipe = Recipe::builder().preset(Preset::Draft).build().expect("a recipe");
     let found = best::compared(&recipe, 60);
-    let row = README.lines().find(|line| line.starts_with("| preset `draft` | 162 KiB |")).expect("a row");
-    let ratio = numbers(row.split(" | ").nth(3).expect("a ratio"))[0];
+    let row = README.lines().find(|line| line.starts_with("| preset `draft` |")).expect("a row");
+    let ratio = numbers(row.rsplit(" | ").next().expect("a ratio"))[0];
     println!("{found:?}, documented {ratio}");
     assert!((found.ratio.mean - ratio).abs() < 0.06 && found.ratio.max < 3.0, "{found:?} {ratio}");
 }

@@ -11,6 +11,7 @@ mod common;
 mod examples;
 mod playcanvas;
 mod three;
+mod tutorial;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
