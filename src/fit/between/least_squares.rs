@@ -62,7 +62,7 @@ impl<const D: usize> Normal<D> {
 
     /// Draws each number of a node towards `x`, with a weight of `part` times its weight so far. A pinned number is
     /// drawn strongly towards its pin.
-    pub(super) fn hold(&mut self, x: &[[f64; D]], part: f64, pins: &[[Option<f64>; D]]) {
+    pub(super) fn regularise(&mut self, x: &[[f64; D]], part: f64, pins: &[[Option<f64>; D]]) {
         for (((blocks, right), x), pins) in self.blocks.iter_mut().zip(&mut self.right).zip(x).zip(pins) {
             for k in 0..D {
                 // A number without observations gets a weight of one and keeps its value.
@@ -245,7 +245,7 @@ mod tests {
         let held = vec![[1.0, 2.0]; 35];
         let mut pins = vec![[None; 2]; 35];
         pins[20][1] = Some(7.0);
-        normal.hold(&held, 0.0, &pins);
+        normal.regularise(&held, 0.0, &pins);
         let found = normal.solve(vec![[0.0; 2]; 35]);
         assert!((found[0][0] - 3.0).abs() < 1e-9 && (found[0][1] - 2.0).abs() < 1e-9, "{:?}", found[0]);
         assert!((found[20][0] - 1.0).abs() < 1e-9 && (found[20][1] - 7.0).abs() < 1e-6, "{:?}", found[20]);

@@ -48,7 +48,7 @@ const ROUNDS: usize = 2;
 const POINTS: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
 /// The weight that draws an entry to its fitted value, relative to its other weight. Entries that their neighbours
 /// hardly determine remain as fitted.
-const HOLD: f64 = 1e-3;
+const REGULARISATION: f64 = 1e-3;
 /// Views beyond this part of a right angle hardly count. Most of their lobe is below the horizon, and a picture shows
 /// nothing of it.
 const STEEPEST: f64 = 0.99;
@@ -110,7 +110,7 @@ fn matrices(plan: &Plan, grid: Grid, lobes: &Lobes, own: &[LobeNumbers], free: F
             weight.iter_mut().flatten().for_each(|weight| *weight *= factor);
             normal.observe(cell, at, &weight, &target);
         }
-        normal.hold(&own, HOLD, &pins);
+        normal.regularise(&own, REGULARISATION, &pins);
         found = normal.solve(found);
         for ((found, own), pins) in found.iter_mut().zip(&own).zip(&mut pins) {
             for k in DIAGONAL {
@@ -191,7 +191,7 @@ fn terms(grid: Grid, lobes: &Lobes, own: &[LobeNumbers]) -> Vec<LobeTerms> {
         let weight = view_weight(place.theta) * lobes.angle(cell[1]);
         normal.observe(cell, at, &[[weight, 0.0], [0.0, weight]], &[lobe.terms.amplitude, lobe.terms.fresnel]);
     }
-    normal.hold(&own, HOLD, &vec![[None; 2]; own.len()]);
+    normal.regularise(&own, REGULARISATION, &vec![[None; 2]; own.len()]);
     let found = normal.solve(own).into_iter();
     found.map(|[amplitude, fresnel]| LobeTerms { amplitude: amplitude.max(0.0), fresnel: fresnel.max(0.0) }).collect()
 }
