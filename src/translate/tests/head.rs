@@ -65,7 +65,7 @@ fn spirv_holds_the_digest_of_its_source() {
     assert!(comment.contains(&digest(below)), "{comment}");
 }
 
-/// The digests of the check values of each model, by which its revision is known.
+/// The digests of the check of each model. They show whether a revision must be raised.
 const VALUES: [(&str, u32, &str); 6] = [
     ("ltc", 1, "18aa316e979f73bf"),
     ("normals fast", 1, "b8ca18c710360dd3"),
