@@ -13,7 +13,7 @@ use super::{
 
 /// The smallest weight for the second matrix. Below it the blend is nearly the first lobe, and its difference divided
 /// by the weight would be mostly the noise of two fits. With limits from 0.02 to 0.2, the error of the default table
-/// differs by less than
+/// differs by less than 2 %.
 const LEAST_WEIGHT: f64 = 0.05;
 /// The smallest determinant of the second matrix, relative to the first matrix. No blend between them is then flat.
 const LEAST_DETERMINANT: f64 = 1.0 / 16.0;

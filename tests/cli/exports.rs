@@ -143,7 +143,7 @@ fn a_shader_needs_no_texture_for_isotropic_tables() {
         assert!(text.contains(said), "{said} is not in {text}");
     }
     let cases: [(&str, &[&str], &str); 3] = [
-        (&anisotropic, &[], "allowed: the one ratio 1"),
+        (&anisotropic, &[], "it must have only ratio 1"),
         (&table, &["--as", "example"], "a text to include"),
         (&table, &["--model", "normals"], "model ltc"),
     ];
