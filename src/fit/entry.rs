@@ -160,9 +160,9 @@ impl Fitter {
     ) -> Option<(FittedEntry, DMat3)> {
         let target = self.training.target(brdf, wo);
         let matrix = self.solve(self.settings.solver, Lobe { brdf, wo, target: &target }, stream, near, stop_check)?;
-        let unseen = target.again(brdf, wo, &self.held_out.target);
+        let held_out = target.again(brdf, wo, &self.held_out.target);
         let LobeTerms { amplitude, fresnel } = brdf.terms(wo, &self.terms);
-        let error = self.distance(&Lobe { brdf, wo, target: &unseen }, &matrix, stop_check)?;
+        let error = self.distance(&Lobe { brdf, wo, target: &held_out }, &matrix, stop_check)?;
         let above = self.gaussian(&matrix).map_or(1.0, |gaussian| above_horizon(&gaussian));
         let [amplitude, fresnel] = [amplitude, fresnel].map(|term| term / above);
         let entry = FittedEntry { matrix: row_major(&matrix), second: None, amplitude, fresnel, error };
@@ -256,8 +256,8 @@ impl Fitter {
 
     /// Sliced Wasserstein distance between the lobe and the fitted `matrix`, on the held-out samples.
     pub fn error(&mut self, brdf: &dyn Brdf, wo: DVec3, matrix: &DMat3) -> f64 {
-        let unseen = self.held_out.target(brdf, wo);
-        self.distance(&Lobe { brdf, wo, target: &unseen }, matrix, &mut StopCheck::new(&mut unstopped))
+        let held_out = self.held_out.target(brdf, wo);
+        self.distance(&Lobe { brdf, wo, target: &held_out }, matrix, &mut StopCheck::new(&mut unstopped))
             .unwrap_or(f64::NAN)
     }
 
@@ -268,10 +268,10 @@ impl Fitter {
     }
 
     /// Distance between a lobe of held-out samples and the fitted `matrix`.
-    fn distance(&mut self, unseen: &Lobe, matrix: &DMat3, stop_check: &mut StopCheck) -> Option<f64> {
-        let to_lobe = unseen.target.frame.transpose();
+    fn distance(&mut self, held_out: &Lobe, matrix: &DMat3, stop_check: &mut StopCheck) -> Option<f64> {
+        let to_lobe = held_out.target.frame.transpose();
         let gaussian = self.gaussian(matrix);
-        let mut loss = self.held_out.distance.to(unseen, stop_check)?;
+        let mut loss = self.held_out.distance.to(held_out, stop_check)?;
         let Some((gaussian, images)) = gaussian.zip(loss.images()) else {
             return loss.value(&(to_lobe * *matrix), stop_check);
         };

@@ -239,13 +239,13 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_nothing_observes_are_held_and_pins_win() {
+    fn numbers_without_observations_are_regularised_and_pins_win() {
         let mut normal = Normal::<2>::new(GRID);
         normal.observe([0, 0], [0.0, 0.0], &[[1.0, 0.0], [0.0, 0.0]], &[3.0, 9.0]);
-        let held = vec![[1.0, 2.0]; 35];
+        let regular = vec![[1.0, 2.0]; 35];
         let mut pins = vec![[None; 2]; 35];
         pins[20][1] = Some(7.0);
-        normal.regularise(&held, 0.0, &pins);
+        normal.regularise(&regular, 0.0, &pins);
         let found = normal.solve(vec![[0.0; 2]; 35]);
         assert!((found[0][0] - 3.0).abs() < 1e-9 && (found[0][1] - 2.0).abs() < 1e-9, "{:?}", found[0]);
         assert!((found[20][0] - 1.0).abs() < 1e-9 && (found[20][1] - 7.0).abs() < 1e-6, "{:?}", found[20]);

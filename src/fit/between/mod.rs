@@ -121,8 +121,8 @@ fn matrices(plan: &Plan, grid: Grid, lobes: &Lobes, own: &[LobeNumbers], free: F
             }
         }
     }
-    let kept = |(node, (found, own))| upright(grid, node, found, own);
-    let found: Vec<DMat3> = found.iter().zip(&own).enumerate().map(kept).collect();
+    let upright_or_own = |(node, (found, own))| upright(grid, node, found, own);
+    let found: Vec<DMat3> = found.iter().zip(&own).enumerate().map(upright_or_own).collect();
     let errors = |stored: &[DMat3]| errors_between(grid, lobes, stored, free, &displacement);
     if errors(&found) < errors(&fitted) { found } else { fitted }
 }
@@ -148,7 +148,6 @@ fn view_weight(theta: f64) -> f64 {
     if theta > STEEPEST * THETA_CEILING { STEEP_WEIGHT } else { 1.0 }
 }
 
-/// Whether a node is a view from above.
 fn is_from_above(grid: Grid, node: usize) -> bool {
     node.is_multiple_of(grid.columns)
 }

@@ -87,9 +87,9 @@ impl LayoutRules for Reflected {
 
     fn restore_in_shader(&self, stored: &ShaderNumbers, alpha_x: f32, ratio: f32, wo: Vec3) -> ShaderNumbers {
         let alpha = Vec3::new(alpha_x, (alpha_x * ratio).max(LEAST_ALPHA as f32), 1.0);
-        let seen = alpha * wo;
-        let size = seen.length();
-        let wm = (alpha * (seen / size + Vec3::Z)).normalize();
+        let stretched = alpha * wo;
+        let size = stretched.length();
+        let wm = (alpha * (stretched / size + Vec3::Z)).normalize();
         let d = wo.dot(wm);
         let r = 2.0 * d * wm - wo;
         let column = |s: Vec3| {

@@ -13,9 +13,8 @@ use crate::{
 ///
 /// Stretch the surface to a hemisphere. Normals visible from `wo_std = (ax x, ay y, z) / |..|` then lie around the
 /// normal halfway between `wo_std` and +z [after Dupuy and Benyoub 2023]. On the original surface this normal is `wm`.
-/// With
-/// `d = wo.wm` it reflects light from `r = 2 d wm - wo`. A normal that tilts along a tangent `t` moves the reflected
-/// direction along
+/// It reflects light from `r = 2 d wm - wo`, where `d = wo.wm`. A normal that tilts along a tangent `t` moves the
+/// reflected direction along
 ///
 /// ```text
 /// J t = 2 ((wo.t') wm + d t'),    t' = t - (wm.t) wm

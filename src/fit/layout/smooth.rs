@@ -34,8 +34,8 @@ use crate::{
 
 /// The number of smooth numbers of an entry.
 pub(crate) const SMOOTH_NUMBERS: usize = 9;
-/// The smallest `p` and `q`, which keeps determinants positive. A lobe narrower than the square of this factor, times its
-/// reflection, is never fitted.
+/// The smallest `p` and `q`, which keeps determinants positive. No fitted lobe is narrower than its reflection times
+/// the square of this factor.
 const LEAST_ROOT: f64 = 0.004;
 /// The smallest height of the third column as a divisor of the last row.
 const LEAST_HEIGHT: f64 = 0.05;

@@ -79,16 +79,16 @@ impl SquareLight {
 
 /// The part of a convex polygon of rays above the horizon.
 fn clipped(polygon: &[DVec3]) -> Vec<DVec3> {
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    let mut clipped_vertices = Vec::with_capacity(polygon.len() + 1);
     for (from, to) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
         if from.z > 0.0 {
-            kept.push(*from);
+            clipped_vertices.push(*from);
         }
         if (from.z > 0.0) != (to.z > 0.0) {
-            kept.push((*from * to.z - *to * from.z) / (to.z - from.z));
+            clipped_vertices.push((*from * to.z - *to * from.z) / (to.z - from.z));
         }
     }
-    kept
+    clipped_vertices
 }
 
 #[cfg(test)]
@@ -107,7 +107,7 @@ mod tests {
         for m in [DMat3::IDENTITY, skewed(), skewed() * DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0))] {
             let lobe = planted(m);
             let ltc = Ltc::new(m).expect("regular");
-            let mut seen = 0.0;
+            let mut total = 0.0;
             // In addition to the lights of the report, two lights lie half behind the lobe, across the horizon of
             // cosine space.
             let across = [DVec3::X, DVec3::Y].map(|edge| SquareLight {
@@ -120,9 +120,9 @@ mod tests {
                 let inside = net(16, [3, 5]).map(|u| ltc.sample(u)).filter(|w| light.covers(*w));
                 let (counted, found) = (inside.count() as f64 / f64::from(1 << 16), light.energy_of_model(&ltc));
                 assert!((counted - found).abs() < 5e-4, "{k}: {counted} {found}");
-                seen += found;
+                total += found;
             }
-            assert!(seen > 0.2, "{seen}");
+            assert!(total > 0.2, "{total}");
         }
     }
 

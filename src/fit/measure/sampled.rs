@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn fewer_directions_tell_nearly_the_same() {
+    fn fewer_directions_give_nearly_the_same() {
         let lobes = SampledLobes::new(&places());
         for spread in [0.1, 0.3, 0.6] {
             let of = |closeness| lobes.widths(LobeModel::Ltc, &[found(spread); 3], closeness);

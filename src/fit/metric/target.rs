@@ -88,9 +88,9 @@ impl Drawn {
 /// Location and scatter of a lobe's core in its tangential plane, by maximum likelihood for Student's t with two
 /// degrees of freedom.
 ///
-/// A sharp GGX lobe and a sharp LTC both have this distribution in the plane: for `M = diag(a, a, 1)`, the density of `p`
-/// is proportional to `(1 + |p|^2 / a^2)^-2`, with the scatter `a^2 / 2`. Its variance is infinite, so moments would
-/// measure how far the samples reach into the tails. The maximum likelihood estimate measures the width of the lobe.
+/// A sharp GGX lobe and a sharp LTC both have this distribution in the plane. For `M = diag(a, a, 1)`, the density of
+/// `p` is proportional to `(1 + |p|^2 / a^2)^-2`, and the scatter is `a^2 / 2`. The variance is infinite, so moments
+/// would measure how far the samples reach into the tails. The maximum likelihood estimate measures the lobe's width.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LobeCore {
     /// Centre.

@@ -83,14 +83,14 @@ fn shards_are_a_partition_of_the_entries_in_whole_rows() {
 }
 
 #[test]
-fn a_fit_tells_of_every_entry_and_stops_when_it_is_told_to() {
+fn a_fit_reports_every_entry_and_can_be_stopped() {
     let plan = plan(SMALL);
-    let mut heard = Vec::new();
+    let mut calls = Vec::new();
     let stopped = fit_shard(&plan, 0, &mut |done| {
-        heard.push(done);
+        calls.push(done);
         if done >= 6 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
-    assert_eq!((stopped, heard), (None, vec![1, 2, 3, 4, 5, 6]));
+    assert_eq!((stopped, calls), (None, vec![1, 2, 3, 4, 5, 6]));
 }
 
 #[test]
@@ -207,14 +207,14 @@ fn every_solver_stops_in_the_middle_of_a_long_entry() {
             let fit = FitSettings { solver, samples, directions, steps, ..plan.recipe().fit };
             let long = Plan::new(&Recipe { fit, ..plan.recipe().clone() });
             for last in [1, 3] {
-                let mut heard = Vec::new();
+                let mut calls = Vec::new();
                 let stopped = fit_shard(&long, 0, &mut |done| {
-                    heard.push(done);
-                    if heard.len() == last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                    calls.push(done);
+                    if calls.len() == last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
                 });
-                assert_eq!((stopped, heard.len()), (None, last), "{solver} {samples} {steps}");
+                assert_eq!((stopped, calls.len()), (None, last), "{solver} {samples} {steps}");
                 // Only the descent takes this many steps. The other solvers end much earlier.
-                assert!(heard == vec![0; last] || (solver != Solver::Sgd && samples == 64), "{solver}: {heard:?}");
+                assert!(calls == vec![0; last] || (solver != Solver::Sgd && samples == 64), "{solver}: {calls:?}");
             }
         }
     }

@@ -51,7 +51,7 @@ pub enum FunctionError {
     },
     /// A layout whose numbers do not represent the lobes at the nodes.
     #[error(
-        "layout {layout} chooses its numbers for the error between nodes, so its nodes are not exact lobes; a suitable recipe: \
+        "layout {layout} chooses its numbers for the error between nodes, not for the lobes at nodes; a suitable recipe: \
          {RECIPE}"
     )]
     Chosen {

@@ -132,7 +132,7 @@ impl Apart {
         let Self { pairs, largest: (most, index) } = self;
         let place = axes.place(index);
         let detail = format!(
-            "{pairs} pairs of numbers {what}, by up to {most:.4} of the view's largest number, at {place}; allowed: {SAME}"
+            "{pairs} pairs of numbers {what}, by up to {most:.4} of the view's largest number at {place}; allowed: {SAME}"
         );
         (pairs > 0).then_some(TabulatedFault { tensor: "value", detail })
     }

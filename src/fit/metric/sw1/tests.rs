@@ -92,7 +92,7 @@ fn any_number_of_samples_gives_the_distance() {
 
 /// Invalid directions must get a cell too.
 #[test]
-fn what_is_not_finite_has_a_place() {
+fn directions_that_are_not_finite_get_a_cell() {
     let target = planted(lobe(0.3), NO_MIRRORS);
     let (samples, directions, mut buffers) = (samples(64), directions(8), Buffers::default());
     let mut loss = loss(&target, &samples, &directions, &mut buffers);

@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn gives_up_when_told_to() {
+    fn returns_none_if_the_function_does() {
         let mut left = 3;
         let stop = StopRule { steps: 100, relative_decrease: 0.0 };
         let stopped = minimise([0.0; VARIABLES], &ONES, &mut InverseHessian::diagonal(&ONES), ALL, stop, |x| {

@@ -209,7 +209,7 @@ mod tests {
         let cases = [
             (DVec3::new(0.5, 0.1, 0.2), DVec3::new(-0.1, 0.3, 0.1), DVec3::new(-0.6, 0.2, 0.8)),
             (DVec3::new(0.05, 0.0, 0.02), DVec3::new(0.01, 0.02, 0.0), DVec3::new(-0.7, -0.5, 0.4)),
-            // A sharp lobe. A tilt would have no effect, so the planted matrix has none.
+            // A sharp lobe. A tilt would have no effect, so the planted matrix has a tilt of zero.
             (DVec3::new(8e-4, 0.0, -6e-4), DVec3::new(0.0, 2e-4, 0.0), DVec3::new(0.6, 0.0, 0.8)),
         ];
         for (x, y, z) in cases {

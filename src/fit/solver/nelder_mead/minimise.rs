@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn gives_up_when_told_to() {
+    fn returns_none_if_the_function_does() {
         let mut left = 5;
         let stopped = minimise([-1.2, 1.0], 0.1, 500, |point| {
             left -= 1;

@@ -93,7 +93,7 @@ fn a_constant_is_lambert_s_reflection() {
 }
 
 #[test]
-fn every_fault_of_azimuths_is_told_at_once() {
+fn every_fault_of_azimuths_is_reported_at_once() {
     let bad = TabulatedAxes {
         ratio: vec![0.5, 1.5, f64::INFINITY],
         phi_o: vec![0.0, 1.0, 0.5, 1.5],
@@ -123,14 +123,14 @@ fn every_fault_of_azimuths_is_told_at_once() {
     ];
     assert_eq!(faults(half, vec![0.1; 3 * 3 * 5]), wanted);
     let without = TabulatedAxes { phi_o: vec![], ratio: vec![0.5], phi: even(3, PI), ..axes() };
-    let told = "tensor «ratio»: phi_o is missing: surfaces of ratios below 1 change with the azimuth of the view";
-    assert_eq!(faults(without, vec![0.1; 27]), [told]);
+    let messages = "tensor «ratio»: phi_o is missing: surfaces of ratios below 1 change with the azimuth of the view";
+    assert_eq!(faults(without, vec![0.1; 27]), [messages]);
 }
 
 /// Reports different ends of a turn, and views along an axis whose values are not symmetric. Excess light and invalid
 /// values are reported too; the comparison skips invalid values.
 #[test]
-fn broken_symmetries_are_told_at_once() {
+fn broken_symmetries_are_reported_at_once() {
     let mut values = vec![0.2; 3 * 3 * 3 * 5];
     let at = |o: usize, v: usize, i: usize, p: usize| ((o * 3 + v) * 3 + i) * 5 + p;
     values[at(1, 1, 2, 4)] = 0.1;
@@ -140,17 +140,17 @@ fn broken_symmetries_are_told_at_once() {
     values[at(0, 1, 1, 1)] = 0.1;
     values[at(0, 0, 0, 1)] = 0.2 * (1.0 - 0.9e-3);
     let of_turn = "tensor «value»: 1 pairs of numbers differ at phi 0 and 2 pi, which are the same azimuth, by up to \
-                   0.5000 of the view's largest number, at theta_o 0.7854, phi_o 0.7854, theta_i 1.5708, phi 6.2832; \
+                   0.5000 of the view's largest number at theta_o 0.7854, phi_o 0.7854, theta_i 1.5708, phi 6.2832; \
                    allowed: 0.001";
     let of_mirror = "tensor «value»: 2 pairs of numbers differ at phi and 2 pi - phi for phi_o 0 or pi/2, where the surface \
-                     is symmetric, by up to 0.2500 of the view's largest number, at theta_o 1.5708, phi_o 1.5708, \
+                     is symmetric, by up to 0.2500 of the view's largest number at theta_o 1.5708, phi_o 1.5708, \
                      theta_i 0.0000, phi 1.5708; allowed: 0.001";
     assert_eq!(faults(axes(), values.clone()), [of_turn, of_mirror]);
     (values[at(1, 1, 2, 4)], values[at(1, 2, 0, 1)]) = (-1.0, f64::NAN);
-    let told = faults(axes(), values.iter().map(|x| x * 4.0).collect());
+    let messages = faults(axes(), values.iter().map(|x| x * 4.0).collect());
     let wanted =
         ["are not finite", "are negative", "2 pairs of numbers differ at phi and 2 pi - phi", "reflect more than"];
-    assert!(told.len() == 4 && told.iter().zip(wanted).all(|(told, wanted)| told.contains(wanted)), "{told:?}");
+    assert!(messages.len() == 4 && messages.iter().zip(wanted).all(|(m, wanted)| m.contains(wanted)), "{messages:?}");
 }
 
 /// Six axes of 2048 nodes: their product overflows a usize.
