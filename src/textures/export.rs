@@ -208,8 +208,7 @@ impl Export {
 /// The files of a table, with one more step if its recipe lists nodes.
 fn with_search(mut bundle: Bundle, table: &Table) -> Bundle {
     if !table.layout.is_even(&table.axes) {
-        let text =
-            "The recipe lists its nodes. To read this table, use the shader that ltcforge shader --nodes TABLE writes.";
+        let text = "The recipe lists its nodes: use the shader that ltcforge shader --nodes TABLE writes.";
         bundle.steps.push(text.to_owned());
     }
     bundle

@@ -2,11 +2,11 @@
 
 // The decoder that `compact-rust` writes, compiled into this program.
 #[cfg(test)]
-#[allow(unreachable_pub, clippy::pedantic, dead_code, reason = "a module that stands alone in other crates")]
+#[allow(unreachable_pub, clippy::pedantic, dead_code, reason = "other crates compile this module on its own")]
 #[path = "../../files/compact/decoder.rs"]
 mod coded;
 #[cfg(test)]
-#[allow(unreachable_pub, clippy::pedantic, reason = "a module that stands alone in other crates")]
+#[allow(unreachable_pub, clippy::pedantic, reason = "other crates compile this module on its own")]
 mod decoder;
 mod wgsl;
 

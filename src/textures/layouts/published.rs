@@ -41,8 +41,7 @@ impl TextureRules for Kt2022Volume {
         let nodes = PerAxis { alpha: NODES, ratio: NODES, theta: NODES, phi: NODES };
         let is_whole = table.axes == Layout::Kt2022.nodes(&whole, &nodes);
         let counts = table.lengths().named().map(|(_, n)| n.to_string()).join(" x ");
-        (!is_whole)
-            .then(|| format!("8 x 8 x 8 x 8 nodes over the whole domain, but the table has {counts} over its range"))
+        (!is_whole).then(|| format!("8 x 8 x 8 x 8 nodes over the whole domain, but the table has {counts}"))
     }
 
     /// Excludes tables of isotropic surfaces, which have one ratio.
