@@ -20,7 +20,7 @@ named_list! {
         /// The isotropic table. The part of the vector form factor above the horizon is the part of a sphere with the
         /// same form factor [Hill and Heitz 2016]. three.js, Babylon.js, PlayCanvas and Bevy use it.
         Clipless = "ltc2017, clipless",
-        /// Like [`EngineWay::Clipless`], with directions first stretched along x and y by alpha divided by the mean alpha.
+        /// Like [`EngineWay::Clipless`], with directions first stretched along x and y by alpha divided by its mean.
         /// This preserves the shadows of an anisotropic surface [Heitz 2014, section 5.3].
         Stretched = "ltc2017, stretched",
         /// The anisotropic table, with the light cut at the lobe's horizon [KT et al. 2022].
