@@ -131,8 +131,8 @@ mod tests {
             let document = format!(r#"{{"brdf": "{brdf}"}}"#);
             let recipe = recipe_document::parse(document.as_bytes(), 1_000_000).expect("a recipe");
             let about = About::of_table(Digest::of(b""), Some(&recipe), None);
-            let told: Vec<_> = about.lines().iter().filter(|line| line.starts_with("licence")).collect();
-            assert!(told.len() == 1 && told[0].contains(licence), "{brdf}: {told:?}");
+            let reported: Vec<_> = about.lines().iter().filter(|line| line.starts_with("licence")).collect();
+            assert!(reported.len() == 1 && reported[0].contains(licence), "{brdf}: {reported:?}");
         }
     }
 

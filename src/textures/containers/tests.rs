@@ -300,8 +300,8 @@ fn what_rounding_changed_is_told_of_the_file_that_has_it() {
     let textures = [texture("LTC_1", 1), texture("LTC_2", 2)];
     for container in TextureContainer::ALL {
         let files = container.files("ltc", &textures, Precision::F16, &about()).expect("files");
-        let told = files.iter().map(|file| file.rounding.raised).sum::<u64>();
-        assert_eq!(told, 3, "{container}");
+        let reported = files.iter().map(|file| file.rounding.raised).sum::<u64>();
+        assert_eq!(reported, 3, "{container}");
         for (name, raised) in [("LTC_1.", 1), ("LTC_2.", 2)] {
             if let Some(file) = files.iter().find(|file| file.path.starts_with(name)) {
                 assert_eq!(file.rounding.raised, raised, "{container}: {}", file.path);

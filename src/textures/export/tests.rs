@@ -125,10 +125,10 @@ fn every_export_has_a_manifest_of_its_files() {
         assert_eq!((&manifest[key], &manifest["about"][0]), (&name.into(), &"table 1234".into()));
         assert_eq!(manifest["steps"], serde_json::json!(steps), "{name}");
         assert_eq!(manifest["files"].as_array().map(Vec::len), Some(others.len()), "{name}");
-        for (told, file) in manifest["files"].as_array().expect("files").iter().zip(others) {
-            assert_eq!((&told["path"], &told["bytes"]), (&file.path.as_str().into(), &file.bytes.len().into()));
-            assert_eq!(told["sha256"], Digest::of(&file.bytes).hex(), "{name}: {}", file.path);
-            assert_eq!(told["rounding"], serde_json::json!(file.rounding), "{name}: {}", file.path);
+        for (reported, file) in manifest["files"].as_array().expect("files").iter().zip(others) {
+            assert_eq!((&reported["path"], &reported["bytes"]), (&file.path.as_str().into(), &file.bytes.len().into()));
+            assert_eq!(reported["sha256"], Digest::of(&file.bytes).hex(), "{name}: {}", file.path);
+            assert_eq!(reported["rounding"], serde_json::json!(file.rounding), "{name}: {}", file.path);
         }
     }
 }

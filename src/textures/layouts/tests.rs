@@ -175,7 +175,7 @@ fn what_a_table_cannot_serve_is_said_with_the_recipe_that_could() {
     assert!(ltc2017.contains("kt2022") && ltc2017.contains(r#"{"layout": "ltc2017"}"#), "{ltc2017}");
     let volume = refused(&small, "kt2022-volume");
     assert!(volume.contains("2 x 3 x 4 x 5") && volume.contains(r#"{"layout": "kt2022"}"#), "{volume}");
-    assert!(refused(&small, "square").contains("there are of reflected, kt2022"));
+    assert!(refused(&small, "square").contains("layouts with textures: reflected, kt2022"));
     let sheen = refused(&planted(r#"{"brdf": "charlie", "layout": "ltc2017"}"#), "hdrp");
     assert!(sheen.ends_with(r#"{"brdf": "charlie", "layout": "hdrp"}"#), "{sheen}");
     // The lobes of sheen are not around a reflection.
