@@ -68,10 +68,7 @@ pub(crate) fn smooth_at(function: &IsotropicFunction) -> String {
 fn write_smooth_at(out: &mut String, function: &IsotropicFunction) -> std::fmt::Result {
     let ends = function.ends();
     let pair = |of: fn([f64; 2]) -> f64| ends.map(|ends| format!("{:?}", of(ends) as f32)).join(", ");
-    writeln!(
-        out,
-        "/// The starts of sqrt(alpha) and of 1 - sqrt(cos theta), and one over the lengths of their ranges."
-    )?;
+    writeln!(out, "/// Start of sqrt(alpha) and of 1 - sqrt(cos theta), and one over the length of each range.")?;
     writeln!(out, "const LTC_FUNCTION_START = vec2<f32>({});", pair(|[low, _]| low))?;
     writeln!(out, "const LTC_FUNCTION_SCALE = vec2<f32>({});\n", pair(|[low, high]| 1.0 / (high - low)))?;
     writeln!(out, "struct LtcSmooth {{\n    shape: vec3<f32>,\n    terms: vec3<f32>,\n}}\n")?;

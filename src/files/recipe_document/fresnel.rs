@@ -79,8 +79,7 @@ pub(super) fn check_second(root: &Object, fresnel: &LobeFresnel, lobe: LobeModel
         faults.note(root.pointer("fresnel"), detail);
     }
     if !terms {
-        let detail =
-            format!("\"{name}\" needs the terms as weights of its lobes: leave this field out, or choose true");
+        let detail = format!("\"{name}\" needs the terms as weights: leave this field out, or choose true");
         faults.note(root.pointer("terms"), detail);
     }
 }

@@ -19,8 +19,7 @@ pub(super) fn read_terms(root: &Object, brdf: BrdfKind, lobe: LobeModel, faults:
     }
     if !brdf.has_fresnel() {
         let others = listed(BrdfKind::ALL, BrdfKind::has_fresnel);
-        let detail =
-            format!("\"f82\" needs a Fresnel factor, which brdf \"{brdf}\" lacks: choose true, or brdf {others}");
+        let detail = format!("brdf \"{brdf}\" has no Fresnel factor for F82: choose true, or brdf {others}");
         faults.note(root.pointer("terms"), detail);
     }
     if lobe.gaussian().is_some() {

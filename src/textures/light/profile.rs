@@ -104,7 +104,7 @@ impl Profile {
             let last = angles[angles.len() - 1];
             if angles[0] != 0.0 || !ends.contains(&last) {
                 faults.push(format!(
-                    "{name} angles run from {} to {last}; they must run from 0 to one of {ends:?}",
+                    "{name} angles run from {} to {last}; allowed: from 0 to one of {ends:?}",
                     angles[0]
                 ));
             }
