@@ -103,10 +103,7 @@ impl Profile {
         ] {
             let last = angles[angles.len() - 1];
             if angles[0] != 0.0 || !ends.contains(&last) {
-                faults.push(format!(
-                    "{name} angles run from {} to {last}; allowed: from 0 to one of {ends:?}",
-                    angles[0]
-                ));
+                faults.push(format!("{name} angles run from {} to {last}, not from 0 to one of {ends:?}", angles[0]));
             }
             if !angles.is_sorted_by(|a, b| a < b) {
                 faults.push(format!("{name} angles must ascend"));
