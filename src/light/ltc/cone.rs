@@ -133,12 +133,12 @@ impl<T: Scalar> Cone<T> {
     /// The part of the clamped cosine inside of the cone, in [0, 1].
     #[must_use]
     pub fn covered(&self) -> T {
-        let seen = match self.horizon() {
+        let part = match self.horizon() {
             Horizon::Above => self.whole() * self.axes[2][2],
             Horizon::Below => T::ZERO,
             Horizon::Cuts { top, half_arc } => self.cut(top, half_arc) / T::TAU,
         };
-        seen.max(T::ZERO).min(T::ONE)
+        part.max(T::ZERO).min(T::ONE)
     }
 
     /// The length of the cone's vector form factor without a horizon, and the cosine between the form factor and the

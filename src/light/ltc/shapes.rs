@@ -99,7 +99,7 @@ impl<T: Scalar> CosineSpace<T> {
         let normal = cross(self.of(middle), along);
         let area2 = dot(normal, normal);
         let length = dot(along, along).sqrt();
-        let seen = (dot(lit, lit).sqrt() * self.determinant).abs() * length / area2.max(T::SHORTEST * T::SHORTEST);
+        let factor = (dot(lit, lit).sqrt() * self.determinant).abs() * length / area2.max(T::SHORTEST * T::SHORTEST);
         if !(area2 > T::SHORTEST * T::SHORTEST) || (p[2] <= T::ZERO && q[2] <= T::ZERO) {
             return T::ZERO;
         }
@@ -119,7 +119,7 @@ impl<T: Scalar> CosineSpace<T> {
         let cos_sum = cos_0 * cos_1 - sin_0 * sin_1;
         let sin_sum = sin_0 * cos_1 + cos_0 * sin_1;
         let integral = o[2] * angle + (o[2] * cos_sum + t[2] * sin_sum) * turn[1].abs();
-        (width * seen * integral / T::TAU).max(T::ZERO).min(T::ONE)
+        (width * factor * integral / T::TAU).max(T::ZERO).min(T::ONE)
     }
 
     /// The part over a tube with round ends, which is all points up to `radius` from the line between `ends`. One from

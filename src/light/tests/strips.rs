@@ -91,9 +91,9 @@ fn a_light_that_grows_darkens_nothing() {
                 lit.vertices.iter_mut().for_each(|v| *v = middle + (*v - middle) * by);
                 energy(&lit, rule)
             };
-            let energies: Vec<f64> = (0..60).map(|i| grown(1.1_f64.powi(i))).collect();
+            let path: Vec<f64> = (0..60).map(|i| grown(1.1_f64.powi(i))).collect();
             let mut most = 0.0_f64;
-            energies.iter()
+            path.iter()
                 .map(|energy| {
                     most = most.max(*energy);
                     most - energy

@@ -15,7 +15,7 @@ pub struct LightImage {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ImageError {
     /// The number of texels does not match the size.
-    #[error("{found} texels; an image of {width} x {height} needs {}, at least one", u128::from(*.width) * u128::from(*.height))]
+    #[error("{width} x {height} needs {} texels, at least one; got {found}", u128::from(*.width) * u128::from(*.height))]
     Count {
         /// The width in texels.
         width: u64,

@@ -74,8 +74,8 @@ fn spheres_are_the_disks_that_are_seen_of_them() {
         let centre = draw.ellipse(m).0 * 10_f64.powf(draw.within(-2.0, 2.0));
         let sine = draw.within(0.0, 1.0).powi(3);
         let (x, y) = centre.normalize().any_orthonormal_pair();
-        let seen = [x, y].map(|axis| axis * (sine * centre.length()));
-        let disk = by_quadrature(m, centre * (1.0 - sine * sine).sqrt(), seen);
+        let outline_axes = [x, y].map(|axis| axis * (sine * centre.length()));
+        let disk = by_quadrature(m, centre * (1.0 - sine * sine).sqrt(), outline_axes);
         let ltc = Ltc::new(m).expect("regular");
         let found = space(&ltc).sphere(centre, sine * centre.length());
         assert!((found - disk).abs() < 1e-9, "{found} {disk}: {m} {centre} {sine}");
@@ -90,7 +90,7 @@ fn spheres_are_the_disks_that_are_seen_of_them() {
 #[test]
 fn lines_agree_with_quadrature() {
     let mut draw = Draw::new(9);
-    let (mut cut, mut seen) = (0, 0);
+    let (mut cut, mut visible) = (0, 0);
     for _ in 0..1000 {
         let m = draw.matrix(-2.0);
         let (centre, [half, _]) = draw.ellipse(m);
@@ -101,13 +101,13 @@ fn lines_agree_with_quadrature() {
         assert_eq!(found, space(&ltc).line([ends[1], ends[0]], 1e-3));
         let heights = ends.map(|end| (ltc.inverse() * end).z);
         cut += usize::from(heights[0] * heights[1] < 0.0 && wanted > 1e-5);
-        seen += usize::from(heights[0] > 0.0 && heights[1] > 0.0 && wanted > 1e-5);
+        visible += usize::from(heights[0] > 0.0 && heights[1] > 0.0 && wanted > 1e-5);
         // Compares with the limit of thin tubes and strips. The library's polygon of a line is a thin strip.
         let across = ends[0].cross(ends[1]).normalize() * 5e-7;
         let strip = ltc.polygon(&[ends[0] - across, ends[0] + across, ends[1] + across, ends[1] - across], Sides::Two);
         assert!((1e3 * strip - found).abs() < 2e-3 * found + 1e-6, "{strip} {found}");
     }
-    assert!(cut > 100 && seen > 100, "{cut} {seen}");
+    assert!(cut > 100 && visible > 100, "{cut} {visible}");
     // A line towards the origin, through it, or below the horizon has no light.
     let cosine = Ltc::new(DMat3::IDENTITY).expect("regular");
     assert_eq!(space(&cosine).line([DVec3::Z, 2.0 * DVec3::Z], 0.1), 0.0);
@@ -144,17 +144,17 @@ fn outline_of_tube(ends: [DVec3; 2], radius: f64) -> Vec<DVec3> {
 fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let chain = |points: &mut dyn Iterator<Item = DVec2>| {
-        let mut kept: Vec<DVec2> = Vec::new();
+        let mut hull: Vec<DVec2> = Vec::new();
         for point in points {
-            while let [.., a, b] = kept[..]
+            while let [.., a, b] = hull[..]
                 && (b - a).perp_dot(point - b) >= 0.0
             {
-                kept.pop();
+                hull.pop();
             }
-            kept.push(point);
+            hull.push(point);
         }
-        kept.pop();
-        kept
+        hull.pop();
+        hull
     };
     let upper = chain(&mut points.iter().copied());
     upper.into_iter().chain(chain(&mut points.iter().rev().copied())).collect()
@@ -163,7 +163,7 @@ fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
 #[test]
 fn tubes_agree_with_their_outline_as_a_polygon() {
     let mut draw = Draw::new(10);
-    let (mut seen, mut cut, mut alone) = (0, 0, 0);
+    let (mut visible, mut cut, mut alone) = (0, 0, 0);
     for _ in 0..400 {
         let m = draw.matrix(-2.0);
         let (centre, [half, _]) = draw.ellipse(m);
@@ -186,11 +186,11 @@ fn tubes_agree_with_their_outline_as_a_polygon() {
         let inverse = m.inverse();
         let up = outline.iter().filter(|p| (inverse * **p).z > 0.0).count();
         let found = space(&Ltc::new(m).expect("regular")).tube(ends, radius);
-        seen += usize::from(up == outline.len() && found > 1e-3);
+        visible += usize::from(up == outline.len() && found > 1e-3);
         cut += usize::from(up > 0 && up < outline.len() && found > 1e-3);
         alone += usize::from(outline.len() >= 3000);
     }
-    assert!(seen > 50 && cut > 50 && alone > 10, "{seen} {cut} {alone}");
+    assert!(visible > 50 && cut > 50 && alone > 10, "{visible} {cut} {alone}");
     let cosine = Ltc::new(DMat3::IDENTITY).expect("regular");
     // From inside, the whole distribution is covered. A tube of zero length is a sphere, and a thin tube is a line.
     assert_eq!(space(&cosine).tube([DVec3::NEG_X, DVec3::new(1.0, 0.1, 0.0)], 0.2), 1.0);

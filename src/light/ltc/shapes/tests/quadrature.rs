@@ -60,8 +60,8 @@ pub(super) fn by_quadrature(m: DMat3, centre: DVec3, [x, y]: [DVec3; 2]) -> f64 
             p.z > 0.0 && p.x * p.x + p.y * p.y <= p.z * p.z
         };
         let middle = |low: f64, high: f64| if high.is_finite() { 0.5 * (low + high) } else { 2.0 * low + 1.0 };
-        let seen = ends.windows(2).filter(|pair| pair[1] > pair[0] && inside(middle(pair[0], pair[1])));
-        seen.map(|pair| up_to(pair[1]) - up_to(pair[0])).sum::<f64>()
+        let intervals = ends.windows(2).filter(|pair| pair[1] > pair[0] && inside(middle(pair[0], pair[1])));
+        intervals.map(|pair| up_to(pair[1]) - up_to(pair[0])).sum::<f64>()
     };
     // Azimuths at which the interval begins, ends or reaches the horizon. They come from the planes through up that
     // touch the cone, and from the crossings of the horizon.
