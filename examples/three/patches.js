@@ -41,7 +41,7 @@ export const PATCHES = {
 };
 
 /**
- * The code that all ways share.
+ * The GLSL code that all exports share.
  *
  * @param {string} members - The members of a lobe.
  * @param {string} lobe - Sets these members of `lobe` from `alphas` and `wo`.
