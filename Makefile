@@ -28,7 +28,7 @@ help:
 	@echo 'make release build, and list the crates that it is made of'
 	@echo 'make load    downloads beside nginx, requests while the service fits, 2,000 jobs: figures, and what they may be'
 	@echo 'make lighthouse  what Lighthouse says of the page'
-	@echo 'make figures draw the figures of docs/figures.md anew'
+	@echo 'make figures draw the figures of studies/figures.md again'
 	@echo 'make test    run the tests that every change has to pass'
 	@echo 'make test-all run those, and the slow ones: engines, pages, schemathesis, pgbouncer, studies, documents of deploy/'
 	@echo 'make soak    kills, power cuts, histories of the queue and mutated inputs for up to an hour'
@@ -71,7 +71,7 @@ release: packages
 	else echo '*** SKIPPED: no cargo-cyclonedx: ltcforge.cdx.json was not written' >&2; fi
 
 figures: packages
-	$(CARGO) run --release --locked -p ltcforge-studies -- figures -o docs/figures
+	$(CARGO) run --release --locked -p ltcforge-studies -- figures -o studies/figures
 
 # Not every system has these packages, and not every machine reaches npm's registry: the tests that need them say then
 # that they are skipped.

@@ -1,19 +1,19 @@
 // Lights one surface by one light, by a Gaussian. It shows how to call gaussians_light.wgsl, and checks a port. Needs
-// ltc_math.wgsl and gaussians_light.wgsl. Replace it by your own; GaussiansExample* go with it.
+// ltc_math.wgsl and gaussians_light.wgsl. Replace it with your own code; delete GaussiansExample* then.
 
 struct GaussiansExampleCase {
     /// View direction in the tangent frame, of unit length. w: alpha_x.
     wo: vec4<f32>,
-    /// x: alpha_y. y: how many vertices the light has, 3 to 8; 0 for a disk, 1 for a spherical Gaussian. z: 1 if it is lit
-    /// from both sides. w: the surface's Gaussian, 1 for GAUSSIANS_ASG.
+    /// x: alpha_y. y: number of vertices of the light, 3 to 8; 0 for a disk, 1 for a spherical Gaussian. z: 1 if both
+    /// sides of the light emit, else 0. w: kind of the surface's Gaussian, 1 for GAUSSIANS_ASG.
     light: vec4<f32>,
-    /// xyz: the vertices around the shaded point, in the tangent frame; of a disk centre and half axes; of a spherical
-    /// Gaussian its axis, then its sharpness and amplitude.
+    /// xyz: the vertices relative to the shaded point, in the tangent frame. For a disk: centre and both half axes. For
+    /// a spherical Gaussian: its axis, then its sharpness and amplitude.
     vertices: array<vec4<f32>, 8>,
 }
 
 @group(0) @binding(0) var<uniform> gaussians_case: GaussiansExampleCase;
-/// x: what is reflected for a Fresnel factor of one. y: its part weighed by Schlick's fifth power. z, w: 0.
+/// x: reflected light for a Fresnel factor of one. y: the part of x that Schlick's fifth power weighs. z, w: 0.
 @group(0) @binding(1) var<storage, read_write> gaussians_result: vec4<f32>;
 
 @compute @workgroup_size(1)
@@ -37,6 +37,6 @@ fn gaussians_example() {
     } else {
         parts = gaussians_polygon(view, vertices, count, two_sided);
     }
-    // Light of radiance L: L (f0 (parts.x - parts.y) + f90 parts.y).
+    // Light of radiance L arrives as L (f0 (parts.x - parts.y) + f90 parts.y).
     gaussians_result = vec4(parts, 0.0, 0.0);
 }

@@ -1,25 +1,26 @@
-// The light of a polygon on GGX by one Gaussian on the sphere, without a table: the cheapest light, and the coarsest. Needs
-// ltc_math.wgsl.
+// The light of a polygon on GGX by one Gaussian on the sphere, without a table. It is the cheapest and the coarsest
+// model. Needs ltc_math.wgsl.
 //
-// Vertices are given relative to the shaded point in its tangent frame, normal +z. The lit side is the one from which
-// they run clockwise. The outline has to be convex; a disk is lit as a polygon of its area.
+// Vertices are relative to the shaded point, in its tangent frame, normal +z. They run clockwise as seen from the side
+// that emits. The outline must be convex. A disk is lit as a polygon of the same area.
 
-/// The Gaussian: round, or stretched as the reflection of normals stretches it.
+/// The kind of Gaussian: round (SG), or stretched as the reflection stretches the lobe (ASG).
 const GAUSSIANS_SG: u32 = 0u;
 const GAUSSIANS_ASG: u32 = 1u;
 
-/// A surface seen from a direction.
+/// The Gaussian lobe of a surface seen from one direction.
 struct GaussiansView {
-    /// The middle of what it reflects.
+    /// The middle of the lobe, of unit length.
     axis: vec3<f32>,
-    /// What a direction's products with these are, projected, is where it lies, in deviations.
+    /// Dot products of a projected direction with x and y give its place in the lobe, in standard deviations.
     x: vec3<f32>,
     y: vec3<f32>,
-    /// What is reflected of all directions: for a Fresnel factor of one, and weighed by Schlick's (1 - wo . h)^5.
+    /// Reflected light from all directions: for a Fresnel factor of one (x), and weighed by Schlick's (1 - wo . h)^5
+    /// (y).
     parts: vec2<f32>,
 }
 
-/// How the reflection moves when the normal h tilts by dh.
+/// The change of the reflected direction when the normal h tilts by dh.
 fn gaussians_moved(h: vec3<f32>, wo: vec3<f32>, dh: vec3<f32>) -> vec3<f32> {
     let h2 = dot(h, h);
     let cosine = dot(wo, h);
@@ -27,14 +28,15 @@ fn gaussians_moved(h: vec3<f32>, wo: vec3<f32>, dh: vec3<f32>) -> vec3<f32> {
     return h * along + dh * (2.0 * cosine / h2);
 }
 
-/// The Gaussian around an axis that has these deviations, perpendicular to it; for a round one the same area, round.
+/// The Gaussian around an axis with the deviations first and second, which are perpendicular to the axis. The round
+/// kind has the same area.
 fn gaussians_around(kind: u32, axis: vec3<f32>, first: vec3<f32>, second: vec3<f32>) -> GaussiansView {
     let area = dot(axis, cross(first, second));
     let size = max(abs(area), 1e-30);
     let oriented = select(size, -size, area < 0.0);
     var view = GaussiansView(axis, cross(second, axis) / oriented, cross(axis, first) / oriented, vec2(0.0));
     if (kind == GAUSSIANS_SG) {
-        // Neither deviation comes first: x and y are the perpendicular vectors closest to the directions of both.
+        // x and y are the perpendicular vectors closest to both deviations, so their order does not matter.
         let turned = cross(second, axis);
         let x = normalize(first + select(turned, -turned, area < 0.0));
         view.x = x / sqrt(size);
@@ -43,13 +45,14 @@ fn gaussians_around(kind: u32, axis: vec3<f32>, first: vec3<f32>, second: vec3<f
     return view;
 }
 
-/// The Gaussian of a surface of roughness alpha_x and alpha_y, above 0, seen from wo.
+/// The Gaussian of a surface of roughness alpha_x and alpha_y, both above 0, seen from wo.
 fn gaussians_view(kind: u32, alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> GaussiansView {
     let stretch = vec3(alpha_x, alpha_y, 1.0);
-    let seen = stretch * wo;
-    let seen_length = length(seen);
-    let s = seen / seen_length;
-    // The middle one of the visible normals; normals deviate from it by spread, where the surface is a hemisphere.
+    let stretched = stretch * wo;
+    let stretched_length = length(stretched);
+    let s = stretched / stretched_length;
+    // h is the middle of the visible normals. Other normals deviate from it by spread, where the surface is a
+    // hemisphere.
     let h = stretch * vec3(s.xy, s.z + 1.0);
     let spread = sqrt(2.0 * (1.0 + s.z));
     let h2 = dot(h, h);
@@ -58,24 +61,24 @@ fn gaussians_view(kind: u32, alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> Gauss
     let first = gaussians_moved(h, wo, vec3(spread * alpha_x, 0.0, 0.0));
     let second = gaussians_moved(h, wo, vec3(0.0, spread * alpha_y, 0.0));
     var view = gaussians_around(kind, axis, first, second);
-    // Smith's G2 / G1.
+    // Smith's G2 / G1 at the lobe's middle.
     let up = max(axis.z, 0.0);
-    let bottom = seen_length * up + wo.z * length(stretch * axis);
-    let weight = min((wo.z + seen_length) * up / max(bottom, 1e-36), 1.0);
+    let bottom = stretched_length * up + wo.z * length(stretch * axis);
+    let weight = min((wo.z + stretched_length) * up / max(bottom, 1e-36), 1.0);
     let m = clamp(1.0 - cosine / sqrt(h2), 0.0, 1.0);
     view.parts = vec2(weight, weight * (m * m * m * m * m));
     return view;
 }
 
-/// Where a direction of any length lies in the equal-area projection around the axis, in deviations.
+/// The place of a direction of any length in the equal-area projection around the axis, in standard deviations.
 fn gaussians_at(view: GaussiansView, w: vec3<f32>) -> vec2<f32> {
     let size = length(w);
     let from_behind = max(size + dot(w, view.axis), 1e-6 * size);
     return vec2(dot(w, view.x), dot(w, view.y)) * sqrt(2.0 / max(size * from_behind, 1e-36));
 }
 
-/// Its image in the square of area one to which the error function maps the plane of the Gaussian: half of erf, within
-/// 2.5e-4 (Abramowitz and Stegun, 7.1.27).
+/// The image of a direction in a square of area one: half of erf, along x and y. The plane of the Gaussian becomes the
+/// square. Error below 2.5e-4 [Abramowitz and Stegun, 7.1.27].
 fn gaussians_image(view: GaussiansView, w: vec3<f32>) -> vec2<f32> {
     let at = gaussians_at(view, w);
     let z = min(abs(at), vec2(8.0));
@@ -85,45 +88,47 @@ fn gaussians_image(view: GaussiansView, w: vec3<f32>) -> vec2<f32> {
     return select(half, -half, at < vec2(0.0));
 }
 
-/// An outline's image in the square as it is walked around; what lies below the surface is left out.
+/// The image of an outline in the square, added up edge by edge. Parts below the surface are left out.
 struct GaussiansOutline {
-    /// Twice the area.
+    /// Twice the area of the image.
     area: f32,
-    /// The first vertex, and its image.
+    /// The first vertex and its image.
     start: vec3<f32>,
     origin: vec2<f32>,
-    /// The sum of the edges' turns: a normal of the light.
+    /// The sum of the edges' cross products: a normal of the light.
     normal: vec3<f32>,
     previous: vec3<f32>,
     previous_image: vec2<f32>,
-    /// Where the outline dips below the surface and where it comes back, and the images.
+    /// The points where the outline leaves the upper hemisphere and enters it again, and their images.
     leaves: vec3<f32>,
     enters: vec3<f32>,
     leaves_image: vec2<f32>,
     enters_image: vec2<f32>,
 }
 
-/// Begins at a vertex; gaussians_outline_edge then takes each of the others in turn, and this one last.
+/// Begins at a vertex. Call gaussians_outline_edge with each of the other vertices in order, then with this vertex.
 fn gaussians_outline_begin(view: GaussiansView, vertex: vec3<f32>) -> GaussiansOutline {
     let zero = vec3(0.0);
     let none = vec2(0.0);
     return GaussiansOutline(0.0, vertex, gaussians_image(view, vertex), zero, vertex, none, zero, zero, none, none);
 }
 
-/// Twice the area between two points and the origin.
+/// Twice the area of the triangle of two points and the origin.
 fn gaussians_turn(a: vec2<f32>, b: vec2<f32>) -> f32 {
     return a.x * b.y - a.y * b.x;
 }
 
-/// The part of the edge from a to b, from 0 to 1, at which it lies s deviations beyond its foot, the point closest to the
-/// axis. a and b are products with x, y and the axis; ends where the edge begins and ends along itself.
+/// The place along the edge from a to b, from 0 to 1, that is s deviations after the foot. The foot is the point of the
+/// edge closest to the axis. a and b are dot products with x, y and the axis; ends are both ends' coordinates along the
+/// edge.
 fn gaussians_beyond_foot(a: vec3<f32>, b: vec3<f32>, ends: vec2<f32>, s: f32) -> f32 {
     let change = (ends.y - ends.x) - s * (b.z - a.z);
     let is_there = abs(change) >= 1e-30;
     return select(0.5, clamp((s * a.z - ends.x) / select(1.0, change, is_there), 0.0, 1.0), is_there);
 }
 
-/// Twice the area between the origin and the image of an edge. It has two more points, 0.7 deviations before and after its foot.
+/// Twice the area between the origin and the image of an edge, with two more points 0.7 deviations before and after the
+/// foot.
 fn gaussians_under(
     view: GaussiansView,
     origin: vec2<f32>,
@@ -137,15 +142,15 @@ fn gaussians_under(
     let line = cross(a, b);
     let ends = vec2(line.y * a.x - line.x * a.y, line.y * b.x - line.x * b.y) / max(length(line.xy), 1e-30);
     var parts = vec2(gaussians_beyond_foot(a, b, ends, -0.7), gaussians_beyond_foot(a, b, ends, 0.7));
-    // An edge to behind the axis turns by up to half a turn around it: its points are the foot and where it passes, in the
-    // order in which the edge has them.
+    // An edge that ends behind the axis turns by up to half a turn around it. Its two points are then the foot and the
+    // point where it crosses the plane perpendicular to the axis, in the order of the edge.
     let sizes = max(vec2(length(start), length(end)), vec2(1e-36));
     let passes = (a.z > 0.0) != (b.z > 0.0);
     let behind = select(0.0, min(-4.0 * min(a.z / sizes.x, b.z / sizes.y), 1.0), passes);
     let passing = a.z / select(1.0, a.z - b.z, passes);
     let crossed = vec2(gaussians_beyond_foot(a, b, ends, 0.0), passing);
     parts = mix(parts, select(crossed.yx, crossed, a.z > 0.0), vec2(behind));
-    // A foot a quarter of a turn away may be anywhere: there the middle of the edge takes its place.
+    // A foot a quarter of a turn away has no stable place; the middle of the edge replaces it.
     let normal = cross(start, end);
     let height = dot(normal, view.axis);
     let far = clamp((0.02 - (1.0 - height * height / max(dot(normal, normal), 1e-36))) / 0.015, 0.0, 1.0);
@@ -186,7 +191,7 @@ fn gaussians_outline_edge(view: GaussiansView, outline: GaussiansOutline, b: vec
     return next;
 }
 
-/// What is reflected. A line along the horizon closes a cut outline.
+/// The reflected light of the outline. A line along the horizon closes an outline that the surface cuts.
 fn gaussians_outline_finish(view: GaussiansView, outline: GaussiansOutline, two_sided: bool) -> vec2<f32> {
     var area = outline.area;
     if (any(outline.leaves != outline.enters)) {
@@ -194,12 +199,12 @@ fn gaussians_outline_finish(view: GaussiansView, outline: GaussiansOutline, two_
             view, outline.origin, outline.leaves, outline.leaves_image, outline.enters, outline.enters_image);
     }
     let is_lit = two_sided || dot(outline.normal, outline.start) >= 0.0;
-    // The parts of a table's Gaussian are those of the whole plane, of which the horizon leaves a part.
+    // A table's parts are for the whole plane and may exceed one. The bound keeps the light at one or below.
     return view.parts * select(0.0, min(0.5 * abs(area), 1.0 / max(view.parts.x, 1.0)), is_lit);
 }
 
-/// What is reflected of a rectangle of radiance one, by its corners in order: for a Fresnel factor of one (x), and its part
-/// weighed by Schlick's (1 - wo . h)^5 (y). Light of radiance L: L (f0 (x - y) + f90 y).
+/// Reflected light of a rectangle of radiance one, by its corners in order. x: for a Fresnel factor of one. y: the part
+/// of x that Schlick's (1 - wo . h)^5 weighs. Light of radiance L arrives as L (f0 (x - y) + f90 y).
 fn gaussians_rectangle(view: GaussiansView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
     var outline = gaussians_outline_begin(view, corners[3]);
     outline = gaussians_outline_edge(view, outline, corners[0]);
@@ -209,7 +214,7 @@ fn gaussians_rectangle(view: GaussiansView, corners: array<vec3<f32>, 4>, two_si
     return gaussians_outline_finish(view, outline, two_sided);
 }
 
-/// The same of a convex polygon of 3 to 8 vertices in order; another count is taken as the nearest of these.
+/// Reflected light of a convex polygon of 3 to 8 vertices in order; the count is clamped to this range.
 fn gaussians_polygon(view: GaussiansView, vertices: array<vec3<f32>, 8>, count: u32, two_sided: bool) -> vec2<f32> {
     var list = vertices;
     let number = clamp(count, 3u, 8u);
@@ -223,8 +228,8 @@ fn gaussians_polygon(view: GaussiansView, vertices: array<vec3<f32>, 8>, count: 
     return gaussians_outline_finish(view, outline, two_sided);
 }
 
-/// A disk: the regular octagon of its area. Its half axes are perpendicular; the lit side is towards their cross
-/// product, half_x x half_y.
+/// Reflected light of a disk, as the regular octagon of its area. The half axes are perpendicular. The disk emits
+/// towards half_x x half_y.
 fn gaussians_disk(
     view: GaussiansView,
     centre: vec3<f32>,
@@ -240,8 +245,8 @@ fn gaussians_disk(
     return gaussians_polygon(view, vertices, 8u, two_sided);
 }
 
-/// What is reflected of the light of a spherical Gaussian, radiance amplitude exp(sharpness (w . axis - 1)): the inner
-/// product with that of the surface. axis is of unit length; what is below the surface counts too.
+/// Reflected light of a spherical Gaussian of radiance amplitude exp(sharpness (w . axis - 1)): the inner product with
+/// the surface's Gaussian. axis is of unit length. Light from below the surface counts too.
 fn gaussians_sg(view: GaussiansView, axis: vec3<f32>, sharpness: f32, amplitude: f32) -> vec2<f32> {
     let width = 2.0 / sharpness;
     let products = width * vec3(dot(view.x, view.x), dot(view.x, view.y), dot(view.y, view.y));

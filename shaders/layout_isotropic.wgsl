@@ -1,21 +1,22 @@
-// Layouts ltc2017, ltc2016, godot and hdrp, tables of isotropic surfaces as engines read them, and inverse and matrix33: of M
-// or of its inverse. Needs ltc_quadrant.wgsl.
+// Layouts for isotropic surfaces: ltc2017, ltc2016, godot and hdrp as engines read them, and inverse and matrix33. A
+// table stores M or its inverse. Needs ltc_quadrant.wgsl.
 
-/// A matrix of a lobe that is symmetric in the plane of incidence: two columns in that plane, x and z, and the number across it.
+/// A matrix symmetric in the plane of incidence: its two columns in this plane, x and z, and the number y across the
+/// plane.
 struct LtcPlane {
     x: vec2<f32>,
     y: f32,
     z: vec2<f32>,
 }
 
-/// Nodes are evenly spaced in the perceptual roughness, the square root of alpha, and in theta.
+/// The coordinates of evenly spaced nodes: the perceptual roughness sqrt(alpha), and theta.
 fn ltc_steps_roughness(alpha: f32, wo: vec3<f32>) -> vec2<f32> {
     return vec2(sqrt(alpha), ltc_quadrant(vec2(length(wo.xy)), vec2(wo.z)).x);
 }
 
-/// Nodes are evenly spaced in the perceptual roughness and in sqrt(1 - cos theta).
+/// The coordinates of evenly spaced nodes: the perceptual roughness sqrt(alpha), and sqrt(1 - cos theta).
 fn ltc_steps_versine(alpha: f32, wo: vec3<f32>) -> vec2<f32> {
-    // 1 - cos, without a difference of numbers near 1.
+    // The quotient is 1 - cos theta, without cancellation near 1.
     return sqrt(vec2(alpha, dot(wo.xy, wo.xy) / (1.0 + max(wo.z, 0.0))));
 }
 

@@ -1,26 +1,26 @@
-// Integrates a Linearly Transformed Cosine that ends at the surface over polygons: nothing shines through from below. Needs
-// ltc_light.wgsl.
+// Integrates a Linearly Transformed Cosine that ends at the surface over polygons: no light shines through from below.
+// Needs ltc_light.wgsl.
 //
-// Lights are given relative to the shaded point in its tangent frame, normal +z, as in ltc_light.wgsl. They are cut at the
-// surface, then at the lobe's own horizon, and what is left is divided by the part of the lobe above the surface.
+// Lights are relative to the shaded point, in its tangent frame, normal +z, as in ltc_light.wgsl. The surface cuts them
+// first, then the horizon of the lobe. The result is divided by the fraction of the lobe above the surface.
 
-/// An outline that is cut at the surface edge by edge.
+/// The outline of a light, clipped by the surface edge by edge.
 struct LtcCut {
     clip: LtcClip,
-    /// Where it dips below the surface and where it comes back, in the tangent frame.
+    /// The points where the outline leaves the upper hemisphere and enters it again, in the tangent frame.
     leaves: vec3<f32>,
     enters: vec3<f32>,
 }
 
-/// One over the part of the lobe above the surface, which is half of 1 + cos t for the angle t between the normal z and M^T z:
-/// that of a clamped cosine in a half space.
+/// One over the fraction of the lobe above the surface. The fraction is (1 + cos t) / 2, where t is the angle between
+/// the normal z and M^T z: the integral of a clamped cosine over a half space.
 fn ltc_per_part_above(inverse: LtcInverse) -> f32 {
-    // The last row of M, up to a factor.
+    // row is the last row of M, up to a factor.
     let row = cross(inverse.m[0], inverse.m[1]) * inverse.side;
     return 2.0 / max(1.0 + row.z * inverseSqrt(dot(row, row) + 1e-36), 1e-6);
 }
 
-/// Adds an edge above the surface, which need not begin where the last one ends.
+/// Adds an edge above the surface. It need not start where the last edge ends.
 fn ltc_cut_above(inverse: LtcInverse, clip: LtcClip, start: vec3<f32>, end: vec3<f32>) -> LtcClip {
     var next = clip;
     let a = inverse.m * start;
@@ -29,7 +29,7 @@ fn ltc_cut_above(inverse: LtcInverse, clip: LtcClip, start: vec3<f32>, end: vec3
     next.previous_unit = ltc_unit(a);
     next = ltc_clip_edge(next, b);
     if (LTC_CHEAP_HORIZON) {
-        // The sum is not read of polygons; ltc_cut_shapes.wgsl adds arcs to it.
+        // Polygons do not read the sum; ltc_cut_shapes.wgsl adds arcs to it.
         var p = ltc_unit(a);
         var q = ltc_unit(b);
         if (a.z > 0.0 && b.z <= 0.0) {
@@ -47,7 +47,7 @@ fn ltc_cut_above(inverse: LtcInverse, clip: LtcClip, start: vec3<f32>, end: vec3
     return next;
 }
 
-/// Adds an edge of a light.
+/// Adds an edge of a light, clipped by the surface.
 fn ltc_cut_edge(inverse: LtcInverse, cut: LtcCut, a: vec3<f32>, b: vec3<f32>) -> LtcCut {
     var next = cut;
     if (a.z <= 0.0 && b.z <= 0.0) {
@@ -68,7 +68,7 @@ fn ltc_cut_edge(inverse: LtcInverse, cut: LtcCut, a: vec3<f32>, b: vec3<f32>) ->
     return next;
 }
 
-/// The part of the lobe that is covered. A straight edge along the surface closes a cut outline.
+/// The covered part of the lobe. A straight edge along the surface closes an outline that the surface cuts.
 fn ltc_cut_finish(inverse: LtcInverse, cut: LtcCut, two_sided: bool) -> f32 {
     var clip = cut.clip;
     if (any(cut.leaves != cut.enters)) {
@@ -77,7 +77,7 @@ fn ltc_cut_finish(inverse: LtcInverse, cut: LtcCut, two_sided: bool) -> f32 {
     return min(ltc_clip_finish(clip, inverse.side, two_sided) * ltc_per_part_above(inverse), 1.0);
 }
 
-/// As ltc_rectangle, without light from below.
+/// Like ltc_rectangle, without light from below the surface.
 fn ltc_cut_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: bool) -> f32 {
     let last = corners[0] + corners[2] - corners[1];
     var cut = LtcCut(ltc_clip_begin(inverse.m * corners[0]), vec3(0.0), vec3(0.0));
@@ -88,7 +88,7 @@ fn ltc_cut_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_side
     return ltc_cut_finish(inverse, cut, two_sided);
 }
 
-/// As ltc_polygon, without light from below.
+/// Like ltc_polygon, without light from below the surface.
 fn ltc_cut_polygon(inverse: LtcInverse, vertices: array<vec3<f32>, 8>, count: u32, two_sided: bool) -> f32 {
     var outline = vertices;
     let number = clamp(count, 3u, 8u);

@@ -1,16 +1,16 @@
 // Disks, spheres, tubes and lines by a Linearly Transformed Cosine that ends at the surface, in closed form. Needs
 // ltc_shapes.wgsl and ltc_cut.wgsl.
 //
-// A part of an ellipse is no ellipse, but its border is an arc of the same cone's, and an edge along the surface closes it.
-// LTC_CHEAP_HORIZON makes no difference to disks and spheres that the surface cuts, nor to tubes of which both ends are seen.
+// The visible part of a cut ellipse is bounded by an arc of its cone and by an edge along the surface.
+// LTC_CHEAP_HORIZON does not change disks and spheres that the surface cuts, nor tubes with both ends visible.
 
-/// An ellipse in the tangent frame, and what is seen of it.
+/// An ellipse in the tangent frame, and its part above the surface.
 struct LtcEllipse {
-    /// Its centre and its half axes.
+    /// The centre and both half axes.
     points: mat3x3<f32>,
     cone: LtcCone,
-    /// Whether the surface cuts it, and where its border comes above the surface and where it goes below, in the order of
-    /// ltc_clip_border.
+    /// Whether the surface cuts the ellipse. The border rises above the surface at rise and falls below it at dip, in
+    /// the direction of ltc_clip_border.
     is_cut: bool,
     rise: vec3<f32>,
     dip: vec3<f32>,
@@ -25,7 +25,7 @@ fn ltc_ellipse(inverse: LtcInverse, points: mat3x3<f32>) -> LtcEllipse {
     let most2 = dot(heights, heights);
     let cut2 = most2 - c.z * c.z;
     if (cut2 > 0.0) {
-        // Cosine and sine of the places of height zero.
+        // Cosine and sine of the two parameters at which the border has height zero.
         let middle = heights * (-c.z / most2);
         let across = vec2(-y.z, x.z) * (sqrt(cut2) / most2);
         let late = middle + across;
@@ -40,7 +40,7 @@ fn ltc_ellipse(inverse: LtcInverse, points: mat3x3<f32>) -> LtcEllipse {
     return ellipse;
 }
 
-/// The disk that is seen of a sphere, from outside of it.
+/// The visible disk of a sphere: centre and both half axes. Domain: the shaded point is outside the sphere.
 fn ltc_disk_of_sphere(centre: vec3<f32>, radius: f32) -> mat3x3<f32> {
     let towards = ltc_unit(centre);
     let sine2 = radius * radius / max(dot(centre, centre), 1e-36);
@@ -50,14 +50,14 @@ fn ltc_disk_of_sphere(centre: vec3<f32>, radius: f32) -> mat3x3<f32> {
     return mat3x3(towards * sqrt(max(1.0 - sine2, 0.0)), x * sqrt(sine2), y * sqrt(sine2));
 }
 
-/// Adds an arc of a border above the surface.
+/// Adds an arc of a border above the surface, from a to b.
 fn ltc_cut_border(inverse: LtcInverse, clip: LtcClip, cone: LtcCone, a: vec3<f32>, b: vec3<f32>) -> LtcClip {
     var next = clip;
     next.previous = inverse.m * a;
     return ltc_clip_border(next, cone, inverse.m * b);
 }
 
-/// Closes an outline of edges and arcs along the surface and along the lobe's horizon.
+/// Closes an outline of edges and arcs along the surface and along the horizon of the lobe.
 fn ltc_cut_close(inverse: LtcInverse, cut: LtcCut) -> f32 {
     var clip = cut.clip;
     if (any(cut.leaves != cut.enters)) {
@@ -82,7 +82,7 @@ fn ltc_cut_ellipse(inverse: LtcInverse, points: mat3x3<f32>) -> f32 {
     return select(0.0, covered, points[0].z > 0.0);
 }
 
-/// As ltc_disk, without light from below.
+/// Like ltc_disk, without light from below the surface.
 fn ltc_cut_disk(inverse: LtcInverse, centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>, two_sided: bool) -> f32 {
     if (inverse.side == 0.0 || (!two_sided && !(dot(centre, cross(half_x, half_y)) < 0.0))) {
         return 0.0;
@@ -90,7 +90,7 @@ fn ltc_cut_disk(inverse: LtcInverse, centre: vec3<f32>, half_x: vec3<f32>, half_
     return ltc_cut_ellipse(inverse, mat3x3(centre, half_x, half_y));
 }
 
-/// As ltc_sphere, without light from below.
+/// Like ltc_sphere, without light from below the surface.
 fn ltc_cut_sphere(inverse: LtcInverse, centre: vec3<f32>, radius: f32) -> f32 {
     if (inverse.side == 0.0) {
         return 0.0;
@@ -101,7 +101,7 @@ fn ltc_cut_sphere(inverse: LtcInverse, centre: vec3<f32>, radius: f32) -> f32 {
     return ltc_cut_ellipse(inverse, ltc_disk_of_sphere(centre, radius));
 }
 
-/// As ltc_line, without light from below.
+/// Like ltc_line, without light from below the surface.
 fn ltc_cut_line(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, width: f32) -> f32 {
     if (start.z <= 0.0 && end.z <= 0.0) {
         return 0.0;
@@ -113,7 +113,7 @@ fn ltc_cut_line(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, width: f3
     return min(ltc_line(inverse, from_point, to_point, width) * ltc_per_part_above(inverse), 1.0);
 }
 
-/// Adds the border of an end of a tube from a to b; what is below the surface is left out.
+/// Adds the border of a tube's end from a to b, except the part below the surface.
 fn ltc_cut_end(inverse: LtcInverse, cut: LtcCut, ellipse: LtcEllipse, a: vec3<f32>, b: vec3<f32>) -> LtcCut {
     var next = cut;
     if (!ellipse.is_cut) {
@@ -145,7 +145,7 @@ fn ltc_cut_end(inverse: LtcInverse, cut: LtcCut, ellipse: LtcEllipse, a: vec3<f3
     return next;
 }
 
-/// As ltc_tube, without light from below.
+/// Like ltc_tube, without light from below the surface.
 fn ltc_cut_tube(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, radius: f32) -> f32 {
     if (inverse.side == 0.0) {
         return 0.0;

@@ -1,7 +1,7 @@
 // Rebuilds a table's textures from its compact form, once at load. Needs ltc_math.wgsl, layout_reflected.wgsl,
 // ltc_smooth.wgsl and the table's constants, which `ltcforge export --container compact-wgsl` writes.
 
-/// What a table holds for a configuration.
+/// The numbers of a table for one configuration.
 struct LtcLobe {
     m: mat3x3<f32>,
     amplitude: f32,
@@ -10,31 +10,33 @@ struct LtcLobe {
 
 const LTC_LEAST_ALPHA: f32 = 1e-5;
 const LTC_CHANNELS: u32 = 9u;
-/// The longest magnitude in bits, and the most polynomials on an axis.
+/// The largest size of an integer in bits, and the largest number of polynomials on an axis.
 const LTC_MOST_BITS: u32 = 24u;
 const LTC_MOST_POLYNOMIALS: u32 = 28u;
-/// How many integers a workgroup of the first pass reads: few enough for the limits that drivers set to a loop.
+/// The number of integers that a workgroup of the first pass reads. Drivers limit the steps of a loop.
 const LTC_AT_ONCE: u32 = 1024u;
-/// Where the chances of an array's bits stand: of lengths by neighbourhood, of the bit below the highest, of others, of signs.
+/// The places of an array's probabilities: sizes by neighbourhood first, then the second highest bit, lower bits, and
+/// the sign.
 const LTC_SECONDS: u32 = 312u;
 const LTC_LOW: u32 = 337u;
 const LTC_SIGN: u32 = 338u;
 const LTC_CHANCES: u32 = 339u;
 
-/// The file, padded with zeros to whole words.
+/// The compact file, padded with zeros to whole words.
 @group(0) @binding(0) var<storage, read> ltc_bytes: array<u32>;
-/// For each channel its coefficients and then its corrections, LTC_SLOT numbers. After all channels, what one workgroup of the
-/// first pass leaves to the next: how far each chance is from a half, of coefficients, then of corrections; and the coder.
+/// For each channel LTC_SLOT numbers: its coefficients, then its corrections. After all channels, the state that a
+/// workgroup of the first pass leaves for the next: each probability minus a half, for coefficients, then for
+/// corrections; and the coder.
 @group(0) @binding(1) var<storage, read_write> ltc_integers: array<i32>;
-/// The textures one after another, RGBA.
+/// The textures one after another, in RGBA.
 @group(0) @binding(2) var<storage, read_write> ltc_texels: array<vec4<f32>>;
 
-/// The range coder: the next byte's place, and the interval.
+/// The range coder: the position of the next byte, and the interval.
 var<private> ltc_at: u32;
 var<private> ltc_code: u32;
 var<private> ltc_range: u32;
 
-/// The next byte; zero beyond the end.
+/// The next byte; zero after the end.
 fn ltc_byte() -> u32 {
     let at = ltc_at;
     ltc_at = at + 1u;
@@ -57,7 +59,7 @@ fn ltc_bit(place: u32) -> u32 {
         ltc_range = bound;
         ltc_integers[LTC_STATE + place] += i32((2048u - chance) >> 4u);
     }
-    // Chances stay so far from 0 and 1 that a byte is enough.
+    // Probabilities stay so far from 0 and 1 that one more byte is enough.
     if (ltc_range < 16777216u) {
         ltc_code = (ltc_code << 8u) | ltc_byte();
         ltc_range = ltc_range << 8u;
@@ -65,7 +67,7 @@ fn ltc_bit(place: u32) -> u32 {
     return bit;
 }
 
-/// What is before an integer on one axis: twice the magnitude one step back, and that two steps back.
+/// Twice the magnitude of the integer one step back on an axis, plus the magnitude of the integer two steps back.
 fn ltc_before(at: u32, place: u32, stride: u32) -> u32 {
     var sum = 0u;
     if (place > 0u) {
@@ -77,7 +79,7 @@ fn ltc_before(at: u32, place: u32, stride: u32) -> u32 {
     return sum;
 }
 
-/// The next integer, number i of an array of these lengths; it belongs to `at`.
+/// The next integer: number i of an array with these lengths. `at` is the place where the caller stores it.
 fn ltc_integer(at: u32, i: u32, lengths: vec4<u32>, model: u32) -> i32 {
     let strides = vec4(lengths.y * lengths.z * lengths.w, lengths.z * lengths.w, lengths.w, 1u);
     let place = (vec4(i) / strides) % lengths;
@@ -108,7 +110,7 @@ fn ltc_integer(at: u32, i: u32, lengths: vec4<u32>, model: u32) -> i32 {
     return number;
 }
 
-/// The first pass: one invocation reads some integers, and the next goes on.
+/// The first pass: one invocation reads LTC_AT_ONCE integers. Dispatch it again until all are read.
 @compute @workgroup_size(1)
 fn ltc_read() {
     let coder = LTC_STATE + 2u * LTC_CHANCES;
@@ -148,7 +150,7 @@ fn ltc_read() {
     ltc_integers[coder + 3u] = i32(next);
 }
 
-/// Gram's polynomials on n evenly spaced nodes, at one of them.
+/// The values of Gram's polynomials on n evenly spaced nodes, at node i.
 fn ltc_gram(n: u32, count: u32, i: u32) -> array<f32, 28> {
     var values: array<f32, 28>;
     let nodes = f32(n);
@@ -171,7 +173,7 @@ fn ltc_gram(n: u32, count: u32, i: u32) -> array<f32, 28> {
     return values;
 }
 
-/// The second pass: one invocation an entry makes its texels.
+/// The second pass: one invocation for each entry writes its texels.
 @compute @workgroup_size(64)
 fn ltc_expand(@builtin(global_invocation_id) id: vec3<u32>) {
     let strides = vec4(LTC_NODES.y * LTC_NODES.z * LTC_NODES.w, LTC_NODES.z * LTC_NODES.w, LTC_NODES.w, 1u);
@@ -211,7 +213,7 @@ fn ltc_expand(@builtin(global_invocation_id) id: vec3<u32>) {
         numbers[channel] = sum * steps[channel];
     }
 
-    // The zeros of lobes that are symmetric in a plane.
+    // Lobes that are symmetric in a plane have exact zeros.
     var axes = LTC_AXES;
     let alpha = max(axes[place.x], 1e-4);
     let ratio = axes[LTC_NODES.x + place.y];
@@ -242,7 +244,7 @@ fn ltc_expand(@builtin(global_invocation_id) id: vec3<u32>) {
         ltc_texels[2u * entries + entry] = vec4(m[2].z, lobe.amplitude, lobe.fresnel, 0.0);
         return;
     }
-    // Isotropic: x is roughness, y the view. The lobe itself, as engines have it.
+    // Isotropic tables: x is roughness, y the view. Engines read the lobe itself.
     let polar = ltc_sin_cos(theta * 0.15915494);
     let terms = vec2(lobe.amplitude, lobe.fresnel);
     lobe = ltc_restore_reflected(lobe, alpha, ratio, vec3(polar.x, 0.0, polar.y));
@@ -262,14 +264,14 @@ fn ltc_expand(@builtin(global_invocation_id) id: vec3<u32>) {
     ltc_texels[entries + texel] = vec4(lobe.amplitude, lobe.fresnel, 0.0, ltc_clipped_form_factor(2.0 * at.x - 1.0, at.y));
 }
 
-// What a cap of directions is seen as above the horizon, as a part of what it were straight ahead without one: c is the
-// cosine of its elevation, length that of its vector form factor.
+// The form factor of a spherical cap above the horizon, divided by that of the whole cap straight ahead. c is the
+// cosine of the angle between the normal and the cap's middle; length is that of its vector form factor.
 fn ltc_clipped_form_factor(c: f32, length: f32) -> f32 {
     if (abs(c) >= sqrt(length)) {
         return max(c, 0.0);
     }
     let cos_sigma = sqrt(max(1.0 - length, 0.0));
-    let met = sqrt(max(length - c * c, 0.0));
-    let seen = ltc_atan2(met, -cos_sigma * c) * length * c - cos_sigma * met + ltc_atan2(met, cos_sigma);
-    return max(seen / (3.14159265 * length), 0.0);
+    let root = sqrt(max(length - c * c, 0.0));
+    let clipped = ltc_atan2(root, -cos_sigma * c) * length * c - cos_sigma * root + ltc_atan2(root, cos_sigma);
+    return max(clipped / (3.14159265 * length), 0.0);
 }

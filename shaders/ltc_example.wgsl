@@ -1,21 +1,22 @@
 // Lights one surface by one light. It shows how to call the other files, and checks a port. Needs ltc_math.wgsl,
-// ltc_table.wgsl, ltc_light.wgsl and ltc_shapes.wgsl. Replace it by your own; group 1 and LtcExample* go with it.
+// ltc_table.wgsl, ltc_light.wgsl and ltc_shapes.wgsl. Replace it with your own code; delete group 1 and LtcExample*
+// then.
 
 struct LtcExampleCase {
     /// View direction in the tangent frame, of unit length. w: alpha_x.
     wo: vec4<f32>,
-    /// x: alpha_y. y: what the light is: 3 to 8 for as many vertices, 0 a disk, 1 a sphere, 2 a tube, 9 a line. z: 1 if it is
-    /// lit from both sides. w: the radius of a sphere or tube, the width of a line.
+    /// x: alpha_y. y: shape of the light: 3 to 8 for a polygon of so many vertices, 0 disk, 1 sphere, 2 tube, 9 line.
+    /// z: 1 if both sides of the light emit, else 0. w: radius of a sphere or tube, width of a line.
     light: vec4<f32>,
-    /// xyz: the vertices around the shaded point, in the tangent frame; of a disk centre and half axes, of a sphere its
-    /// centre, of tubes and lines both ends.
+    /// xyz: the vertices relative to the shaded point, in the tangent frame. For a disk: centre and both half axes. For
+    /// a sphere: its centre. For a tube or line: both ends.
     vertices: array<vec4<f32>, 8>,
 }
 
 struct LtcExampleResult {
     /// The columns of M.
     m: array<vec4<f32>, 3>,
-    /// amplitude, fresnel, the part of the lobe that the light covers, 0.
+    /// amplitude, fresnel, the covered part of the lobe, 0.
     terms: vec4<f32>,
 }
 
@@ -47,7 +48,7 @@ fn ltc_example() {
     } else {
         covered = ltc_polygon(inverse, vertices, count, two_sided);
     }
-    // Light of radiance L: L (f0 (amplitude - fresnel) + f90 fresnel) covered.
+    // Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
     ltc_result.m[0] = vec4(lobe.m[0], 0.0);
     ltc_result.m[1] = vec4(lobe.m[1], 0.0);
     ltc_result.m[2] = vec4(lobe.m[2], 0.0);

@@ -1,22 +1,22 @@
 // Integrates a Linearly Transformed Cosine over a polygon. Needs ltc_math.wgsl.
 //
-// Vertices are given relative to the shaded point in its tangent frame, normal +z. The lit side is the one from which
-// they run clockwise. The outline has to be convex. ltc_shapes.wgsl has lights that are no polygons.
+// Vertices are relative to the shaded point, in its tangent frame, normal +z. They run clockwise as seen from the side
+// that emits. The outline must be convex. ltc_shapes.wgsl has the other shapes of lights.
 
-/// Whether what the horizon leaves of polygons, disks and spheres is guessed by a fit [Hill and Heitz 2016] instead of
-/// integrated. It is cheaper and mostly too bright: of disks by 0.033 on average and 0.16 at most where the horizon cuts them, by
-/// 0.003 on average and 0.09 at most above it.
+/// Whether to replace the integral above the horizon by a fit [Hill and Heitz 2016], for polygons, disks and spheres.
+/// The fit is cheaper and mostly too bright. For disks that the horizon cuts, by 0.033 on average and by 0.16 at most;
+/// for disks above the horizon, by 0.003 on average and by 0.09 at most.
 const LTC_CHEAP_HORIZON: bool = false;
 
-/// The inverse of M up to a positive factor, which changes no direction.
+/// The inverse of M up to a positive factor, which does not change directions.
 struct LtcInverse {
     m: mat3x3<f32>,
-    /// -1 where M mirrors and so turns polygons over; 0 where it has no inverse: nothing is lit then.
+    /// -1 if M mirrors and so reverses the order of vertices. 0 if M has no inverse; then no light arrives.
     side: f32,
 }
 
-/// The inverse's numbers grow as 1 / alpha for sharp lobes. The adjugate divided by its largest element needs no
-/// determinant, which may underflow, and keeps vertices of any size in range.
+/// The inverse of M: the adjugate divided by its largest element. The determinant may underflow, and the inverse of a
+/// sharp lobe has numbers of size 1 / alpha. This form needs no determinant and keeps vertices of any size in range.
 fn ltc_inverse(m: mat3x3<f32>) -> LtcInverse {
     let x = cross(m[1], m[2]);
     let y = cross(m[2], m[0]);
@@ -28,50 +28,53 @@ fn ltc_inverse(m: mat3x3<f32>) -> LtcInverse {
     return LtcInverse(transpose(mat3x3(x * scale, y * scale, z * scale)), side);
 }
 
-/// The vector at length one; zero for one without direction.
+/// The vector at unit length; zero for a zero vector.
 fn ltc_unit(v: vec3<f32>) -> vec3<f32> {
     return v * inverseSqrt(dot(v, v) + 1e-36);
 }
 
-/// The angle between two directions over its sine, less one. Error below 2.5e-5 of what half the angle is over its sine, up to a
-/// straight angle, which a sum of directions is nearer to than their product [ltcforge-studies, polynomials].
+/// The angle between two unit vectors divided by its sine, minus one. Error below 2.5e-5 h / sin(h), where h is half
+/// the angle. The sum of the vectors is precise up to a straight angle; their dot product is not [ltcforge-studies,
+/// polynomials].
 fn ltc_bend(a: vec3<f32>, b: vec3<f32>) -> f32 {
     let sum = a + b;
     let k = dot(sum, sum) + 1e-18;
     return (3.1415927 + (0.3824614 + 0.0361113 * k) * k) * inverseSqrt(k) - (1.9987368 + (0.1384879 + 0.0044966 * k) * k);
 }
 
-/// The part of acos(a . b) (a x b).z / |a x b| beyond (a x b).z.
+/// acos(a . b) (a x b).z / |a x b| minus (a x b).z.
 fn ltc_arc(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return (a.x * b.y - a.y * b.x) * ltc_bend(a, b);
 }
 
-/// (a x b).z around an origin.
+/// (a x b).z relative to an origin.
 ///
-/// For a closed outline the sum is the same for every origin. With an origin near a small light each term is as small as the
-/// sum, which rounding errors would otherwise swamp.
+/// The sum over a closed outline does not depend on the origin. With an origin near a small light, each term is as
+/// small as the sum. Otherwise rounding errors would be larger than the sum.
 fn ltc_chord(a: vec3<f32>, b: vec3<f32>, origin: vec3<f32>) -> f32 {
     let p = a.xy - origin.xy;
     let q = b.xy - origin.xy;
     return p.x * q.y - p.y * q.x;
 }
 
-/// The integral over a convex polygon, added up edge by edge; what lies below the lobe's horizon is left out.
+/// The integral over a convex polygon, added up edge by edge. Parts below the horizon of the lobe are left out.
 struct LtcClip {
     sum: f32,
-    /// A place near the outline.
+    /// A point near the outline.
     origin: vec3<f32>,
     previous: vec3<f32>,
     previous_unit: vec3<f32>,
-    /// Where the outline dips below the horizon and where it comes back.
+    /// The points where the outline leaves the upper hemisphere and enters it again.
     leaves: vec3<f32>,
     enters: vec3<f32>,
-    /// For LTC_CHEAP_HORIZON: the vector form factor without a horizon, times 2 pi, and the sum of the vertices' directions.
+    /// For LTC_CHEAP_HORIZON: the vector form factor without a horizon, times 2 pi, and the sum of the vertices'
+    /// directions.
     flux: vec3<f32>,
     ahead: vec3<f32>,
 }
 
-/// Begins at a vertex in cosine space; ltc_clip_edge then takes each of the others in turn, and this one last.
+/// Begins at a vertex in cosine space. Call ltc_clip_edge with each of the other vertices in order, then with this
+/// vertex.
 fn ltc_clip_begin(vertex: vec3<f32>) -> LtcClip {
     let start = ltc_unit(vertex);
     return LtcClip(0.0, start, vertex, start, vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
@@ -90,7 +93,7 @@ fn ltc_clip_edge(clip: LtcClip, b: vec3<f32>) -> LtcClip {
     return ltc_clip_exact_edge(clip, b);
 }
 
-/// The same whatever LTC_CHEAP_HORIZON says.
+/// The same as ltc_clip_edge without LTC_CHEAP_HORIZON.
 fn ltc_clip_exact_edge(clip: LtcClip, b: vec3<f32>) -> LtcClip {
     var next = clip;
     let a = clip.previous;
@@ -112,21 +115,21 @@ fn ltc_clip_exact_edge(clip: LtcClip, b: vec3<f32>) -> LtcClip {
     return next;
 }
 
-/// The part of the distribution that the polygon covers, in [0, 1]. An arc along the horizon closes a cut outline.
+/// The covered part of the lobe, from 0 to 1. An arc along the horizon closes an outline that the horizon cuts.
 fn ltc_clip_finish(clip: LtcClip, side: f32, two_sided: bool) -> f32 {
     if (LTC_CHEAP_HORIZON) {
-        // The light of a sphere of the same vector form factor.
+        // The form factor of a sphere with the same vector form factor.
         let length = sqrt(dot(clip.flux, clip.flux)) * 0.15915494;
         let ahead = dot(clip.flux, clip.ahead);
         let is_lit = side * ahead > 0.0;
         let up = select(-1.0, 1.0, ahead > 0.0) * clip.flux.z * 0.15915494;
-        let seen = clamp((length * length + up) / (length + 1.0), 0.0, 1.0);
-        return select(0.0, seen, is_lit || (two_sided && side != 0.0));
+        let covered = clamp((length * length + up) / (length + 1.0), 0.0, 1.0);
+        return select(0.0, covered, is_lit || (two_sided && side != 0.0));
     }
     return ltc_clip_exact_finish(clip, side, two_sided);
 }
 
-/// The same whatever LTC_CHEAP_HORIZON says.
+/// The same as ltc_clip_finish without LTC_CHEAP_HORIZON.
 fn ltc_clip_exact_finish(clip: LtcClip, side: f32, two_sided: bool) -> f32 {
     let is_cut = any(clip.leaves != clip.enters);
     let closing = select(0.0, ltc_chord(clip.leaves, clip.enters, clip.origin) + ltc_arc(clip.leaves, clip.enters), is_cut);
@@ -134,7 +137,7 @@ fn ltc_clip_exact_finish(clip: LtcClip, side: f32, two_sided: bool) -> f32 {
     return clamp(select(sum, abs(sum), two_sided), 0.0, 1.0);
 }
 
-/// A rectangle with LTC_CHEAP_HORIZON.
+/// The covered part of the lobe for a rectangle, with LTC_CHEAP_HORIZON.
 fn ltc_cheap_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: bool) -> f32 {
     var clip = ltc_clip_begin(inverse.m * corners[3]);
     clip = ltc_clip_edge(clip, inverse.m * corners[0]);
@@ -144,11 +147,12 @@ fn ltc_cheap_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_si
     return ltc_clip_finish(clip, inverse.side, two_sided);
 }
 
-/// A rectangle or parallelogram by its corners in order; the last is not read.
+/// The covered part of the lobe for a rectangle or parallelogram by its corners in order. The last corner is not read.
 ///
-/// From its lowest corner two edges rise to the others and on to the highest one. What the horizon leaves has five corners or fewer:
-/// the highest one, what is left of the two beside it, and where both ways from the lowest one come over the horizon, which is
-/// the lowest one itself where nothing is cut off. There is no case in which these jump.
+/// Two edges rise from the lowest corner, and two more to the highest. The part above the horizon has at most five
+/// corners: the highest; the two next to it, moved up to the horizon if they are below; and the points where both paths
+/// from the lowest corner cross the horizon. If nothing is cut off, these points are the lowest corner. No corner ever
+/// jumps.
 fn ltc_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: bool) -> f32 {
     if (LTC_CHEAP_HORIZON) {
         return ltc_cheap_rectangle(inverse, corners, two_sided);
@@ -163,7 +167,7 @@ fn ltc_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: b
     let a = lowest + x;
     let b = lowest + y;
     let highest = a + y;
-    // How much of each edge is below the horizon.
+    // The fraction of each edge that is below the horizon.
     let per_height = vec2(1.0) / max(vec2(x.z, y.z), vec2(1e-36));
     let low = clamp(-lowest.z * per_height, vec2(0.0), vec2(1.0));
     let last_x = clamp(-b.z * per_height.x, 0.0, 1.0);
@@ -179,7 +183,7 @@ fn ltc_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: b
     return select(0.0, clamp(select(covered, abs(covered), two_sided), 0.0, 1.0), highest.z > 0.0);
 }
 
-/// A convex polygon of 3 to 8 vertices in order; another count is taken as the nearest of these.
+/// The covered part of the lobe for a convex polygon of 3 to 8 vertices in order; the count is clamped to this range.
 fn ltc_polygon(inverse: LtcInverse, vertices: array<vec3<f32>, 8>, count: u32, two_sided: bool) -> f32 {
     var outline = vertices;
     let number = clamp(count, 3u, 8u);

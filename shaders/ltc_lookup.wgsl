@@ -1,17 +1,19 @@
-// Reads a table: fold, fetch, restore what the layout stores, unfold. Needs ltc_math.wgsl, ltc_table.wgsl, and functions
-// ltc_steps, ltc_weights and ltc_restore that call a layout's, which `ltcforge shader` writes.
+// Reads a table: fold, fetch, restore the matrix from the layout's numbers, unfold. Needs ltc_math.wgsl,
+// ltc_table.wgsl, and functions ltc_place_of and ltc_restore that call those of a layout; `ltcforge shader` writes
+// them.
 
-/// A configuration in the table's frame, which has the larger roughness along x and the view in its first quadrant.
+/// A configuration in the frame of the table: the larger roughness is along x, the view in the first quadrant.
 struct LtcFold {
     alpha: f32,
     ratio: f32,
     wo: vec3<f32>,
-    /// The axes of that frame in the surface's.
+    /// The axes of the table's frame in the tangent frame of the surface.
     x: vec2<f32>,
     y: vec2<f32>,
 }
 
-/// wo: view direction in the tangent frame, normal +z, of unit length. Outside the table's ranges all is at the nearest end.
+/// Folds a configuration. wo is the view direction in the tangent frame, normal +z, of unit length. Values outside the
+/// table's ranges are clamped.
 fn ltc_fold(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcFold {
     let a = max(vec2(alpha_x, alpha_y), vec2(LTC_LEAST_ALPHA));
     let swap = a.y > a.x;
@@ -22,7 +24,7 @@ fn ltc_fold(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcFold {
     fold.ratio = clamp(min(a.x, a.y) / larger, ltc_table.roughness.z, ltc_table.roughness.w);
     fold.x = select(vec2(mirror.x, 0.0), vec2(0.0, mirror.y), swap);
     fold.y = select(vec2(0.0, mirror.y), vec2(mirror.x, 0.0), swap);
-    // Seen from straight above, phi is 0.
+    // phi is 0 for a view from straight above.
     let flat = select(abs(wo.xy), abs(wo.yx), swap) + vec2(1e-18, 0.0);
     let per_size = inverseSqrt(dot(flat, flat));
     let ahead = flat * per_size;
@@ -39,7 +41,7 @@ fn ltc_fold(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcFold {
     let size = select(sqrt(1.0 - height * height), dot(flat, ahead), height == wo.z);
     fold.wo = vec3(towards * size, height);
     if (ltc_table.reading.y == 1u) {
-        // The lobe turns with the view.
+        // The lobe rotates with the view.
         let turn = vec2(dot(first, ahead), first.x * ahead.y - first.y * ahead.x);
         let x = fold.x;
         fold.x = turn.x * x + turn.y * fold.y;
@@ -48,13 +50,13 @@ fn ltc_fold(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcFold {
     return fold;
 }
 
-/// A place between the nodes lower and lower + 1 of each axis; the latter's weight.
+/// A place between the nodes lower and lower + 1 of each axis, and the weight of the node lower + 1.
 struct LtcPlace {
     lower: vec4<f32>,
     weight: vec4<f32>,
 }
 
-/// The place of variables in which nodes are evenly spaced.
+/// The place of coordinates in which the nodes are evenly spaced.
 fn ltc_place(steps: vec4<f32>) -> LtcPlace {
     let most = max(vec4<f32>(ltc_table.nodes) - vec4(2.0), vec4(0.0));
     let at = (steps - ltc_table.start) * ltc_table.per_step;
@@ -62,7 +64,8 @@ fn ltc_place(steps: vec4<f32>) -> LtcPlace {
     return LtcPlace(lower, clamp(at - lower, vec4(0.0), vec4(1.0)));
 }
 
-/// The 16 entries around a place, interpolated here: exact weights, any texture format. The lobe's layers begin at `layer`.
+/// The 16 entries around a place, interpolated here: exact weights, any texture format. `layer` is the first layer of
+/// the lobe.
 fn ltc_fetch_weighed(lower: vec4<f32>, upper: vec4<f32>, layer: u32) -> LtcTexels {
     var sum = LtcTexels(vec4(0.0), vec4(0.0), vec4(0.0));
     let first = vec4<u32>(lower);
@@ -71,7 +74,7 @@ fn ltc_fetch_weighed(lower: vec4<f32>, upper: vec4<f32>, layer: u32) -> LtcTexel
         let step = (vec4(corner) >> vec4(3u, 2u, 1u, 0u)) & vec4(1u);
         let weights = select(vec4(1.0) - upper, upper, step == vec4(1u));
         let weight = weights.x * weights.y * weights.z * weights.w;
-        // Beyond the last node there is no entry; its weight is zero.
+        // There is no entry after the last node; its weight is zero.
         let entry = min(first + step, last);
         let fetched = ltc_fetch(vec3(entry.w, entry.y * ltc_table.nodes.z + entry.z, entry.x + layer));
         sum.a += weight * fetched.a;
@@ -81,9 +84,9 @@ fn ltc_fetch_weighed(lower: vec4<f32>, upper: vec4<f32>, layer: u32) -> LtcTexel
     return sum;
 }
 
-/// The same, interpolated by the sampler along all axes but ratio.
+/// The entries around a place, interpolated by the sampler along all axes except ratio.
 fn ltc_fetch_filtered(lower: vec4<f32>, upper: vec4<f32>, layer: u32) -> LtcTexels {
-    // A row beyond the last ratio is clamped by the sampler; its weight is zero.
+    // The sampler clamps a row after the last ratio; its weight is zero.
     let texel = ltc_table.texel;
     let place = lower + upper + vec4(0.5);
     let row = (lower.y * texel.z + place.z) * texel.y;
@@ -92,19 +95,19 @@ fn ltc_fetch_filtered(lower: vec4<f32>, upper: vec4<f32>, layer: u32) -> LtcTexe
     return ltc_mix(ltc_sample(vec2(x, row), place.x, layer), ltc_sample(vec2(x, above), place.x, layer), upper.y);
 }
 
-/// A surface and a view as the table has them.
+/// A surface and a view in the frame of the table, and their place among the nodes.
 struct LtcSeen {
     fold: LtcFold,
     place: LtcPlace,
 }
 
-/// wo as in ltc_fold.
+/// The frame and the place of a configuration. wo as in ltc_fold.
 fn ltc_seen(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcSeen {
     let fold = ltc_fold(alpha_x, alpha_y, wo);
     return LtcSeen(fold, ltc_place_of(fold.alpha, fold.ratio, fold.wo));
 }
 
-/// The lobe whose layers begin at one.
+/// The lobe whose first layer is `layer`.
 fn ltc_lobe_at(seen: LtcSeen, layer: u32) -> LtcLobe {
     let fold = seen.fold;
     let place = seen.place;
@@ -120,7 +123,7 @@ fn ltc_lobe_at(seen: LtcSeen, layer: u32) -> LtcLobe {
         vec3(texels.b.zw, texels.terms.x),
     ));
     var lobe = ltc_restore(LtcLobe(stored, texels.terms.y, texels.terms.z), fold.alpha, fold.ratio, fold.wo);
-    // F M F^T, where F maps from the table's frame to the surface's.
+    // The matrix is F M F^T, where F maps from the table's frame to the tangent frame.
     let m = lobe.m;
     let x = vec3(fold.x * m[0].x + fold.y * m[0].y, m[0].z);
     let y = vec3(fold.x * m[1].x + fold.y * m[1].y, m[1].z);
@@ -129,7 +132,7 @@ fn ltc_lobe_at(seen: LtcSeen, layer: u32) -> LtcLobe {
     return lobe;
 }
 
-/// The table at a surface and a view direction, wo as in ltc_fold.
+/// The lobe of the table for a surface and a view direction. wo as in ltc_fold.
 fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
     return ltc_lobe_at(ltc_seen(alpha_x, alpha_y, wo), 0u);
 }

@@ -1,7 +1,8 @@
-// Reads a table of isotropic surfaces: the lobe is symmetric in the plane of incidence and turns with the view. Needs
-// ltc_table.wgsl, and functions ltc_steps and ltc_restore that call a layout's, which `ltcforge shader` writes.
+// Reads a table of isotropic surfaces: the lobe is symmetric in the plane of incidence and rotates with the view. Needs
+// ltc_table.wgsl, and functions ltc_steps and ltc_restore that call those of a layout; `ltcforge shader` writes them.
 
-/// The 4 entries around a place, interpolated here: exact weights, any texture format. The lobe's layers begin at `layer`.
+/// The 4 entries around a place, interpolated here: exact weights, any texture format. `layer` is the first layer of
+/// the lobe.
 fn ltc_fetch_weighed(place: vec2<f32>, layer: u32) -> LtcTexels {
     let last = ltc_table.nodes.xz - vec2(1u);
     let at = clamp(place, vec2(0.0), vec2<f32>(last));
@@ -15,23 +16,24 @@ fn ltc_fetch_weighed(place: vec2<f32>, layer: u32) -> LtcTexels {
     return ltc_mix(low, high, weight.x);
 }
 
-/// A surface and a view as the table has them: where they lie along alpha and theta, and the azimuth.
+/// The place of a surface and a view along alpha and theta, and the direction of the view's azimuth.
 struct LtcSeen {
     place: vec2<f32>,
     ahead: vec2<f32>,
 }
 
-/// Of an anisotropic surface the larger roughness counts. wo: view direction in the tangent frame, normal +z, of unit length.
+/// The place of a configuration. For an anisotropic surface, the larger roughness counts. wo is the view direction in
+/// the tangent frame, normal +z, of unit length.
 fn ltc_seen(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcSeen {
     let alpha = clamp(max(alpha_x, alpha_y), LTC_LEAST_ALPHA, 1.0);
-    // Seen from straight above, the azimuth is 0.
+    // The azimuth is 0 for a view from straight above.
     let flat = wo.xy + vec2(1e-18, 0.0);
     let ahead = flat * inverseSqrt(dot(flat, flat));
     let place = (ltc_steps(alpha, vec3(flat, wo.z)) - ltc_table.start.xz) * ltc_table.per_step.xz;
     return LtcSeen(place, ahead);
 }
 
-/// The lobe whose layers begin at one.
+/// The lobe whose first layer is `layer`.
 fn ltc_lobe_at(seen: LtcSeen, layer: u32) -> LtcLobe {
     let ahead = seen.ahead;
     var texels: LtcTexels;
@@ -41,11 +43,11 @@ fn ltc_lobe_at(seen: LtcSeen, layer: u32) -> LtcLobe {
     } else {
         texels = ltc_fetch_weighed(seen.place, layer);
     }
-    // The columns in the plane of incidence, and the number across it.
+    // The two columns in the plane of incidence; texels.b.x is the number across the plane.
     let x = vec2(texels.a.x, texels.b.z);
     let z = vec2(texels.a.z, texels.terms.x);
     let plane = ltc_restore(LtcPlane(x, texels.b.x, z));
-    // Turned by the view's azimuth.
+    // The lobe rotates by the azimuth of the view.
     let along = plane.x.x * ahead;
     let across = plane.y * ahead;
     let m = mat3x3(
@@ -56,7 +58,7 @@ fn ltc_lobe_at(seen: LtcSeen, layer: u32) -> LtcLobe {
     return LtcLobe(m, texels.terms.y, texels.terms.z);
 }
 
-/// The table at a surface and a view direction, as in ltc_seen.
+/// The lobe of the table for a surface and a view direction. wo as in ltc_seen.
 fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
     return ltc_lobe_at(ltc_seen(alpha_x, alpha_y, wo), 0u);
 }

@@ -1,11 +1,11 @@
-// Angles in plain arithmetic. A driver's atan2 may be off by 4096 ulps and its sin by 2^-11, which is more than a
-// sharp lobe is wide; these polynomials (Cephes: atanf, sinf, cosf) are the same everywhere.
+// Angles in plain arithmetic. A driver's atan2 may be off by 4096 ulps and its sin by 2^-11. A sharp lobe is narrower
+// than these errors. The polynomials here (Cephes: atanf, sinf, cosf) are the same on every GPU.
 
 /// The angle of (x, y) from +x, in [0, pi]; y >= 0. Error below 4e-7. Zero for the zero vector.
 fn ltc_atan2(y: f32, x: f32) -> f32 {
     let low = min(y, abs(x));
     let high = max(y, abs(x));
-    // Beyond tan(pi / 8) the polynomial's argument is taken from pi/4.
+    // Above tan(pi / 8), the polynomial is used relative to pi / 4.
     let is_far = low > 0.41421356 * high;
     let t = select(low, low - high, is_far) / max(select(high, low + high, is_far), 1e-37);
     let z = t * t;
@@ -15,7 +15,7 @@ fn ltc_atan2(y: f32, x: f32) -> f32 {
     return select(quarter, 3.14159265 - quarter, x < 0.0);
 }
 
-/// Sine and cosine of a number of whole turns. Error below 2e-7.
+/// Sine and cosine of an angle in turns. Error below 2e-7.
 fn ltc_sin_cos(turns: f32) -> vec2<f32> {
     let quarter = floor(4.0 * turns + 0.5);
     let x = (turns - 0.25 * quarter) * 6.2831853;
@@ -27,10 +27,10 @@ fn ltc_sin_cos(turns: f32) -> vec2<f32> {
     return vec2(select(swapped.x, -swapped.x, q >= 2u), select(swapped.y, -swapped.y, q == 1u || q == 2u));
 }
 
-/// The natural logarithm of a normal number above zero, by the series of artanh((m - 1) / (m + 1)). Error below 3e-7 times
-/// its size.
+/// The natural logarithm of a positive normal number, by the series of artanh((m - 1) / (m + 1)). Error below 3e-7 of
+/// the result.
 fn ltc_log(x: f32) -> f32 {
-    // The bits of sqrt(1/2): x = m 2^e with m from there to sqrt 2.
+    // 0x3f3504f3 is sqrt(1/2): x = m 2^e with m from sqrt(1/2) to sqrt(2).
     let bits = bitcast<i32>(x) - 0x3f3504f3;
     let m = bitcast<f32>((bits & 0x007fffff) + 0x3f3504f3);
     let s = (m - 1.0) / (m + 1.0);

@@ -1,4 +1,4 @@
-// Angles of directions in the first quadrant, for the place of a table's entry: they need no more digits than its weights.
+// Angles of directions in the first quadrant, for the place of an entry. Interpolation weights need no more digits.
 
 /// The angles of vectors in the first quadrant from +x. Error below 4e-7 [ltcforge-studies, polynomials].
 fn ltc_quadrant(y: vec2<f32>, x: vec2<f32>) -> vec2<f32> {

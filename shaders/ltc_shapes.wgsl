@@ -1,24 +1,24 @@
-// Integrates a Linearly Transformed Cosine over disks, spheres, lines and tubes, in closed form. Needs ltc_math.wgsl and
-// ltc_light.wgsl.
+// Integrates a Linearly Transformed Cosine over disks, spheres, lines and tubes, in closed form. Needs ltc_math.wgsl
+// and ltc_light.wgsl.
 //
-// Lights are given relative to the shaded point in its tangent frame, normal +z.
+// Lights are relative to the shaded point, in its tangent frame, normal +z.
 
-/// The directions in which an ellipse is seen, in cosine space. Its border is axes * (a cos t, b sin t, g): the eigenvectors
-/// of x x^T + y y^T - c c^T, whose eigenvalues are a^2, b^2 and -g^2, for the ellipse c + x cos t + y sin t.
+/// The cone of directions to an ellipse, in cosine space. Its border is axes * (a cos t, b sin t, g). For the ellipse
+/// c + x cos t + y sin t, the axes are the eigenvectors of x x^T + y y^T - c c^T with eigenvalues a^2, b^2 and -g^2.
 struct LtcCone {
     a: f32,
     b: f32,
-    /// Zero where nothing is seen.
+    /// Zero for an empty cone.
     g: f32,
-    /// Above zero where the horizon cuts the cone.
+    /// Positive if the horizon cuts the cone.
     cut2: f32,
     /// The height of the ellipse's centre.
     height: f32,
     axes: mat3x3<f32>,
 }
 
-/// An arc of a cone's border: the difference and the product of the sines and of the cosines of its ends, and the sine of the
-/// turn between them.
+/// An arc of a cone's border. sines and cosines hold the difference and the product of both ends' values; turn is the
+/// sine of the angle between the ends.
 struct LtcBorder {
     sines: vec2<f32>,
     cosines: vec2<f32>,
@@ -31,7 +31,7 @@ fn ltc_angle(y: f32, x: f32) -> f32 {
     return select(upper, -upper, y < 0.0);
 }
 
-/// A turn of length one; no turn for one without direction.
+/// The turn (cosine, sine) at unit length; (1, 0) for a zero vector.
 fn ltc_unit_turn(turn: vec2<f32>) -> vec2<f32> {
     let size = max(abs(turn.x), abs(turn.y));
     if (!(size > 0.0)) {
@@ -41,11 +41,12 @@ fn ltc_unit_turn(turn: vec2<f32>) -> vec2<f32> {
     return scaled / sqrt(dot(scaled, scaled));
 }
 
-/// The root above zero of l^3 + trace l^2 + minors l - last, whose other two are below: Newton's steps from above.
+/// The positive root of l^3 + trace l^2 + minors l - last, whose other roots are negative, by Newton's steps from
+/// above.
 fn ltc_cone_root(trace: f32, minors: f32, last: f32) -> f32 {
     var root = (2.0 * sqrt(max(trace * trace - 3.0 * minors, 0.0)) - trace) * 0.33333333;
     if (trace > 0.0) {
-        // Without the cube; in the form that has no difference of positive numbers.
+        // Bound of the root without the cube, in the form that does not subtract positive numbers.
         let size = sqrt(minors * minors + 4.0 * trace * last);
         if (minors > 0.0) {
             root = min(root, 2.0 * last / (minors + size));
@@ -63,7 +64,7 @@ fn ltc_cone_root(trace: f32, minors: f32, last: f32) -> f32 {
     return root;
 }
 
-/// The cone of the ellipse with this centre and any two half axes, all three in cosine space.
+/// The cone of an ellipse by its centre and any two conjugate half axes, all in cosine space.
 fn ltc_cone(centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>) -> LtcCone {
     var cone = LtcCone();
     let most = max(max(abs(centre), abs(half_x)), abs(half_y));
@@ -84,7 +85,7 @@ fn ltc_cone(centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>) -> LtcCone 
     if (!(l3 > 0.0 && volume > 0.0)) {
         return cone;
     }
-    // A multiple of the middle times itself. By cross products: needles lose their small eigenvalues otherwise.
+    // The columns of a multiple of middle * middle^T. Cross products keep the small eigenvalues of needles.
     let rest = l3 * (trace + l3);
     let col_x = x_y * x_y.x - y_c * y_c.x - c_x * c_x.x - l3 * (x * x.x + y * y.x - c * c.x) + vec3(rest, 0.0, 0.0);
     let col_y = x_y * x_y.y - y_c * y_c.y - c_x * c_x.y - l3 * (x * x.y + y * y.y - c * c.y) + vec3(0.0, rest, 0.0);
@@ -98,7 +99,7 @@ fn ltc_cone(centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>) -> LtcCone 
     middle /= largest;
     middle /= sqrt(dot(middle, middle));
     middle = select(middle, -middle, dot(middle, c) < 0.0);
-    // Two directions across it, and the rotation to the half axes.
+    // e and f are two directions across middle; turn is the rotation from them to the half axes.
     let flat = sqrt(dot(middle.xy, middle.xy));
     var e = select(vec3(1.0, 0.0, 0.0), vec3(-middle.y, middle.x, 0.0) / max(flat, 1e-6), flat > 1e-6);
     e -= middle * dot(middle, e);
@@ -112,7 +113,7 @@ fn ltc_cone(centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>) -> LtcCone 
     let spread = sqrt(difference * difference + ef * ef);
     let l1 = max(0.5 * (ee + ff) + spread, 0.0);
     let l2 = min(volume * (volume / max(l3 * l1, 1e-36)), l1);
-    // Half the angle of (difference, ef).
+    // turn is half the angle of (difference, ef).
     var turn = vec2(1.0, 0.0);
     if (spread > 0.0) {
         if (difference > 0.0) {
@@ -132,12 +133,12 @@ fn ltc_cone(centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>) -> LtcCone 
     return cone;
 }
 
-/// artanh(k s_1) - artanh(k s_0) over k, of the difference and the product of s.
+/// (artanh(k s_1) - artanh(k s_0)) / k, from the difference s.x and the product s.y of s_1 and s_0.
 fn ltc_artanh_over(k: f32, s: vec2<f32>) -> f32 {
     let bottom = max(1.0 - k * k * s.y, 1e-18);
     let tangent = abs(k * s.x) / bottom;
     let tangent2 = tangent * tangent;
-    // The logarithm of numbers about one has lost digits.
+    // The logarithm of a number near one loses digits; the series does not.
     var value = 1.0 + tangent2 * (0.33333333 + tangent2 * (0.2 + tangent2 * (0.14285714 + tangent2 * 0.11111111)));
     if (tangent2 >= 0.01) {
         value = 0.5 * ltc_log((1.0 + tangent) / max(1.0 - tangent, 1e-12)) / tangent;
@@ -145,7 +146,7 @@ fn ltc_artanh_over(k: f32, s: vec2<f32>) -> f32 {
     return s.x / bottom * value;
 }
 
-/// arctan(k c_1) - arctan(k c_0) over k, of the difference and the product of c.
+/// (arctan(k c_1) - arctan(k c_0)) / k, from the difference c.x and the product c.y of c_1 and c_0.
 fn ltc_arctan_over(k: f32, c: vec2<f32>) -> f32 {
     if (k > 1e-6) {
         return ltc_angle(k * c.x, 1.0 + k * k * c.y) / k;
@@ -153,7 +154,7 @@ fn ltc_arctan_over(k: f32, c: vec2<f32>) -> f32 {
     return c.x;
 }
 
-/// The integral of (p x dp).z / |p|^2 along an arc of the border: twice pi times its part of the form factor.
+/// The integral of (p x dp).z / |p|^2 along an arc of the border: 2 pi times the arc's part of the form factor.
 fn ltc_along(cone: LtcCone, border: LtcBorder) -> f32 {
     let a_g2 = cone.g * cone.g + cone.a * cone.a;
     let b_g2 = cone.g * cone.g + cone.b * cone.b;
@@ -169,13 +170,13 @@ fn ltc_along(cone: LtcCone, border: LtcBorder) -> f32 {
         + n.y * (cone.a * cone.g / b_g) * cosines;
 }
 
-/// Where the border of a cone that is cut is highest, xy, and half of its arc above the horizon, zw.
+/// The highest point of a border that the horizon cuts (xy), and half of its arc above the horizon (zw), as turns.
 fn ltc_cone_horizon(cone: LtcCone) -> vec4<f32> {
     let top = ltc_unit_turn(vec2(cone.a * cone.axes[0].z, cone.b * cone.axes[1].z));
     return vec4(top, ltc_unit_turn(vec2(-cone.g * cone.axes[2].z, sqrt(max(cone.cut2, 0.0)))));
 }
 
-/// The part of the clamped cosine that a cone covers.
+/// The part of the clamped cosine that a cone covers, from 0 to 1.
 fn ltc_cone_covered(cone: LtcCone) -> f32 {
     if (!(cone.g > 0.0)) {
         return 0.0;
@@ -194,18 +195,19 @@ fn ltc_cone_covered(cone: LtcCone) -> f32 {
     let top = horizon.xy;
     let q = horizon.z;
     let h = horizon.w;
-    // All differences of sines and cosines as products.
+    // All differences of sines and cosines, written as products.
     var border: LtcBorder;
     border.sines = vec2(2.0 * h * top.x, top.y * q * top.y * q - top.x * h * top.x * h);
     border.cosines = vec2(-2.0 * h * top.y, top.x * q * top.x * q - top.y * h * top.y * h);
     border.turn = 2.0 * q * h;
-    // The horizon's own arc closes the border.
+    // The arc of the horizon closes the border.
     let across = cone.b * cone.g * abs(n.x * top.x) + cone.a * cone.g * abs(n.y * top.y) + cone.a * cone.b * abs(n.z * q);
     let ahead = cone.g * cone.g + cone.a * cone.a * border.cosines.y + cone.b * cone.b * border.sines.y;
     return clamp((ltc_along(cone, border) + ltc_atan2(2.0 * h * across, ahead)) * 0.15915494, 0.0, 1.0);
 }
 
-/// A disk or ellipse. Its half axes need not be perpendicular; the lit side is towards their cross product, half_x x half_y.
+/// The covered part of the lobe for a disk or ellipse. The half axes need not be perpendicular. The light emits towards
+/// half_x x half_y.
 fn ltc_disk(inverse: LtcInverse, centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>, two_sided: bool) -> f32 {
     if (inverse.side == 0.0 || (!two_sided && !(dot(centre, cross(half_x, half_y)) < 0.0))) {
         return 0.0;
@@ -213,7 +215,7 @@ fn ltc_disk(inverse: LtcInverse, centre: vec3<f32>, half_x: vec3<f32>, half_y: v
     return ltc_cone_covered(ltc_cone(inverse.m * centre, inverse.m * half_x, inverse.m * half_y));
 }
 
-/// The cone of a sphere, from outside of it.
+/// The cone of a sphere. Domain: the shaded point is outside.
 fn ltc_sphere_cone(inverse: LtcInverse, centre: vec3<f32>, radius: f32) -> LtcCone {
     let towards = ltc_unit(centre);
     let sine2 = radius * radius / max(dot(centre, centre), 1e-36);
@@ -224,7 +226,7 @@ fn ltc_sphere_cone(inverse: LtcInverse, centre: vec3<f32>, radius: f32) -> LtcCo
     return ltc_cone(inverse.m * (towards * sqrt(max(1.0 - sine2, 0.0))), inverse.m * (x * sine), inverse.m * (y * sine));
 }
 
-/// A sphere; from inside it everything is light.
+/// The covered part of the lobe for a sphere; 1 if the shaded point is inside.
 fn ltc_sphere(inverse: LtcInverse, centre: vec3<f32>, radius: f32) -> f32 {
     if (inverse.side == 0.0) {
         return 0.0;
@@ -235,11 +237,11 @@ fn ltc_sphere(inverse: LtcInverse, centre: vec3<f32>, radius: f32) -> f32 {
     return ltc_cone_covered(ltc_sphere_cone(inverse, centre, radius));
 }
 
-/// A line between two points, of a width that faces the shaded point everywhere: the limit of a thin tube, in proportion to
-/// its diameter. In place of a tube it is too dark, by some 2 % where the radius is a fiftieth of the distance.
+/// The covered part of the lobe for a line between two points. Its width faces the shaded point everywhere: the limit
+/// of a thin tube of this diameter. It is darker than a tube: by some 2 % if the radius is a fiftieth of the distance.
 fn ltc_line(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, width: f32) -> f32 {
-    // Where the line points at the shaded point, its normal and its distance are rounding errors. They cancel if both come
-    // from the difference of the ends and serve both ends.
+    // For a line that points at the shaded point, normal and distance are rounding errors. They cancel because both
+    // come from the difference of the ends and are used for both ends.
     let middle = 0.5 * (start + end);
     let lit = cross(middle, end - start);
     var p = inverse.m * start;
@@ -251,8 +253,8 @@ fn ltc_line(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, width: f32) -
         return 0.0;
     }
     let length = sqrt(dot(along, along));
-    let seen = sqrt(dot(lit, lit)) * abs(determinant(inverse.m)) * length / area2;
-    // The line's direction, and from the shaded point to its nearest point.
+    let per_width = sqrt(dot(lit, lit)) * abs(determinant(inverse.m)) * length / area2;
+    // t is the direction of the line; o points from the shaded point to the nearest point of the line.
     let t = along / length;
     let o = cross(t, normal / sqrt(area2));
     if (p.z < 0.0) {
@@ -265,32 +267,32 @@ fn ltc_line(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, width: f32) -
     let at_q = vec2(distance, dot(q, t));
     let from_p = at_p / max(sqrt(dot(at_p, at_p)), 1e-18);
     let from_q = at_q / max(sqrt(dot(at_q, at_q)), 1e-18);
-    // Sine and cosine of the difference of the two angles from o towards t, and of their sum.
+    // Sine of the difference of both angles from o towards t; sine and cosine of their sum.
     let sine = abs(from_p.x * from_q.y - from_p.y * from_q.x);
     let angle = ltc_atan2(sine, dot(from_p, from_q));
     let sum = vec2(from_p.x * from_q.x - from_p.y * from_q.y, from_p.y * from_q.x + from_p.x * from_q.y);
     let integral = o.z * angle + (o.z * sum.x + t.z * sum.y) * sine;
-    return clamp(width * seen * integral * 0.15915494, 0.0, 1.0);
+    return clamp(width * per_width * integral * 0.15915494, 0.0, 1.0);
 }
 
-/// The place of a direction on a cone's border.
+/// The parameter of a direction on a cone's border, as a turn.
 fn ltc_turn_of(cone: LtcCone, direction: vec3<f32>) -> vec2<f32> {
     return ltc_unit_turn(vec2(dot(direction, cone.axes[0]) * cone.b, dot(direction, cone.axes[1]) * cone.a));
 }
 
-/// The direction of a place on a cone's border.
+/// The direction of a parameter on a cone's border.
 fn ltc_direction_of(cone: LtcCone, turn: vec2<f32>) -> vec3<f32> {
     return cone.axes * vec3(cone.a * turn.x, cone.b * turn.y, cone.g);
 }
 
-/// A number that grows with the angle from one turn to another, from 0 to 4.
+/// A number from 0 to 4 that grows with the angle from one turn to another.
 fn ltc_round(first: vec2<f32>, second: vec2<f32>) -> f32 {
     let sine = first.x * second.y - first.y * second.x;
     let cosine = dot(first, second);
     return select(1.0 - cosine, 3.0 + cosine, sine < 0.0);
 }
 
-/// An arc of a cone's border in place of its chord, around an origin as ltc_chord has it.
+/// An arc of a cone's border, as ltc_chord relative to an origin.
 fn ltc_border(cone: LtcCone, first: vec2<f32>, second: vec2<f32>, origin: vec3<f32>) -> f32 {
     let p = ltc_unit(ltc_direction_of(cone, first));
     let q = ltc_unit(ltc_direction_of(cone, second));
@@ -302,7 +304,7 @@ fn ltc_border(cone: LtcCone, first: vec2<f32>, second: vec2<f32>, origin: vec3<f
     return ltc_along(cone, border) + moved;
 }
 
-/// Goes on along a cone's border to b; what is below the horizon is left out.
+/// Adds the arc of a cone's border to b, except the part below the horizon.
 fn ltc_clip_border(clip: LtcClip, cone: LtcCone, b: vec3<f32>) -> LtcClip {
     var next = clip;
     next.previous = b;
@@ -340,9 +342,9 @@ fn ltc_clip_border(clip: LtcClip, cone: LtcCone, b: vec3<f32>) -> LtcClip {
     return next;
 }
 
-/// A tube with round ends: all points up to the radius from the line between two points. From inside it everything is light.
-///
-/// Its outline is that of the spheres at both ends, and of two planes that touch both.
+/// The covered part of the lobe for a tube with round ends: all points within the radius of the line between two
+/// points; 1 if the shaded point is inside. Its outline has two arcs of the spheres at both ends and two straight
+/// edges, which lie in the planes that touch both spheres.
 fn ltc_tube(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, radius: f32) -> f32 {
     if (inverse.side == 0.0) {
         return 0.0;
@@ -356,7 +358,7 @@ fn ltc_tube(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, radius: f32) 
     }
     let beside = start - axis * dot(start, axis);
     let beside2 = dot(beside, beside);
-    // Beyond an end, its sphere hides all the rest.
+    // Seen along its axis, the tube is hidden by the sphere at its nearer end.
     if (!(distance > 0.0) || beside2 <= radius * radius) {
         return ltc_cone_covered(ltc_sphere_cone(inverse, nearest, radius));
     }

@@ -1,5 +1,5 @@
-// The matrix of a lobe beside its reflection, as layout reflected stores it, from seven numbers that vary smoothly: what
-// compact forms of tables hold. Any numbers give a matrix with a positive determinant.
+// The matrix of layout reflected, from seven numbers that vary smoothly. Compact forms of tables store these numbers.
+// Any values give a matrix with a positive determinant.
 
 /// The smallest rotation that takes +z to a unit vector above -z.
 fn ltc_from_z(axis: vec3<f32>) -> mat3x3<f32> {
@@ -11,8 +11,8 @@ fn ltc_from_z(axis: vec3<f32>) -> mat3x3<f32> {
     );
 }
 
-/// root: p, l and q of the Cholesky factor (p, 0; l, q) of the block. slant: the stereographic projection of the third
-/// column. row: the last row, times the third column's height.
+/// The matrix. root: p, l and q of the Cholesky factor (p, 0; l, q) of the upper block. slant: the stereographic
+/// projection of the third column. row: the last row, times the height of the third column.
 fn ltc_of_smooth(root: vec3<f32>, slant: vec2<f32>, row: vec2<f32>) -> mat3x3<f32> {
     let p = max(root.x, 0.004);
     let q = max(root.z, 0.004);
@@ -26,7 +26,7 @@ fn ltc_of_smooth(root: vec3<f32>, slant: vec2<f32>, row: vec2<f32>) -> mat3x3<f3
     let f = (row.x + axis.x * a + axis.y * b) / height;
     let g = (row.y + axis.x * b + axis.y * d) / height;
     let m = ltc_from_z(axis) * mat3x3(vec3(a, b, f), vec3(b, d, g), vec3(0.0, 0.0, 1.0));
-    // The first two columns turn until their upper block is symmetric.
+    // Rotate the first two columns so that their upper block is symmetric.
     let turn = vec2(m[0].x + m[1].y, m[1].x - m[0].y);
     let length2 = dot(turn, turn);
     if (!(length2 > 0.0)) {

@@ -1,28 +1,31 @@
-// A table: what is bound of it, and what stands in its textures. Needs texels_volumes.wgsl or texels_array.wgsl. ltc_lookup.wgsl
-// reads any table, ltc_lookup_round.wgsl those of isotropic surfaces alone.
+// The bindings and textures of a table. Needs texels_volumes.wgsl or texels_array.wgsl. ltc_lookup.wgsl reads any
+// table, ltc_lookup_round.wgsl tables of isotropic surfaces.
 //
-// Each entry is three texels, x = phi, y = ratio * theta_nodes + theta, z = alpha, which is the order in which a file stores
-// its entries:
+// Each entry is three texels, at x = phi, y = ratio * theta_nodes + theta, z = alpha. This is the order of entries in a
+// table file:
 //     a      m00 m01 m02 m10
 //     b      m11 m12 m20 m21
 //     terms  m22 amplitude fresnel 0
-// 32 or 16 bits a number. A table without terms has amplitude 1 and fresnel 0 in their place. Of a table with two lobes an entry
-// all second ones follow all first ones along z.
+// Numbers have 32 or 16 bits. A table without terms has amplitude 1 and fresnel 0. In a table with two lobes an entry,
+// all second lobes follow all first lobes along z.
 
 struct LtcTable {
-    /// How many nodes alpha, ratio, theta and phi have.
+    /// The number of nodes of alpha, ratio, theta and phi.
     nodes: vec4<u32>,
-    /// x: the layout's number, which a shader for one layout does not read. y: 1 for a table of isotropic surfaces with one
-    /// phi, whose lobes turn with the view. z: how many layers after the first lobes the second ones are, 0 where there are none.
+    /// x: number of the layout; shaders for a single layout do not read it. y: 1 for a table of isotropic surfaces with
+    /// one phi, whose lobes rotate with the view. z: number of layers from a first lobe to its second lobe; 0 without
+    /// second lobes.
     reading: vec4<u32>,
-    /// The first node of each axis in the variable in which the layout's nodes are evenly spaced, the step between nodes, and
-    /// one over it; an axis of one node has the step 1.
+    /// For each axis, in the coordinate in which the layout's nodes are evenly spaced: the first node, the step between
+    /// nodes, and one over the step. An axis with one node has step 1.
     start: vec4<f32>,
     spacing: vec4<f32>,
     per_step: vec4<f32>,
-    /// For the sampler: one over the layers of alpha, which are its nodes for each lobe; one over those of ratio and theta, those of theta, one over those of phi.
+    /// For the sampler. x: 1 / layers of alpha, all lobes. y: 1 / (ratio_nodes * theta_nodes). z: theta_nodes. w: 1 /
+    /// phi_nodes.
     texel: vec4<f32>,
-    /// The first and the last node: of alpha, of ratio; the last and the first cosine of theta; cosine and sine of phi.
+    /// The first and last node of alpha and of ratio. Then the last and first cosine of theta; cosine and sine of each
+    /// phi end.
     roughness: vec4<f32>,
     cosines: vec4<f32>,
     azimuths: vec4<f32>,
@@ -30,18 +33,19 @@ struct LtcTable {
 
 @group(0) @binding(0) var<uniform> ltc_table: LtcTable;
 
-/// Lets the sampler interpolate phi and theta, and alpha in volumes, with 2 or 4 fetches in place of 16. Textures then have to
-/// be filterable and the sampler linear. Many GPUs interpolate with weights of 8 bits only, which shows on sharp lobes.
+/// Whether the sampler interpolates phi, theta and, in volumes, alpha: 2 or 4 fetches instead of 16. Textures must be
+/// filterable and the sampler linear. Many GPUs interpolate with weights of 8 bits, which is visible on sharp lobes.
 override ltc_hardware_filter: bool = false;
 
-/// The least roughness along either axis. Both are raised to it before their ratio is taken, so that mirrors stay isotropic.
+/// The smallest roughness along either axis. Both are clamped before taking their ratio, so that mirrors stay
+/// isotropic.
 const LTC_LEAST_ALPHA: f32 = 1e-5;
 
 /// The lobe of a surface seen from one direction.
 struct LtcLobe {
-    /// Maps the clamped cosine to the lobe, in the surface's tangent frame.
+    /// The matrix from the clamped cosine to the lobe, in the tangent frame.
     m: mat3x3<f32>,
-    /// Reflectance is f0 (amplitude - fresnel) + f90 fresnel.
+    /// The albedo is f0 (amplitude - fresnel) + f90 fresnel.
     amplitude: f32,
     fresnel: f32,
 }

@@ -1,6 +1,7 @@
-/// Reflected light of a rectangle of radiance one: for a Fresnel factor of one, and by Schlick's (1 - wo . h)^5.
+/// Reflected light of a rectangle of radiance one. x: for a Fresnel factor of one. y: weighed by Schlick's (1 - wo .
+/// h)^5.
 fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
-    // Sides are turned to rise. A corner below slides up along its side.
+    // Turn both sides so that they rise. A corner below the surface slides up along its side.
     let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
     let along = corners[1] - corners[0];
     let across = corners[3] - corners[0];
@@ -15,7 +16,7 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     let slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
     let right_up = right + saturate(right.z * slide.y) * y;
     let left_up = left + saturate(left.z * slide.x) * x;
-    // The side on the horizon, or one point.
+    // a and b are the ends of the lowest side after the cut, or a single point.
     let a = normals_corner(view, select(low + saturate(low.z * slide.y) * y, left_up, left.z <= 0.0));
     let b = normals_corner(view, select(low + saturate(low.z * slide.x) * x, right_up, right.z <= 0.0));
     var flux = normals_edge(view, vec3(0.0), a, b);
@@ -25,15 +26,15 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     flux = normals_edge(view, flux, c, high);
     let d = normals_corner(view, left_up);
     flux = normals_edge(view, normals_edge(view, flux, high, d), d, a);
-    let seen = select(1.0, -1.0, falls.x != falls.y) * dot(flux, view.stretched);
+    let projected = select(1.0, -1.0, falls.x != falls.y) * dot(flux, view.stretched);
     let rises = vec4(normals_rise(view, a.w), normals_rise(view, c.w), normals_rise(view, d.w), normals_rise(view, high.w));
     let least = min(min(rises.x, rises.y), min(rises.z, rises.w));
     let most = max(max(rises.x, rises.y), max(rises.z, rises.w));
     let sums = vec2(rises.x + rises.y + rises.z + rises.w, dot(rises, rises));
-    return normals_mean(view, flux, seen, 0.25 * sums, vec2(least, most), two_sided);
+    return normals_mean(view, flux, projected, 0.25 * sums, vec2(least, most), two_sided);
 }
 
-/// The same of a convex polygon of 3 to 8 vertices.
+/// Reflected light of a convex polygon of 3 to 8 vertices, as for normals_rectangle.
 fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8>>, count: u32, two_sided: bool) -> vec2<f32> {
     let number = clamp(count, 3u, 8u);
     var a = (*vertices)[number - 1u];
@@ -67,17 +68,17 @@ fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8
     return normals_mean(view, flux, dot(flux, view.stretched), sums / f32(number), ends, two_sided);
 }
 
-/// The part of the visible normals times their mean weight: that of the mean normal, a share of that of the vertices, and more
-/// by the part, as a network tells.
-fn normals_mean(view: NormalsView, flux: vec3<f32>, seen: f32, rises: vec2<f32>, ends: vec2<f32>, two_sided: bool) -> vec2<f32> {
-    let part = saturate(select(seen, abs(seen), two_sided) * 0.31830989 / (view.wo.z + view.length));
+/// The fraction of the visible normals that reflect the light, times their mean weight. The weight starts from that of
+/// the mean normal; a small network corrects it by the weights at the vertices and by the fraction.
+fn normals_mean(view: NormalsView, flux: vec3<f32>, projected: f32, rises: vec2<f32>, ends: vec2<f32>, two_sided: bool) -> vec2<f32> {
+    let part = saturate(select(projected, abs(projected), two_sided) * 0.31830989 / (view.wo.z + view.length));
     let at_mean = normals_weight(view, flux);
     let at_vertices = normals_weight_of(view, rises.x);
     let per_length = normals_per_length(flux);
     let alpha = vec2(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y));
     let first = vec4(part, view.rise, at_mean);
     let second = vec4(abs(flux.z) * per_length, alpha, at_vertices);
-    let third = vec4(abs(seen) * per_length / view.length, ends, rises.y);
+    let third = vec4(abs(projected) * per_length / view.length, ends, rises.y);
     let units_0 = max(
         mat4x4(-0.4517, -5.272, 1.779, -0.2389, -1.26, 1.688, 0.5576, -1.128, -4.275, 1.481, 30.76, -13.12, -1.536, 4.015, 0.03746, -0.6128) * first
         + mat4x4(0.4828, -0.123, -3.655, 0.951, 0.6037, 1.921, 2.182, 0.009572, 0.3429, -0.8065, 1.27, -1.125, -0.02034, -0.7458, 1.34, -0.6957) * second
@@ -99,11 +100,11 @@ fn normals_mean(view: NormalsView, flux: vec3<f32>, seen: f32, rises: vec2<f32>,
         + vec4(12.45, 3.613, 13.75, -5.645),
         vec4(0.0),
     );
-    let told = mat4x3(-0.003988, -0.2249, 0.01139, 0.1556, 0.04211, 0.2543, 0.05126, -0.008541, -0.02405, 0.01138, 0.03835, -0.1487) * units_0
+    let outputs = mat4x3(-0.003988, -0.2249, 0.01139, 0.1556, 0.04211, 0.2543, 0.05126, -0.008541, -0.02405, 0.01138, 0.03835, -0.1487) * units_0
         + mat4x3(-0.03438, 0.005577, 0.0775, -0.05159, -0.00132, 0.04855, -3.237e-5, 0.1057, -0.02174, -0.09208, -0.05101, -0.2338) * units_1
         + mat4x3(-0.01082, -0.09808, 0.02568, 0.008448, 0.007935, 0.1418, -0.04663, 0.02314, 0.09929, 0.125, 0.09136, -0.1615) * units_2
         + vec3(-8.466e-6, 0.000105, 0.0002346);
-    let weight = saturate(at_mean.x + told.z * (at_vertices - at_mean.x) + told.x * part);
+    let weight = saturate(at_mean.x + outputs.z * (at_vertices - at_mean.x) + outputs.x * part);
     let m2 = at_mean.y * at_mean.y;
-    return part * vec2(weight, clamp(weight * m2 * m2 * at_mean.y + told.y * part, 0.0, weight));
+    return part * vec2(weight, clamp(weight * m2 * m2 * at_mean.y + outputs.y * part, 0.0, weight));
 }

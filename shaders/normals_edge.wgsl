@@ -1,4 +1,5 @@
-/// A light's corner: its direction, its image A^-1 (wo + w), that at length one, and its length.
+/// A corner of a light: its direction w, the image A^-1 (wo + w), the unit vector c along the image, and the image's
+/// length.
 struct NormalsCorner {
     w: vec3<f32>,
     image: vec3<f32>,
@@ -14,7 +15,7 @@ fn normals_corner(view: NormalsView, v: vec3<f32>) -> NormalsCorner {
     return NormalsCorner(w, image, image * per_length, length2 * per_length);
 }
 
-/// Adds the integral along an edge's image, the conic a + 2 t b + t^2 c, by four arcs.
+/// Adds the integral of c x dc along the image of an edge, by four arcs. The image is the conic a + 2 t b + t^2 c.
 fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: NormalsCorner) -> vec3<f32> {
     let a = begin.c;
     let c = end.c;
@@ -22,7 +23,7 @@ fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: N
     let y = sum.x * sum.x + (sum.y * sum.y + (sum.z * sum.z + 1e-10));
     let image = begin.image + end.image + (0.5 * y - 2.0) * view.image;
     let b = image * inverseSqrt(y * (begin.length * end.length));
-    // It is halved where it is equally far from both ends, if they are apart.
+    // Halve the conic at the point equally far from both ends, if the ends differ.
     let apart = a - c;
     let bend = 2.0 * dot(b, apart) / (apart.x * apart.x + (apart.y * apart.y + (apart.z * apart.z + 1e-8)));
     let t = bend + sqrt(bend * bend + 1.0);
@@ -31,7 +32,7 @@ fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: N
     let middle = left + t * right;
     let per_length = normals_per_length(middle);
     let n = per_length * middle;
-    // The arcs of a half meet a little outside of it, so that they enclose its area.
+    // The arcs of each half meet a little outside the conic, so that they enclose its area.
     let root = sqrt(per_length);
     let least = 3.4 * root;
     let more = 0.6 * per_length * root;

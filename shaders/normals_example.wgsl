@@ -1,17 +1,18 @@
-// Lights one surface by one light, without a table. It shows how to call a rule's functions, and checks a port. Replace it by
-// your own; NormalsExample* go with it.
+// Lights one surface by one light, without a table. It shows how to call a rule's functions, and checks a port. Replace
+// it with your own code; delete NormalsExample* then.
 
 struct NormalsExampleCase {
     /// View direction in the tangent frame, of unit length. w: alpha_x.
     wo: vec4<f32>,
-    /// x: alpha_y. y: how many vertices the light has, 3 to 8; 0 for a disk. z: 1 if it is lit from both sides.
+    /// x: alpha_y. y: number of vertices of the light, 3 to 8; 0 for a disk. z: 1 if both sides of the light emit, else
+    /// 0.
     light: vec4<f32>,
-    /// xyz: the vertices around the shaded point, in the tangent frame; of a disk centre and half axes.
+    /// xyz: the vertices relative to the shaded point, in the tangent frame. For a disk: centre and both half axes.
     vertices: array<vec4<f32>, 8>,
 }
 
 @group(0) @binding(0) var<uniform> normals_case: NormalsExampleCase;
-/// x: what is reflected for a Fresnel factor of one. y: its part weighed by Schlick's fifth power. z, w: 0.
+/// x: reflected light for a Fresnel factor of one. y: the part of x that Schlick's fifth power weighs. z, w: 0.
 @group(0) @binding(1) var<storage, read_write> normals_result: vec4<f32>;
 
 @compute @workgroup_size(1)
@@ -32,6 +33,6 @@ fn normals_example() {
     } else {
         parts = normals_polygon(view, &vertices, count, two_sided);
     }
-    // Light of radiance L: L (f0 (parts.x - parts.y) + f90 parts.y).
+    // Light of radiance L arrives as L (f0 (parts.x - parts.y) + f90 parts.y).
     normals_result = vec4(parts, 0.0, 0.0);
 }

@@ -1,6 +1,7 @@
-/// Reflected light of a rectangle of radiance one: for a Fresnel factor of one, and by Schlick's (1 - wo . h)^5.
+/// Reflected light of a rectangle of radiance one. x: for a Fresnel factor of one. y: weighed by Schlick's (1 - wo .
+/// h)^5.
 fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
-    // Sides are turned to rise. A corner below slides up along its side.
+    // Turn both sides so that they rise. A corner below the surface slides up along its side.
     let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
     let along = corners[1] - corners[0];
     let across = corners[3] - corners[0];
@@ -15,7 +16,7 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     let slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
     let right_up = right + saturate(right.z * slide.y) * y;
     let left_up = left + saturate(left.z * slide.x) * x;
-    // The side on the horizon, or one point.
+    // a and b are the ends of the lowest side after the cut, or a single point.
     let a = normals_corner(view, select(low + saturate(low.z * slide.y) * y, left_up, left.z <= 0.0));
     let b = normals_corner(view, select(low + saturate(low.z * slide.x) * x, right_up, right.z <= 0.0));
     var flux = normals_edge(view, vec3(0.0), a, b);
@@ -25,12 +26,12 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     flux = normals_edge(view, flux, c, high);
     let d = normals_corner(view, left_up);
     flux = normals_edge(view, normals_edge(view, flux, high, d), d, a);
-    let seen = select(1.0, -1.0, falls.x != falls.y) * dot(flux, view.stretched);
+    let projected = select(1.0, -1.0, falls.x != falls.y) * dot(flux, view.stretched);
     let rise = normals_rise(view, a.w) + normals_rise(view, c.w) + normals_rise(view, d.w) + normals_rise(view, high.w);
-    return normals_mean(view, flux, seen, 0.25 * rise, two_sided);
+    return normals_mean(view, flux, projected, 0.25 * rise, two_sided);
 }
 
-/// The same of a convex polygon of 3 to 8 vertices.
+/// Reflected light of a convex polygon of 3 to 8 vertices, as for normals_rectangle.
 fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8>>, count: u32, two_sided: bool) -> vec2<f32> {
     let number = clamp(count, 3u, 8u);
     var a = (*vertices)[number - 1u];
@@ -61,10 +62,10 @@ fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8
     return normals_mean(view, flux, dot(flux, view.stretched), rise / f32(number), two_sided);
 }
 
-/// The part of the visible normals times their mean weight: that of the mean normal, a share of that of the vertices, and more
-/// by the part, as a network tells.
-fn normals_mean(view: NormalsView, flux: vec3<f32>, seen: f32, rise: f32, two_sided: bool) -> vec2<f32> {
-    let part = saturate(select(seen, abs(seen), two_sided) * 0.31830989 / (view.wo.z + view.length));
+/// The fraction of the visible normals that reflect the light, times their mean weight. The weight starts from that of
+/// the mean normal; a small network corrects it by the weight at the vertices and by the fraction.
+fn normals_mean(view: NormalsView, flux: vec3<f32>, projected: f32, rise: f32, two_sided: bool) -> vec2<f32> {
+    let part = saturate(select(projected, abs(projected), two_sided) * 0.31830989 / (view.wo.z + view.length));
     let at_mean = normals_weight(view, flux);
     let at_vertices = normals_weight_of(view, rise);
     let per_length = normals_per_length(flux);
@@ -77,9 +78,9 @@ fn normals_mean(view: NormalsView, flux: vec3<f32>, seen: f32, rise: f32, two_si
         + vec3(10.96, -8.294, 4.826),
         vec3(0.0),
     );
-    let told = mat3x3(-0.03396, -0.1141, -0.04112, 0.01311, -0.004379, -0.3055, -0.04821, 0.008404, 0.1643) * units_0
+    let outputs = mat3x3(-0.03396, -0.1141, -0.04112, 0.01311, -0.004379, -0.3055, -0.04821, 0.008404, 0.1643) * units_0
         + vec3(-0.005077, 0.001849, 0.1108);
-    let weight = saturate(at_mean.x + told.z * (at_vertices - at_mean.x) + told.x * part);
+    let weight = saturate(at_mean.x + outputs.z * (at_vertices - at_mean.x) + outputs.x * part);
     let m2 = at_mean.y * at_mean.y;
-    return part * vec2(weight, clamp(weight * m2 * m2 * at_mean.y + told.y * part, 0.0, weight));
+    return part * vec2(weight, clamp(weight * m2 * m2 * at_mean.y + outputs.y * part, 0.0, weight));
 }

@@ -1,4 +1,5 @@
-/// More of the weight and of Schlick's part, and the shares of the outer corners and of the tip.
+/// A network of rectified linear units. x, y: corrections of the weight and of Schlick's part. z, w: shares of the
+/// outer corners and of the tip.
 fn normals_network(first: vec4<f32>, second: vec4<f32>, third: vec4<f32>) -> vec4<f32> {
     let units_0 = max(
         mat4x4(-13.02, -0.05123, -0.04506, 0.1745, -15.34, 3.537, 0.1719, 0.7646, 0.9581, -0.07924, 1.487, -1.318, 2.672, -0.0372, 0.4158, -0.4705) * first
@@ -14,29 +15,31 @@ fn normals_network(first: vec4<f32>, second: vec4<f32>, third: vec4<f32>) -> vec
         + vec4(-3.675, -5.474, 3.814, 22.99),
         vec4(0.0),
     );
-    let told = mat4x4(0.00491, -0.3719, -0.06271, 0.1884, 0.00863, -0.006025, -0.09717, -0.8619, 0.0008738, -0.00477, 0.07171, 0.1559, -0.06756, 0.03206, -0.1098, -0.2721) * units_0
+    let outputs = mat4x4(0.00491, -0.3719, -0.06271, 0.1884, 0.00863, -0.006025, -0.09717, -0.8619, 0.0008738, -0.00477, 0.07171, 0.1559, -0.06756, 0.03206, -0.1098, -0.2721) * units_0
         + mat4x4(0.1447, 0.02995, 0.1516, -0.05558, -0.04049, -0.01654, 0.07856, 0.3683, -0.04697, -0.1253, -0.03508, 0.03203, 0.07185, -1.163, -0.002817, -0.0119) * units_1
         + vec4(-0.005264, 0.004083, 0.0596, -0.0732);
-    return told;
+    return outputs;
 }
 
-/// The normal at which all triangles of a light meet, its mean normal, and what they have in common.
+/// The tip: the mean normal of a light, where all its triangles meet, and values that the triangles share.
 struct NormalsTip {
     c: vec3<f32>,
-    /// The part of the visible normals, and what makes it of an integral along A wo; negative for a light that turns right.
+    /// The fraction of the visible normals, and the factor from an integral's component along A wo to a fraction. The
+    /// factor is negative if the edges run counterclockwise as seen from the point.
     part: f32,
     side: f32,
-    /// The view's rise, the larger and the smaller alpha, and the weight of the tip.
+    /// The view's rise, the larger and the smaller alpha, and the weight at the tip.
     shared_inputs: vec4<f32>,
 }
 
-/// Sums over triangles: parts times the means of the weight and of Schlick's part; sizes of parts times these, and sizes.
+/// Sums over triangles. signed: fractions times the mean weight and times the mean of Schlick's part. sizes: the same
+/// with absolute fractions, then the absolute fractions themselves.
 struct NormalsSum {
     signed: vec2<f32>,
     sizes: vec3<f32>,
 }
 
-/// An edge's part above the surface.
+/// The part of an edge above the surface.
 struct NormalsSide {
     begin: NormalsCorner,
     end: NormalsCorner,
@@ -49,21 +52,21 @@ fn normals_side(view: NormalsView, a: vec3<f32>, b: vec3<f32>) -> NormalsSide {
 }
 
 fn normals_tip(view: NormalsView, flux: vec3<f32>) -> NormalsTip {
-    let seen = dot(flux, view.stretched);
-    let side = select(0.31830989, -0.31830989, seen < 0.0) / (view.wo.z + view.length);
-    let c = flux * (select(1.0, -1.0, seen < 0.0) * normals_per_length(flux));
+    let projected = dot(flux, view.stretched);
+    let side = select(0.31830989, -0.31830989, projected < 0.0) / (view.wo.z + view.length);
+    let c = flux * (select(1.0, -1.0, projected < 0.0) * normals_per_length(flux));
     let alpha = vec2(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y));
-    return NormalsTip(c, saturate(seen * side), side, vec4(view.rise, alpha, normals_weight(view, c).x));
+    return NormalsTip(c, saturate(projected * side), side, vec4(view.rise, alpha, normals_weight(view, c).x));
 }
 
-/// The integral of c x dc along the great circle's arc from the tip to a corner.
+/// The integral of c x dc along the arc of a great circle from the tip to a corner.
 fn normals_spoke(tip: NormalsTip, corner: NormalsCorner) -> vec3<f32> {
     return normals_angle(tip.c, corner.c) * cross(tip.c, corner.c);
 }
 
-/// Adds a triangle between the tip and an edge's image, around which the integral of c x dc is flux: its part of the visible
-/// normals times their mean weight. That is the weight of its mean normal, shares of those of its outer corners and of the
-/// tip, and more by its part. A network of rectified linear units tells these.
+/// Adds the triangle between the tip and the image of an edge; flux is the integral of c x dc around it. Its fraction
+/// of the visible normals is multiplied by a mean weight. The weight starts from that of the triangle's mean normal.
+/// normals_network corrects it by the weights at the outer corners and at the tip, and by the fraction.
 fn normals_triangle(
     view: NormalsView,
     tip: NormalsTip,
@@ -72,34 +75,36 @@ fn normals_triangle(
     begin: NormalsCorner,
     end: NormalsCorner,
 ) -> NormalsSum {
-    let seen = dot(flux, view.stretched);
-    let part = seen * tip.side;
+    let projected = dot(flux, view.stretched);
+    let part = projected * tip.side;
     let size = abs(part);
-    // A triangle that runs back is turned around.
-    let c = flux * (select(1.0, -1.0, seen < 0.0) * normals_per_length(flux));
+    // A triangle with a negative fraction is turned around.
+    let c = flux * (select(1.0, -1.0, projected < 0.0) * normals_per_length(flux));
     let at_mean = normals_weight(view, c);
     let rises = vec2(normals_rise(view, begin.w), normals_rise(view, end.w));
     let at_corners = normals_weight_of(view, 0.5 * (rises.x + rises.y));
     let first = vec4(size, at_mean, at_corners);
     let second = vec4(dot(c, tip.c), dot(c, begin.c + end.c), abs(c.z), abs(rises.x - rises.y));
-    let told = normals_network(first, second, tip.shared_inputs);
-    let known = at_mean.x + told.z * (at_corners - at_mean.x) + told.w * (tip.shared_inputs.w - at_mean.x);
-    let weight = saturate(known + size * told.x);
+    let outputs = normals_network(first, second, tip.shared_inputs);
+    let known = at_mean.x + outputs.z * (at_corners - at_mean.x) + outputs.w * (tip.shared_inputs.w - at_mean.x);
+    let weight = saturate(known + size * outputs.x);
     let m2 = at_mean.y * at_mean.y;
-    let means = vec2(weight, clamp(weight * m2 * m2 * at_mean.y + size * told.y, 0.0, weight));
+    let means = vec2(weight, clamp(weight * m2 * m2 * at_mean.y + size * outputs.y, 0.0, weight));
     return NormalsSum(sum.signed + part * means, sum.sizes + size * vec3(means, 1.0));
 }
 
-/// The light of all triangles. Overlapping ones cancel; the mean over all by their sizes does not.
+/// The light of all triangles. Overlapping triangles cancel in the signed sum. The mean over all sizes bounds it from
+/// below.
 fn normals_total(tip: NormalsTip, sum: NormalsSum, is_lit: bool) -> vec2<f32> {
     let both = max(sum.signed, sum.sizes.xy * (0.5 * tip.part / max(sum.sizes.z, 1e-30)));
     let energy = min(both.x, tip.part);
     return select(vec2(0.0), vec2(energy, clamp(both.y, 0.0, energy)), is_lit);
 }
 
-/// Reflected light of a rectangle of radiance one: for a Fresnel factor of one, and by Schlick's (1 - wo . h)^5.
+/// Reflected light of a rectangle of radiance one. x: for a Fresnel factor of one. y: weighed by Schlick's (1 - wo .
+/// h)^5.
 fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
-    // Sides are turned to rise. A corner below slides up along its side.
+    // Turn both sides so that they rise. A corner below the surface slides up along its side.
     let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
     let along = corners[1] - corners[0];
     let across = corners[3] - corners[0];
@@ -114,7 +119,7 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     let slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
     let right_up = right + saturate(right.z * slide.y) * y;
     let left_up = left + saturate(left.z * slide.x) * x;
-    // The side on the horizon, or one point.
+    // a and b are the ends of the lowest side after the cut, or a single point.
     let a = normals_corner(view, select(low + saturate(low.z * slide.y) * y, left_up, left.z <= 0.0));
     let b = normals_corner(view, select(low + saturate(low.z * slide.x) * x, right_up, right.z <= 0.0));
     let c = normals_corner(view, right_up);
@@ -140,7 +145,7 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     return normals_total(tip, sum, two_sided || (tip.side > 0.0) == (falls.x == falls.y));
 }
 
-/// The same of a convex polygon of 3 to 8 vertices.
+/// Reflected light of a convex polygon of 3 to 8 vertices, as for normals_rectangle.
 fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8>>, count: u32, two_sided: bool) -> vec2<f32> {
     let number = clamp(count, 3u, 8u);
     var a = (*vertices)[number - 1u];

@@ -1,15 +1,16 @@
-/// What a light with a picture reflects: the two parts of the whole light, and the picture's colour for both.
+/// Reflected light of a light with a picture: the two parts as from normals_rectangle, and the mean colour of the
+/// picture.
 struct NormalsTextured {
     parts: vec2<f32>,
     colour: vec3<f32>,
 }
 
-/// How high a point is above where the light ends, the surface.
+/// The height of a point above the plane that ends the lobe: the surface.
 fn normals_height(view: NormalsView, p: vec3<f32>) -> f32 {
     return p.z;
 }
 
-/// The lobe on a light's plane over a bump whose Q is quadratic there, up to a factor.
+/// The lobe on the light's plane divided by a bump with quadratic form Q, up to a factor.
 fn normals_share(view: NormalsView, p: vec3<f32>, quadratic: f32) -> f32 {
     let r = sqrt(dot(p, p));
     let c = view.image * r + p * vec3(view.per_alpha, 1.0);
@@ -21,8 +22,8 @@ fn normals_share(view: NormalsView, p: vec3<f32>, quadratic: f32) -> f32 {
     return fall * fall * (z + 1e-6 * shadowed) / max(r * shadowed, 1e-30);
 }
 
-/// The bump that the lobe is close to, where the normal A c reflects the light: of q = |c|^2 sqrt(r) / (r + wo . P), nearly
-/// quadratic.
+/// The bump closest to the lobe. It expands q = |c|^2 sqrt(r) / (r + wo . P), which is nearly quadratic on the light's
+/// plane, at the point that the normal A c reflects.
 fn normals_bump(view: NormalsView, frame: NormalsFrame, flux: vec3<f32>) -> NormalsBump {
     let h = vec3(view.alpha * flux.xy, flux.z);
     let wi = 2.0 * dot(view.wo, h) * h - dot(h, h) * view.wo;
@@ -30,8 +31,8 @@ fn normals_bump(view: NormalsView, frame: NormalsFrame, flux: vec3<f32>) -> Norm
     let distance = dot(frame.corner, normal);
     let facing = select(1.0, -1.0, distance < 0.0);
     let descent = max(max(facing * dot(wi, normal), 1e-4 * dot(h, h)), 1e-30);
-    let met = (facing * distance / descent) * wi - frame.corner;
-    let at = clamp(vec2(dot(frame.x, met), dot(frame.y, met)), vec2(0.0), frame.size);
+    let hit = (facing * distance / descent) * wi - frame.corner;
+    let at = clamp(vec2(dot(frame.x, hit), dot(frame.y, hit)), vec2(0.0), frame.size);
 
     let p = frame.corner + at.x * frame.x + at.y * frame.y;
     let per_r = inverseSqrt(max(dot(p, p), 1e-30));
@@ -39,7 +40,7 @@ fn normals_bump(view: NormalsView, frame: NormalsFrame, flux: vec3<f32>) -> Norm
     let c = view.image * r + p * vec3(view.per_alpha, 1.0);
     let per_n = 1.0 / max(dot(c, c), 1e-30);
     let per_e = 1.0 / max(r + dot(view.wo, p), 1e-6 * r);
-    // Derivatives of r, c, ln |c|^2 and ln (r + wo . P).
+    // Derivatives of r, c, ln |c|^2 and ln (r + wo . P) along the sides of the light.
     let dr = per_r * vec2(dot(p, frame.x), dot(p, frame.y));
     let cx = view.image * dr.x + frame.x * vec3(view.per_alpha, 1.0);
     let cy = view.image * dr.y + frame.y * vec3(view.per_alpha, 1.0);
@@ -60,7 +61,7 @@ fn normals_bump(view: NormalsView, frame: NormalsFrame, flux: vec3<f32>) -> Norm
     return NormalsBump(at - shift.x * axis - shift.y * vec2(-axis.y, axis.x), axis, twice / w);
 }
 
-/// xx, xy, yy of a vector's product with itself.
+/// xx, xy and yy of the outer product of a vector with itself.
 fn normals_square(v: vec2<f32>) -> vec3<f32> {
     return vec3(v.x * v.x, v.x * v.y, v.y * v.y);
 }

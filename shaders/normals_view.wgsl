@@ -1,4 +1,4 @@
-/// A surface seen from a direction. A = diag(alpha, 1).
+/// A surface seen from direction wo. A = diag(alpha, 1).
 struct NormalsView {
     alpha: vec2<f32>,
     per_alpha: vec2<f32>,
@@ -9,7 +9,7 @@ struct NormalsView {
     rise: f32, // of wo
 }
 
-/// alpha in (0, 1]; wo of length one in the tangent frame.
+/// The view for all lights at a point. alpha is in (0, 1]; wo is of unit length in the tangent frame, normal +z.
 fn normals_view(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> NormalsView {
     let alpha = max(vec2(alpha_x, alpha_y), vec2(1e-5));
     let stretched = vec3(alpha * wo.xy, wo.z);
@@ -17,22 +17,22 @@ fn normals_view(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> NormalsView {
     return NormalsView(alpha, 1.0 / alpha, wo, vec3(wo.xy / alpha, wo.z), stretched, length, wo.z / length);
 }
 
-/// One over the length; finite for no length.
+/// One over the length of a vector; finite for a zero vector.
 fn normals_per_length(v: vec3<f32>) -> f32 {
     return inverseSqrt(v.x * v.x + (v.y * v.y + (v.z * v.z + 1e-30)));
 }
 
-/// Height z / |A w| of a direction, zero below the surface.
+/// The rise z / |A w| of a direction; zero below the surface.
 fn normals_rise(view: NormalsView, w: vec3<f32>) -> f32 {
     return max(w.z, 0.0) * normals_per_length(vec3(view.alpha * w.xy, w.z));
 }
 
-/// The part that is not shadowed, G2/G1, by a direction's rise.
+/// Smith's G2 / G1 from the rise of the light direction: the part that is not shadowed.
 fn normals_weight_of(view: NormalsView, rise: f32) -> f32 {
     return (1.0 + view.rise) * rise / (rise + view.rise);
 }
 
-/// The same of the normal A c, of any length and sign, and 1 - wo . h.
+/// G2 / G1 for the normal A c (x), and 1 - wo . h (y). c may have any length and sign.
 fn normals_weight(view: NormalsView, c: vec3<f32>) -> vec2<f32> {
     let normal = vec3(view.alpha * c.xy, c.z);
     let h = normal * normals_per_length(normal);

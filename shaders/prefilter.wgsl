@@ -1,17 +1,17 @@
-// The prefilter of a picture on a rectangle light, for pictures that change: passes that make its pyramid, each function a
-// texel of what a pass writes. Linear in texels.
+// The prefilter of a picture on a rectangle light, for pictures that change. Several passes make a pyramid of levels;
+// each function computes one texel that a pass writes. Every result is linear in the picture.
 
-/// What a pass reads: a level of the chain, or the picture.
+/// The input of a pass: a level of the chain of halved pictures, or the picture.
 @group(0) @binding(0) var prefilter_source: texture_2d<f32>;
 /// The next coarser level of the pyramid.
 @group(0) @binding(1) var prefilter_above: texture_2d<f32>;
 
-/// The texels of level `level` of a picture.
+/// The size of level `level` of a picture, in texels.
 fn prefilter_size(picture: vec2<u32>, level: u32) -> vec2<u32> {
     return vec2(max(picture.x >> level, 1u), max(picture.y >> level, 1u));
 }
 
-/// How many levels a picture has.
+/// The number of levels of a picture.
 fn prefilter_levels(picture: vec2<u32>) -> u32 {
     var levels = 1u;
     for (var side = max(picture.x, picture.y); side > 1u; side = side >> 1u) {
@@ -20,14 +20,14 @@ fn prefilter_levels(picture: vec2<u32>) -> u32 {
     return levels;
 }
 
-/// The weight of a texel that is away from the middle of one that is ratio texels long.
-fn prefilter_tent(away: f32, ratio: f32, coarse: u32) -> f32 {
-    // A single texel is the mean.
-    return select(max(1.0 - abs(away) / ratio, 0.0), 1.0, coarse == 1u);
+/// The weight of the tent filter at an offset from the middle of a coarse texel, which is `ratio` fine texels long.
+fn prefilter_tent(offset: f32, ratio: f32, coarse: u32) -> f32 {
+    // One coarse texel is the mean of the level.
+    return select(max(1.0 - abs(offset) / ratio, 0.0), 1.0, coarse == 1u);
 }
 
-/// A texel of the next level of the chain, of coarse texels, from the level before, of fine: [1 3 3 1] / 8 along both axes
-/// where sizes are even.
+/// A texel of the next level of the chain, which has `coarse` texels, from the level before, which has `fine`. The
+/// filter is [1 3 3 1] / 8 along both axes where sizes are even.
 fn prefilter_halved(texel: vec2<u32>, fine: vec2<u32>, coarse: vec2<u32>) -> vec3<f32> {
     let ratio = vec2<f32>(fine) / vec2<f32>(coarse);
     let middle = (vec2<f32>(texel) + vec2(0.5)) * ratio - vec2(0.5);
@@ -46,7 +46,7 @@ fn prefilter_halved(texel: vec2<u32>, fine: vec2<u32>, coarse: vec2<u32>) -> vec
     return sum / mass;
 }
 
-/// The mean of a row of the picture: with one for each row, a column.
+/// The mean of a row of the picture. One call for each row gives a column.
 fn prefilter_row(row: u32, width: u32) -> vec3<f32> {
     var sum = vec3(0.0);
     for (var x = 0u; x < width; x += 1u) {
@@ -55,7 +55,7 @@ fn prefilter_row(row: u32, width: u32) -> vec3<f32> {
     return sum / f32(width);
 }
 
-/// The mean of such a column: the last level.
+/// The mean of the column that prefilter_row wrote: the last level.
 fn prefilter_mean(height: u32) -> vec3<f32> {
     var sum = vec3(0.0);
     for (var y = 0u; y < height; y += 1u) {
@@ -64,8 +64,8 @@ fn prefilter_mean(height: u32) -> vec3<f32> {
     return sum / f32(height);
 }
 
-/// How much of a neighbour a texel takes, along an axis on which the picture has size texels: a quarter where sizes are even,
-/// less where halving has spread more.
+/// The weight of each neighbour in the blur of a level, along an axis with `size` texels in the picture. It is a
+/// quarter where sizes are even, and smaller where halving has already blurred more.
 fn prefilter_beside(size: u32, level: u32) -> f32 {
     var here = size;
     var length = 1.0;
@@ -82,13 +82,13 @@ fn prefilter_beside(size: u32, level: u32) -> f32 {
     return max((wanted - 0.25 - halved) / (2.0 * length * length), 0.0);
 }
 
-/// How much of a level is its own blur; the rest comes from the level above.
+/// The share of a level's own blur; the rest comes from the next coarser level.
 fn prefilter_own(level: u32, levels: u32) -> f32 {
     let above = levels - 1u - level;
     return select(select(0.65, 0.75, above == 2u), 0.85, above == 1u);
 }
 
-/// Between the texels of the level above, of above texels, where a texel of size texels has its middle.
+/// The next coarser level, interpolated at the middle of a texel. `size` and `above` are the sizes of both levels.
 fn prefilter_up(texel: vec2<u32>, size: vec2<u32>, above: vec2<u32>) -> vec3<f32> {
     let last = vec2<f32>(above) - vec2(1.0);
     let at = clamp((vec2<f32>(texel) + vec2(0.5)) * vec2<f32>(above) / vec2<f32>(size) - vec2(0.5), vec2(0.0), last);
@@ -100,7 +100,8 @@ fn prefilter_up(texel: vec2<u32>, size: vec2<u32>, above: vec2<u32>) -> vec3<f32
     return mix(top, bottom, part.y);
 }
 
-/// A texel of level `level` of the pyramid, but the last, from the same level of the chain and the level above.
+/// A texel of pyramid level `level`, except the last, from the same level of the chain and the next coarser pyramid
+/// level.
 fn prefilter_level(texel: vec2<u32>, picture: vec2<u32>, level: u32) -> vec3<f32> {
     let size = prefilter_size(picture, level);
     let beside = vec2(prefilter_beside(picture.x, level), prefilter_beside(picture.y, level));

@@ -1,6 +1,7 @@
-// The preview's light by a table whose lobes end at the surface. Needs ltc_cut.wgsl, ltc_cut_shapes.wgsl and ggx_reference.wgsl.
+// The preview's light by a table whose lobes end at the surface. Needs ltc_cut.wgsl, ltc_cut_shapes.wgsl,
+// ggx_reference.wgsl.
 
-/// The part of the lobe above the surface that the light covers.
+/// The fraction of the lobe above the surface that the light covers.
 fn covered_above(inverse: LtcInverse, at: Shaded) -> f32 {
     let two_sided = light.options.y == 1u;
     let to_local = transpose(mat3x3(at.x, at.y, at.z));

@@ -1,7 +1,7 @@
-// The preview's lobes over the sphere of directions. Needs sphere.wgsl and what that needs.
+// The preview's lobes over the sphere of directions. Needs sphere.wgsl and its files.
 
-/// A direction of the sphere that the lobes are drawn on, seen from far away; w: 0 beside it. Its outer pixels are
-/// not smoothed: what is written is a density.
+/// The direction of a pixel on the sphere of directions, seen from far away (xyz). w: 0 outside the sphere, else 1. The
+/// rim is not smoothed, because pixels store densities.
 fn direction_of(place: vec3<f32>) -> vec4<f32> {
     let flat = place.xy * 1.05;
     let height2 = 1.0 - dot(flat, flat);
@@ -10,11 +10,11 @@ fn direction_of(place: vec3<f32>) -> vec4<f32> {
     return vec4(wi, select(0.0, 1.0, height2 > 0.0));
 }
 
-/// What is written beside the sphere of directions, and where nothing is below its horizon.
+/// The values of pixels outside the sphere, and of directions below the horizon without density.
 const BESIDE: f32 = -1.0;
 const BELOW: f32 = -0.5;
 
-/// Density of the table's lobe over directions, per steradian.
+/// The density of the table's lobe, per steradian.
 @compute @workgroup_size(8, 8)
 fn lobe_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
     let pixel = pixel_of(group, local);
@@ -25,7 +25,7 @@ fn lobe_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
     var density = BESIDE;
     if (wi.w > 0.0) {
         let lobe = ltc_lookup(scene.materials[0].x, scene.materials[0].y, scene.lobe_wo.xyz);
-        // c^3 z |det M^-1| / (pi |M^-1 wi|^4) with the inverse up to a factor f: f^4 falls out but for det's f^3.
+        // c^3 z |det M^-1| / (pi |M^-1 wi|^4). The inverse has a factor f; f^4 cancels, with f^3 from the determinant.
         let inverse = ltc_inverse(lobe.m);
         let c = inverse.m * wi.xyz;
         let length2 = dot(c, c);
@@ -35,7 +35,7 @@ fn lobe_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
     write(pixel, vec3(density));
 }
 
-/// The same of GGX times the cosine.
+/// The density of GGX times the cosine, per steradian.
 @compute @workgroup_size(8, 8)
 fn lobe_by_reference(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
     let pixel = pixel_of(group, local);

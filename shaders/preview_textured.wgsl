@@ -1,10 +1,10 @@
-// The preview's light with a picture: by a table and by model normals, and as the camera sees it. Needs the texts of pictures on
-// lights, light_picture.wgsl and sphere.wgsl.
+// The preview's light with a picture: by a table, by model normals, and as the camera sees it directly. Needs the texts
+// of pictures on lights, light_picture.wgsl and sphere.wgsl.
 
-/// Rays a side of a pixel by which the light is drawn.
+/// The light is drawn with RAYS x RAYS rays a pixel.
 const RAYS: u32 = 4u;
 
-/// The corners of the light around a point of the surface in its tangent frame.
+/// The corners of the light relative to the shaded point, in its tangent frame.
 fn corners_of(at: Shaded) -> array<vec3<f32>, 4> {
     let to_local = transpose(mat3x3(at.x, at.y, at.z));
     return array<vec3<f32>, 4>(
@@ -15,11 +15,11 @@ fn corners_of(at: Shaded) -> array<vec3<f32>, 4> {
     );
 }
 
-/// The colour that the lobe of a matrix reflects, times the part of the lobe that the light covers.
+/// The mean colour of the picture in a matrix's lobe, times the covered part.
 fn covered_picture(m: mat3x3<f32>, at: Shaded) -> vec3<f32> {
     let inverse = ltc_inverse(m);
     let textured = ltc_textured_rectangle(inverse, corners_of(at), light.options.y == 1u, 0u, light.radiance.w);
-    // By matrices that no fit makes, weights overflow.
+        // Weights overflow for matrices that no fit produces.
     let colour = select(vec3(0.0), textured.colour, textured.colour < vec3(1e30));
     if (light_is_cut) {
         return colour * covered_above(inverse, at);
@@ -98,7 +98,7 @@ fn picture_by_normals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_in
     write(pixel, composed(place, seen, shaded, 1.0));
 }
 
-/// A share of a pixel's radiance: the same share of what is seen of the surface, on the background and behind the light.
+/// A share of a pixel's radiance: the visible surface, over the background and behind the light.
 fn composed(place: vec3<f32>, seen: Seen, shaded: vec3<f32>, share: f32) -> vec3<f32> {
     let radiance = mix(share * scene.background.xyz, shaded, seen.coverage);
     if (light_has_picture) {
@@ -108,7 +108,8 @@ fn composed(place: vec3<f32>, seen: Seen, shaded: vec3<f32>, share: f32) -> vec3
     return radiance;
 }
 
-/// How much of a pixel the light covers where it is nearer than `behind` (w), times its radiance (xyz). Its dark side is black.
+/// The light as the camera sees it: radiance times coverage (xyz), coverage (w), where it is nearer than `behind`. Its
+/// back is black.
 fn light_in(place: vec3<f32>, behind: f32) -> vec4<f32> {
     let pixel = 2.0 / f32(scene.options.x / scene.options.y);
     var sum = vec4(0.0);

@@ -1,31 +1,31 @@
-// Spheres, tubes and lines in the preview: what the reference samples of them, and the polygons that face a shaded point, for
-// models that light by polygons alone. Needs ltc_math.wgsl, ltc_light.wgsl and ggx_reference.wgsl.
+// Spheres, tubes and lines in the preview: sampling for the reference, and polygons that face the shaded point, for
+// models that light by polygons only. Needs ltc_math.wgsl, ltc_light.wgsl and ggx_reference.wgsl.
 //
-// In struct Light such a light has its ends in centre.xyz and half_axes[0].xyz, which are one for a sphere, and its radius or
-// width in centre.w.
+// Struct Light stores the ends of these lights in centre.xyz and half_axes[0].xyz, and the radius or width in centre.w.
+// Both ends of a sphere are equal.
 
-/// Two unit vectors across a unit vector and each other.
+/// Two unit vectors perpendicular to a unit vector and to each other.
 fn solid_basis(axis: vec3<f32>) -> mat2x3<f32> {
     let is_upright = abs(axis.z) > 0.7;
     let x = normalize(cross(select(vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 0.0), is_upright), axis));
     return mat2x3(x, cross(axis, x));
 }
 
-/// The point of the line between the ends that is nearest to the shaded point, relative to it.
+/// The point of the segment between the ends that is nearest to the shaded point, relative to it.
 fn solid_nearest(position: vec3<f32>) -> vec3<f32> {
     let start = light.centre.xyz - position;
     let along = light.half_axes[0].xyz - light.centre.xyz;
     return start + along * clamp(-dot(start, along) / max(dot(along, along), 1e-36), 0.0, 1.0);
 }
 
-/// How far a tube is along wi, and the cosine between wi and its surface's normal there; the distance is below zero for a
-/// miss. From outside of it.
+/// The distance to a tube along wi (x), and the cosine between its outward normal and -wi (y). x is negative if the ray
+/// misses the tube. Domain: the shaded point is outside.
 fn tube_hit(position: vec3<f32>, wi: vec3<f32>) -> vec2<f32> {
     let radius = light.centre.w;
     let along = light.half_axes[0].xyz - light.centre.xyz;
     let from_start = position - light.centre.xyz;
     var found = vec2(-1.0, 0.0);
-    // The spheres at both ends; the tube is entered where the first of its parts is.
+    // The spheres at both ends. The nearest hit of all parts counts.
     for (var i = 0u; i < 2u; i++) {
         let from_end = select(from_start, from_start - along, i == 1u);
         let away = -dot(wi, from_end);
@@ -36,7 +36,7 @@ fn tube_hit(position: vec3<f32>, wi: vec3<f32>) -> vec2<f32> {
             found = vec2(distance, sqrt(height2) / radius);
         }
     }
-    // Between them: by the distance of the two lines, which keeps the digits of thin tubes.
+    // The cylinder between them, by the distance of the ray and the axis; this keeps the digits of thin tubes.
     let normal = cross(wi, along);
     let sine2 = dot(normal, normal);
     let apart = dot(from_start, normal);
@@ -54,14 +54,15 @@ fn tube_hit(position: vec3<f32>, wi: vec3<f32>) -> vec2<f32> {
     return found;
 }
 
-/// The area of a tube, and the share of its straight part.
+/// The area of a tube (x), and the share of its cylinder (y).
 fn tube_area(along: vec3<f32>, radius: f32) -> vec2<f32> {
     let distance = sqrt(dot(along, along));
     let area = 6.2831853 * radius * (distance + 2.0 * radius);
     return vec2(area, distance / (distance + 2.0 * radius));
 }
 
-/// As light_pdf: zero for what is seen and never drawn, all around a point within the light. A line is too thin to be hit.
+/// The density of solid_sample, as light_pdf. Zero if the shaded point is inside the light. A line is too thin to be
+/// hit.
 fn solid_pdf(position: vec3<f32>, wi: vec3<f32>) -> f32 {
     if (light_shape == LIGHT_LINE) {
         return -1.0;
@@ -83,12 +84,13 @@ fn solid_pdf(position: vec3<f32>, wi: vec3<f32>) -> f32 {
     return select(-1.0, density, hit.x > 0.0);
 }
 
-/// One minus the cosine of a cap, of the square of its sine.
+/// One minus the cosine of a cap, from the square of its sine.
 fn sphere_cap(sine2: f32) -> f32 {
     return sine2 / (1.0 + sqrt(max(1.0 - sine2, 0.0)));
 }
 
-/// As light_sample: of a sphere the cone of its directions, of a tube its surface, of a line the angle along it.
+/// A direction towards the light and its density, as light_sample: the cone of a sphere, the surface of a tube, the
+/// angle along a line.
 fn solid_sample(position: vec3<f32>, u: vec2<f32>) -> vec4<f32> {
     let start = light.centre.xyz - position;
     let end = light.half_axes[0].xyz - position;
@@ -101,7 +103,7 @@ fn solid_sample(position: vec3<f32>, u: vec2<f32>) -> vec4<f32> {
         let towards = normalize(start);
         let turn = ltc_sin_cos(u.x * angle * 0.15915494);
         let direction = towards * turn.y + cross(normal / max(area, 1e-18), towards) * turn.x;
-        // The line's distance along that: its own over the cosine from its nearest point.
+        // The distance along the direction is the distance of the line divided by the cosine at its nearest point.
         let own = area / sqrt(dot(along, along));
         let nearest = normalize(cross(along, normal));
         let distance = own / max(dot(direction, nearest), 1e-18);
@@ -137,8 +139,9 @@ fn solid_sample(position: vec3<f32>, u: vec2<f32>) -> vec4<f32> {
     return vec4(direction, select(0.0, away2 / (area.x * max(facing, 1e-6)), facing > 0.0));
 }
 
-/// The polygon that stands for the light where models know polygons alone, relative to the shaded point: of a line the four
-/// corners of its strip, else the octagon of the outline's area. From within the light it is the sky.
+/// The polygon that replaces the light in models of polygons, relative to the shaded point. For a line, the four
+/// corners of its strip; otherwise an octagon with the area of the outline. Seen from inside the light, it is the whole
+/// sky.
 fn solid_outline(position: vec3<f32>, up: vec3<f32>) -> array<vec3<f32>, 8> {
     let start = light.centre.xyz - position;
     let end = light.half_axes[0].xyz - position;
@@ -160,7 +163,7 @@ fn solid_outline(position: vec3<f32>, up: vec3<f32>) -> array<vec3<f32>, 8> {
         radius = 0.999;
     }
     if (is_inside || dot(along, along) == 0.0 || beside2 <= size * size) {
-        // The octagon of a disk's area: sqrt(pi / (4 sin(pi / 4))) times the radius.
+        // sqrt(pi / (4 sin(pi / 4))) is the radius of an octagon with the area of a unit disk.
         let sine2 = radius * radius / dot(nearest, nearest);
         let basis = solid_basis(ltc_unit(nearest)) * (radius * sqrt(1.0 - sine2) * 1.0539074);
         var octagon: array<vec3<f32>, 8>;
@@ -176,8 +179,8 @@ fn solid_outline(position: vec3<f32>, up: vec3<f32>) -> array<vec3<f32>, 8> {
         at_start[0], at_start[1], at_start[2], at_start[3], at_end[0], at_end[1], at_end[2], at_end[3]);
 }
 
-/// The outline of one end of a tube, from one plane that touches both ends to the other: two points of the sphere's outline, and
-/// two between them so far out that the area stays the same.
+/// The outline of one end of a tube, between the two planes that touch both spheres: two points of the sphere's
+/// outline, and between them two points far enough out to keep the area.
 fn tube_end(end: vec3<f32>, outwards: vec3<f32>, beside: vec3<f32>, sideways: vec3<f32>, size: f32) -> array<vec3<f32>, 4> {
     let sine2 = size * size / dot(end, end);
     let centre = end * (1.0 - sine2);
@@ -185,7 +188,7 @@ fn tube_end(end: vec3<f32>, outwards: vec3<f32>, beside: vec3<f32>, sideways: ve
     let ahead = ltc_unit(outwards - end * (dot(outwards, end) / dot(end, end)));
     let beside2 = dot(beside, beside);
     let touched = -(beside * (size / beside2) - sideways * (sqrt(beside2 - size * size) / sqrt(beside2))) * size;
-    // From the middle of the arc to its end.
+    // The angle from the middle of the arc to its end.
     let to_end = end + touched - centre;
     let half_arc = ltc_atan2(max(dot(to_end, sideways), 0.0), dot(to_end, ahead));
     let turn = ltc_sin_cos(half_arc * 0.053051648);

@@ -1,43 +1,45 @@
-// The preview: spheres or a floor of anisotropic metal under a light. Needs all the other files but the example.
+// The preview: spheres or a floor of anisotropic metal under a light. Needs all other files except the examples.
 
 struct Scene {
-    /// xyz: position. w: width of a pixel at distance one.
+    /// xyz: position of the eye. w: width of a pixel at distance one.
     eye: vec4<f32>,
-    /// The image plane at distance one: from its middle to its right and upper edges, and the way to it.
+    /// The image plane at distance one: vectors from its middle to the right edge and to the upper edge, and the view
+    /// direction.
     right: vec4<f32>,
     up: vec4<f32>,
     forward: vec4<f32>,
     /// xyz: reflectance at normal incidence. w: exposure.
     f0: vec4<f32>,
-    /// xyz: background. w: how far a floor is seen.
+    /// xyz: background. w: distance at which the floor ends.
     background: vec4<f32>,
-    /// A lobe's view direction.
+    /// The view direction of a lobe.
     lobe_wo: vec4<f32>,
-    /// alpha_x, alpha_y, cosine and sine of the tangent frame's rotation; alpha_x < 0: nothing is there.
+    /// alpha_x, alpha_y, cosine and sine of the tangent frame's rotation. alpha_x < 0: the cell is empty.
     materials: array<vec4<f32>, 4>,
-    /// Pixels a side; cells a side; what is seen, see SURFACE_; samples.
+    /// x: pixels a side. y: cells a side. z: surface, see SURFACE_. w: samples.
     options: vec4<u32>,
-    /// x: the first workgroup's tile. y, z: first sample and samples of this pass, one of several that add up.
+    /// x: tile of the first workgroup. y, z: first sample and number of samples of this pass; passes add up.
     output: vec4<u32>,
 }
 
 @group(1) @binding(1) var<uniform> scene: Scene;
-/// A pixel: red, green and blue.
+/// The picture: red, green and blue of each pixel.
 @group(1) @binding(2) var<storage, read_write> pixels: array<f32>;
-/// The tiles of 8 x 8 pixels that show something, one per workgroup: the upper left pixel, x in the lower half.
+/// The visible tiles of 8 x 8 pixels, one per workgroup: the upper left pixel, x in the lower half.
 @group(1) @binding(3) var<storage, read> tiles: array<u32>;
 
-/// The rule of model normals, which Gaussian lights and whether a table has it, and whether the light of models without a
-/// table is other than a rectangle. These are constants of the pipeline, since software drivers run both sides of a branch.
+/// The rule of model normals; the kind of Gaussian, and whether a table has it; whether models without a table light a
+/// polygon other than a rectangle. These are constants of the pipeline, because software drivers run both sides of a
+/// branch.
 override normals_rule: u32 = RULE_BALANCED;
 override gaussian: u32 = 0u;
 override gaussian_is_fitted: bool = false;
-/// How the second lobe of a table is used, see SECOND_.
+/// The use of a table's second lobe, see SECOND_.
 override second_lobe: u32 = SECOND_NONE;
 override light_is_polygon: bool = true;
-/// Whether light from below the surface is cut off, where a table of LTCs lets it through.
+/// Whether lobes end at the surface. Otherwise, an LTC lets light through from below.
 override light_is_cut: bool = false;
-/// Whether what facets lose to each other is given back.
+/// Whether to give back the energy that shadowing loses.
 override is_compensated: bool = false;
 
 const RULE_BALANCED: u32 = 0u;
@@ -51,28 +53,28 @@ const SECOND_BLENDED: u32 = 2u;
 const SURFACE_SPHERE: u32 = 0u;
 const SURFACE_FLOOR: u32 = 1u;
 
-/// View directions whose cosine is below this are raised to it, since the horizon itself reflects nothing.
+/// The smallest cosine of a view direction. A view along the horizon reflects nothing.
 const LOWEST_VIEW: f32 = 1e-3;
-/// Nearer to a pole than this, circles of latitude have no direction.
+/// The smallest distance from a pole at which circles of latitude have a direction.
 const POLE: f32 = 1e-4;
-/// An eye below this height does not see the floor.
+/// The smallest height from which the floor is visible.
 const LOWEST_EYE: f32 = 1e-3;
 
 struct Seen {
     at: Shaded,
-    /// How much of the pixel it fills.
+    /// The fraction of the pixel that the surface covers.
     coverage: f32,
-    /// How far away it is.
+    /// The distance from the eye.
     distance: f32,
 }
 
-/// A workgroup's pixel; at the picture's edge it may lie outside.
+/// The pixel of an invocation. At the edge of the picture it may lie outside.
 fn pixel_of(group: vec3<u32>, local: vec3<u32>) -> vec2<u32> {
     let corner = tiles[scene.output.x + group.x];
     return vec2(corner & 0xffffu, corner >> 16u) + local.xy;
 }
 
-/// Middle of a pixel within its cell, from -1 to 1, y upwards; z: which cell.
+/// The place of a pixel's middle within its cell (xy), from -1 to 1, y upwards; the number of the cell (z).
 fn place_of(pixel: vec2<u32>) -> vec3<f32> {
     let side = scene.options.x / scene.options.y;
     let cell = min(pixel / side, vec2(scene.options.y - 1u));
@@ -80,7 +82,7 @@ fn place_of(pixel: vec2<u32>) -> vec3<f32> {
     return vec3(within.x, -within.y, f32(cell.y * scene.options.y + cell.x));
 }
 
-/// The sphere of radius one around the origin, or the floor y = 0.
+/// The visible surface at a place: the unit sphere around the origin, or the floor y = 0.
 fn see(place: vec3<f32>) -> Seen {
     let ray = normalize(scene.forward.xyz + scene.right.xyz * place.x + scene.up.xyz * place.y);
     let eye = scene.eye.xyz;
@@ -98,7 +100,7 @@ fn see(place: vec3<f32>) -> Seen {
         let fades = 1.0 - t / scene.background.w;
         seen.coverage = select(0.0, clamp(2.0 * fades, 0.0, 1.0), ray.y < -1e-6 && eye.y > LOWEST_EYE);
     } else {
-        // Beside the sphere, its nearest point: the pixels at the rim are covered in part.
+        // A ray that misses the sphere takes its nearest point. Pixels at the rim are partly covered.
         let closest = -dot(eye, ray);
         let nearest = eye + closest * ray;
         let distance2 = dot(nearest, nearest);
@@ -141,18 +143,18 @@ fn shade_by_table(at: Shaded) -> vec3<f32> {
     return reflected(parts * vec2(covered_by(lobes.first.m, at), covered_by(lobes.second, at)), parts.x);
 }
 
-/// The part of the lobe of a matrix that the light covers.
+/// The part of a matrix's lobe that the light covers.
 fn covered_by(m: mat3x3<f32>, at: Shaded) -> f32 {
     let inverse = ltc_inverse(m);
     if (light_is_cut) {
         return covered_above(inverse, at);
     }
-    // World to cosine space in one matrix.
+    // A single matrix goes from world space to cosine space.
     let to_cosine = inverse.m * transpose(mat3x3(at.x, at.y, at.z));
     if (light_shape != LIGHT_POLYGON) {
         return shape_covered(LtcInverse(to_cosine, inverse.side), at.position);
     }
-    // The outline of the light from the shaded point, in world space.
+    // The outline of the light relative to the shaded point, in world space.
     if (light.options.x == 4u) {
         let p = at.position;
         let corners = array<vec3<f32>, 4>(
@@ -183,7 +185,7 @@ fn shape_covered(inverse: LtcInverse, position: vec3<f32>) -> f32 {
     return ltc_tube(inverse, start, end, light.centre.w);
 }
 
-/// The vertices that models of polygons light, around a point of the surface in its tangent frame.
+/// The vertices of the light for models of polygons, relative to the shaded point, in its tangent frame.
 fn outline_of(at: Shaded) -> array<vec3<f32>, 8> {
     let to_local = transpose(mat3x3(at.x, at.y, at.z));
     var vertices: array<vec3<f32>, 8>;
@@ -194,7 +196,7 @@ fn outline_of(at: Shaded) -> array<vec3<f32>, 8> {
         }
         return vertices;
     }
-    // One by one, since software drivers write by an index that is not a constant pixel by pixel.
+    // Written one by one: software drivers are slow at indices that are not constant.
     vertices[0] = to_local * (light.vertices[0].xyz - at.position);
     vertices[1] = to_local * (light.vertices[1].xyz - at.position);
     vertices[2] = to_local * (light.vertices[2].xyz - at.position);
@@ -252,7 +254,7 @@ fn shade_by_gaussian(at: Shaded) -> vec3<f32> {
     return reflected(gaussians_outline_finish(view, outline, light.options.y == 1u), albedo_of(at));
 }
 
-/// The albedo of GGX for a Fresnel factor of one; only where anything depends on it.
+/// The albedo of GGX for a Fresnel factor of one; 1 where it is not used.
 fn albedo_of(at: Shaded) -> f32 {
     if (is_compensated) {
         return ltc_albedo(at.alpha.x, at.alpha.y, at.wo);
@@ -260,12 +262,12 @@ fn albedo_of(at: Shaded) -> f32 {
     return 1.0;
 }
 
-/// Radiance from the two parts of what is reflected of white light, f90 = 1, and the albedo of a surface.
+/// Radiance from the two parts of reflected white light, f90 = 1, and the albedo of the surface.
 fn reflected(parts: vec2<f32>, albedo: f32) -> vec3<f32> {
     return reflected_colours(vec3(parts.x), vec3(parts.y), albedo);
 }
 
-/// The same of coloured light: all of it, and Schlick's part.
+/// Radiance from the two parts of reflected coloured light.
 fn reflected_colours(all: vec3<f32>, fresnel: vec3<f32>, albedo: f32) -> vec3<f32> {
     let once = (scene.f0.xyz * (all - fresnel) + fresnel) * light.radiance.x;
     if (is_compensated) {

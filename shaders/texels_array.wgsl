@@ -1,10 +1,11 @@
-// A table in one 2D array, for renderers that have no 3D textures or no samplers to spare: a layer for each alpha, first of what
-// ltc_table.wgsl calls a, then of b, then of terms; those of second lobes follow the first ones of the same part.
+// A table in a single 2D array, for renderers without 3D textures or without spare samplers. It has one layer for each
+// alpha: first all layers that ltc_table.wgsl calls a, then b, then terms. Within a part, second lobes follow first
+// lobes.
 
 @group(0) @binding(1) var ltc_layers: texture_2d_array<f32>;
 @group(0) @binding(2) var ltc_sampler: sampler;
 
-/// The entry at a texel; z counts the layers of one part.
+/// The entry at a texel; z is the layer within a part.
 fn ltc_fetch(texel: vec3<u32>) -> LtcTexels {
     let count = ltc_table.nodes.x + ltc_table.reading.z;
     return LtcTexels(
@@ -14,7 +15,8 @@ fn ltc_fetch(texel: vec3<u32>) -> LtcTexels {
     );
 }
 
-/// The sampler's mean of the entries around a place, within the layers of one alpha. at runs from 0 to 1 across them.
+/// The sampler's mean of the entries around a place, in the layer `alpha` of each part. at runs from 0 to 1 across a
+/// layer.
 fn ltc_sample_layers(at: vec2<f32>, alpha: u32) -> LtcTexels {
     let count = ltc_table.nodes.x + ltc_table.reading.z;
     return LtcTexels(
@@ -24,8 +26,8 @@ fn ltc_sample_layers(at: vec2<f32>, alpha: u32) -> LtcTexels {
     );
 }
 
-/// The same between two layers, which no sampler weighs; alpha counts nodes, from half a node before the first, whose layer is
-/// given.
+/// The mean between two layers, interpolated here. alpha counts nodes and starts half a node before the first node,
+/// whose layer is `layer`.
 fn ltc_sample(at: vec2<f32>, alpha: f32, layer: u32) -> LtcTexels {
     let from_first = max(alpha - 0.5, 0.0);
     let lower = u32(from_first);

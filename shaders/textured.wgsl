@@ -1,12 +1,12 @@
-/// How often a picture is read for a light: 1, 2, 4 or 6.
+/// The number of readings of a picture for each light: 1, 2, 4 or 6.
 const TEXTURED_READINGS: u32 = 4u;
 
-/// The pictures of lights, a layer each, with all levels that the prefilter makes; the sampler is linear between texels and
-/// levels, and clamps.
+/// The pictures of lights, one in each layer, with all levels of the prefilter. The sampler is linear between texels
+/// and levels, and clamps to the edge.
 @group(0) @binding(0) var textured_pictures: texture_2d_array<f32>;
 @group(0) @binding(1) var textured_picture_sampler: sampler;
 
-/// A rectangle by its first corner, the directions of its sides and their lengths.
+/// A rectangle: its first corner, the unit directions of its sides, and their lengths.
 struct TexturedFrame {
     corner: vec3<f32>,
     x: vec3<f32>,
@@ -14,7 +14,8 @@ struct TexturedFrame {
     size: vec2<f32>,
 }
 
-/// The bump (1 + Q)^-2 on a rectangle: Q grows by one along its longer axis at the root of radii2.x, across at that of radii2.y.
+/// The bump (1 + Q)^-2 on a rectangle. Q is 1 at the distance sqrt(radii2.x) along the longer axis, sqrt(radii2.y)
+/// across it.
 struct TexturedBump {
     middle: vec2<f32>,
     axis: vec2<f32>,
@@ -28,7 +29,8 @@ fn textured_frame(corners: array<vec3<f32>, 4>) -> TexturedFrame {
     return TexturedFrame(corners[0], x / size.x, y / size.y, size);
 }
 
-/// The smaller eigenvalue of a symmetric matrix, xx, xy, yy, and the larger; the direction of the smaller.
+/// The smaller and the larger eigenvalue of a symmetric matrix given as xx, xy, yy, and the eigenvector of the smaller
+/// (zw).
 fn textured_eigen(m: vec3<f32>) -> vec4<f32> {
     let mean = 0.5 * (m.x + m.z);
     let apart = 0.5 * (m.x - m.z);
@@ -39,14 +41,15 @@ fn textured_eigen(m: vec3<f32>) -> vec4<f32> {
     return vec4(mean - distance, mean + distance, axis);
 }
 
-/// Q of a bump, for what lies between a point and the middle.
+/// The quadratic form Q of a bump at the offset d from its middle.
 fn textured_quadratic(bump: TexturedBump, d: vec2<f32>) -> f32 {
     let q = vec2(dot(d, bump.axis), d.y * bump.axis.x - d.x * bump.axis.y);
     return q.x * q.x / bump.radii2.x + q.y * q.y / bump.radii2.y;
 }
 
-/// Where a lamp's profile is read for a point of its light, and the radius of that reading, squared, over the profile's area: at
-/// the tangents of the direction from there to the shaded point, from -4 to 4, and no wider than a square of the light's area.
+/// The place (xy) at which to read a lamp's profile for point p of the light, and the reading's squared radius over the
+/// profile's area (z). A profile is stored by the tangents of the direction to the shaded point, from -4 to 4. Its blur
+/// is at most that of a square of the light's area.
 fn textured_profile(frame: TexturedFrame, p: vec2<f32>, radius2: f32) -> vec3<f32> {
     let area = frame.size.x * frame.size.y;
     let distance = abs(dot(frame.corner, cross(frame.x, frame.y)));
@@ -56,8 +59,9 @@ fn textured_profile(frame: TexturedFrame, p: vec2<f32>, radius2: f32) -> vec3<f3
     return vec3(0.5 + per_span * (foot - p), per_span * per_span * narrower);
 }
 
-/// The mean of a picture or of a lamp's profile, read along the longer axis of a bump where that is within the rectangle and above
-/// the lobe's end. picture is the layer, base the binary logarithm of halves of the root of how many texels its first level has.
+/// The mean colour of a picture or of a lamp's profile under the lobe. Readings are along the longer axis of the bump,
+/// within the rectangle and above the end of the lobe. picture is the layer; base is log2(sqrt(width height)) - 1 of
+/// the first level.
 fn textured_colour(
     lobe: TexturedLobe,
     frame: TexturedFrame,
@@ -68,7 +72,7 @@ fn textured_colour(
 ) -> vec3<f32> {
     let unit = sqrt(max(bump.radii2.x - bump.radii2.y, 1e-12 * bump.radii2.x));
     let along = bump.axis * unit;
-    // Where functions that are linear along it are not negative.
+    // height + t rise is linear along the axis; it must not be negative.
     let middle = frame.corner + bump.middle.x * frame.x + bump.middle.y * frame.y;
     let height = textured_height(lobe, middle);
     let rise = textured_height(lobe, along.x * frame.x + along.y * frame.y);

@@ -1,19 +1,19 @@
-/** Babylon adds this to the square of a roughness. */
+/** The number that Babylon adds to the square of a roughness. */
 const MINIMUM_VARIANCE = 0.0005;
 
 /**
- * Sets the roughness of GGX along the tangent and across it. Babylon has it as `roughness` and `anisotropy`, whose intensity
- * stretches the lobe along a direction: alpha = roughness^2 + 0.0005 across, and along it alpha + (1 - alpha) intensity^2.
+ * Sets the GGX roughness along the tangent and across it, as Babylon's `roughness` and `anisotropy`. The intensity stretches the
+ * lobe along a direction: alpha = roughness^2 + 0.0005 across, and alpha + (1 - alpha) intensity^2 along it.
  *
  * @param {Object} material - A PBRMaterial or one of its simpler forms.
- * @param {number} alphaX - GGX alpha along the tangent, in (0, 1], of which Babylon takes 0.0005 at least.
- * @param {number} alphaY - GGX alpha across it, likewise.
+ * @param {number} alphaX - GGX alpha along the tangent, in (0, 1]. Babylon raises it to 0.0005.
+ * @param {number} alphaY - GGX alpha across the tangent, in (0, 1]. Babylon raises it to 0.0005.
  */
 export function setAlphas( material, alphaX, alphaY ) {
 
 	for ( const alpha of [ alphaX, alphaY ] ) {
 
-		if ( ! ( alpha > 0 && alpha <= 1 ) ) throw new RangeError( `alpha is ${ alpha }: it has to be above 0 and at most 1` );
+		if ( ! ( alpha > 0 && alpha <= 1 ) ) throw new RangeError( `alpha is ${ alpha }: it must be above 0 and at most 1` );
 
 	}
 

@@ -1,28 +1,28 @@
-// Area lights on anisotropic GGX for Babylon.js: replaces the lookup of linearly transformed cosines, which knows round lobes
-// only, by the closed form that `ltcforge shader --model normals --language glsl-es` writes, which needs no table.
+// Area lights on anisotropic GGX for Babylon.js. They replace the lookup of linearly transformed cosines, which supports
+// isotropic lobes only, by the closed form from `ltcforge shader --model normals --language glsl-es`. It needs no table.
 //
-// Works on PBRMaterial, PBRMetallicRoughnessMaterial and PBRSpecularGlossinessMaterial with Babylon's own RectAreaLight,
-// `roughness` and `anisotropy`. Diffuse light stays Babylon's. Nothing is imported: what is needed of Babylon is handed in,
-// be it the global BABYLON or a namespace of @babylonjs/core.
+// This works on PBRMaterial, PBRMetallicRoughnessMaterial and PBRSpecularGlossinessMaterial with Babylon's RectAreaLight,
+// `roughness` and `anisotropy`. Diffuse light does not change. The module imports nothing: pass it the global BABYLON or a
+// namespace of @babylonjs/core.
 
 import { definitions, ENGINE_LINES, forLight, lightPattern, LIGHTS_BEGIN, lightsBegin } from './patches.js';
 
 export { setAlphas } from './alphas.js';
 
 /**
- * Lights a material's gloss by Babylon's rectangular lights in closed form.
+ * Lights a material's gloss by Babylon's rectangular lights, in closed form.
  *
  * @param {Object} material - A PBRMaterial or one of its simpler forms. It gets a plugin.
- * @param {string} normalsGlsl - What `ltcforge shader --model normals --language glsl-es` prints, of any rule.
- * @param {Object} BABYLON - Has MaterialPluginBase, RegisterClass and ShaderStore.
+ * @param {string} normalsGlsl - The output of `ltcforge shader --model normals --language glsl-es`, with any rule.
+ * @param {Object} BABYLON - An object with MaterialPluginBase, RegisterClass and ShaderStore.
  * @returns {Object} The material.
  */
 export function withClosedFormAreaLights( material, normalsGlsl, BABYLON ) {
 
 	requireText( normalsGlsl );
 	requireMaterial( material );
-	// Tells at once, rather than at the first frame, that this Babylon has other lines. Modules of @babylonjs/core load
-	// shaders with the first material; then `getCustomCode` tells.
+	// Reports another version of Babylon now, and not at the first frame. Modules of @babylonjs/core load shaders with the first
+	// material; then `getCustomCode` reports it.
 	if ( BABYLON.ShaderStore.IncludesShadersStore.lightFragment ) requireEngineLines( BABYLON );
 	const Plugin = areaLightsPlugin( BABYLON );
 	( pluginOf( material ) || new Plugin( material ) ).normalsGlsl = normalsGlsl;
@@ -31,9 +31,9 @@ export function withClosedFormAreaLights( material, normalsGlsl, BABYLON ) {
 }
 
 /**
- * Gives a material Babylon's own area lights back. Babylon has no way to remove a plugin: ours stays and adds nothing.
+ * Gives a material Babylon's own area lights back. Babylon cannot remove a plugin, so ours stays and adds nothing.
  *
- * @param {Object} material - One that is not patched stays as it is.
+ * @param {Object} material - The material. An unpatched material does not change.
  * @returns {Object} The material.
  */
 export function withoutAreaLights( material ) {
@@ -44,21 +44,21 @@ export function withoutAreaLights( material ) {
 
 }
 
-/** The plugin's name, and that of its class. */
+/** The name of the plugin and of its class. */
 const NAME = 'LtcforgeAreaLights';
 
 const pluginOf = ( material ) => material.pluginManager ? material.pluginManager.getPlugin( NAME ) : null;
 
-/** Classes of the plugin by the MaterialPluginBase that they extend. */
+/** Classes of the plugin, by the MaterialPluginBase that they extend. */
 const classes = new WeakMap();
 
-/** Texts that were used. Babylon shares shaders by their defines, so that each text needs a number there. */
+/** The texts in use. Babylon shares shaders by their defines, so each text needs a number in the defines. */
 const texts = [ '' ];
 
 /**
- * The plugin's class. Babylon finds it by its name where it parses a scene that has patched materials; so call this before.
+ * The class of the plugin. Call this before Babylon parses a scene with patched materials, because it finds the class by name.
  *
- * @param {Object} BABYLON - Has MaterialPluginBase, RegisterClass and ShaderStore.
+ * @param {Object} BABYLON - An object with MaterialPluginBase, RegisterClass and ShaderStore.
  */
 export function areaLightsPlugin( BABYLON ) {
 
@@ -105,7 +105,7 @@ export function areaLightsPlugin( BABYLON ) {
 		getCustomCode( shaderType ) {
 
 			if ( shaderType !== 'fragment' ) return null;
-			// Babylon asks for the places first, from within the constructor, and for the code with each shader that it makes.
+			// Babylon asks for the places first, from its constructor, and then for the code with each shader.
 			const hasUbo = this._material.getScene().getEngine().supportsUniformBuffers;
 			const places = [ 'CUSTOM_FRAGMENT_DEFINITIONS', `!${ inPattern( LIGHTS_BEGIN ) }`, `!${ lightPattern( hasUbo ) }` ];
 			if ( this.normalsGlsl === '' ) return Object.fromEntries( places.map( ( place ) => [ place, '' ] ) );
@@ -121,7 +121,7 @@ export function areaLightsPlugin( BABYLON ) {
 
 		}
 
-		// Of a scene's file, and of the material that is cloned.
+		// The data come from a scene's file, or from the material that is cloned.
 		parse( source, scene, rootUrl ) {
 
 			super.parse( source, scene, rootUrl );
@@ -149,7 +149,7 @@ function requireEngineLines( { ShaderStore } ) {
 	for ( const [ include, lines ] of Object.entries( ENGINE_LINES ) ) for ( const line of lines ) {
 
 		if ( ( ShaderStore.IncludesShadersStore[ include ] || '' ).split( line ).length === 2 ) continue;
-		throw new Error( `${ include } of this Babylon.js has not exactly one place with \`${ line }\`; this plugin is for 9.34` );
+		throw new Error( `${ include } of this Babylon.js must contain \`${ line }\` exactly once; this plugin is for 9.34` );
 
 	}
 
@@ -158,7 +158,7 @@ function requireEngineLines( { ShaderStore } ) {
 function requireText( text ) {
 
 	if ( typeof text === 'string' && text.includes( 'normals_rectangle(' ) && text.includes( 'NormalsView normals_view(' ) ) return;
-	throw new TypeError( 'the shader has to be the text that `ltcforge shader --model normals --language glsl-es` prints' );
+	throw new TypeError( 'the shader must be the output of `ltcforge shader --model normals --language glsl-es`' );
 
 }
 
@@ -167,7 +167,7 @@ function requireMaterial( material ) {
 	const name = material && material.getClassName ? material.getClassName() : material;
 	if ( ! material || ! material.anisotropy || ! material.isMetallicWorkflow ) {
 
-		throw new TypeError( `${ name } is not lit by the shader of PBRMaterial, which this plugin is for` );
+		throw new TypeError( `${ name } is not lit by the shader of PBRMaterial, as this plugin requires` );
 
 	}
 

@@ -1,23 +1,23 @@
-// The scene of the examples by Babylon.js, which is the global BABYLON.
+// The scene of the examples in Babylon.js, which is the global BABYLON.
 
 import { glowOf, meshOf } from '../common/mesh.js';
 import { axesOf, camera as eye, surfaces } from '../common/scene.js';
 import { setAlphas } from './alphas.js';
 
-/** Babylon takes a light's colour for the material's reflectance too, so none is above one: the rest is the material's. */
+/** The factor moved from the lights to the materials. Babylon uses a light's colour as a reflectance too, so it is at most one. */
 const BRIGHTEST = 2;
 
 function meshIn( scene, { positions, normals, tangents, uvs, indices }, material ) {
 
 	const mesh = new BABYLON.Mesh( 'mesh', scene );
-	// Babylon finds the direction of the anisotropy in the tangents. Its triangles run clockwise.
+	// Babylon takes the direction of the anisotropy from the tangents. Its triangles run clockwise.
 	Object.assign( new BABYLON.VertexData(), { positions, normals, tangents, uvs, indices: indices.toReversed() } ).applyToMesh( mesh );
 	mesh.material = material;
 	return mesh;
 
 }
 
-/** A light of Babylon's, which shines along -z and turns with its parent alone. */
+/** A light of Babylon, which emits along -z and rotates only with its parent. */
 export function lightIn( scene, lamp ) {
 
 	const holder = new BABYLON.TransformNode( 'holder', scene );
@@ -32,28 +32,28 @@ export function lightIn( scene, lamp ) {
 }
 
 /**
- * @param {Object[]} lamps - Lights as scene.js has them.
- * @param {function(Object): Object} patch - Patches a surface's material.
+ * @param {Object[]} lamps - Lights as in scene.js.
+ * @param {function(Object): Object} patch - Patches the material of a surface.
  * @param {Object[]} [shown] - The surfaces.
- * @param {{ rightHanded?: boolean }} [options] - A left-handed scene is the mirrored one.
+ * @param {{ rightHanded?: boolean }} [options] - A left-handed scene is mirrored.
  */
 export function litScene( engine, lamps, patch, shown = surfaces, { rightHanded = true } = {} ) {
 
 	const scene = new BABYLON.Scene( engine );
 	scene.useRightHandedSystem = rightHanded;
 	scene.clearColor = new BABYLON.Color4( 0, 0, 0, 1 );
-	// Linear radiance: no tone mapping and no gamma at the end of the material.
+	// The output is linear radiance: no tone mapping and no gamma.
 	scene.imageProcessingConfiguration.applyByPostProcess = true;
 
 	for ( const surface of shown ) {
 
-		// Of metal Babylon takes f0 from the colour; plastic without diffuse light is metal of a dark colour.
+		// Babylon takes the f0 of metal from the colour. Plastic without diffuse light is metal of a dark colour.
 		const material = new BABYLON.PBRMaterial( 'metal', scene );
 		material.metallic = 1;
 		material.albedoColor = new BABYLON.Color3( ...surface.f0 );
 		material.directIntensity = BRIGHTEST;
 		material.maxSimultaneousLights = Math.max( lamps.length, 1 );
-		// The truth has one reflection; this would add a guess of the others.
+		// The truth has a single reflection. This option would add an estimate of further reflections.
 		material.brdf.useEnergyConservation = false;
 		setAlphas( material, ...surface.alpha );
 		meshIn( scene, meshOf( surface ), patch( material ) );
@@ -79,7 +79,7 @@ export function litScene( engine, lamps, patch, shown = surfaces, { rightHanded 
 
 }
 
-/** A picture as numbers: linear radiance, four floats a pixel, from the bottom left. The engine's canvas has its shape. */
+/** A picture as numbers: linear radiance, four floats a pixel, from the bottom left. The engine's canvas has the same shape. */
 export async function render( scene, width, height ) {
 
 	const target = new BABYLON.RenderTargetTexture( 'target', { width, height }, scene, {
@@ -97,7 +97,7 @@ export async function render( scene, width, height ) {
 
 }
 
-/** Waits for the table that Babylon's own area lights read: its textures are ready before their numbers are there. */
+/** Waits for the table of Babylon's own area lights. Its textures are ready before they have numbers. */
 export function tableOf( scene ) {
 
 	const { LTC1, LTC2 } = scene._ltcTextures;

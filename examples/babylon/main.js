@@ -1,4 +1,4 @@
-// Draws the scene by Babylon.js as it is and by the closed form's three rules, and shows the truth beside them.
+// Draws the scene with Babylon.js alone and with the three rules of the closed form, and shows the truth next to them.
 
 import { compare, height, lamps, width } from '../common/page.js';
 import { fromTop } from '../common/pixels.js';

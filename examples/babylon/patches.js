@@ -1,13 +1,13 @@
-// The lines of Babylon's shader that are replaced, and by what. Everything is in world space.
+// The lines of Babylon's shader that are replaced, and their replacements. Everything is in world space.
 
 /** The line before the lights. */
 export const LIGHTS_BEGIN = 'vec3 diffuseBase=vec3(0.,0.,0.);';
 
-/** The line of each area light, by its number. Without uniform buffers, the number stands at the end of a uniform's name. */
+/** The pattern of each area light's line, with its number. Without uniform buffers, the number ends the name of a uniform. */
 export const lightPattern = ( hasUbo ) =>
 	String.raw`info\.specular=computeAreaSpecularLighting\(preInfo,(${ hasUbo ? String.raw`light(\d+)\.vLightSpecular` : String.raw`vLightSpecular(\d+)` }\.rgb),([\w.]+),([\w.]+)\);`;
 
-/** By include, what has to stand there once: the lines that are replaced, and what our code calls. */
+/** For each include, lines that must occur once: lines that are replaced, and functions that our code calls. */
 export const ENGINE_LINES = {
 	pbrBlockDirectLighting: [ LIGHTS_BEGIN ],
 	lightFragment: [ 'info.specular=computeAreaSpecularLighting(preInfo,light{X}.vLightSpecular.rgb,clearcoatOut.specularEnvironmentR0,reflectivityOut.colorReflectanceF90);' ],
@@ -19,18 +19,18 @@ export const ENGINE_LINES = {
 
 const HAS_AREA_LIGHTS = '#if defined(AREALIGHTUSED) && defined(SPECULARTERM)';
 
-/** Babylon breaks lines at semicolons, in comments too: so the code has none. */
+/** The code without comments, because Babylon breaks lines at semicolons, even in comments. */
 const uncommented = ( code ) => code.replace( /\/\/.*$/gm, '' );
 
-/** What stands before `main`. */
+/** The code before `main`. */
 export const definitions = ( normalsGlsl ) => uncommented( `
 ${ HAS_AREA_LIGHTS }
 ${ normalsGlsl }
 struct AreaRectangle { vec3 centre; vec3 halfWidth; vec3 halfHeight; };
-// x - y is the part of f0, y that of f90 (Schlick).
+// x - y is weighed by f0, y by f90 (Schlick).
 vec2 area_parts( NormalsView view, mat3 toTangentFrame, AreaRectangle light, vec3 position ) {
 	vec3 toCentre = light.centre - position;
-	// Babylon's corners run counterclockwise seen from the lit side, which is the light's -z; these have to run clockwise.
+	// Babylon's corners run counterclockwise as seen from the side that emits, which is the light's -z. These must run clockwise.
 	vec3 corners[ 4 ] = vec3[ 4 ](
 		toTangentFrame * ( toCentre + light.halfWidth + light.halfHeight ),
 		toTangentFrame * ( toCentre - light.halfWidth + light.halfHeight ),
@@ -43,10 +43,10 @@ vec2 area_parts( NormalsView view, mat3 toTangentFrame, AreaRectangle light, vec
 ` );
 
 /**
- * What stands before the lights. Babylon writes the code of each light one after the other; here one loop goes over the
- * rectangles, so that drivers compile the closed form once.
+ * The code before the lights. Babylon writes the code of each light one after another. Here a loop runs over the rectangles, so
+ * drivers compile the closed form once.
  *
- * @param {number} most - As many lights as the material may have.
+ * @param {number} most - The most lights that the material may have.
  * @param {boolean} hasUbo - Whether uniforms of lights are in buffers.
  */
 export function lightsBegin( most, hasUbo ) {
@@ -66,7 +66,7 @@ ${ HAS_AREA_LIGHTS }
 	areaAlong = anisotropicOut.anisotropicTangent;
 #endif
 	areaAlphas = max( areaAlphas, vec2( square( AARoughnessFactors.x ) ) );
-	// The tangent frame. GGX does not tell y from -y, so the frame is right-handed whatever the texture coordinates are.
+	// The tangent frame. GGX is symmetric in y, so the frame is right-handed for any texture coordinates.
 	areaAlong = normalize( areaAlong - normalW * dot( normalW, areaAlong ) );
 	mat3 areaFrame = transpose( mat3( areaAlong, cross( normalW, areaAlong ), normalW ) );
 	// An interpolated normal may face away from the viewer.
@@ -83,7 +83,7 @@ ${ HAS_AREA_LIGHTS }
 
 }
 
-/** What stands for the line of a light; $0 is that line, $1 its colour, $2 its number, $3 and $4 the material's f0 and f90. */
+/** The replacement of a light's line. $0 is the line, $1 its colour, $2 its number, $3 and $4 the material's f0 and f90. */
 export const forLight = `
 #if defined(RECTAREALIGHTEMISSIONTEXTURE$2)
 $0

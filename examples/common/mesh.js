@@ -2,13 +2,13 @@
 
 import { axesOf } from './scene.js';
 
-/** Sectors of a ring. */
+/** The number of sectors of a ring. */
 const SECTORS = 512;
 
 /**
- * @param {Object} surface - With `size` or `radii`, see scene.js.
+ * @param {Object} surface - Has `size` or `radii`, see scene.js.
  * @returns {{ positions: number[], normals: number[], tangents: number[], uvs: number[], indices: number[] }} Triangles run
- * counterclockwise seen from the front. Tangents have four numbers; they run along `right`, of a ring along the radius.
+ * counterclockwise as seen from the front. Tangents have four numbers. They run along `right`, and on a ring along the radius.
  */
 export function meshOf( surface ) {
 
@@ -46,5 +46,5 @@ export function meshOf( surface ) {
 
 }
 
-/** The rectangle that a light shows. */
+/** The visible rectangle of a light. */
 export const glowOf = ( lamp ) => meshOf( { ...lamp, size: [ lamp.width, lamp.height ] } );

@@ -1,6 +1,6 @@
-// The page of an example: an engine's pictures beside the truth, each with its mean error.
-// ?width=96&height=64 sets the size of each picture in pixels, ?scale=2 how large a pixel is shown, ?lights=4 how many
-// lights there are.
+// The page of an example: an engine's pictures next to the truth, each with its mean error. Parameters:
+// ?width=96&height=64 sets the size of each picture in pixels, ?scale=2 the size of a shown pixel, ?lights=4 the number of
+// lights.
 
 import { meanError } from './pixels.js';
 import { lightsOf } from './scene.js';
@@ -19,10 +19,10 @@ const CAPTIONS = {
 	truth: 'truth',
 };
 
-/** What an error of linear radiance is multiplied by to be seen. */
+/** The factor that makes errors of linear radiance visible. */
 const ERROR_SCALE = 10;
 
-/** Radiance, four numbers a pixel from the top left, in sRGB: white is 1. */
+/** A canvas in sRGB from radiance, four numbers a pixel, from the top left. White is 1. */
 function canvasOf( pixels ) {
 
 	const canvas = Object.assign( document.createElement( 'canvas' ), { width, height } );
@@ -41,28 +41,28 @@ function canvasOf( pixels ) {
 
 }
 
-/** Shows a picture above its caption. Returns the caption. */
+/** Shows a picture with its caption below, and returns the caption. */
 function show( caption, pixels ) {
 
 	const figure = document.createElement( 'figure' );
-	const told = Object.assign( document.createElement( 'figcaption' ), { innerHTML: caption } );
-	figure.append( canvasOf( pixels ), told );
+	const figcaption = Object.assign( document.createElement( 'figcaption' ), { innerHTML: caption } );
+	figure.append( canvasOf( pixels ), figcaption );
 	document.querySelector( 'main' ).append( figure );
-	return told;
+	return figcaption;
 
 }
 
 /**
- * Shows pictures, then the truth and below each picture how far it is from it, which a test reads in `window.errors`.
+ * Shows pictures, the truth, and each picture's error below it. A test reads the errors in `window.errors`.
  *
- * @param {string} engine - Its name for readers.
- * @param {Object<string, Float32Array>} pictures - Linear radiance, four numbers a pixel from the top left, by `stock` and
+ * @param {string} engine - The name of the engine.
+ * @param {Object<string, Float32Array>} pictures - Linear radiance, four numbers a pixel, from the top left, for `stock` and
  * the names in `CAPTIONS`.
  */
 export async function compare( engine, pictures ) {
 
-	const captions = { stock: `${ engine } as it is: round lobes`, ...CAPTIONS };
-	const told = Object.fromEntries( Object.entries( pictures ).map( ( [ name, pixels ] ) => [ name, show( captions[ name ], pixels ) ] ) );
+	const captions = { stock: `${ engine } unchanged: isotropic lobes`, ...CAPTIONS };
+	const figcaptions = Object.fromEntries( Object.entries( pictures ).map( ( [ name, pixels ] ) => [ name, show( captions[ name ], pixels ) ] ) );
 	const waiting = document.querySelector( 'main' ).appendChild( document.createElement( 'p' ) );
 	waiting.textContent = 'The truth is being computed.';
 	try {
@@ -77,8 +77,8 @@ export async function compare( engine, pictures ) {
 
 			errors[ name ] = meanError( pixels, truth, width, height );
 			const isLamp = ( i ) => truth[ 4 * Math.floor( i / 4 ) + 3 ] < 0;
-			told[ name ].after( canvasOf( pixels.map( ( value, i ) => isLamp( i ) ? 0 : ERROR_SCALE * Math.abs( value - truth[ i ] ) ) ) );
-			told[ name ].append( `; ${ ERROR_SCALE } x error, whose mean is ${ errors[ name ].toPrecision( 2 ) }` );
+			figcaptions[ name ].after( canvasOf( pixels.map( ( value, i ) => isLamp( i ) ? 0 : ERROR_SCALE * Math.abs( value - truth[ i ] ) ) ) );
+			figcaptions[ name ].append( `; ${ ERROR_SCALE } x error; mean error ${ errors[ name ].toPrecision( 2 ) }` );
 
 		}
 
@@ -86,7 +86,7 @@ export async function compare( engine, pictures ) {
 
 	} catch ( error ) {
 
-		waiting.textContent = `No truth: ${ error.message }`;
+		waiting.textContent = `The truth is missing: ${ error.message }`;
 		window.errors = { failed: error.message };
 
 	}

@@ -1,11 +1,11 @@
-// Pictures of the scene as numbers: their rows turned around, and how far they are from the truth.
+// Pictures of the scene as numbers: the order of their rows, and their error.
 
 /**
- * Mean absolute error of linear radiance over the surfaces. Pixels at edges are left out: another rule may give them to
- * another surface.
+ * The mean absolute error of linear radiance over the surfaces. Pixels at edges are left out, because rasterizers may assign
+ * them to different surfaces.
  *
  * @param {ArrayLike<number>} pixels - Four numbers a pixel, from the top left.
- * @param {ArrayLike<number>} truth - As `truth.js` gives it: the fourth number is the surface, none where it is negative.
+ * @param {ArrayLike<number>} truth - The result of `truth.js`. The fourth number is the surface; it is negative elsewhere.
  */
 export function meanError( pixels, truth, width, height ) {
 
@@ -34,7 +34,7 @@ export function meanError( pixels, truth, width, height ) {
 
 }
 
-/** Pixels from the top left, of four numbers each, of those from the bottom left. */
+/** Pixels of four numbers, reordered from bottom-left to top-left origin. */
 export function fromTop( pixels, width, height ) {
 
 	const turned = new Float32Array( pixels.length );

@@ -1,28 +1,28 @@
-// What is drawn, as numbers: read by the pages that draw it and by the program that computes the truth.
-// Lengths are metres, y is up. Surfaces are flat, so that no interpolated normal stands between the pictures, and have
-// gloss alone. Nothing casts a shadow.
+// The scene as numbers, for the pages that draw it and for the program that computes the truth. Lengths are metres, y is up.
+// Surfaces are flat, so interpolated normals cause no differences between the pictures. They have gloss only. Nothing casts a
+// shadow.
 
 export const camera = { eye: [ 0, 2.3, 3.6 ], target: [ 0, 0.1, - 0.1 ], fov: 40 };
 
-/** One-sided rectangles; they shine along their normals, `width` runs along `right`. Radiance is red, green, blue. */
+/** One-sided rectangles that emit along their normals; `width` is along `right`. Radiance is red, green, blue. */
 const all = [
 	{ centre: [ 0.1, 1.05, - 2.2 ], normal: [ 0, - 0.25, 1 ], right: [ 1, 0, 0 ], width: 2.4, height: 1, radiance: [ 2, 1.94, 1.8 ] },
 	{ centre: [ - 2.3, 0.9, - 0.4 ], normal: [ 1, - 0.3, 0.1 ], right: [ 0, 0, 1 ], width: 1.6, height: 0.5, radiance: [ 0.5, 1, 2 ] },
 	{ centre: [ 2.2, 0.8, - 0.6 ], normal: [ - 1, - 0.2, 0 ], right: [ 0, 0.1, 1 ], width: 0.8, height: 1.2, radiance: [ 2, 0.7, 0.4 ] },
-	// A strip that stands on the table.
+	// A strip on the table.
 	{ centre: [ - 0.2, 0.06, - 1.4 ], normal: [ 0, 0, 1 ], right: [ 1, 0, 0 ], width: 3, height: 0.12, radiance: [ 0.6, 2, 0.8 ] },
 ];
 
-/** The lights of the picture, of which `?lights=4` of the page asks for more than the first; eight for a shader's compile time. */
+/** The first `count` lights. The page uses one, or as many as `?lights=4` says; eight lights measure a shader's compile time. */
 export const lightsOf = ( count ) => Array.from( { length: count }, ( _, i ) => all[ i % all.length ] );
 
 /**
- * Rectangles of `size` and rings from `radii[ 0 ]` to `radii[ 1 ]`. `right` is tangential to the surface. `alpha` is GGX
- * roughness along x and y: of a rectangle along and across `right`, of a ring along and across the radius, as if it had
- * been turned on a lathe. `f0` is the reflectance seen from above, red, green, blue; at grazing angles it is 1 (Schlick).
+ * Rectangles of `size`, and rings from `radii[ 0 ]` to `radii[ 1 ]`. `right` is tangential to the surface. `alpha` is GGX
+ * roughness along x and y: on a rectangle along and across `right`, on a ring along and across the radius, as after turning on
+ * a lathe. `f0` is the reflectance at normal incidence, red, green, blue. At grazing angles it is 1 (Schlick).
  */
 export const surfaces = [
-	{ // A table brushed from left to right, which stretches the light's image towards the viewer.
+	{ // A table brushed from left to right, which stretches the image of the light towards the viewer.
 		centre: [ 0, 0, 0 ], normal: [ 0, 1, 0 ], right: [ 1, 0, 0 ],
 		size: [ 6, 5 ], alpha: [ 0.03, 0.25 ], f0: [ 0.55, 0.56, 0.58 ],
 	},
@@ -34,7 +34,7 @@ export const surfaces = [
 		centre: [ 0.8, 0.2, 0.3 ], normal: [ - 0.1, 1, 0.1 ], right: [ 0.9, 0.045, 0.45 ],
 		size: [ 1.15, 0.85 ], alpha: [ 0.5, 0.06 ], f0: [ 1, 0.77, 0.34 ],
 	},
-	{ // A black tile of plastic, which has no direction: here engines have the right lobe.
+	{ // A black plastic tile. It is isotropic, so the lobe of engines is right here.
 		centre: [ 0.1, 0.1, 1.1 ], normal: [ 0, 1, - 0.25 ], right: [ 1, 0, 0 ],
 		size: [ 0.8, 0.4 ], alpha: [ 0.1, 0.1 ], f0: [ 0.04, 0.04, 0.04 ],
 	},
@@ -47,7 +47,7 @@ const minus = ( a, b ) => sum( a, scaled( b, - 1 ) );
 const cross = ( a, b ) => [ 0, 1, 2 ].map( ( i ) => a[ ( i + 1 ) % 3 ] * b[ ( i + 2 ) % 3 ] - a[ ( i + 2 ) % 3 ] * b[ ( i + 1 ) % 3 ] );
 const unit = ( v ) => scaled( v, 1 / Math.sqrt( dot( v, v ) ) );
 
-/** Right-handed axes of a surface or a light: `right`, `up`, `normal`, each of length one. */
+/** The axes of a surface or a light, right-handed and of unit length: `right`, `up`, `normal`. */
 export function axesOf( { normal, right } ) {
 
 	const z = unit( normal );
@@ -56,7 +56,7 @@ export function axesOf( { normal, right } ) {
 
 }
 
-/** The light's corners in world space, clockwise seen from the lit side. */
+/** The corners of the light in world space, clockwise as seen from the side that emits. */
 export function cornersOf( rectangle ) {
 
 	const [ x, y ] = axesOf( rectangle );
@@ -68,11 +68,11 @@ export function cornersOf( rectangle ) {
 }
 
 /**
- * What the middle of a pixel sees.
+ * The visible point at the middle of a pixel.
  *
- * @returns {?{ surface: number, light: number, view: number[], corners: number[][][] }} Nothing, a light (`surface` is -1,
- * `light` its number), or a surface: its number, the direction to the eye and each light's corners around the point, all
- * in its tangent frame.
+ * @returns {?{ surface: number, light: number, view: number[], corners: number[][][] }} Null for nothing. For a light,
+ * `surface` is -1 and `light` its number. For a surface, its number, the direction to the eye, and the corners of each light
+ * relative to the point, all in the tangent frame.
  */
 export function seenBy( column, row, width, height, lights ) {
 
@@ -109,7 +109,7 @@ export function seenBy( column, row, width, height, lights ) {
 
 		}
 
-		// The tangent frame: a ring's x axis runs along the radius.
+		// The tangent frame. On a ring, x is along the radius.
 		const tangent = surface.radii
 			? unit( sum( scaled( axes[ 0 ], local[ 0 ] ), scaled( axes[ 1 ], local[ 1 ] ) ) )
 			: axes[ 0 ];

@@ -1,4 +1,4 @@
-// Serves the examples: `npm start` in the folder of one, then the address that it prints.
+// Serves the examples. Run `npm start` in the folder of an example, and open the address that it prints.
 
 import { createServer } from 'node:http';
 import { readFile } from 'node:fs/promises';
@@ -11,16 +11,16 @@ import { truth } from './truth.js';
 const EXAMPLES = fileURLToPath( new URL( '..', import.meta.url ) );
 const TYPES = { '.html': 'text/html', '.css': 'text/css', '.js': 'text/javascript', '.mjs': 'text/javascript', '.json': 'application/json' };
 
-/** Most pixels along a side that the truth is computed for. */
+/** The most pixels along a side for which the truth is computed. */
 const MOST_PIXELS = 1024;
 
 /**
- * Serves files on this machine alone.
+ * Serves files to this machine only.
  *
- * @param {Object<string, string>} folders - Folders by the beginning of their addresses; the longest that fits is taken.
- * @param {Object<string, function(URLSearchParams): Promise<Uint8Array>>} answers - What is computed, by its address.
- * @param {number} port - 0 for a free one.
- * @returns {Promise<import('node:http').Server>} The server, once it listens.
+ * @param {Object<string, string>} folders - Folders by the prefix of their addresses; the longest matching prefix counts.
+ * @param {Object<string, function(URLSearchParams): Promise<Uint8Array>>} answers - Functions that compute answers, by address.
+ * @param {number} port - The port, or 0 for a free port.
+ * @returns {Promise<import('node:http').Server>} The server, when it listens.
  */
 export function serve( folders, answers = {}, port = 0 ) {
 
@@ -51,7 +51,7 @@ export function serve( folders, answers = {}, port = 0 ) {
 
 }
 
-/** The file at an address. An address that leaves its folder has none. */
+/** The file at an address. Addresses outside the folder have no file. */
 function fileOf( folders, pathname ) {
 
 	const prefix = Object.keys( folders ).filter( ( start ) => pathname.startsWith( start ) ).sort( ( a, b ) => b.length - a.length )[ 0 ];
@@ -62,7 +62,7 @@ function fileOf( folders, pathname ) {
 
 }
 
-/** The program: LTCFORGE in the environment, else as this repository builds it, else the one on the path. */
+/** The program: LTCFORGE in the environment, or the program that this repository builds, or `ltcforge` on the path. */
 export function program() {
 
 	const built = [ 'release', 'debug' ].map( ( profile ) => join( EXAMPLES, '../target', profile, 'ltcforge' ) );
@@ -70,10 +70,10 @@ export function program() {
 
 }
 
-/** Most lights. */
+/** The most lights. */
 const MOST_LIGHTS = 8;
 
-/** The truth as an address answers it: `?width=96&height=64&lights=1`. */
+/** The truth for an address such as `?width=96&height=64&lights=1`. */
 export async function truthAnswer( query ) {
 
 	const [ width, height, lights ] = [ [ 'width', MOST_PIXELS ], [ 'height', MOST_PIXELS ], [ 'lights', MOST_LIGHTS ] ].map( ( [ name, most ] ) => {
@@ -81,7 +81,7 @@ export async function truthAnswer( query ) {
 		const number = Number( query.get( name ) );
 		if ( ! Number.isInteger( number ) || number < 1 || number > most ) {
 
-			throw new Error( `${ name } is ${ query.get( name ) }: it has to be a whole number from 1 to ${ most }` );
+			throw new Error( `${ name } is ${ query.get( name ) }: it must be a whole number from 1 to ${ most }` );
 
 		}
 

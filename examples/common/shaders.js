@@ -1,4 +1,4 @@
-// Writes the shaders of an example with the program: `npm run build` in the example's folder. `npm start` and `npm pack` do it first.
+// Writes the shaders of an example with `ltcforge`. Run `npm run build` in the example's folder; `npm start` and `npm pack` do it.
 
 import { execFileSync } from 'node:child_process';
 import { mkdirSync } from 'node:fs';
@@ -6,10 +6,10 @@ import { basename } from 'node:path';
 
 import { program } from './serve.js';
 
-/** The closed form by each of its rules. */
+/** The closed form, with each of its rules. */
 const rules = ( language ) => [ 'fast', 'balanced', 'fine' ].map( ( rule ) => [ `normals_${ rule }`, language, '--model', 'normals', '--rule', rule ] );
 
-/** By example: file, language, and the other arguments of `ltcforge shader`. */
+/** For each example: file, language, and the other arguments of `ltcforge shader`. */
 const SHADERS = {
 	babylon: rules( 'glsl' ),
 	playcanvas: rules( 'glsl' ),

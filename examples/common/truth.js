@@ -1,5 +1,5 @@
-// The truth for every pixel of the scene: adaptive quadrature in double precision by `ltcforge light --truth`, which
-// shares no line with the shader. One surface reflects the light once; nothing casts a shadow.
+// The truth for every pixel of the scene, from adaptive quadrature in double precision by `ltcforge light --truth`. It shares
+// no code with the shaders. Surfaces reflect light once. Nothing casts a shadow.
 
 import { spawn } from 'node:child_process';
 import { availableParallelism } from 'node:os';
@@ -8,8 +8,8 @@ import { lightsOf, seenBy, surfaces } from './scene.js';
 
 /**
  * @param {string} ltcforge - The program.
- * @returns {Promise<Float32Array>} Red, green and blue radiance and the surface's number for each pixel, from the top
- * left: -1 for the light, -2 where nothing is seen.
+ * @returns {Promise<Float32Array>} Red, green and blue radiance and the surface's number for each pixel, from the top left.
+ * The number is -1 for a light, and -2 for the background.
  */
 export async function truth( ltcforge, width, height, count = 1 ) {
 
@@ -34,7 +34,7 @@ export async function truth( ltcforge, width, height, count = 1 ) {
 
 	}
 
-	// The program takes one core.
+	// Each process uses one core.
 	const share = Math.ceil( rows.length / availableParallelism() );
 	const shares = [];
 	for ( let start = 0; start < rows.length; start += share ) shares.push( reflected( ltcforge, rows.slice( start, start + share ) ) );
@@ -54,11 +54,11 @@ export async function truth( ltcforge, width, height, count = 1 ) {
 }
 
 /**
- * What surfaces reflect of a light of radiance one.
+ * The reflected light of surfaces for a light of radiance one.
  *
  * @param {string} ltcforge - The program.
- * @param {string[]} rows - alpha_x, alpha_y, theta, phi, sides, x0, y0, z0 ... of each.
- * @returns {Promise<{ energy: number, fresnel: number }[]>} For a Fresnel factor of one, and weighed by Schlick's.
+ * @param {string[]} rows - For each surface: alpha_x, alpha_y, theta, phi, sides, x0, y0, z0 ...
+ * @returns {Promise<{ energy: number, fresnel: number }[]>} Light for a Fresnel factor of one, and weighed by Schlick's.
  */
 export function reflected( ltcforge, rows ) {
 
@@ -68,7 +68,7 @@ export function reflected( ltcforge, rows ) {
 		let text = '';
 		child.stdout.setEncoding( 'utf8' ).on( 'data', ( part ) => text += part );
 		child.on( 'error', reject );
-		// If the program ends early, its exit code says why.
+		// If the program ends early, its exit code shows the reason.
 		child.stdin.on( 'error', () => {} ).end( rows.join( '\n' ) + '\n' );
 		child.on( 'close', ( code ) => {
 

@@ -1,17 +1,17 @@
 /**
- * Sets the roughness of GGX along the tangent and across it, and GGX for PlayCanvas' other lights. PlayCanvas has it as `gloss`
- * and `anisotropyIntensity`, which stretches the lobe along a direction: alpha = (1 - gloss)^4 across, and along it
- * alpha + (1 - alpha) anisotropyIntensity^2. Without anisotropy, alpha = (1 - gloss)^2.
+ * Sets the GGX roughness along the tangent and across it, and GGX for PlayCanvas' other lights, as `gloss` and
+ * `anisotropyIntensity`. The intensity stretches the lobe along a direction: alpha = (1 - gloss)^4 across, and
+ * alpha + (1 - alpha) anisotropyIntensity^2 along it. Without anisotropy, alpha = (1 - gloss)^2.
  *
  * @param {import('playcanvas').StandardMaterial} material - The material, which is updated.
- * @param {number} alphaX - GGX alpha along the tangent, in (0, 1], of which PlayCanvas takes 0.001 at least.
- * @param {number} alphaY - GGX alpha across it, likewise.
+ * @param {number} alphaX - GGX alpha along the tangent, in (0, 1]. PlayCanvas raises it to 0.001.
+ * @param {number} alphaY - GGX alpha across the tangent, in (0, 1]. PlayCanvas raises it to 0.001.
  */
 export function setAlphas( material, alphaX, alphaY ) {
 
 	for ( const alpha of [ alphaX, alphaY ] ) {
 
-		if ( ! ( alpha > 0 && alpha <= 1 ) ) throw new RangeError( `alpha is ${ alpha }: it has to be above 0 and at most 1` );
+		if ( ! ( alpha > 0 && alpha <= 1 ) ) throw new RangeError( `alpha is ${ alpha }: it must be above 0 and at most 1` );
 
 	}
 

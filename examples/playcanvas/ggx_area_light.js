@@ -1,8 +1,8 @@
-// Area lights on anisotropic GGX for PlayCanvas: replaces the lookup of linearly transformed cosines, which knows round lobes
-// only, by the closed form that `ltcforge shader --model normals --language glsl-es` writes, which needs no table.
+// Area lights on anisotropic GGX for PlayCanvas. They replace the lookup of linearly transformed cosines, which supports
+// isotropic lobes only, by the closed form from `ltcforge shader --model normals --language glsl-es`. It needs no table.
 //
-// Works on StandardMaterial with PlayCanvas' own lights of shape rectangle, `gloss`, `anisotropyIntensity` and clearcoat, by
-// shader chunks of the material. Diffuse light stays PlayCanvas', and so do disks and spheres.
+// This works on StandardMaterial with PlayCanvas' lights of shape rectangle, `gloss`, `anisotropyIntensity` and clearcoat, by
+// shader chunks of the material. Diffuse light, disks and spheres do not change.
 
 import { SHADERLANGUAGE_GLSL, ShaderChunks, StandardMaterial } from 'playcanvas';
 
@@ -10,28 +10,28 @@ import { collect, closedForm, PATCHES } from './patches.js';
 
 export { setAlphas } from './alphas.js';
 
-/** Tells a chunk that is patched. */
+/** The mark of a patched chunk. */
 const MARK = '// ltcforge: gloss of rectangular lights';
 
-/** The chunk that is ours alone. */
+/** The chunk that only this patch uses. */
 const COLLECT = 'ltcforgeCollectPS';
 
-/** The version of chunks that is told where a material has none, so that debug builds do not complain. */
+/** The version of chunks for a material without one, so that debug builds do not complain. */
 const CHUNKS_VERSION = '2.8';
 
 /**
- * Lights a material's gloss and clearcoat by PlayCanvas' rectangular lights in closed form.
+ * Lights a material's gloss and clearcoat by PlayCanvas' rectangular lights, in closed form.
  *
- * @param {import('playcanvas').StandardMaterial} material - Gets shader chunks, and is updated.
- * @param {string} normalsGlsl - What `ltcforge shader --model normals --language glsl-es` prints, of any rule.
- * @param {import('playcanvas').GraphicsDevice} device - Of the application, whose chunks are changed for this material.
+ * @param {import('playcanvas').StandardMaterial} material - The material. It gets shader chunks, and is updated.
+ * @param {string} normalsGlsl - The output of `ltcforge shader --model normals --language glsl-es`, with any rule.
+ * @param {import('playcanvas').GraphicsDevice} device - The device of the application, whose chunks are changed for this material.
  * @returns {import('playcanvas').StandardMaterial} The material.
  */
 export function withClosedFormAreaLights( material, normalsGlsl, device ) {
 
 	requireText( normalsGlsl );
 	if ( ! ( material instanceof StandardMaterial ) ) throw new TypeError( `${ material && material.constructor.name } has no GGX lobe: StandardMaterial has one` );
-	if ( ! device || ! device.isWebGL2 ) throw new TypeError( 'these chunks are for WebGL 2: the third argument is the graphicsDevice of an application that has it' );
+	if ( ! device || ! device.isWebGL2 ) throw new TypeError( 'these chunks are for WebGL 2: the third argument must be a graphicsDevice with WebGL 2' );
 
 	const chunks = material.getShaderChunks( SHADERLANGUAGE_GLSL );
 	const patched = Object.entries( PATCHES ).map( ( [ name, lines ] ) => {
@@ -49,9 +49,9 @@ export function withClosedFormAreaLights( material, normalsGlsl, device ) {
 }
 
 /**
- * Gives a material PlayCanvas' own area lights back, and leaves chunks of the user's.
+ * Gives a material PlayCanvas' own area lights back, and keeps the user's chunks.
  *
- * @param {import('playcanvas').StandardMaterial} material - One that is not patched stays as it is.
+ * @param {import('playcanvas').StandardMaterial} material - The material. An unpatched material does not change.
  * @returns {import('playcanvas').StandardMaterial} The material.
  */
 export function withoutAreaLights( material ) {
@@ -72,7 +72,7 @@ function patchedChunk( name, chunk, lines, normalsGlsl ) {
 
 		if ( ( chunk.match( placesOf( line ) ) || [] ).length !== 1 ) {
 
-			throw new Error( `chunk ${ name } of this PlayCanvas has not exactly one place with \`${ line }\`; this patch is for 2.23` );
+			throw new Error( `chunk ${ name } of this PlayCanvas must contain \`${ line }\` exactly once; this patch is for 2.23` );
 
 		}
 
@@ -84,7 +84,7 @@ function patchedChunk( name, chunk, lines, normalsGlsl ) {
 
 }
 
-/** Where a text has a line: some builds of PlayCanvas leave out white space. */
+/** The place of a line in a text. Some builds of PlayCanvas leave out white space. */
 function placesOf( line ) {
 
 	return new RegExp( line.split( /\s+/ ).map( ( word ) => word.replace( /[^\w]/g, '\\$&' ) ).join( '\\s+' ), 'g' );
@@ -94,6 +94,6 @@ function placesOf( line ) {
 function requireText( text ) {
 
 	if ( typeof text === 'string' && text.includes( 'normals_rectangle(' ) && text.includes( 'NormalsView normals_view(' ) ) return;
-	throw new TypeError( 'the shader has to be the text that `ltcforge shader --model normals --language glsl-es` prints' );
+	throw new TypeError( 'the shader must be the output of `ltcforge shader --model normals --language glsl-es`' );
 
 }

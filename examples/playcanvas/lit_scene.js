@@ -1,4 +1,4 @@
-// The scene of the examples by PlayCanvas.
+// The scene of the examples in PlayCanvas.
 
 import * as pc from 'playcanvas';
 
@@ -6,7 +6,7 @@ import { glowOf, meshOf } from '../common/mesh.js';
 import { axesOf, camera as eye, surfaces } from '../common/scene.js';
 import { setAlphas } from './alphas.js';
 
-/** An application that draws when it is told to. PlayCanvas' own way is clustered lighting. */
+/** An application that draws on request. By default PlayCanvas uses clustered lighting. */
 export function application( isClustered = true ) {
 
 	const app = new pc.Application( document.createElement( 'canvas' ), { graphicsDeviceOptions: { antialias: false } } );
@@ -22,7 +22,7 @@ export function application( isClustered = true ) {
 function entityOf( app, { positions, normals, tangents, uvs, indices }, material ) {
 
 	const geometry = new pc.Geometry();
-	// PlayCanvas finds the direction of the anisotropy in the tangents.
+	// PlayCanvas takes the direction of the anisotropy from the tangents.
 	Object.assign( geometry, { positions, normals, tangents, uvs, indices } );
 	const entity = new pc.Entity();
 	entity.addComponent( 'render', { meshInstances: [ new pc.MeshInstance( pc.Mesh.fromGeometry( app.graphicsDevice, geometry ), material ) ] } );
@@ -30,7 +30,7 @@ function entityOf( app, { positions, normals, tangents, uvs, indices }, material
 
 }
 
-/** A light of PlayCanvas'. An omni light shines from both sides; a spot light as wide as half of all directions, from one. */
+/** A light of PlayCanvas. An omni light emits from both sides, a spot light of half of all directions from one side. */
 function lightOf( lamp ) {
 
 	const light = new pc.Entity( 'light' );
@@ -38,7 +38,7 @@ function lightOf( lamp ) {
 		type: 'spot', shape: pc.LIGHTSHAPE_RECT, innerConeAngle: 89.99, outerConeAngle: 90, range: 1000, intensity: 1,
 		color: new pc.Color( ...lamp.radiance ).gamma(), castShadows: false,
 	} );
-	// Its sides run along x and z, it shines along -y, and scale is its size.
+	// The sides of a light are along x and z. It emits along -y. Its scale is its size.
 	const [ x, y, z ] = axesOf( lamp );
 	const turned = new pc.Mat4().set( [ ...x, 0, ...z.map( ( value ) => - value ), 0, ...y, 0, 0, 0, 0, 1 ] );
 	light.setLocalRotation( new pc.Quat().setFromMat4( turned ) );
@@ -49,10 +49,10 @@ function lightOf( lamp ) {
 }
 
 /**
- * @param {Object[]} lamps - Lights as scene.js has them.
- * @param {function(pc.StandardMaterial): pc.StandardMaterial} patch - Patches a surface's material.
+ * @param {Object[]} lamps - Lights as in scene.js.
+ * @param {function(pc.StandardMaterial): pc.StandardMaterial} patch - Patches the material of a surface.
  * @param {Object[]} [shown] - The surfaces.
- * @returns {pc.Entity} Surfaces, lights and a camera below `app.root`, to be destroyed before there is another.
+ * @returns {pc.Entity} Surfaces, lights and a camera below `app.root`. Destroy it before you create another.
  */
 export function litScene( app, lamps, patch, shown = surfaces ) {
 
@@ -60,7 +60,7 @@ export function litScene( app, lamps, patch, shown = surfaces ) {
 	app.root.addChild( scene );
 	for ( const surface of shown ) {
 
-		// Of metal PlayCanvas takes f0 from the colour; plastic without diffuse light is metal of a dark colour.
+		// PlayCanvas takes the f0 of metal from the colour. Plastic without diffuse light is metal of a dark colour.
 		const material = new pc.StandardMaterial();
 		material.useMetalness = true;
 		material.metalness = 1;

@@ -1,4 +1,4 @@
-// Draws the scene by PlayCanvas as it is and by the closed form's three rules, and shows the truth beside them.
+// Draws the scene with PlayCanvas alone and with the three rules of the closed form, and shows the truth next to them.
 
 import { compare, height, lamps, width } from '../common/page.js';
 import { fromTop } from '../common/pixels.js';
@@ -11,7 +11,7 @@ import fine from './shaders/normals_fine.glsl.js';
 /** PlayCanvas' own table, which is not in its package. The closed form needs none. */
 const TABLE = 'https://raw.githubusercontent.com/playcanvas/engine/main/examples/assets/json/area-light-luts.json';
 
-// ?unclustered: the shader has the code of each light.
+// With ?unclustered, the shader contains the code of each light.
 const app = application( ! new URLSearchParams( location.search ).has( 'unclustered' ) );
 const table = await ( await fetch( TABLE ) ).json();
 app.setAreaLightLuts( table.LTC_MAT_1, table.LTC_MAT_2 );

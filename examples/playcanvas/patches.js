@@ -1,9 +1,9 @@
-// The lines of PlayCanvas' chunks that are replaced, and by what. Everything is in world space.
+// The lines of PlayCanvas' chunks that are replaced, and their replacements. Everything is in world space.
 
-/** What stands before `calcLTCLightValues`, which is called once a fragment. */
+/** The code before `calcLTCLightValues`, which is called once a fragment. */
 export const closedForm = ( normalsGlsl ) => /* glsl */ `
 ${ normalsGlsl }
-	// What no light changes.
+	// Values that are the same for all lights.
 	struct AreaLobe {
 		mat3 toTangentFrame;
 		NormalsView view;
@@ -14,7 +14,7 @@ ${ normalsGlsl }
 
 	AreaLobe area_lobe( vec3 normal, vec3 viewDir, vec3 along, vec2 alphas, vec3 specularity ) {
 
-		// The tangent frame. GGX does not tell y from -y, so the frame is right-handed whatever the texture coordinates are.
+		// The tangent frame. GGX is symmetric in y, so the frame is right-handed for any texture coordinates.
 		vec3 tangent = normalize( along - normal * dot( normal, along ) );
 		AreaLobe lobe;
 		lobe.toTangentFrame = transpose( mat3( tangent, cross( normal, tangent ), normal ) );
@@ -32,7 +32,7 @@ ${ normalsGlsl }
 
 	}
 
-	// What a rectangle of radiance one reflects by a lobe. It shines from both sides.
+	// The light of a rectangle of radiance one, reflected by a lobe. The rectangle emits from both sides.
 	vec3 area_gloss( AreaLobe lobe, Coords rectangle ) {
 
 		vec3 corners[ 4 ] = vec3[ 4 ](
@@ -47,8 +47,8 @@ ${ normalsGlsl }
 
 	}
 
-	// PlayCanvas writes the code of each light one after the other; here one loop goes over the rectangles, so that drivers
-	// compile the closed form once.
+	// PlayCanvas writes the code of each light one after another. Here a loop runs over the rectangles, so drivers compile the
+	// closed form once.
 	#if LIGHT_COUNT > 0
 		vec3 areaGloss[ LIGHT_COUNT ];
 		vec3 areaCoatGloss[ LIGHT_COUNT ];
@@ -56,7 +56,7 @@ ${ normalsGlsl }
 
 	void area_begin( float gloss, vec3 worldNormal, vec3 viewDir, vec3 specularity, float clearcoatGloss, vec3 clearcoatWorldNormal, float clearcoatSpecularity ) {
 
-		// The alpha of PlayCanvas' other lights, which is another where there is anisotropy.
+		// The alpha of PlayCanvas' other lights differs for anisotropic materials.
 		float alpha = max( ( 1.0 - gloss ) * ( 1.0 - gloss ), 0.001 );
 		#ifdef LIT_ANISOTROPY
 			float across = clamp( alpha * alpha, 0.001, 1.0 );
@@ -89,7 +89,7 @@ ${ normalsGlsl }
 
 	void calcLTCLightValues(`;
 
-/** A chunk for each light. */
+/** The code of a chunk for each light. */
 export const collect = /* glsl */ `
 	#if defined(LIGHT{i})
 		#if LIGHT{i}SHAPE == RECT
@@ -100,7 +100,7 @@ export const collect = /* glsl */ `
 	#endif
 `;
 
-/** By chunk, what stands there and what stands in its place. */
+/** For each chunk, lines and their replacements. */
 export const PATCHES = {
 	ltcPS: [
 		[ 'void calcLTCLightValues(', closedForm ],
@@ -120,7 +120,7 @@ export const PATCHES = {
 			'ccSpecularLight += areaCoatGloss[ {i} ] * dAtten * lightColor;',
 		],
 	],
-	// Clustered lights are evaluated in a loop of PlayCanvas'.
+	// PlayCanvas evaluates clustered lights in a loop.
 	clusteredLightPS: [
 		[ 'areaLightSpecular = getRectLightSpecular(worldNormal, viewDir);', 'areaLightSpecular = 0.0;' ],
 		[

@@ -1,17 +1,17 @@
 /**
- * Sets the roughness of GGX along the tangent and across it. three has it as `roughness` and `anisotropy`, which
- * stretches the lobe along a direction that `anisotropyRotation` turns: alpha = roughness^2 across, and along it
- * alpha + (1 - alpha) anisotropy^2. three raises roughness to 0.045.
+ * Sets the GGX roughness along the tangent and across it, as three's `roughness` and `anisotropy`. The anisotropy stretches the
+ * lobe along a direction, which `anisotropyRotation` rotates: alpha = roughness^2 across, and alpha + (1 - alpha) anisotropy^2
+ * along it. three raises roughness to 0.045.
  *
  * @param {import('three').MeshPhysicalMaterial} material - The material.
  * @param {number} alphaX - GGX alpha along the tangent, in (0, 1].
- * @param {number} alphaY - GGX alpha across it, in (0, 1].
+ * @param {number} alphaY - GGX alpha across the tangent, in (0, 1].
  */
 export function setAlphas( material, alphaX, alphaY ) {
 
 	for ( const alpha of [ alphaX, alphaY ] ) {
 
-		if ( ! ( alpha > 0 && alpha <= 1 ) ) throw new RangeError( `alpha is ${ alpha }: it has to be above 0 and at most 1` );
+		if ( ! ( alpha > 0 && alpha <= 1 ) ) throw new RangeError( `alpha is ${ alpha }: it must be above 0 and at most 1` );
 
 	}
 

@@ -1,9 +1,9 @@
-// Area lights on anisotropic GGX for WebGLRenderer of three.js: replaces the lookup of linearly transformed cosines, which
-// knows round lobes only. Either by the closed form that `ltcforge shader --model normals --language glsl-es` writes, which
-// needs no table, or by a table that `ltcforge export --for wgpu` writes, with `ltcforge shader --layout reflected`.
+// Area lights on anisotropic GGX for WebGLRenderer of three.js. They replace the lookup of linearly transformed cosines, which
+// supports isotropic lobes only. There are two ways: the closed form from `ltcforge shader --model normals --language glsl-es`,
+// which needs no table, or a table from `ltcforge export --for wgpu` with the shader from `ltcforge shader --layout reflected`.
 //
-// Works on MeshStandardMaterial and MeshPhysicalMaterial with three's own RectAreaLight, `roughness`, `anisotropy`,
-// `anisotropyRotation`, anisotropyMap and clearcoat. Diffuse light stays three's. WebGPURenderer: see webgpu.js.
+// This works on MeshStandardMaterial and MeshPhysicalMaterial with three's RectAreaLight, `roughness`, `anisotropy`,
+// `anisotropyRotation`, anisotropyMap and clearcoat. Diffuse light does not change. For WebGPURenderer, see webgpu.js.
 
 import { REVISION, ShaderChunk } from 'three';
 
@@ -13,14 +13,14 @@ import { BY_NORMALS, BY_PICTURES, BY_TABLE, PATCHES } from './patches.js';
 export { setAlphas } from './alphas.js';
 export { LightPictures } from './light_pictures.js';
 
-/** What is known of a patched material. */
+/** The data of each patched material. */
 const patches = new WeakMap();
 
 /**
- * Lights a material's gloss and clearcoat by three's rectangular lights in closed form.
+ * Lights a material's gloss and clearcoat by three's rectangular lights, in closed form.
  *
- * @param {import('three').MeshStandardMaterial} material - Patched in place.
- * @param {string} normalsGlsl - What `ltcforge shader --model normals --language glsl-es` prints, of any rule.
+ * @param {import('three').MeshStandardMaterial} material - The material, which is patched in place.
+ * @param {string} normalsGlsl - The output of `ltcforge shader --model normals --language glsl-es`, with any rule.
  * @returns {import('three').MeshStandardMaterial} The material.
  */
 export function withClosedFormAreaLights( material, normalsGlsl ) {
@@ -31,41 +31,41 @@ export function withClosedFormAreaLights( material, normalsGlsl ) {
 }
 
 /**
- * Lights a material's gloss and clearcoat by three's rectangular lights with a table.
+ * Lights a material's gloss and clearcoat by three's rectangular lights, with a table.
  *
- * @param {import('three').MeshStandardMaterial} material - Patched in place.
- * @param {string} tableGlsl - What `ltcforge shader --layout reflected --language glsl-es` prints.
- * @param {{ uniforms: Object }} table - What {@link loadTable} gave. Materials share it.
+ * @param {import('three').MeshStandardMaterial} material - The material, which is patched in place.
+ * @param {string} tableGlsl - The output of `ltcforge shader --layout reflected --language glsl-es`.
+ * @param {{ uniforms: Object }} table - The result of {@link loadTable}. Materials share it.
  * @returns {import('three').MeshStandardMaterial} The material.
  */
 export function withTableAreaLights( material, tableGlsl, table ) {
 
 	requireText( tableGlsl, 'ltc_rectangle(', 'ltcforge shader --layout reflected --language glsl-es' );
-	if ( ! table || ! table.uniforms ) throw new TypeError( 'table has to be what loadTable gave' );
+	if ( ! table || ! table.uniforms ) throw new TypeError( 'table must be the result of loadTable' );
 	return patch( material, tableGlsl + BY_TABLE, table.uniforms );
 
 }
 
 /**
- * The same in closed form, where lights have pictures: in place of its colour alone, a light shines with its picture times its colour.
+ * Lights a material in closed form by lights with pictures. Such a light emits its picture times its colour.
  *
- * @param {import('three').MeshStandardMaterial} material - Patched in place.
- * @param {string} texturedGlsl - What `ltcforge shader --model normals --textured 4 --language glsl-es` prints, of any rule.
- * @param {import('./light_pictures.js').LightPictures} pictures - Of the scene's first lights. Materials share them.
+ * @param {import('three').MeshStandardMaterial} material - The material, which is patched in place.
+ * @param {string} texturedGlsl - The output of `ltcforge shader --model normals --textured 4 --language glsl-es`, with any rule.
+ * @param {import('./light_pictures.js').LightPictures} pictures - The pictures of the first lights. Materials share them.
  * @returns {import('three').MeshStandardMaterial} The material.
  */
 export function withPictureAreaLights( material, texturedGlsl, pictures ) {
 
 	requireText( texturedGlsl, 'normals_textured_rectangle(', 'ltcforge shader --model normals --textured 4 --language glsl-es' );
-	if ( ! ( pictures instanceof LightPictures ) ) throw new TypeError( 'pictures have to be LightPictures' );
+	if ( ! ( pictures instanceof LightPictures ) ) throw new TypeError( 'pictures must be LightPictures' );
 	return patch( material, texturedGlsl + BY_PICTURES, pictures.uniforms );
 
 }
 
 /**
- * Takes the patch off a material, and leaves the user's own hooks. A material that has none stays as it is.
+ * Removes the patch from a material, and keeps the user's own hooks. An unpatched material does not change.
  *
- * @param {import('three').Material} material - The material, which is compiled anew at its next use.
+ * @param {import('three').Material} material - The material. It is compiled again at its next use.
  * @returns {import('three').Material} The material.
  */
 export function withoutAreaLights( material ) {
@@ -81,11 +81,11 @@ export function withoutAreaLights( material ) {
 }
 
 /**
- * Loads a table that `ltcforge export --for wgpu` wrote.
+ * Loads a table from `ltcforge export --for wgpu`.
  *
- * @param {string | URL} address - Of the folder, with a slash at its end.
- * @param {import('three/addons/loaders/KTX2Loader.js').KTX2Loader} loader - After `detectSupport( renderer )`.
- * @returns {Promise<{ uniforms: Object, dispose: function(): void }>} The shader's uniforms, and what frees the textures.
+ * @param {string | URL} address - The address of the folder, with a slash at its end.
+ * @param {import('three/addons/loaders/KTX2Loader.js').KTX2Loader} loader - A loader after `detectSupport( renderer )`.
+ * @returns {Promise<{ uniforms: Object, dispose: function(): void }>} The shader's uniforms, and a function that frees the textures.
  */
 export async function loadTable( address, loader ) {
 
@@ -102,14 +102,14 @@ export async function loadTable( address, loader ) {
 
 }
 
-/** What a patched material has of its own, where others have their class's. */
+/** The properties that a patched material has itself. Other materials inherit them from their class. */
 const OWN = [ 'onBeforeCompile', 'customProgramCacheKey', 'clone', 'setupLightingModel' ];
 
-/** Patches a material, or patches one anew. */
+/** Patches a material, also if it is patched already. */
 function patch( material, glsl, uniforms ) {
 
 	requireMaterial( material );
-	// Tells at once, rather than at the first frame, that this three.js has other lines.
+	// Reports another version of three.js now, and not at the first frame.
 	for ( const [ chunk, lines ] of Object.entries( PATCHES ) ) for ( const [ line ] of lines ) requireOnce( ShaderChunk[ chunk ] || '', line, `ShaderChunk.${ chunk }` );
 
 	withoutAreaLights( material );
@@ -120,7 +120,7 @@ function patch( material, glsl, uniforms ) {
 	hook( material, patched, 'onBeforeCompile', ( users ) => function ( shader, renderer ) {
 
 		users.call( this, shader, renderer );
-		// A hook of the user's that calls this one may outlive the patch.
+		// A user's hook that calls this hook may outlive the patch.
 		if ( patches.get( material ) !== patched ) return;
 		Object.assign( shader.uniforms, uniforms );
 		shader.fragmentShader = patchedShader( shader.fragmentShader, glsl );
@@ -132,17 +132,17 @@ function patch( material, glsl, uniforms ) {
 
 	} );
 
-	// three's clone() leaves hooks behind, the user's too.
+	// three's clone() does not copy hooks, neither ours nor the user's.
 	Object.defineProperty( material, 'clone', { configurable: true, writable: true, value() {
 
 		return patch( ( patched.own.clone || Object.getPrototypeOf( this ).clone ).call( this ), glsl, uniforms );
 
 	} } );
 
-	// WebGPURenderer makes a node material of this one, with all that can be enumerated, and never calls the hooks.
+	// WebGPURenderer builds a node material from the enumerable properties of this material, and never calls the hooks.
 	Object.defineProperty( material, 'setupLightingModel', { configurable: true, enumerable: true, value() {
 
-		throw new Error( 'this material is patched for WebGLRenderer; WebGPURenderer takes those of ltcforge-three/webgpu' );
+		throw new Error( 'this material is patched for WebGLRenderer; use ltcforge-three/webgpu with WebGPURenderer' );
 
 	} } );
 	material.needsUpdate = true;
@@ -151,9 +151,9 @@ function patch( material, glsl, uniforms ) {
 }
 
 /**
- * Makes a hook of a material one that also does ours, whenever the user sets it.
+ * Makes a hook of a material that also calls ours, whenever the user sets the hook.
  *
- * @param {function(function): function} around - Makes the hook that calls the user's.
+ * @param {function(function): function} around - Makes a hook that calls the user's hook.
  */
 function hook( material, patched, name, around ) {
 
@@ -162,19 +162,19 @@ function hook( material, patched, name, around ) {
 	const set = ( users ) => {
 
 		if ( users ) patched.own[ name ] = users; else delete patched.own[ name ];
-		// three's key is the text of `onBeforeCompile`: of the user's, since ours has the same text for all.
+		// three's cache key is the text of the user's `onBeforeCompile`, because ours has the same text for all materials.
 		const isStockKey = name === 'customProgramCacheKey' && ( users || stock() ) === stock();
 		both = around( isStockKey ? () => String( patched.own.onBeforeCompile || '' ) : users || stock() );
 
 	};
 
 	set( patched.own[ name ] );
-	// A hook that calls the one before it calls ours too: the patch is made once, see `patchedShader`.
+	// A hook that calls the previous hook calls ours too. The patch is applied once, see `patchedShader`.
 	Object.defineProperty( material, name, { configurable: true, enumerable: true, get: () => both, set } );
 
 }
 
-/** Tells a shader that is patched. */
+/** The mark of a patched shader. */
 const MARK = '// ltcforge: gloss of rectangular lights';
 
 /** A fragment shader with our gloss. */
@@ -183,7 +183,7 @@ function patchedShader( shader, glsl ) {
 	if ( shader.includes( MARK ) ) return shader;
 	for ( const [ chunk, lines ] of Object.entries( PATCHES ) ) {
 
-		// A hook of the user's may have put the chunk's text here already.
+		// A user's hook may have inserted the text of the chunk already.
 		shader = shader.replace( `#include <${ chunk }>`, () => ShaderChunk[ chunk ] );
 		for ( const [ line, by ] of lines ) {
 
@@ -198,7 +198,7 @@ function patchedShader( shader, glsl ) {
 
 }
 
-/** Where a text has a line: three's builds leave out white space that its sources have. */
+/** The place of a line in a text. three's builds leave out white space that its sources have. */
 function placesOf( line ) {
 
 	return new RegExp( line.trim().split( /\s+/ ).map( ( word ) => word.replace( /[^\w]/g, '\\$&' ) ).join( '\\s+' ), 'g' );
@@ -208,19 +208,19 @@ function placesOf( line ) {
 function requireOnce( text, line, where ) {
 
 	if ( ( text.match( placesOf( line ) ) || [] ).length === 1 ) return;
-	throw new Error( `${ where } of three.js r${ REVISION } has not exactly one place with \`${ line.trim() }\`; this patch is for r187` );
+	throw new Error( `${ where } of three.js r${ REVISION } must contain \`${ line.trim() }\` exactly once; this patch is for r187` );
 
 }
 
 function requireText( text, needed, command ) {
 
-	if ( typeof text !== 'string' || ! text.includes( needed ) ) throw new TypeError( `the shader has to be the text that \`${ command }\` prints` );
+	if ( typeof text !== 'string' || ! text.includes( needed ) ) throw new TypeError( `the shader must be the output of \`${ command }\`` );
 
 }
 
 function requireMaterial( material ) {
 
-	if ( material && material.isNodeMaterial ) throw new TypeError( `${ material.type } is a node material of WebGPURenderer: ltcforge-three/webgpu lights those` );
+	if ( material && material.isNodeMaterial ) throw new TypeError( `${ material.type } is a node material of WebGPURenderer: use ltcforge-three/webgpu` );
 	if ( ! material || ! material.isMeshStandardMaterial ) {
 
 		throw new TypeError( `${ material && material.type || material } has no GGX lobe: MeshStandardMaterial and MeshPhysicalMaterial have one` );

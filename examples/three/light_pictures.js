@@ -1,14 +1,14 @@
-// Pictures on rectangular lights: their prefiltered pyramids, made on the GPU by the passes that
-// `ltcforge shader --as prefilter --language glsl-es` prints, as often as a picture changes.
+// Pictures on rectangular lights: their prefiltered pyramids, computed on the GPU whenever a picture changes. The passes come from
+// `ltcforge shader --as prefilter --language glsl-es`.
 
 import {
 	BufferGeometry, Camera, Float32BufferAttribute, GLSL3, HalfFloatType, LinearFilter, LinearMipmapLinearFilter, Mesh, NearestFilter,
 	NoBlending, RawShaderMaterial, Vector2, WebGLArrayRenderTarget, WebGLRenderTarget,
 } from 'three';
 
-/** What each pass writes, by its name: a colour at `texel`. `size` is that of `source`. */
+/** The code of each pass by name. It sets the colour at `texel`; `size` is the size of `source`. */
 const PASSES = {
-	// Rows from the top. three keeps frames of a video in sRGB.
+	// Rows start at the top. three keeps frames of a video in sRGB.
 	picture: `vec2 at = gl_FragCoord.xy / vec2( size );
 		vec3 shown = texture( prefilter_source, vec2( at.x, isFlipped ? 1.0 - at.y : at.y ) ).rgb;
 		vec3 decoded = mix( shown / 12.92, pow( ( shown + 0.055 ) / 1.055, vec3( 2.4 ) ), step( 0.04045, shown ) );
@@ -20,25 +20,25 @@ const PASSES = {
 	copy: 'colour = texelFetch( prefilter_source, ivec2( texel ), 0 ).rgb;',
 };
 
-/** A layer of an array for each of the first lights of a scene, with all levels, and what the shader of a surface reads. */
+/** An array with a layer for each of the first lights of a scene, with all levels, and the uniforms of a surface's shader. */
 export class LightPictures {
 
 	/**
-	 * @param {string} prefilterGlsl - What `ltcforge shader --as prefilter --language glsl-es` prints.
-	 * @param {number} width - Texels of a picture along a light's width: best square on the light.
-	 * @param {number} height - And along its height.
-	 * @param {number} [layers] - How many lights have a picture: the first of the scene, in three's order.
+	 * @param {string} prefilterGlsl - The output of `ltcforge shader --as prefilter --language glsl-es`.
+	 * @param {number} width - Texels of a picture along a light's width; they should be square on the light.
+	 * @param {number} height - Texels of a picture along a light's height.
+	 * @param {number} [layers] - The number of lights with pictures: the first lights of the scene, in three's order.
 	 */
 	constructor( prefilterGlsl, width, height, layers = 1 ) {
 
 		if ( typeof prefilterGlsl !== 'string' || ! prefilterGlsl.includes( 'prefilter_level(' ) ) {
 
-			throw new TypeError( 'the shader has to be the text that `ltcforge shader --as prefilter --language glsl-es` prints' );
+			throw new TypeError( 'the shader must be the output of `ltcforge shader --as prefilter --language glsl-es`' );
 
 		}
 
 		const faults = Object.entries( { width, height, layers } ).filter( ( [ , value ] ) => ! Number.isInteger( value ) || value < 1 );
-		if ( faults.length ) throw new RangeError( faults.map( ( [ name, value ] ) => `${ name } is ${ value }: it has to be a whole number from 1 on` ).join( '; ' ) );
+		if ( faults.length ) throw new RangeError( faults.map( ( [ name, value ] ) => `${ name } is ${ value }: it must be a whole number of at least 1` ).join( '; ' ) );
 
 		const size = new Vector2( width, height );
 		const count = 1 + Math.floor( Math.log2( Math.max( width, height ) ) );
@@ -51,7 +51,7 @@ export class LightPictures {
 		this.array = new WebGLArrayRenderTarget( width, height, layers, {
 			type: HalfFloatType, depthBuffer: false, generateMipmaps: false, minFilter: LinearMipmapLinearFilter, magFilter: LinearFilter,
 		} );
-		// three makes a level for each.
+		// three allocates an image for each level.
 		this.array.texture.mipmaps = this.levels.map( () => ( {} ) );
 
 		const uniforms = {
@@ -71,7 +71,7 @@ export class LightPictures {
 					uvec2 texel = uvec2( gl_FragCoord.xy );
 					vec3 colour;
 					${ body }
-					// Of 16 bits.
+					// Numbers have 16 bits.
 					written = vec4( min( colour, vec3( 65504.0 ) ), 1.0 );
 				}`,
 		} ) ] ) );
@@ -80,7 +80,7 @@ export class LightPictures {
 		this.screen = new Mesh( triangle );
 		this.screen.frustumCulled = false;
 
-		/** Of the shader of a surface. */
+		/** The uniforms of a surface's shader. */
 		this.uniforms = {
 			normals_pictures: { value: this.array.texture },
 			rect_area_pictures: { value: layers },
@@ -90,17 +90,17 @@ export class LightPictures {
 	}
 
 	/**
-	 * Prefilters a picture: each time that it changes, such as for each frame of a video, before the surfaces are drawn.
+	 * Prefilters a picture. Call this whenever it changes, such as for each frame of a video, before the surfaces are drawn.
 	 *
 	 * @param {import('three').WebGLRenderer} renderer - The renderer.
-	 * @param {import('three').Texture} texture - A picture, a canvas or a video, of `SRGBColorSpace` or linear. Where it has
-	 * another size, it is sampled.
-	 * @param {number} [layer] - The light's number.
+	 * @param {import('three').Texture} texture - A picture, canvas or video, in `SRGBColorSpace` or linear. A texture of another
+	 * size is resampled.
+	 * @param {number} [layer] - The number of the light.
 	 */
 	update( renderer, texture, layer = 0 ) {
 
-		if ( ! texture || ! texture.isTexture ) throw new TypeError( 'the picture has to be a texture of three.js' );
-		if ( ! Number.isInteger( layer ) || layer < 0 || layer >= this.layers ) throw new RangeError( `layer is ${ layer }: it has to be a whole number from 0 to ${ this.layers - 1 }` );
+		if ( ! texture || ! texture.isTexture ) throw new TypeError( 'the picture must be a texture of three.js' );
+		if ( ! Number.isInteger( layer ) || layer < 0 || layer >= this.layers ) throw new RangeError( `layer is ${ layer }: it must be a whole number from 0 to ${ this.layers - 1 }` );
 		const before = [ renderer.getRenderTarget(), renderer.getActiveCubeFace(), renderer.getActiveMipmapLevel() ];
 		const isXr = renderer.xr.enabled;
 		renderer.xr.enabled = false;
@@ -117,7 +117,7 @@ export class LightPictures {
 		for ( let level = last - 1; level >= 0; level -- ) draw( 'level', [ levels[ level ] ], level, chain[ level ], levels[ level + 1 ].texture );
 		levels.forEach( ( from, level ) => {
 
-			// three takes the target's viewport at every level.
+			// three uses the target's viewport for every level.
 			this.array.viewport.set( 0, 0, from.width, from.height );
 			draw( 'copy', [ this.array, layer, level ], level, from );
 
@@ -127,7 +127,7 @@ export class LightPictures {
 
 	}
 
-	/** A pass: into a target, its layer and level. */
+	/** Runs a pass into a target, with its layer and level. */
 	draw( renderer, name, to, level, source, above ) {
 
 		this.values.prefilter_source.value = source;
@@ -139,7 +139,7 @@ export class LightPictures {
 
 	}
 
-	/** Frees the textures, once no material uses them. */
+	/** Frees the textures. Call this when no material uses them. */
 	dispose() {
 
 		for ( const owned of [ ...this.chain, this.rows, ...this.levels, this.array, ...Object.values( this.passes ), this.screen.geometry ] ) owned.dispose();

@@ -1,4 +1,4 @@
-// The scene of the examples by three.js.
+// The scene of the examples in three.js.
 
 import * as THREE from 'three';
 
@@ -12,13 +12,13 @@ function geometryOf( { positions, normals, tangents, indices } ) {
 	geometry.setIndex( indices );
 	geometry.setAttribute( 'position', new THREE.Float32BufferAttribute( positions, 3 ) );
 	geometry.setAttribute( 'normal', new THREE.Float32BufferAttribute( normals, 3 ) );
-	// three finds the direction of the anisotropy in the tangents.
+	// three takes the direction of the anisotropy from the tangents.
 	geometry.setAttribute( 'tangent', new THREE.Float32BufferAttribute( tangents, 4 ) );
 	return geometry;
 
 }
 
-/** A light of three's, which shines along -z. */
+/** A light of three, which emits along -z. */
 function lightOf( lamp ) {
 
 	const light = new THREE.RectAreaLight( new THREE.Color( ...lamp.radiance ), 1, lamp.width, lamp.height );
@@ -30,16 +30,16 @@ function lightOf( lamp ) {
 }
 
 /**
- * @param {Object[]} lamps - Lights as scene.js has them.
- * @param {function(THREE.Material): THREE.Material} patch - Patches a surface's material.
- * @param {{ Material?: function, shown?: Object[], picture?: THREE.Texture }} [of] - The materials' class, the surfaces, and what lamps show.
+ * @param {Object[]} lamps - Lights as in scene.js.
+ * @param {function(THREE.Material): THREE.Material} patch - Patches the material of a surface.
+ * @param {{ Material?: function, shown?: Object[], picture?: THREE.Texture }} [of] - The class of materials, the surfaces, and the picture on lights.
  */
 export function litScene( lamps, patch, { Material = THREE.MeshPhysicalMaterial, shown = surfaces, picture = null } = {} ) {
 
 	const scene = new THREE.Scene();
 	for ( const surface of shown ) {
 
-		// Of metal three takes f0 from the colour; plastic without diffuse light is metal of a dark colour.
+		// three takes the f0 of metal from the colour. Plastic without diffuse light is metal of a dark colour.
 		const material = new Material( { metalness: 1, color: new THREE.Color( ...surface.f0 ) } );
 		setAlphas( material, ...surface.alpha );
 		scene.add( new THREE.Mesh( geometryOf( meshOf( surface ) ), patch( material ) ) );

@@ -1,4 +1,4 @@
-// Draws the scene by three.js as it is, by a table and by the closed form's three rules, and shows the truth beside them.
+// Draws the scene with three.js alone, with a table and with the three rules of the closed form, and shows the truth next to them.
 
 import * as THREE from 'three';
 import { RectAreaLightUniformsLib } from 'three/addons/lights/RectAreaLightUniformsLib.js';
@@ -33,7 +33,7 @@ function render( renderer, scene ) {
 
 const renderer = new THREE.WebGLRenderer();
 const table = await loadTable( 'table/', new KTX2Loader().detectSupport( renderer ) );
-// Stock three needs its own tables; ours and the closed form do not.
+// Stock three needs its tables. Our table and the closed form do not.
 RectAreaLightUniformsLib.init();
 
 await compare( 'three.js', {

@@ -1,8 +1,8 @@
-// The lines of three's shader that are replaced, and by what. Everything is in view space.
+// The lines of three's shader that are replaced, and their replacements. Everything is in view space.
 
 /**
- * By chunk, what stands there and what stands in its place: a text, or what makes one of the text of the lobe, which is
- * `BY_NORMALS`, `BY_PICTURES` or `BY_TABLE` behind what it calls.
+ * For each chunk, lines and their replacements: a text, or a function that makes it from the text of the lobe, which is
+ * `BY_NORMALS`, `BY_PICTURES` or `BY_TABLE` after the functions that it calls.
  */
 export const PATCHES = {
 	lights_physical_pars_fragment: [
@@ -17,7 +17,7 @@ export const PATCHES = {
 		],
 	],
 	lights_fragment_begin: [
-		// three unrolls the loop, so that drivers compile the gloss anew for each light.
+		// three unrolls the loop, so drivers compile the gloss again for each light.
 		[
 			`	#pragma unroll_loop_start
 	for ( int i = 0; i < NUM_RECT_AREA_LIGHTS; i ++ ) {
@@ -41,26 +41,26 @@ export const PATCHES = {
 };
 
 /**
- * What all ways need.
+ * The GLSL code that all exports share.
  *
- * @param {string} members - Of a lobe as a light meets it.
- * @param {string} lobe - Sets these of `lobe` from `alphas` and `wo`.
- * @param {string} gloss - Returns what is seen of `corners`, which are in the tangent frame.
+ * @param {string} members - The members of a lobe.
+ * @param {string} lobe - Sets these members of `lobe` from `alphas` and `wo`.
+ * @param {string} gloss - Returns the light of `corners`, which are in the tangent frame.
  */
 const glossOf = ( members, lobe, gloss ) => /* glsl */ `
-	// What no light changes.
+	// Values that are the same for all lights.
 	struct RectAreaLobe {
 		mat3 toTangentFrame;
 		${ members }
 	};
 	RectAreaLobe rectAreaBase;
 	RectAreaLobe rectAreaCoat;
-	// The light's, in the loop.
+	// The number of the light in the loop.
 	int rectAreaNumber = 0;
 
 	RectAreaLobe rect_area_lobe( const in vec3 normal, const in vec3 viewDir, const in vec3 along, const in vec2 alphas ) {
 
-		// The tangent frame. GGX does not tell y from -y, so the frame is right-handed whatever the texture coordinates are.
+		// The tangent frame. GGX is symmetric in y, so the frame is right-handed for any texture coordinates.
 		vec3 tangent = normalize( along - normal * dot( normal, along ) );
 		RectAreaLobe lobe;
 		lobe.toTangentFrame = transpose( mat3( tangent, cross( normal, tangent ), normal ) );
@@ -79,7 +79,7 @@ const glossOf = ( members, lobe, gloss ) => /* glsl */ `
 
 	}
 
-	// Once a fragment, before the loop over lights.
+	// Runs once a fragment, before the loop over lights.
 	void rect_area_begin( const in vec3 normal, const in vec3 viewDir, const in vec3 clearcoatNormal, const in PhysicalMaterial material ) {
 
 		float alpha = pow2( material.roughness );
@@ -96,10 +96,10 @@ const glossOf = ( members, lobe, gloss ) => /* glsl */ `
 
 	}
 
-	// What a rectangle of radiance one reflects by a lobe.
+	// The light of a rectangle of radiance one, reflected by a lobe.
 	vec3 rect_area_gloss( const in RectAreaLobe lobe, const in vec3 f0, const in float f90, const in vec3 position, const in vec3 rectCoords[ 4 ] ) {
 
-		// three's corners run counterclockwise seen from the lit side; these have to run clockwise.
+		// three's corners run counterclockwise as seen from the side that emits. These must run clockwise.
 		vec3 corners[ 4 ] = vec3[ 4 ](
 			lobe.toTangentFrame * ( rectCoords[ 3 ] - position ),
 			lobe.toTangentFrame * ( rectCoords[ 2 ] - position ),
@@ -119,7 +119,7 @@ export const BY_NORMALS = glossOf(
 		vec2 parts = normals_rectangle( lobe.view, corners, false );
 		return f0 * ( parts.x - parts.y ) + f90 * parts.y;` );
 
-/** Corners of three's lights begin at the upper left, seen from the lit side. */
+/** The gloss with pictures. Corners of three's lights begin at the upper left, as seen from the side that emits. */
 export const BY_PICTURES = `
 	uniform int rect_area_pictures;
 	uniform float rect_area_picture_base;

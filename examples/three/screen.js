@@ -1,15 +1,15 @@
-// What the example's light shows: a picture, and a video that is drawn as it plays.
+// The contents of the example's light: a picture, and a video that is drawn while it plays.
 
-/** Texels, square on the scene's first light, of 2.4 x 1. */
+/** The size in texels, which are square on the scene's first light of 2.4 x 1. */
 export const width = 192;
 export const height = 80;
 
 /**
- * Draws one of them.
+ * Draws the contents.
  *
- * @param {CanvasRenderingContext2D} to - Of a canvas of that size.
- * @param {'picture' | 'video' | 'colour'} what - Coloured bars with a sign, the same with a disc that moves, or grey.
- * @param {number} seconds - The video's time.
+ * @param {CanvasRenderingContext2D} to - The context of a canvas of this size.
+ * @param {'picture' | 'video' | 'colour'} what - Coloured bars with a sign, the same with a moving disc, or grey.
+ * @param {number} seconds - The time of the video.
  */
 export function drawScreen( to, what, seconds ) {
 

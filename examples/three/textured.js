@@ -1,4 +1,4 @@
-// A light with a picture or a video over brushed metal, prefiltered as it changes. ?width=960&height=640 sets the size in pixels.
+// A light with a picture or a video over brushed metal. It is prefiltered when it changes. ?width=960&height=640 sets the size.
 
 import * as THREE from 'three';
 import { RectAreaLightUniformsLib } from 'three/addons/lights/RectAreaLightUniformsLib.js';
@@ -16,7 +16,7 @@ const query = new URLSearchParams( location.search );
 const sides = [ [ 'width', 960 ], [ 'height', 640 ] ].map( ( [ name, usual ] ) => Number( query.get( name ) || usual ) );
 renderer.setSize( ...sides );
 document.querySelector( 'main' ).append( renderer.domElement );
-// Lower than that of the comparison, so that the light is in sight.
+// The camera is lower than in the comparison, so that the light is visible.
 const camera = new THREE.PerspectiveCamera( 42, sides[ 0 ] / sides[ 1 ], 0.1, 100 );
 camera.position.set( 0, 1.5, 3.6 );
 camera.lookAt( 0, 0.35, - 0.6 );
@@ -30,12 +30,12 @@ const lamp = scene.children.find( ( { material } ) => material && material.isMes
 
 const show = document.querySelector( '#show' );
 const file = document.querySelector( '#file' );
-const told = document.querySelector( '#told' );
-/** The file that is shown, and whether the light has to be prefiltered. */
+const message = document.querySelector( '#message' );
+/** The shown file, and whether the light must be prefiltered. */
 let opened = null;
 let isNew = true;
 
-/** Shows a texture in place of the one before. */
+/** Shows a texture instead of the current one. */
 function showTexture( texture ) {
 
 	if ( opened ) {
@@ -52,7 +52,7 @@ function showTexture( texture ) {
 
 }
 
-/** The texture of a picture or a video. */
+/** The texture of a picture file or a video file. */
 async function textureOf( address, isVideo ) {
 
 	if ( ! isVideo ) return new THREE.TextureLoader().loadAsync( address );
@@ -77,11 +77,11 @@ file.addEventListener( 'change', async () => {
 		const texture = await textureOf( URL.createObjectURL( chosen ), chosen.type.startsWith( 'video/' ) );
 		texture.colorSpace = THREE.SRGBColorSpace;
 		showTexture( texture );
-		told.value = '';
+		message.value = '';
 
 	} catch {
 
-		told.value = `${ chosen.name } is no picture or video that this browser shows`;
+		message.value = `${ chosen.name } is not a picture or video that this browser can show`;
 
 	}
 

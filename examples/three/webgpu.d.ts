@@ -3,18 +3,18 @@
 import type { Material, MeshPhysicalMaterial, MeshStandardMaterial } from 'three';
 import type { MeshStandardNodeMaterial } from 'three/webgpu';
 
-/** What `ltcforge shader --model normals` prints in WGSL and GLSL ES: modules of `ltcforge-three/shaders`. */
+/** The output of `ltcforge shader --model normals` in WGSL and GLSL ES: modules of `ltcforge-three/shaders`. */
 export interface ClosedFormTexts {
 	wgsl: string;
-	/** For where WebGPURenderer falls back on WebGL 2. */
+	/** The text for WebGPURenderer's fallback on WebGL 2. */
 	glsl?: string;
 }
 
-/** Lights a material's gloss and clearcoat by three's rectangular lights in closed form. Patches it in place. */
+/** Lights a material's gloss and clearcoat by three's rectangular lights, in closed form. Patches the material in place. */
 export function withClosedFormAreaLights<M extends MeshStandardMaterial | MeshStandardNodeMaterial>( material: M, texts: ClosedFormTexts ): M;
 
-/** Takes the patch off a material. */
+/** Removes the patch from a material. */
 export function withoutAreaLights<M extends Material>( material: M ): M;
 
-/** Sets GGX alpha along the tangent and across it, in (0, 1], as three's `roughness`, `anisotropy` and `anisotropyRotation`. */
+/** Sets GGX alpha along the tangent and across it, in (0, 1], by three's `roughness`, `anisotropy` and `anisotropyRotation`. */
 export function setAlphas( material: MeshStandardMaterial | MeshPhysicalMaterial, alphaX: number, alphaY: number ): void;

@@ -1,14 +1,15 @@
-// The closed form for WebGPURenderer of three.js, for its node materials and for MeshStandardMaterial and
-// MeshPhysicalMaterial, which it turns into node materials. Diffuse light stays three's.
+// The closed form for WebGPURenderer of three.js: for its node materials, and for MeshStandardMaterial and
+// MeshPhysicalMaterial, which the renderer converts to node materials. Diffuse light does not change.
 
 import { wgsl, wgslFn, glsl, glslFn, anisotropyT, alphaT, clearcoatNormalView, clearcoatRoughness, float, normalView, positionView, positionViewDirection, roughness, specularColorBlended, specularF90, vec2, vec3 } from 'three/tsl';
 
 export { setAlphas } from './alphas.js';
 
 /**
- * By language, the functions behind the text of the closed form, for a lobe of a name. What no light changes stands in a
- * variable of the module: three declares a function's variables before our types. `begin` sets it; it returns a number,
- * since three takes no function that returns nothing. three's corners run counterclockwise seen from the lit side.
+ * For each language, the functions after the text of the closed form, for a lobe with a name. Values that are the same for all
+ * lights are in a variable of the module, because three declares a function's variables before our types. `begin` sets it. It
+ * returns a number, because three's functions must return a value. three's corners run counterclockwise as seen from the side
+ * that emits.
  */
 const WGSL = {
 	kept: ( name ) => /* wgsl */ `
@@ -55,16 +56,17 @@ vec3 gloss_${ name }(vec3 f0, float f90, vec3 centre, vec3 half_width, vec3 half
 }`,
 };
 
-/** What is known of a patched material: its own properties of these names, before the patch. */
+/** The data of each patched material: its own properties with these names, before the patch. */
 const patches = new WeakMap();
 const OWN = [ 'setupLightingModel', 'customProgramCacheKey', 'clone' ];
 
 /**
- * Lights a material's gloss and clearcoat by three's rectangular lights in closed form.
+ * Lights a material's gloss and clearcoat by three's rectangular lights, in closed form.
  *
- * @param {import('three').MeshStandardMaterial | import('three/webgpu').MeshStandardNodeMaterial} material - Patched in place.
- * @param {{ wgsl: string, glsl?: string }} texts - What `ltcforge shader --model normals` prints in WGSL, and in GLSL ES for
- * where WebGPURenderer falls back on WebGL 2.
+ * @param {import('three').MeshStandardMaterial | import('three/webgpu').MeshStandardNodeMaterial} material - The material, which
+ * is patched in place.
+ * @param {{ wgsl: string, glsl?: string }} texts - The output of `ltcforge shader --model normals` in WGSL, and in GLSL ES for
+ * WebGPURenderer's fallback on WebGL 2.
  * @returns {Object} The material.
  */
 export function withClosedFormAreaLights( material, texts ) {
@@ -75,14 +77,14 @@ export function withClosedFormAreaLights( material, texts ) {
 
 	}
 
-	if ( ! texts || ! String( texts.wgsl ).includes( 'fn normals_rectangle(' ) ) throw new TypeError( 'texts.wgsl has to be what `ltcforge shader --model normals --language wgsl` prints' );
-	if ( texts.glsl !== undefined && ! String( texts.glsl ).includes( 'vec2 normals_rectangle(' ) ) throw new TypeError( 'texts.glsl has to be what `ltcforge shader --model normals --language glsl-es` prints' );
+	if ( ! texts || ! String( texts.wgsl ).includes( 'fn normals_rectangle(' ) ) throw new TypeError( 'texts.wgsl must be the output of `ltcforge shader --model normals --language wgsl`' );
+	if ( texts.glsl !== undefined && ! String( texts.glsl ).includes( 'vec2 normals_rectangle(' ) ) throw new TypeError( 'texts.glsl must be the output of `ltcforge shader --model normals --language glsl-es`' );
 	withoutAreaLights( material );
 	const own = Object.fromEntries( OWN.filter( ( name ) => Object.hasOwn( material, name ) ).map( ( name ) => [ name, material[ name ] ] ) );
 	patches.set( material, own );
 	const before = ( name, object ) => own[ name ] || Object.getPrototypeOf( object )[ name ];
 
-	// WebGPURenderer copies this to the node material that it makes of another, whose class has the method that is called.
+	// WebGPURenderer copies this property to the node material that it makes, whose class has the method that is called.
 	Object.defineProperty( material, 'setupLightingModel', { configurable: true, enumerable: true, writable: true, value( builder ) {
 
 		return lit( before( 'setupLightingModel', this ).call( this, builder ), texts );
@@ -104,9 +106,9 @@ export function withClosedFormAreaLights( material, texts ) {
 }
 
 /**
- * Takes the patch off a material. One that has none stays as it is.
+ * Removes the patch from a material. An unpatched material does not change.
  *
- * @returns {Object} The material, which is compiled anew at its next use.
+ * @returns {Object} The material. It is compiled again at its next use.
  */
 export function withoutAreaLights( material ) {
 
@@ -120,21 +122,21 @@ export function withoutAreaLights( material ) {
 
 }
 
-/** A physical lighting model that lights gloss and clearcoat by our functions. */
+/** A physical lighting model that lights gloss and clearcoat with our functions. */
 function lit( model, texts ) {
 
-	if ( typeof model.directRectArea !== 'function' || typeof model.start !== 'function' ) throw new Error( 'this three.js has another lighting model; this patch is for r187' );
+	if ( typeof model.directRectArea !== 'function' || typeof model.start !== 'function' ) throw new Error( 'this version of three.js has another lighting model; this patch is for r187' );
 	const stock = { start: model.start, directRectArea: model.directRectArea };
 	const gloss = {};
 
 	model.start = function ( builder ) {
 
 		const isWebGPU = builder.renderer.backend.isWebGPUBackend === true;
-		if ( ! isWebGPU && ! texts.glsl ) throw new Error( 'WebGPURenderer draws by WebGL 2 here, for which texts.glsl is needed' );
+		if ( ! isWebGPU && ! texts.glsl ) throw new Error( 'WebGPURenderer uses WebGL 2 here, which needs texts.glsl' );
 		const [ code, fn, own ] = isWebGPU ? [ wgsl, wgslFn, WGSL ] : [ glsl, glslFn, GLSL ];
 		const text = code( isWebGPU ? texts.wgsl : texts.glsl );
 
-		// Once a fragment, before the lights.
+		// This runs once a fragment, before the lights.
 		const begin = ( name, normal, along, alphas ) => {
 
 			const kept = code( own.kept( name ), [ text ] );
@@ -161,7 +163,7 @@ function lit( model, texts ) {
 		const { clearcoat } = this;
 		if ( clearcoat ) this.clearcoatSpecularDirect.addAssign( seen( 'coat', vec3( 0.04 ), float( 1 ) ) );
 
-		// three's method adds diffuse light and gloss, of which the second is dropped.
+		// three's method adds diffuse light and gloss. The gloss is discarded.
 		this.clearcoat = false;
 		const diffuse = { ...reflectedLight, directSpecular: { addAssign() {} } };
 		stock.directRectArea.call( this, { ...data, reflectedLight: diffuse }, builder );

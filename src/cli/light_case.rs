@@ -318,7 +318,7 @@ mod tests {
             (LightShape::Sphere, "0,0,0,1e-9", "the shaded point lies inside the light"),
             (LightShape::Tube, "-1,0,0.1,1,0,0.1,0.2", "the shaded point lies inside the light"),
             (LightShape::Tube, "-1,0,,1,0,0.1,0", "az is «»; a coordinate must be a finite number; radius is «0»"),
-            (LightShape::Line, "1,0,1,1,0,1,0.1", "the length of the line is 0; the two ends are points apart"),
+            (LightShape::Line, "1,0,1,1,0,1,0.1", "the length of the line is 0; the two ends must differ"),
             (LightShape::Line, "-1,0,-1,2,0,2,0.1", "the shaded point lies inside the light"),
             (LightShape::Line, "-1,0,1,2,0,2,0", "width is «0»; a width must be above 0"),
         ];

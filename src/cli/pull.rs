@@ -85,10 +85,10 @@ pub(super) fn run(args: &PullArgs, sources: &Sources, context: &mut Context<'_>)
             context.print(&value, "")?;
         }
     }
-    let told: Vec<String> =
+    let lines: Vec<String> =
         ends.iter().filter_map(|(pin, _, failure)| Some(of_pin(pin, failure.as_ref()?).message)).collect();
     let first = failures().next().map(|failure| failure.exit);
-    first.map_or(Ok(Exit::Ok), |exit| Err(CommandFailure::new(exit, told.join("\n"))))
+    first.map_or(Ok(Exit::Ok), |exit| Err(CommandFailure::new(exit, lines.join("\n"))))
 }
 
 /// The outcome for a file that was right.

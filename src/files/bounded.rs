@@ -1,4 +1,4 @@
-//! Files and lines read up to a stated length.
+//! Reading of files and lines up to a length limit.
 
 use std::{
     fs::File,
@@ -6,10 +6,10 @@ use std::{
     path::Path,
 };
 
-/// The bytes of a file of at most `most_bytes`. A file that says it is longer is not read at all.
+/// The bytes of a file of at most `most_bytes`. A file whose stated length is above the limit is not read.
 ///
 /// # Errors
-/// The system's; [`io::ErrorKind::FileTooLarge`] for a longer file.
+/// The error of the system; [`io::ErrorKind::FileTooLarge`] for a longer file.
 pub fn read_file(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
     let file = File::open(path)?;
     if file.metadata()?.len() > most_bytes {
@@ -21,20 +21,20 @@ pub fn read_file(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
 /// The bytes of a stream of at most `most_bytes`.
 ///
 /// # Errors
-/// The system's; [`io::ErrorKind::FileTooLarge`] for a longer stream, of which one more byte is read.
+/// The error of the system; [`io::ErrorKind::FileTooLarge`] for a longer stream, after one byte more than the limit.
 pub fn read_stream(stream: impl Read, most_bytes: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     stream.take(most_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most_bytes { Err(too_long("file", most_bytes)) } else { Ok(bytes) }
 }
 
-/// Reads the next line into `line`, without its line break. `false` at the end.
+/// Reads the next line into `line`, without its line break. Returns `false` at the end.
 ///
 /// # Errors
-/// The system's; [`io::ErrorKind::FileTooLarge`] for a line of more than `most_bytes`.
+/// The error of the system; [`io::ErrorKind::FileTooLarge`] for a line of more than `most_bytes`.
 pub fn read_line(stream: &mut impl BufRead, line: &mut Vec<u8>, most_bytes: u64) -> io::Result<bool> {
     line.clear();
-    // Two more bytes: a line break.
+    // The two extra bytes are for a line break.
     stream.by_ref().take(most_bytes.saturating_add(2)).read_until(b'\n', line)?;
     let is_line = !line.is_empty();
     if line.last() == Some(&b'\n') {
@@ -44,19 +44,20 @@ pub fn read_line(stream: &mut impl BufRead, line: &mut Vec<u8>, most_bytes: u64)
     if line.len() as u64 > most_bytes { Err(too_long("line", most_bytes)) } else { Ok(is_line) }
 }
 
-/// The error of something that is longer than it may be.
+/// The error for a file or line above the limit.
 #[must_use]
 pub fn too_long(what: &str, most_bytes: u64) -> io::Error {
     io::Error::new(io::ErrorKind::FileTooLarge, format!("the {what} is longer than {most_bytes} bytes, the limit"))
 }
 
-/// Segments APP1 and APP2 of a JPEG: profiles, previews and metadata of up to 64 KB each, which decoders keep.
+/// The limit of segments APP1 and APP2 in a JPEG: profiles, previews and metadata of up to 64 KB each. Decoders keep
+/// them.
 const MOST_JPEG_SEGMENTS: usize = 512;
 
-/// Refuses a JPEG with more segments of metadata than a decoder should keep.
+/// Rejects a JPEG with more segments of metadata than a decoder should keep.
 ///
 /// # Errors
-/// What there is too much of.
+/// A description of the excess.
 pub fn check_jpeg(bytes: &[u8]) -> Result<(), String> {
     let is_kept = |pair: &&[u8]| matches!(pair, [0xff, 0xe1 | 0xe2]);
     let is_more = bytes.windows(2).filter(is_kept).nth(MOST_JPEG_SEGMENTS).is_some();
@@ -75,7 +76,7 @@ mod tests {
         assert_eq!(read_file(&path, 3).expect("three bytes"), b"abc");
         let refused = read_file(&path, 2).expect_err("a byte more");
         assert_eq!(refused.to_string(), "the file is longer than 2 bytes, the limit");
-        // This one says that it is empty, and never ends.
+        // /dev/zero states a length of zero, and never ends.
         assert_eq!(read_file(Path::new("/dev/zero"), 9).expect_err("endless").kind(), io::ErrorKind::FileTooLarge);
     }
 

@@ -17,20 +17,20 @@ pub struct Digest([u8; 32]);
 
 /// A text that is not a digest.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("«{0}» is not a digest; written sha256:<64 hex digits>, the prefix may be left out")]
+#[error("«{0}» is not a digest; a digest is sha256:<64 hex digits>, and the prefix may be left out")]
 pub struct ParseDigestError(pub String);
 
 impl Digest {
-    /// The digest of `bytes`, the same number that `sha256sum` prints.
+    /// The digest of `bytes`, as `sha256sum` prints it.
     #[must_use]
     pub fn of(bytes: &[u8]) -> Self {
         Self(Sha256::digest(bytes).into())
     }
 
-    /// The digest of all that `stream` gives, which is not kept in memory.
+    /// The digest of all bytes of `stream`, which are not kept in memory.
     ///
     /// # Errors
-    /// The stream's.
+    /// The error of the stream.
     pub fn of_stream(mut stream: impl Read) -> io::Result<Self> {
         let mut hasher = Hasher::default();
         let mut chunk = vec![0; 1 << 16];
@@ -44,26 +44,26 @@ impl Digest {
         }
     }
 
-    /// A digest from its 32 raw bytes.
+    /// The digest with these 32 bytes.
     #[must_use]
     pub fn from_bytes(bytes: [u8; 32]) -> Self {
         Self(bytes)
     }
 
-    /// The 32 raw bytes.
+    /// The 32 bytes.
     #[must_use]
     pub fn as_bytes(&self) -> &[u8; 32] {
         &self.0
     }
 
-    /// The 64 hex digits without the prefix: a file name.
+    /// The 64 hex digits without the prefix, for file names.
     #[must_use]
     pub fn hex(&self) -> String {
         to_hex(&self.0)
     }
 }
 
-/// Hashes bytes that come in parts.
+/// Hashes bytes that arrive in parts.
 #[derive(Debug, Clone, Default)]
 pub struct Hasher(Sha256);
 

@@ -1,7 +1,7 @@
 //! Bytes as hexadecimal digits.
 
-/// The bytes as lower-case digits, two a byte. By a table: an answer of the service writes several digests, and formatting
-/// each byte was 3 % of its time.
+/// The bytes as lower-case digits, two a byte. A lookup is used, because an answer of the service has several digests,
+/// and formatting each byte took 3 % of its time.
 #[must_use]
 pub fn to_hex(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 16] = b"0123456789abcdef";
@@ -9,7 +9,7 @@ pub fn to_hex(bytes: &[u8]) -> String {
     bytes.iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()
 }
 
-/// The inverse of [`to_hex`]; `None` for any text that it does not make.
+/// The inverse of [`to_hex`]; `None` for any other text.
 #[must_use]
 pub fn from_hex(text: &str) -> Option<Vec<u8>> {
     let is_hex = text.bytes().all(|byte| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte));

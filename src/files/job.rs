@@ -1,4 +1,4 @@
-//! How jobs are named in documents, by the service and by its clients.
+//! Names of jobs in documents of the service and of its clients.
 
 use std::{fmt, str::FromStr};
 
@@ -9,17 +9,17 @@ use super::{
     hex::{from_hex, to_hex},
 };
 
-/// A job's id: the first 128 bits of its recipe's digest in hex, so that submitting is idempotent.
+/// A job's id: the first 128 bits of its recipe's digest in hex. So submitting a recipe twice gives the same job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct JobId([u8; 16]);
 
-/// A text that is no job id.
+/// The text is not a job id.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("«{0}» is not a job id; a job id is 32 hex digits")]
 pub struct ParseJobIdError(pub String);
 
 impl JobId {
-    /// The id of the job that fits the recipe of this digest.
+    /// The id of the job for the recipe with this digest.
     #[must_use]
     pub fn of_recipe(digest: &Digest) -> Self {
         let mut id = [0; 16];
@@ -27,23 +27,23 @@ impl JobId {
         Self(id)
     }
 
-    /// The id in 16 bytes; `None` for another number of bytes.
+    /// The id from 16 bytes; `None` for another number of bytes.
     #[must_use]
     pub fn from_slice(bytes: &[u8]) -> Option<Self> {
         bytes.try_into().ok().map(Self)
     }
 
-    /// The 16 bytes: a key.
+    /// The 16 bytes, as a key.
     #[must_use]
     pub fn as_bytes(&self) -> &[u8; 16] {
         &self.0
     }
 }
 
-/// Most ids that a sentence lists.
+/// The most ids that a sentence lists.
 const LISTED: usize = 20;
 
-/// Some of `ids`, as a sentence lists them, and how many more there are.
+/// The first ids as a list in a sentence, and the number of other ids.
 #[must_use]
 pub fn listed(ids: &[String]) -> String {
     let more = ids.len().saturating_sub(LISTED);
@@ -77,33 +77,33 @@ impl<'de> Deserialize<'de> for JobId {
         String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
     }
 }
-/// A job's state without its data, by which lists are filtered.
+/// A job's state without data, to filter lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StateName {
-    /// Waiting for a worker.
+    /// The job waits for a worker.
     Queued,
-    /// A worker has taken a part of it.
+    /// A worker has started a part of the job.
     Running,
-    /// Its table is stored.
+    /// The table is stored.
     Done,
-    /// It ended with an error.
+    /// The job ended with an error.
     Failed,
-    /// It was cancelled.
+    /// The job was cancelled.
     Cancelled,
 }
 
 impl StateName {
-    /// Every state.
+    /// All states.
     pub const ALL: [Self; 5] = [Self::Queued, Self::Running, Self::Done, Self::Failed, Self::Cancelled];
 
-    /// Its name in metrics and in the database: that of the API.
+    /// The name in the API, in metrics and in the database.
     #[must_use]
     pub fn text(self) -> &'static str {
         ["queued", "running", "done", "failed", "cancelled"][self as usize]
     }
 
-    /// Whether a job in this state only changes by being submitted again.
+    /// Whether a job in this state changes only if it is submitted again.
     #[must_use]
     pub fn is_final(self) -> bool {
         matches!(self, Self::Done | Self::Failed | Self::Cancelled)

@@ -1,34 +1,34 @@
-//! How much a JSON document holds, counted before it is parsed.
+//! Size limits of a JSON document, counted before it is parsed.
 //!
 //! A parsed object takes up to a hundred times the bytes of its text, so a limit on bytes alone does not bound memory.
 
-/// How many of each kind a document may hold.
+/// The limits of a document.
 #[derive(Debug, Clone, Copy)]
 pub struct JsonLimits {
-    /// Objects and lists.
+    /// The most objects and lists.
     pub items: usize,
-    /// Values that follow another in an object or a list.
+    /// The most values that follow another in an object or a list.
     pub values: usize,
 }
 
-/// A document that holds too much.
+/// The document is above a limit.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{field}: more than {most} {kind}")]
 pub struct TooMany {
-    /// The field of the document in which the limit was passed.
+    /// The field in which the limit was passed.
     pub field: String,
-    /// What there is too much of.
+    /// The kind of items.
     pub kind: &'static str,
-    /// How many are allowed.
+    /// The limit.
     pub most: usize,
 }
 
-/// Letters of a field's name in a message.
+/// The most letters of a field's name in a message.
 const LONGEST_FIELD: usize = 40;
 
 impl JsonLimits {
-    /// Counts without building anything, and stops at the first limit. Text that is not JSON is counted too; the parser
-    /// rejects it.
+    /// Counts without building values, and stops at the first limit. Text that is not JSON is counted too; the parser
+    /// rejects it later.
     ///
     /// # Errors
     /// [`TooMany`] with the field of the document and the kind.
@@ -43,7 +43,7 @@ impl JsonLimits {
                     while json.get(at).is_some_and(|byte| *byte != b'"') {
                         at += if json[at] == b'\\' { 2 } else { 1 };
                     }
-                    // A field's name, or a text that is followed by the next name.
+                    // A field's name, or a text before the next name.
                     if depth == 1 {
                         field = json.get(start..at).unwrap_or_default();
                     }
@@ -76,16 +76,16 @@ mod tests {
     #[test]
     fn each_kind_is_counted_and_texts_are_not() {
         let limits = JsonLimits { items: 4, values: 3 };
-        let told = |json: &str| limits.check(json.as_bytes()).map_err(|error| error.to_string());
+        let reported = |json: &str| limits.check(json.as_bytes()).map_err(|error| error.to_string());
         for fine in [r#"{"a": [{}], "b": [1]}"#, r#"{"a": "[[[{{{,,,,,\"{{{", "b": 1}"#, "", "\"", "\"\\", "]]}}"] {
-            assert_eq!(told(fine), Ok(()), "{fine}");
+            assert_eq!(reported(fine), Ok(()), "{fine}");
         }
         for (json, error) in [
             (r#"{"a": 1, "nodes": [{}, {}, {}]}"#, "/nodes: more than 4 objects and lists"),
             (r#"{"a": [[], [], []]}"#, "/a: more than 4 objects and lists"),
             (r#"{"a": [1, 2, 3, 4, 5]}"#, "/a: more than 3 values"),
         ] {
-            assert_eq!(told(json), Err(error.to_owned()));
+            assert_eq!(reported(json), Err(error.to_owned()));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Documents and containers: recipes, tables as files and as textures, digests.
+//! Documents and containers: recipes, table files, compact forms, tabulated BRDFs, digests.
 
 pub mod bounded;
 pub mod compact;

@@ -1,6 +1,6 @@
 //! A table's manifest: its recipe, its size and its errors.
 //!
-//! Invariant: a manifest follows from the table's file alone and contains no time, host or duration.
+//! Invariant: a manifest depends only on the table's file, and contains no time, host or duration.
 
 use serde::{Serialize, de::Error as _};
 
@@ -12,7 +12,7 @@ use super::{
 };
 use ltcforge_fit::{Asymmetry, GoOn, REPORT_VERSION, Recipe, Report, Table, report, report_points, report_while};
 
-/// Version of manifests. Raised whenever the same table gets another manifest.
+/// The version of manifests, raised if a table's manifest changes.
 pub const MANIFEST_VERSION: u32 = REPORT_VERSION;
 
 #[derive(Debug, Serialize)]
@@ -28,16 +28,16 @@ struct Manifest<'a> {
     exports: Vec<ExportEntry>,
 }
 
-/// The file that a table was fitted to.
+/// The file to which a table was fitted.
 #[derive(Debug, Serialize)]
 struct Tabulated {
     file: String,
-    /// Views and lights that may be exchanged.
+    /// The asymmetry of the data when view and light are exchanged.
     #[serde(skip_serializing_if = "Option::is_none")]
     asymmetry: Option<Asymmetry>,
 }
 
-/// Another file of the same table.
+/// The table in another file format.
 #[derive(Debug, Serialize)]
 struct ExportEntry {
     name: String,
@@ -45,8 +45,8 @@ struct ExportEntry {
     bytes: usize,
 }
 
-/// The report of a recipe's table, as in its manifest. Runs on the current rayon pool. Domain: a table whose model is
-/// complete.
+/// The report of a recipe's table, as in its manifest. Runs on the current rayon pool. Domain: a table with a complete
+/// model.
 #[must_use]
 pub fn table_report(table: &Table, recipe: &Recipe) -> Report {
     report(table, &recipe.range, report_points(recipe))
@@ -55,25 +55,25 @@ pub fn table_report(table: &Table, recipe: &Recipe) -> Report {
 /// The manifest of a canonical file as JSON that ends in a newline. Measures the table on the current rayon pool.
 ///
 /// # Errors
-/// When `file_bytes` is not a canonical table file, or is of a tabulated BRDF, whose file [`manifest_json_with`] finds.
+/// `file_bytes` is not a canonical table file, or it is of a tabulated BRDF, which needs [`manifest_json_with`].
 pub fn manifest_json(file_bytes: &[u8]) -> Result<String, TableFileError> {
     manifest_json_with(file_bytes, &no_files)
 }
 
-/// As [`manifest_json`], of any table.
+/// Like [`manifest_json`], for any table.
 ///
 /// # Errors
-/// As [`manifest_json`], and when the file of a tabulated BRDF is not found.
+/// Like [`manifest_json`], and if the file of a tabulated BRDF is not found.
 pub fn manifest_json_with(file_bytes: &[u8], find: &FindBrdf<'_>) -> Result<String, TableFileError> {
     let mut file = container::decode(file_bytes)?;
     file.find_brdf(find)?;
     manifest_of(file_bytes, &file.table, &file.recipe, &table_report(&file.table, &file.recipe))
 }
 
-/// As [`manifest_json_with`]; `None` as soon as `go_on` says no.
+/// Like [`manifest_json_with`]; `None` after `go_on` returns false.
 ///
 /// # Errors
-/// As [`manifest_json_with`].
+/// Like [`manifest_json_with`].
 pub fn manifest_json_while(
     go_on: &GoOn,
     file_bytes: &[u8],
@@ -88,24 +88,24 @@ pub fn manifest_json_while(
 /// The mean error of a table between nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeanError {
-    /// As a part of the lobe's width.
+    /// The error as a part of the lobe's width.
     pub width: f64,
-    /// At how many places it was measured.
+    /// The number of places where it was measured.
     pub places: usize,
 }
 
 impl MeanError {
-    /// The mean error in a report.
+    /// The mean error from a report.
     #[must_use]
     pub fn of(report: &Report) -> Self {
         Self { width: report.between.width.mean, places: report.between.points }
     }
 }
 
-/// The mean error between nodes that a manifest tells.
+/// The mean error between nodes from a manifest.
 ///
 /// # Errors
-/// When the text is no manifest.
+/// The text is not a manifest.
 pub fn mean_error(manifest: &str) -> Result<MeanError, serde_json::Error> {
     let manifest: serde_json::Value = serde_json::from_str(manifest)?;
     let between = &manifest["report"]["between"];
@@ -114,10 +114,10 @@ pub fn mean_error(manifest: &str) -> Result<MeanError, serde_json::Error> {
     error.ok_or_else(|| serde_json::Error::missing_field("report.between"))
 }
 
-/// The manifest of a canonical file, from the table and the recipe in it and the table's [report](table_report).
+/// The manifest of a canonical file, from its table and recipe and from the table's [report](table_report).
 ///
 /// # Errors
-/// When the recipe has no canonical JSON, which that of a file always has.
+/// The recipe has no canonical JSON. The recipe of a file always has it.
 pub fn manifest_of(
     file_bytes: &[u8],
     table: &Table,

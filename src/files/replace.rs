@@ -1,7 +1,7 @@
-//! Files that are written whole or not at all.
+//! Files that are written completely or not at all.
 //!
-//! A file is written under a temporary name in its folder, brought to the disk with fsync and renamed. After a crash,
-//! on a full disk, and for concurrent readers, its path has the old file or the new one, never a part.
+//! A file is written under a temporary name in its folder, flushed with fsync and renamed. After a crash, on a full
+//! disk, and for concurrent readers, its path has the old file or the new file, never a part.
 
 use std::{
     fs::{self, File},
@@ -11,34 +11,34 @@ use std::{
 
 use tempfile::{NamedTempFile, TempPath};
 
-/// Beginning of the names of temporary files. A process that is killed leaves its own; they may be deleted.
+/// The prefix of temporary files. A killed process leaves its temporary files; they may be deleted.
 pub const TEMPORARY_PREFIX: &str = ".ltcforge.";
 
-/// A file that was not written.
+/// A file could not be written.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {source}", .path.display())]
 pub struct PairError {
-    /// Which file.
+    /// The path of the file.
     pub path: PathBuf,
-    /// Why.
+    /// The error of the system.
     pub source: io::Error,
 }
 
 /// Writes `bytes` to `path` and creates its folder if it is missing. A file that is replaced keeps its permissions.
 ///
 /// # Errors
-/// When the folder cannot be created or the file cannot be written; no temporary file is left then.
+/// The folder cannot be created or the file cannot be written. No temporary file remains.
 pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut staged = Staged::default();
     staged.write(path, |file| file.write_all(bytes))?;
     staged.place().map_err(|error| error.source)
 }
 
-/// Like [`replace_file`], in a folder that is there and without fsync: after a power cut the file may be empty or cut
-/// off. It is for caches, whose readers verify the bytes.
+/// Like [`replace_file`], in an existing folder and without fsync. After a power cut the file may be empty or cut off.
+/// This is for caches, whose readers verify the bytes.
 ///
 /// # Errors
-/// When the file cannot be written; no temporary file is left then.
+/// The file cannot be written. No temporary file remains.
 pub fn replace_cached_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut file = temporary_file(folder_of(path))?;
     file.write_all(bytes)?;
@@ -46,15 +46,15 @@ pub fn replace_cached_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// Writes two files that belong together, `first` before `second`. Where `second` cannot be written, a `first` that was
-/// not there before is removed again.
+/// Writes two files that belong together, `first` before `second`. If `second` cannot be written, a `first` that did
+/// not exist before is deleted again.
 ///
 /// # Errors
-/// The file that cannot be written, and why.
+/// The file that cannot be written, and the reason.
 pub fn replace_pair(first: (&Path, &[u8]), second: (&Path, &[u8])) -> Result<(), PairError> {
     let was_there = first.0.symlink_metadata().is_ok();
     let mut staged = Staged::default();
-    // The file that is staged last is placed first.
+    // The file that is staged last is moved first.
     for (path, bytes) in [second, first] {
         let written = staged.write(path, |file| file.write_all(bytes));
         written.map_err(|source| PairError { path: path.to_owned(), source })?;
@@ -67,22 +67,23 @@ pub fn replace_pair(first: (&Path, &[u8]), second: (&Path, &[u8])) -> Result<(),
     })
 }
 
-/// Files that were written beside their places and are not in them yet. Those that are not placed are removed again,
-/// with the folders that were made for them.
+/// Files that were written next to their destinations and not yet moved. Dropping this deletes them, and the folders
+/// that were created for them.
 #[derive(Debug, Default)]
 pub struct Staged {
-    /// Temporary files, which are deleted when they are dropped, and their places.
+    /// Temporary files, which are deleted when dropped, and their destinations.
     files: Vec<(TempPath, PathBuf)>,
-    /// In the order in which they were made.
+    /// The created folders, in order.
     folders: Vec<PathBuf>,
 }
 
 impl Staged {
-    /// Has `write` fill a temporary file for `place`, in that folder, which is made if it is missing. A file that was
-    /// staged for this place before is dropped. A file that will be replaced passes on its permissions.
+    /// Lets `write` fill a temporary file for `place`, in the same folder, which is created if it is missing. A file
+    /// that was staged for this place before is dropped. The new file gets the permissions of the file that it
+    /// replaces.
     ///
     /// # Errors
-    /// That of `write`, or the system's; then nothing is staged for this place.
+    /// The error of `write` or of the system. Then nothing is staged for this place.
     pub fn write<T, E: From<io::Error>>(
         &mut self,
         place: &Path,
@@ -106,13 +107,13 @@ impl Staged {
         Ok(written)
     }
 
-    /// Where the file for `place` is now, if it was staged.
+    /// The path of the temporary file for `place`, if it is staged.
     #[must_use]
     pub fn path_of(&self, place: &Path) -> Option<&Path> {
         self.files.iter().find(|(_, other)| other == place).map(|(temporary, _)| &**temporary)
     }
 
-    /// The paths that files are staged for.
+    /// The destinations of all staged files.
     pub fn places(&self) -> impl Iterator<Item = &Path> {
         self.files.iter().map(|(_, place)| place.as_path())
     }
@@ -123,11 +124,12 @@ impl Staged {
         self.files.is_empty()
     }
 
-    /// Puts every file in its place. Each place has the old file or the new one at any time, never a part; a crash in
-    /// between leaves new files in some places and old ones in others. The file that was staged last is placed first.
+    /// Moves every file to its destination. Each destination has the old file or the new file at any time, never a
+    /// part. A crash in between leaves new files in some places and old files in others. The file that was staged last
+    /// is moved first.
     ///
     /// # Errors
-    /// The first file that cannot be placed; those placed before it stay, the others are dropped.
+    /// The first file that cannot be moved. Files moved before it stay; the others are dropped.
     pub fn place(mut self) -> Result<(), PairError> {
         while let Some((temporary, place)) = self.files.pop() {
             let placed = temporary.persist(&place).map_err(io::Error::from);
@@ -136,7 +138,7 @@ impl Staged {
         Ok(())
     }
 
-    /// Makes a folder and those that it lies in, and remembers which were missing.
+    /// Creates a folder and its parents, and remembers which of them were missing.
     fn make_folder(&mut self, folder: &Path) -> io::Result<()> {
         let mut missing: Vec<&Path> =
             folder.ancestors().take_while(|path| !path.as_os_str().is_empty() && !path.exists()).collect();
@@ -151,17 +153,17 @@ impl Drop for Staged {
     fn drop(&mut self) {
         self.files.clear();
         for folder in self.folders.iter().rev() {
-            // A folder that has files stays.
+            // A folder that is not empty stays.
             let _ = fs::remove_dir(folder);
         }
     }
 }
 
-/// Whether a new file can be made in `folder`, or, while it is missing, in the folder that it would be made in. Finds
-/// out by making one and removing it again.
+/// Checks that a new file can be created in `folder`, or, if it is missing, in its nearest existing parent. Creates a
+/// file and deletes it again.
 ///
 /// # Errors
-/// Why no file can be made there.
+/// The reason why no file can be created there.
 pub fn check_folder(folder: &Path) -> io::Result<()> {
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     match fs::metadata(here) {
@@ -177,7 +179,7 @@ pub fn check_folder(folder: &Path) -> io::Result<()> {
     }
 }
 
-/// The folder that `path` lies in.
+/// The folder of `path`.
 #[must_use]
 pub fn folder_of(path: &Path) -> &Path {
     match path.parent() {
@@ -186,10 +188,10 @@ pub fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Makes the names in `folder` durable, where that takes a call of its own: only Unix can open a folder.
+/// Makes the names in `folder` durable. Only Unix can open a folder and needs this call.
 ///
 /// # Errors
-/// When the folder cannot be opened, or the disk fails.
+/// The folder cannot be opened, or the disk fails.
 pub fn sync_folder(folder: &Path) -> io::Result<()> {
     if cfg!(unix) {
         File::open(folder)?.sync_all()?;
@@ -197,8 +199,7 @@ pub fn sync_folder(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// A new file in `folder`. It gets the permissions of any new file, where those of `tempfile` let only its owner read
-/// it.
+/// A new file in `folder`, with the permissions of any new file. Those of `tempfile` would let only its owner read it.
 fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMPORARY_PREFIX).suffix(".part");

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use safetensors::{Dtype, View};
 
-/// A tensor on its way into a file.
+/// A tensor to be written into a file.
 pub(super) struct Tensor {
     pub(super) dtype: Dtype,
     pub(super) shape: Vec<usize>,

@@ -1,24 +1,24 @@
-//! Texts and files as editors and version control leave them.
+//! Changes that editors and version control make to texts and files.
 
-/// The mark that some editors put before a text in UTF-8.
+/// The byte-order mark that some editors put before a text in UTF-8.
 const MARK: &[u8] = b"\xef\xbb\xbf";
-/// The first line of the text that Git LFS leaves in place of a file.
+/// The first line of the text with which Git LFS replaces a file.
 const LFS: &[u8] = b"version https://git-lfs.github.com/spec/";
-/// The longest text in which merge markers are looked for.
+/// The longest text that is searched for merge markers.
 const TEXT_LIMIT_BYTES: usize = 4 << 20;
 
-/// A text without the byte-order mark before it.
+/// A text without a byte-order mark.
 #[must_use]
 pub fn without_mark(text: &[u8]) -> &[u8] {
     text.strip_prefix(MARK).unwrap_or(text)
 }
 
-/// What bytes are that are not the expected file, and what to do: a pointer of Git LFS, a text in UTF-16, or a text with
-/// merge markers. `None` for anything else. It is for files that were refused.
+/// A message for bytes that were rejected, if they are a pointer of Git LFS, a text in UTF-16, or a text with merge
+/// markers: what they are, and how to fix them. `None` for other bytes.
 #[must_use]
 pub fn other_form(bytes: &[u8]) -> Option<String> {
     if without_mark(bytes).starts_with(LFS) {
-        return Some("this is a pointer of Git LFS in place of the file: `git lfs pull` fetches the file".to_owned());
+        return Some("this is a pointer of Git LFS and not the file: fetch the file with `git lfs pull`".to_owned());
     }
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         return Some("this is a text in UTF-16: save it in UTF-8".to_owned());
@@ -26,9 +26,7 @@ pub fn other_form(bytes: &[u8]) -> Option<String> {
     let text = str::from_utf8(bytes).ok().filter(|text| text.len() <= TEXT_LIMIT_BYTES)?;
     let is_marker = |line: &str| ["<<<<<<<", "=======", ">>>>>>>", "|||||||"].iter().any(|mark| line.starts_with(mark));
     let line = text.lines().position(is_marker)? + 1;
-    Some(format!(
-        "line {line} is a merge marker: keep what both sides should give, and delete the lines of the markers"
-    ))
+    Some(format!("line {line} is a merge marker: resolve the conflict, and delete the lines with markers"))
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! From fitted entries to the table of a layout.
+//! Converts fitted entries to the table of a layout.
 
 use super::{
     between,
@@ -19,7 +19,7 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
     let recipe = plan.recipe();
     let round = |x: f64| match recipe.precision {
         Precision::F32 => x as f32,
-        // Portable: a processor's own instruction rounds twice between f64 and f16.
+        // A processor's own instruction rounds twice between f64 and f16, so the conversion is in software.
         Precision::F16 => from_half_bits(half_bits_f64(x)),
     };
     let stored = stored(plan, entries);
@@ -42,14 +42,14 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
     }
 }
 
-/// The numbers that a layout stores, for the lobes of all entries.
+/// The numbers that a layout stores, for all entries.
 fn stored(plan: &Plan, entries: &[FittedEntry]) -> Vec<LobeNumbers> {
     let own: Vec<LobeNumbers> = (0..).zip(entries).map(|(index, entry)| store(plan, index, entry)).collect();
     let chosen = if plan.recipe().is_searched() { between::chosen(plan, entries, &own) } else { None };
     chosen.unwrap_or(own)
 }
 
-/// The numbers that a layout stores for the lobe of an entry.
+/// The numbers that a layout stores for an entry.
 fn store(plan: &Plan, index: u64, entry: &FittedEntry) -> LobeNumbers {
     let (place, recipe) = (plan.place(index), plan.recipe());
     let FittedEntry { matrix, amplitude, fresnel, .. } = *entry;

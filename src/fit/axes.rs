@@ -1,22 +1,22 @@
-//! The four axes along which a lobe changes: two of the surface, two of the view.
+//! The four axes of a table: two for the roughness of the surface, two for the view direction.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::math::direction;
 
-/// The least roughness along either axis. Below it a lobe is thinner than the distance between neighbouring f32
-/// directions, and cannot be interpolated. A lookup raises both roughnesses to it before it takes their ratio, so that
-/// mirrors stay isotropic.
+/// The smallest roughness along either axis. A lobe with less roughness is thinner than the distance between
+/// neighbouring f32 directions, and cannot be interpolated. A lookup raises both roughnesses to this value before it
+/// divides them, so a mirror remains isotropic.
 pub const LEAST_ALPHA: f64 = 1e-5;
 
-/// One value for each axis of a table, in the order in which entries are stored: `phi` varies fastest.
+/// A value for each axis of a table, in storage order of entries: `phi` varies fastest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PerAxis<T> {
     /// Larger roughness, GGX alpha.
     pub alpha: T,
-    /// Smaller over larger roughness.
+    /// Smaller roughness divided by larger roughness.
     pub ratio: T,
     /// Polar angle of the view direction, radians.
     pub theta: T,
@@ -25,21 +25,21 @@ pub struct PerAxis<T> {
 }
 
 impl<T> PerAxis<T> {
-    /// The four values with their axes' names, in storage order.
+    /// The four values with the names of their axes, in storage order.
     pub fn named(&self) -> [(&'static str, &T); 4] {
         [("alpha", &self.alpha), ("ratio", &self.ratio), ("theta", &self.theta), ("phi", &self.phi)]
     }
 }
 
-/// A place in the space that a table covers.
+/// A point in the domain of a table.
 impl PerAxis<f64> {
-    /// The roughness along x, which is the larger one, and along y, which is at least [`LEAST_ALPHA`].
+    /// The roughness along x, which is the larger roughness, and along y, which is at least [`LEAST_ALPHA`].
     #[must_use]
     pub fn roughness(&self) -> [f64; 2] {
         [self.alpha, (self.alpha * self.ratio).max(LEAST_ALPHA)]
     }
 
-    /// The view direction: unit length, exactly in a coordinate plane at `phi` of zero or pi/2.
+    /// The view direction, of unit length. It lies exactly in a coordinate plane if `phi` is zero or pi/2.
     #[must_use]
     pub fn view(&self) -> DVec3 {
         direction(self.theta, self.phi)
@@ -47,7 +47,7 @@ impl PerAxis<f64> {
 }
 
 impl<T> PerAxis<Vec<T>> {
-    /// Nodes on each axis.
+    /// The number of nodes on each axis.
     #[must_use]
     pub fn lengths(&self) -> PerAxis<usize> {
         PerAxis { alpha: self.alpha.len(), ratio: self.ratio.len(), theta: self.theta.len(), phi: self.phi.len() }

@@ -1,4 +1,4 @@
-//! The time that a fit takes, estimated from its recipe.
+//! Estimates the time of a fit from its recipe.
 
 use super::{
     brdf::BrdfKind,
@@ -8,24 +8,24 @@ use super::{
     solver::{Effort, Solver},
 };
 
-/// Seconds of an entry for each sample, beside its solver's: the lobe is sampled twice, each time with two samples for
-/// each sample of the LTC. All constants of the model, here and in `solver`, are seconds of one thread, measured on one
-/// machine. On other machines only their proportions count.
+/// Seconds of an entry for each sample, in addition to the solver's time. The lobe is sampled twice, each time with two
+/// samples for each sample of the LTC. All constants here and in `solver` are seconds of one thread, measured on one
+/// machine. On other machines only their proportions hold.
 const SAMPLING_SECONDS: f64 = 0.31e-6;
-/// The part of a step that is the scattering model's, where steps evaluate it.
+/// The part of a step's time that belongs to the scattering model, for solvers that evaluate it in each step.
 const STEP_SAMPLING: f64 = 0.25;
 /// Seconds of an entry that do not depend on the settings.
 const ENTRY_SECONDS: f64 = 65e-6;
 
-/// The time that the fit of a whole recipe takes, in seconds of one thread on the machine of the constants.
+/// The predicted time to fit a whole recipe, in seconds of one thread on the measured machine.
 #[must_use]
 pub fn fit_seconds(recipe: &Recipe) -> f64 {
-    // The second lobe of an entry takes another fit.
+    // The second lobe of an entry needs a second fit.
     let fits = if recipe.brdf.fresnel().second().is_some() { 2.0 } else { 1.0 };
     fits * lobes(recipe) * entry_seconds(recipe.brdf.kind(), recipe.lobe, &recipe.fit)
 }
 
-/// The time that one entry's fit takes, likewise.
+/// The predicted time to fit one entry, in seconds of one thread on the measured machine.
 fn entry_seconds(brdf: BrdfKind, lobe: LobeModel, fit: &FitSettings) -> f64 {
     let effort = Effort {
         metric: fit.metric,
@@ -34,7 +34,7 @@ fn entry_seconds(brdf: BrdfKind, lobe: LobeModel, fit: &FitSettings) -> f64 {
         steps: fit.steps,
         seed: fit.seed,
     };
-    // Solvers by `l3` and `sgd` evaluate the model in each step.
+    // Solver `sgd`, and all solvers with metric `l3`, evaluate the model in each step.
     let of_sample = brdf.rules().prediction_factors().sample;
     let is_fixed = fit.metric == Metric::Sw1 && fit.solver != Solver::Sgd;
     let of_step = if is_fixed { 1.0 } else { 1.0 + STEP_SAMPLING * (of_sample - 1.0) };
@@ -44,14 +44,13 @@ fn entry_seconds(brdf: BrdfKind, lobe: LobeModel, fit: &FitSettings) -> f64 {
     search + sampling + ENTRY_SECONDS
 }
 
-/// The number of entries that are fitted. Where the surface is isotropic or seen from above, the entries of all phi
-/// share one fit.
+/// The number of fits. All phi share one fit if the surface is isotropic or viewed along its normal.
 fn lobes(recipe: &Recipe) -> f64 {
     let nodes = recipe.nodes();
     let phi = nodes.phi.len();
     let of_row = |ratio: f64, theta: f64| if ratio == 1.0 || theta == 0.0 { 1 } else { phi };
     let rows = nodes.ratio.iter().flat_map(|ratio| nodes.theta.iter().map(move |theta| (*ratio, *theta)));
-    // Each material has one ratio.
+    // A table of materials has one ratio for each material.
     let alphas = if recipe.layout.is_of_materials() { 1 } else { nodes.alpha.len() };
     alphas as f64 * rows.map(|(ratio, theta)| of_row(ratio, theta)).sum::<usize>() as f64
 }
@@ -61,7 +60,8 @@ mod tests {
     use super::*;
     use crate::{Fitter, Metric, Solver, brdf::Ggx, math::direction, stop_check::work_of};
 
-    /// A fit counts its work in projections of a sample on a direction. `ltcforge-studies costs` measures the seconds.
+    /// The cost of a fit is given for each projection of a sample on a direction. `ltcforge-studies costs` measures the
+    /// seconds.
     #[test]
     fn the_seconds_of_each_solver_are_those_of_the_work_that_it_counts() {
         let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };

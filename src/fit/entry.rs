@@ -1,4 +1,4 @@
-//! One configuration from lobe to matrix.
+//! Fits the lobe of one configuration.
 
 use std::sync::Arc;
 
@@ -17,32 +17,32 @@ use super::{
     stop_check::{StopCheck, unstopped},
 };
 
-/// Samples of the lobe for each sample of the LTC. The lobe can have more, because its samples are projected once and
-/// those of the LTC in every evaluation.
+/// Samples of the lobe for each sample of the LTC. The lobe can have more, because it is projected once. The samples of
+/// the LTC are projected in every evaluation.
 const TARGET_SAMPLES_PER_SAMPLE: usize = 2;
-/// Samples of the lobe that tell its terms, for each sample of the LTC. They are drawn and no more, so they cost
-/// little.
+/// Samples of the lobe for its terms, for each sample of the LTC. They are cheap, because they are only drawn.
 const TERM_SAMPLES_PER_SAMPLE: usize = 4;
-/// The held-out sequences are those of the fit, shifted by these parts of a turn. Both parts are far from any fraction
-/// with a small denominator.
+/// The held-out sequences are the sequences of the fit, shifted by these parts of a turn. Both parts are far from all
+/// fractions with a small denominator.
 const HELD_OUT_SHIFT: [f64; 2] = [0.414_213_562_373_095, 0.732_050_807_568_877];
 
-/// The metric of measured errors, whatever the fit minimises: the errors of all tables compare.
+/// The metric of measured errors. It does not depend on the metric of the fit, so the errors of all tables are
+/// comparable.
 const ERROR_METRIC: Metric = Metric::Sw1;
 
-/// One fitted configuration, before alignment and storage.
+/// A fitted configuration, before alignment and storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FittedEntry {
     /// `M` in the tangent frame, row-major.
     pub matrix: [f64; 9],
-    /// The same of the second lobe, where entries have two.
+    /// The matrix of the second lobe, if entries have two lobes.
     pub second: Option<[f64; 9]>,
-    /// Directional albedo for a Fresnel factor of one; of a Gaussian over its part above the horizon, so that what it
-    /// has over a light is multiplied by this.
+    /// Directional albedo for a Fresnel factor of one. For a Gaussian it is divided by the part of the Gaussian above
+    /// the horizon; a renderer multiplies the Gaussian's integral over a light by it.
     pub amplitude: f64,
-    /// The same, weighted by Schlick's fifth power.
+    /// The amplitude, weighted by Schlick's fifth power.
     pub fresnel: f64,
-    /// Sliced Wasserstein error on samples and directions that the fit did not see.
+    /// Sliced Wasserstein error on held-out samples and directions.
     pub error: f64,
 }
 
@@ -71,19 +71,19 @@ impl Sampling {
     }
 }
 
-/// Fits configurations one after the other. The samples and directions that they share are prepared once.
+/// Fits configurations one after the other. All fits share the same prepared samples and directions.
 #[derive(Debug)]
 pub struct Fitter {
     lobe: LobeModel,
     settings: FitSettings,
-    seen: Sampling,
+    training: Sampling,
     held_out: Sampling,
-    /// Where the lobe is sampled for its terms.
+    /// The points for the lobe's terms.
     terms: Arc<[SquarePoint]>,
 }
 
 impl Fitter {
-    /// A fitter of the default lobe model for these settings.
+    /// A fitter of the default lobe model with these settings.
     #[must_use]
     pub fn new(settings: &FitSettings) -> Self {
         // The seed shifts both sequences by multiples of irrational numbers, which never coincide.
@@ -91,45 +91,46 @@ impl Fitter {
             let turned = base + settings.seed as f64 * step;
             turned - turned.floor()
         };
-        let seen = [turn(0.0, 0.236_067_977_499_790), turn(0.0, 0.645_751_311_064_591)];
-        let held_out = [turn(seen[0], HELD_OUT_SHIFT[0]), turn(seen[1], HELD_OUT_SHIFT[1])];
-        let terms = Lattice::new(settings.samples as usize * TERM_SAMPLES_PER_SAMPLE, seen);
+        let training = [turn(0.0, 0.236_067_977_499_790), turn(0.0, 0.645_751_311_064_591)];
+        let held_out = [turn(training[0], HELD_OUT_SHIFT[0]), turn(training[1], HELD_OUT_SHIFT[1])];
+        let terms = Lattice::new(settings.samples as usize * TERM_SAMPLES_PER_SAMPLE, training);
         Self {
             lobe: LobeModel::ALL[0],
             settings: *settings,
-            seen: Sampling::new(settings.metric, settings, seen),
+            training: Sampling::new(settings.metric, settings, training),
             held_out: Sampling::new(ERROR_METRIC, settings, held_out),
             terms: terms.points().map(SquarePoint::new).collect(),
         }
     }
 
-    /// This fitter, for a lobe model that the settings' solver finds.
+    /// This fitter with another lobe model.
     #[must_use]
     pub fn of(self, lobe: LobeModel) -> Self {
         Self { lobe, ..self }
     }
 
-    /// A fitter that shares samples and directions with this one, for another thread.
+    /// A fitter for another thread, which shares samples and directions with this fitter.
     #[must_use]
     pub fn another(&self) -> Self {
         Self {
             lobe: self.lobe,
             settings: self.settings,
-            seen: self.seen.another(),
+            training: self.training.another(),
             held_out: self.held_out.another(),
             terms: Arc::clone(&self.terms),
         }
     }
 
-    /// Fits the lobe of `brdf` for `wo` and measures the fit. `stream` chooses the random numbers of solver `sgd`.
-    /// `None` when `stop_check` stops it.
+    /// Fits the lobe of `brdf` for `wo` and measures the error of the fit. `stream` selects the random numbers of
+    /// solver `sgd`. Returns `None` if `stop_check` stops the fit.
     ///
     /// Domain: roughness at least 1e-8, `wo` of unit length above the horizon.
     pub fn fit(&mut self, brdf: &dyn Brdf, wo: DVec3, stream: u64, stop_check: &mut StopCheck) -> Option<FittedEntry> {
         self.fit_near(brdf, wo, stream, None, stop_check).map(|(entry, _)| entry)
     }
 
-    /// [`Fitter::fit`] by a solver that starts from a matrix, from `start`: in [`Fitter::frame`] of the lobe.
+    /// Like [`Fitter::fit`], but solvers that start from a matrix start from `start`, given in [`Fitter::frame`] of the
+    /// lobe.
     pub fn fit_from(
         &mut self,
         brdf: &dyn Brdf,
@@ -140,14 +141,15 @@ impl Fitter {
         self.fit_near(brdf, wo, 0, Some(start), stop_check).map(|(entry, _)| entry)
     }
 
-    /// The frame of a lobe: the rotation that takes +z to its mean direction.
+    /// The frame of a lobe: the rotation from +z to its mean direction.
     #[must_use]
     pub fn frame(&self, brdf: &dyn Brdf, wo: DVec3) -> DMat3 {
-        self.seen.target(brdf, wo).frame
+        self.training.target(brdf, wo).frame
     }
 
-    /// [`Fitter::fit`], for solvers that start from the matrix of a lobe next to this one, and the matrix with which to
-    /// start the next one: each in the frame of its own lobe.
+    /// Like [`Fitter::fit`], but solvers that start from a matrix start from `near`, the matrix of a neighbouring lobe.
+    /// Also returns the matrix from which to start the next lobe. Each of these matrices is in the frame of its own
+    /// lobe.
     pub(super) fn fit_near(
         &mut self,
         brdf: &dyn Brdf,
@@ -156,11 +158,11 @@ impl Fitter {
         near: Option<DMat3>,
         stop_check: &mut StopCheck,
     ) -> Option<(FittedEntry, DMat3)> {
-        let target = self.seen.target(brdf, wo);
+        let target = self.training.target(brdf, wo);
         let matrix = self.solve(self.settings.solver, Lobe { brdf, wo, target: &target }, stream, near, stop_check)?;
-        let unseen = target.again(brdf, wo, &self.held_out.target);
+        let held_out = target.again(brdf, wo, &self.held_out.target);
         let LobeTerms { amplitude, fresnel } = brdf.terms(wo, &self.terms);
-        let error = self.distance(&Lobe { brdf, wo, target: &unseen }, &matrix, stop_check)?;
+        let error = self.distance(&Lobe { brdf, wo, target: &held_out }, &matrix, stop_check)?;
         let above = self.gaussian(&matrix).map_or(1.0, |gaussian| above_horizon(&gaussian));
         let [amplitude, fresnel] = [amplitude, fresnel].map(|term| term / above);
         let entry = FittedEntry { matrix: row_major(&matrix), second: None, amplitude, fresnel, error };
@@ -184,21 +186,22 @@ impl Fitter {
         {
             return Some(own);
         }
-        let mut loss = self.seen.distance.to(&lobe, stop_check)?;
+        let mut loss = self.training.distance.to(&lobe, stop_check)?;
         let model = self.lobe;
         solver
             .rules()
             .solve(Objective { model, brdf, wo, target, loss: &mut *loss, effort, stream, simplex, near }, stop_check)
     }
 
-    /// The matrix of solver `sgd`, whatever the settings' solver; `None` when `stop_check` stops it.
+    /// The matrix that solver `sgd` finds, for any solver of the settings. Returns `None` if `stop_check` stops the
+    /// fit.
     #[must_use]
     pub fn descended(&mut self, brdf: &dyn Brdf, wo: DVec3, stream: u64, stop_check: &mut StopCheck) -> Option<DMat3> {
-        let target = self.seen.target(brdf, wo);
+        let target = self.training.target(brdf, wo);
         self.solve(Solver::Sgd, Lobe { brdf, wo, target: &target }, stream, None, stop_check)
     }
 
-    /// The matrix alone that [`Fitter::fit_near`] gives for the next lobe.
+    /// Like [`Fitter::fit_near`], but returns only the matrix from which to start the next lobe.
     pub(super) fn next_to(
         &mut self,
         brdf: &dyn Brdf,
@@ -210,7 +213,7 @@ impl Fitter {
         Some(next)
     }
 
-    /// The matrix alone of [`Fitter::fit_near`], row-major.
+    /// Like [`Fitter::fit_near`], but returns only the matrix, row-major.
     pub(super) fn matrix_near(
         &mut self,
         brdf: &dyn Brdf,
@@ -223,7 +226,7 @@ impl Fitter {
         Some(row_major(&matrix))
     }
 
-    /// The matrix of a lobe in the tangent frame, and in the frame of the lobe.
+    /// The matrix of a lobe in the tangent frame and in the frame of the lobe.
     fn matrices(
         &mut self,
         brdf: &dyn Brdf,
@@ -232,17 +235,17 @@ impl Fitter {
         near: Option<DMat3>,
         stop_check: &mut StopCheck,
     ) -> Option<[DMat3; 2]> {
-        let target = self.seen.target(brdf, wo);
+        let target = self.training.target(brdf, wo);
         let matrix = self.solve(self.settings.solver, Lobe { brdf, wo, target: &target }, stream, near, stop_check)?;
         Some([matrix, target.frame.transpose() * matrix])
     }
 
-    /// Calls `measure` with a function that evaluates loss and gradient once, at the lobe's first guess.
+    /// Calls `measure` with a function that evaluates loss and gradient once, at the initial guess for the lobe.
     pub fn with_evaluation(&mut self, brdf: &dyn Brdf, wo: DVec3, measure: impl FnOnce(&mut dyn FnMut() -> f64)) {
-        let target = self.seen.target(brdf, wo);
+        let target = self.training.target(brdf, wo);
         let mut go_on = unstopped;
         let mut stop_check = StopCheck::new(&mut go_on);
-        let Some(mut loss) = self.seen.distance.to(&Lobe { brdf, wo, target: &target }, &mut stop_check) else {
+        let Some(mut loss) = self.training.distance.to(&Lobe { brdf, wo, target: &target }, &mut stop_check) else {
             return;
         };
         let matrix = Guess::of(&target.core).matrix();
@@ -251,24 +254,24 @@ impl Fitter {
         });
     }
 
-    /// Sliced Wasserstein distance between the lobe and the lobe model of `matrix` on the held-out samples.
+    /// Sliced Wasserstein distance between the lobe and the fitted `matrix`, on the held-out samples.
     pub fn error(&mut self, brdf: &dyn Brdf, wo: DVec3, matrix: &DMat3) -> f64 {
-        let unseen = self.held_out.target(brdf, wo);
-        self.distance(&Lobe { brdf, wo, target: &unseen }, matrix, &mut StopCheck::new(&mut unstopped))
+        let held_out = self.held_out.target(brdf, wo);
+        self.distance(&Lobe { brdf, wo, target: &held_out }, matrix, &mut StopCheck::new(&mut unstopped))
             .unwrap_or(f64::NAN)
     }
 
-    /// The Gaussian of a matrix, if the lobe model is one.
+    /// The Gaussian with a given matrix, if the lobe model is a Gaussian.
     fn gaussian(&self, matrix: &DMat3) -> Option<SphericalGaussian<f64>> {
         let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|column| column.to_array());
         self.lobe.gaussian().map(|gaussian| SphericalGaussian::along_first(gaussian, columns))
     }
 
-    /// Distance between a lobe of held-out samples and the lobe model of `matrix`.
-    fn distance(&mut self, unseen: &Lobe, matrix: &DMat3, stop_check: &mut StopCheck) -> Option<f64> {
-        let to_lobe = unseen.target.frame.transpose();
+    /// Distance between a lobe of held-out samples and the fitted `matrix`.
+    fn distance(&mut self, held_out: &Lobe, matrix: &DMat3, stop_check: &mut StopCheck) -> Option<f64> {
+        let to_lobe = held_out.target.frame.transpose();
         let gaussian = self.gaussian(matrix);
-        let mut loss = self.held_out.distance.to(unseen, stop_check)?;
+        let mut loss = self.held_out.distance.to(held_out, stop_check)?;
         let Some((gaussian, images)) = gaussian.zip(loss.images()) else {
             return loss.value(&(to_lobe * *matrix), stop_check);
         };

@@ -4,41 +4,41 @@ use serde::Serialize;
 
 use super::{axes::PerAxis, cost::fit_seconds, layout::Interpolation, math::pow, recipe::Recipe};
 
-/// The predicted time of a recipe's fit, and the predicted error and size of its table.
+/// The predicted time of a fit, and the predicted error and size of its table.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Expectation {
     /// Seconds of one thread, on the machine of [`fit_seconds`].
     pub seconds: f64,
-    /// Mean error between nodes, as a part of the lobe's width: `between.width.mean` of the report.
+    /// Mean error between nodes, relative to the lobe's width: `between.width.mean` of the report.
     pub error: f64,
     /// Bytes of matrices and terms.
     pub bytes: u64,
 }
 
-/// Error that a finite number of samples adds: `2.56 samples^-1.3`, read off a full run of docs/tradeoff.md from 64 to
-/// 2048 samples.
+/// The error due to a finite number of samples: `2.56 samples^-1.3`. Fitted to a full run of docs/tradeoff.md, from 64
+/// to 2048 samples.
 const SAMPLES: [f64; 2] = [2.56, -1.3];
-/// Error that a finite number of directions adds: `0.04 directions^-2`, read off the same run from 4 to 32 directions.
+/// The error due to a finite number of directions: `0.04 directions^-2`. Fitted to the same run, from 4 to 32
+/// directions.
 const DIRECTIONS: [f64; 2] = [0.04, -2.0];
 
-/// The report finds this error of a lobe that is met exactly: that of its own samples.
+/// The error that the report measures for an exact lobe. It is the error of the report's own samples.
 const EXACT: f64 = 0.0039;
-/// Interpolation in `theta` adds this times the square of the step, where lobes are met at the nodes.
+/// The error of interpolation in `theta`, per squared step, if lobes are exact at the nodes.
 const EXACT_THETA: f64 = 0.17;
-/// Interpolation in `alpha` adds this times the square of the step where the numbers between the nodes are chosen, else what
-/// [`roughness_interpolation`] says.
+/// The error of interpolation in `alpha`, per squared step, if entries are chosen for the error between nodes. For
+/// other layouts see [`roughness_interpolation`].
 const EXACT_ALPHA_CHOSEN: f64 = 0.5;
 const EXACT_ALPHA: [f64; 2] = [0.2, 0.45];
 
-/// The expectation of a recipe.
+/// Predicts the time, error and size of a recipe's table.
 ///
-/// `error = limit + sum over axes of c h^2 + 2.56 samples^-1.3 + 0.04 directions^-2`, with `h` the step between nodes
-/// as the layout spaces them, 1 for the whole domain. Steps and precision do not enter: ten steps of `bfgs` are as good
-/// as sixty within 1 %, and f16 is as good as f32. The formula is calibrated with LTCs of GGX over the whole domain, by
-/// `bfgs`; in a part of the domain the limit differs. Tables of other scattering and lobe models are taken to be worse,
-/// or better, by a factor. Where nothing is searched, because lobes are LTCs themselves, interpolation alone adds to
-/// 0.0039, which the report's own samples leave (read off tables of `fuzz` with 6 to 48 nodes an axis). The lobes of
-/// `fresnel` are met as well as that of a factor of one.
+/// `error = limit + sum over axes of c h^2 + 2.56 samples^-1.3 + 0.04 directions^-2`. `h` is the step between nodes as
+/// the layout spaces them, 1 for the whole domain. Steps and precision have no effect: ten steps of `bfgs` are as good
+/// as sixty within 1 %, and f16 is as good as f32. The formula is calibrated with LTCs of GGX over the whole domain,
+/// fitted by `bfgs`. In a part of the domain the limit differs. Other scattering and lobe models have a constant
+/// factor. Lobes that are LTCs are not fitted: their error is the error of interpolation plus 0.0039 from the report's
+/// own samples (measured on tables of `fuzz` with 6 to 48 nodes an axis). The prediction does not depend on `fresnel`.
 #[must_use]
 pub fn expectation(recipe: &Recipe) -> Expectation {
     let Interpolation { limit, step: c } = recipe.layout.rules().interpolation();
@@ -56,7 +56,7 @@ pub fn expectation(recipe: &Recipe) -> Expectation {
     Expectation { seconds: fit_seconds(recipe), error, bytes: recipe.bytes() }
 }
 
-/// The error of interpolation alone, of a table whose lobes are met at the nodes, with steps `h`.
+/// The error of interpolation with steps `h`, for a table whose lobes are exact at the nodes.
 fn exact_interpolation(recipe: &Recipe, h: PerAxis<f64>) -> f64 {
     let alpha = match recipe.layout.free_numbers() {
         Some(_) => EXACT_ALPHA_CHOSEN * h.alpha * h.alpha,
@@ -65,8 +65,8 @@ fn exact_interpolation(recipe: &Recipe, h: PerAxis<f64>) -> f64 {
     alpha + EXACT_THETA * h.theta * h.theta
 }
 
-/// Lobes turn with the logarithm of perceptual roughness `s`: cells of length `h` add `(h / s)^2`, integrated from the first
-/// that is shorter than `s`, `a = max(h, low)`, to 1, and what lies below `a` adds its length.
+/// Lobes change with the logarithm of perceptual roughness `s`. Cells of length `h` add `(h / s)^2`, integrated from
+/// `a = max(h, low)` to 1. The interval below `a` adds its length.
 fn roughness_interpolation(low: f64, h: f64) -> f64 {
     let [shorter, longer] = EXACT_ALPHA;
     let a = h.max(low);
@@ -110,14 +110,14 @@ mod tests {
         }
     }
 
-    /// Tables that the formula was not calibrated with.
+    /// Tests tables that were not used for the calibration.
     #[test]
     fn small_tables_are_as_good_as_expected() {
         let whole = [([5, 3, 5, 3], 64), ([5, 4, 6, 5], 96)];
         let isotropic = [([64, 1, 64, 1], 64), ([48, 1, 64, 1], 96)];
-        // Between the nodes of the view, layout `materials` is as `reflected`.
+        // Layout `materials` does not interpolate between materials. Between views it equals `reflected`.
         for &layout in Layout::ALL.iter().filter(|layout| !layout.is_of_materials()) {
-            // The mean error of these tables is that of a few lobes.
+            // The mean error of these tables comes from a few lobes.
             let is_isotropic = layout.only_ranges().is_some();
             let (tables, likely) = if is_isotropic { (isotropic, 0.4..3.0) } else { (whole, 0.7..1.4) };
             for (resolution, samples) in tables {
@@ -133,7 +133,7 @@ mod tests {
         }
     }
 
-    /// Models are fitted by the layout that a recipe gets by itself, on a few nodes.
+    /// Tests each model with its default layout, on a few nodes.
     #[test]
     fn tables_of_every_model_are_as_good_as_expected() {
         let ltcs = BrdfKind::formulas().map(|kind| (kind, LobeModel::Ltc));
@@ -156,7 +156,7 @@ mod tests {
         }
     }
 
-    /// Lobes that are LTCs are met but for interpolation, at few nodes and at many.
+    /// Lobes that are LTCs have only interpolation error, with few nodes and with many.
     #[test]
     fn tables_that_are_not_searched_for_are_as_good_as_expected() {
         let kt2022 = [(6, 8), (24, 6), (24, 32)].map(|nodes| (Layout::Kt2022, nodes));
@@ -182,7 +182,7 @@ mod tests {
         }
     }
 
-    /// The lobes of plastic, of a mix, and the first of two.
+    /// Tests the lobes of plastic, of a mix, and the first of two lobes.
     #[test]
     fn tables_of_other_materials_are_as_good_as_expected() {
         let f0 = |parts: &[f64]| {

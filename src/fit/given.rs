@@ -1,4 +1,4 @@
-//! Nodes that a recipe gives one by one, in place of a range and a resolution.
+//! Nodes that a recipe lists explicitly, instead of a range and a resolution.
 
 use std::collections::BTreeMap;
 
@@ -9,30 +9,30 @@ use super::{
     layout::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING},
 };
 
-/// Ascending nodes of some axes, none of an axis whose nodes the layout places; or materials, which are pairs of alpha and ratio
-/// in any order. Few recipes have any, so that they are kept elsewhere.
+/// Explicit nodes of some axes, ascending; an axis without them is empty, and the layout places its nodes.
+/// Alternatively, materials: pairs of alpha and ratio in any order. Few recipes have any, so they are boxed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GivenNodes(Option<Box<Given>>);
 
 #[derive(Debug, Clone, PartialEq)]
 struct Given {
     nodes: PerAxis<Vec<f64>>,
-    /// Whether alpha and ratio are materials.
+    /// True if alpha and ratio are materials.
     are_materials: bool,
 }
 
 static NONE: PerAxis<Vec<f64>> = PerAxis { alpha: Vec::new(), ratio: Vec::new(), theta: Vec::new(), phi: Vec::new() };
 
 impl GivenNodes {
-    /// Nodes of the axes where there are some. Domain: ascending numbers within the domain of each axis.
+    /// Explicit nodes; an axis may be empty. Domain: ascending numbers within the domain of each axis.
     #[must_use]
     pub fn new(nodes: PerAxis<Vec<f64>>) -> Self {
         let is_none = nodes.named().iter().all(|(_, nodes)| nodes.is_empty());
         Self((!is_none).then(|| Box::new(Given { nodes, are_materials: false })))
     }
 
-    /// The same nodes of theta and phi, for materials: pairs of alpha and ratio. Domain: at least one pair, both numbers
-    /// within the domain of their axis.
+    /// These nodes of theta and phi, with materials instead of nodes of alpha and ratio. Domain: at least one pair,
+    /// both numbers within the domain of their axis.
     #[must_use]
     pub fn with_materials(self, pairs: &[[f64; 2]]) -> Self {
         let [alpha, ratio] = [0, 1].map(|axis| pairs.iter().map(|pair| pair[axis]).collect());
@@ -40,26 +40,27 @@ impl GivenNodes {
         Self(Some(Box::new(Given { nodes: PerAxis { alpha, ratio, theta, phi }, are_materials: true })))
     }
 
-    /// The materials, as pairs of alpha and ratio.
+    /// The materials, as pairs of alpha and ratio; empty without materials.
     #[must_use]
     pub fn materials(&self) -> Vec<[f64; 2]> {
         let given = self.0.as_deref().filter(|given| given.are_materials).map(|given| &given.nodes);
         given.map_or(Vec::new(), |nodes| nodes.alpha.iter().zip(&nodes.ratio).map(|(a, r)| [*a, *r]).collect())
     }
 
-    /// Whether no axis has any.
+    /// True if no axis has explicit nodes.
     #[must_use]
     pub fn is_none(&self) -> bool {
         self.0.is_none()
     }
 
-    /// The nodes of each axis, empty where the layout places them.
+    /// The explicit nodes of each axis. An axis whose nodes the layout places is empty.
     #[must_use]
     pub fn axes(&self) -> &PerAxis<Vec<f64>> {
         self.0.as_deref().map_or(&NONE, |given| &given.nodes)
     }
 
-    /// The nodes of a table: those given, moved into the limits of the fit, and `placed` on the other axes.
+    /// The nodes of a table. Explicit nodes are clamped to the limits of the fit; the other axes have the nodes of
+    /// `placed`.
     pub(crate) fn in_place_of(&self, placed: PerAxis<Vec<f64>>) -> PerAxis<Vec<f64>> {
         let or = |given: &Vec<f64>, placed: Vec<f64>, within: &dyn Fn(f64) -> f64| {
             if given.is_empty() { placed } else { given.iter().map(|node| within(*node)).collect() }
@@ -74,7 +75,8 @@ impl GivenNodes {
     }
 }
 
-/// The field `nodes`, with the axes that have some by their names, and the field `materials`; neither where there is nothing in it.
+/// Serializes the field `nodes`, with the axes that have explicit nodes, and the field `materials`. Empty fields are
+/// left out.
 impl Serialize for GivenNodes {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         #[derive(Serialize)]
@@ -152,7 +154,7 @@ mod tests {
         }
     }
 
-    /// A lookup at a node that was given has the numbers of its entry, and no others.
+    /// A lookup at an explicit node returns exactly the numbers of its entry.
     #[test]
     fn a_lookup_finds_the_nodes_that_were_given() {
         let given = PerAxis { alpha: vec![0.04, 0.09, 0.25], ratio: vec![0.5], theta: vec![0.3, 1.0], phi: vec![0.0] };

@@ -1,10 +1,10 @@
-//! Recipe to table: the fitting core.
+//! The fitting core: from a recipe to a table.
 //!
-//! How a configuration becomes an entry: a [`Layout`] places it, `metric` samples its lobe, `solver` finds the matrix
-//! whose LTC is nearest to the lobe, and the layout decides which numbers are stored. [`Table`] looks them up.
-//! `measure` judges the table and shares nothing with the metric.
+//! A [`Layout`] places a configuration in the table. `metric` samples its lobe. `solver` finds the matrix whose LTC is
+//! nearest to the lobe. The layout selects the stored numbers. [`Table`] looks them up. `measure` measures the table
+//! and shares nothing with the metric.
 //!
-//! Invariant: `fit` knows no clock, file, environment, JSON value or thread count; equal recipes give equal bytes.
+//! Invariant: `fit` knows no clock, file, environment, JSON value or thread count. Equal recipes give equal bytes.
 
 pub mod brdf;
 pub mod lobe;

@@ -1,9 +1,9 @@
-//! Lists of the items that a recipe can name. One line declares an item, its name in documents and the code behind it.
+//! Lists of the items that a recipe can name. One line declares an item, its name in documents and its code.
 
-/// Declares an enum whose variants have names in documents, and optionally the rules behind each name.
+/// Declares an enum whose variants have names in documents, and optionally rules for each name.
 ///
-/// A line reads `Variant = "name" => RULES,` where `RULES` implements the list's trait; a list without a trait has
-/// lines `Variant = "name",`. The first variant is the default.
+/// A line reads `Variant = "name" => RULES,` where `RULES` implements the list's trait. In a list without a trait, a
+/// line reads `Variant = "name",`. The first variant is the default.
 #[macro_export]
 macro_rules! named_list {
     (
@@ -20,7 +20,7 @@ macro_rules! named_list {
         }
 
         impl $list {
-            /// The rules behind the name.
+            /// The rules of the item.
             pub(crate) fn rules(self) -> &'static dyn $rules {
                 match self {
                     $(Self::$variant => &$value,)+
@@ -41,7 +41,7 @@ macro_rules! named_list {
         }
 
         impl $list {
-            /// All of them, the default first.
+            /// All items, the default first.
             pub const ALL: &'static [Self] = &[$(Self::$variant),+];
 
             /// The name in documents and on the command line.
@@ -52,7 +52,7 @@ macro_rules! named_list {
                 }
             }
 
-            /// The item of a name; `None` for a name that is not in the list.
+            /// The item with a name; `None` if the list has no such name.
             #[must_use]
             pub fn from_name(name: &str) -> Option<Self> {
                 Self::ALL.iter().copied().find(|item| item.name() == name)

@@ -1,6 +1,6 @@
-//! Recipes: complete, checked descriptions of a fit, from which every byte of a table follows.
+//! Recipes: complete, checked descriptions of a fit. They determine every byte of a table.
 //!
-//! Invariant: no defaults and no JSON here; `ltcforge_files::recipe_document` reads documents and fills presets in.
+//! Invariant: no defaults and no JSON. `ltcforge_files::recipe_document` reads documents and fills in presets.
 
 use serde::{Serialize, Serializer};
 
@@ -14,53 +14,53 @@ use super::{
     solver::{Simplex, Solver},
 };
 
-/// Version of the fitter. Raised whenever the same recipe gives other bytes.
+/// Version of the fitter. It increases whenever the same recipe gives other bytes.
 pub const FITTER_VERSION: u32 = 4;
 
-/// How hard each entry is fitted.
+/// The effort and method of the fit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FitSettings {
-    /// The distance that is minimised.
+    /// The distance that the fit minimises.
     #[doc(hidden)]
     pub metric: Metric,
-    /// The method that minimises it.
+    /// The method of minimisation.
     #[doc(hidden)]
     pub solver: Solver,
     /// Samples of the LTC in each evaluation.
     #[doc(hidden)]
     pub samples: u32,
-    /// Directions that the samples are projected on.
+    /// Directions of the projections.
     #[doc(hidden)]
     pub directions: u32,
-    /// Most steps (solver `bfgs` stops earlier when it has converged; `sgd` takes all).
+    /// The largest number of steps. Solver `bfgs` stops earlier if it has converged; `sgd` takes all steps.
     #[doc(hidden)]
     pub steps: u32,
-    /// Shifts the sample sequences of `bfgs`, seeds the generator of `sgd`.
+    /// Shifts the sample sequences of `bfgs`, and seeds the generator of `sgd`.
     #[doc(hidden)]
     pub seed: u64,
-    /// The choices of a solver with a simplex. The canonical form names them with such a solver only, so that recipes
-    /// keep their digests.
+    /// The settings of a solver with a simplex. The canonical form has them only for such a solver, which keeps the
+    /// digests of older recipes.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     #[doc(hidden)]
     pub simplex: Option<Simplex>,
 }
 
-/// The terms that are stored beside the lobes. In a recipe they are `true`, `false` or `"f82"`.
+/// The terms stored with the lobes. In a recipe they are `true`, `false` or `"f82"`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StoredTerms {
-    /// None.
+    /// No terms.
     None,
     /// Amplitude and Fresnel term, for Schlick's Fresnel factor.
     Schlick,
-    /// The edge term as well, for metals by F82.
+    /// Amplitude, Fresnel term and edge term, for metals by F82.
     F82,
 }
 
 impl StoredTerms {
-    /// The name of [`StoredTerms::F82`]; the others are `true` and `false`.
+    /// The name of [`StoredTerms::F82`]. The other variants are `true` and `false` in a recipe.
     pub const F82_NAME: &'static str = "f82";
 
-    /// How many there are.
+    /// The number of terms.
     #[must_use]
     pub fn count(self) -> usize {
         match self {
@@ -70,7 +70,7 @@ impl StoredTerms {
         }
     }
 
-    /// Whether there are any.
+    /// True if any terms are stored.
     #[must_use]
     pub fn any(self) -> bool {
         self != Self::None
@@ -89,37 +89,37 @@ impl Serialize for StoredTerms {
 /// A complete recipe. Equal recipes give equal bytes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Recipe {
-    /// [`FITTER_VERSION`] that the recipe is meant for.
+    /// The [`FITTER_VERSION`] for which the recipe was written.
     #[doc(hidden)]
     pub fitter: u32,
-    /// Scattering model: the fields `brdf` and, for a tabulated one, `tabulated`.
+    /// Scattering model: the field `brdf`, and `tabulated` for a tabulated BRDF.
     #[serde(flatten)]
     #[doc(hidden)]
     pub brdf: BrdfModel,
-    /// The distribution that stands for a lobe. The canonical form names it only where it is not the default, so that
-    /// recipes keep their digests.
+    /// The distribution that represents a lobe. The canonical form names it only if it is not the default, which keeps
+    /// the digests of older recipes.
     #[serde(skip_serializing_if = "LobeModel::is_default")]
     #[doc(hidden)]
     pub lobe: LobeModel,
     /// Layout of the table.
     #[doc(hidden)]
     pub layout: Layout,
-    /// Nodes on each axis.
+    /// The number of nodes on each axis.
     #[doc(hidden)]
     pub resolution: PerAxis<u32>,
-    /// Lowest and highest value on each axis.
+    /// The lowest and highest value on each axis.
     #[doc(hidden)]
     pub range: PerAxis<[f64; 2]>,
-    /// Nodes that are given one by one, and materials: range and resolution of their axes are their ends and their number; materials
-    /// have one ratio each. The canonical form names them, as `nodes` and `materials`, only where there are some, so that
-    /// recipes keep their digests.
+    /// Explicit nodes, and materials. The range and resolution of their axes are their ends and their number; materials
+    /// have one ratio each. The canonical form has them, as `nodes` and `materials`, only if there are any, which keeps
+    /// the digests of older recipes.
     #[serde(flatten)]
     #[doc(hidden)]
     pub given: GivenNodes,
     /// Fit settings.
     #[doc(hidden)]
     pub fit: FitSettings,
-    /// The terms that are stored.
+    /// The stored terms.
     #[doc(hidden)]
     pub terms: StoredTerms,
     /// Number format of the table.
@@ -128,13 +128,13 @@ pub struct Recipe {
 }
 
 impl FitSettings {
-    /// The distance that is minimised.
+    /// The distance that the fit minimises.
     #[must_use]
     pub fn metric(&self) -> Metric {
         self.metric
     }
 
-    /// The method that minimises it.
+    /// The method of minimisation.
     #[must_use]
     pub fn solver(&self) -> Solver {
         self.solver
@@ -146,13 +146,13 @@ impl FitSettings {
         self.samples
     }
 
-    /// Directions that the samples are projected on.
+    /// Directions of the projections.
     #[must_use]
     pub fn directions(&self) -> u32 {
         self.directions
     }
 
-    /// Most steps.
+    /// The largest number of steps.
     #[must_use]
     pub fn steps(&self) -> u32 {
         self.steps
@@ -164,14 +164,14 @@ impl FitSettings {
         self.seed
     }
 
-    /// The choices of a solver with a simplex.
+    /// The settings of a solver with a simplex.
     #[must_use]
     pub fn simplex(&self) -> Option<Simplex> {
         self.simplex
     }
 }
 
-/// The fields of a recipe. They cannot be changed; a different recipe is built anew.
+/// The fields of a recipe. They are read-only; a changed recipe is a new recipe.
 impl Recipe {
     /// Scattering model.
     #[must_use]
@@ -179,13 +179,13 @@ impl Recipe {
         self.brdf.kind()
     }
 
-    /// The scattering model with the file that a tabulated one is of.
+    /// The scattering model, including the file of a tabulated BRDF.
     #[must_use]
     pub fn model(&self) -> &BrdfModel {
         &self.brdf
     }
 
-    /// The distribution that stands for a lobe.
+    /// The distribution that represents a lobe.
     #[must_use]
     pub fn lobe(&self) -> LobeModel {
         self.lobe
@@ -197,37 +197,37 @@ impl Recipe {
         self.layout
     }
 
-    /// Nodes on each axis.
+    /// The number of nodes on each axis.
     #[must_use]
     pub fn resolution(&self) -> PerAxis<u32> {
         self.resolution
     }
 
-    /// Lowest and highest value on each axis.
+    /// The lowest and highest value on each axis.
     #[must_use]
     pub fn range(&self) -> PerAxis<[f64; 2]> {
         self.range
     }
 
-    /// Nodes that are given one by one.
+    /// Explicit nodes.
     #[must_use]
     pub fn given(&self) -> &GivenNodes {
         &self.given
     }
 
-    /// How hard each entry is fitted.
+    /// The effort and method of the fit.
     #[must_use]
     pub fn fit(&self) -> FitSettings {
         self.fit
     }
 
-    /// Version of the fitter that the recipe is meant for.
+    /// The version of the fitter for which the recipe was written.
     #[must_use]
     pub fn fitter(&self) -> u32 {
         self.fitter
     }
 
-    /// The terms that are stored.
+    /// The stored terms.
     #[must_use]
     pub fn terms(&self) -> StoredTerms {
         self.terms
@@ -239,7 +239,7 @@ impl Recipe {
         self.precision
     }
 
-    /// Whether its entries are searched for: not where the scattering model's lobes are of the table's lobe model.
+    /// False if the lobes of the scattering model are LTCs and the table stores LTCs. Nothing is fitted then.
     #[must_use]
     pub fn is_searched(&self) -> bool {
         !(self.lobe == LobeModel::Ltc && self.brdf.kind().is_ltc())
@@ -251,14 +251,14 @@ impl Recipe {
         self.given.in_place_of(self.layout.nodes(&self.range, &self.resolution))
     }
 
-    /// Numbers of an entry: those of one matrix or two, and the terms.
+    /// The numbers of an entry: one or two matrices, and the terms.
     #[must_use]
     pub fn entry_numbers(&self) -> u64 {
         let matrices = if self.brdf.fresnel().second().is_some() { 2 } else { 1 };
         9 * matrices + self.terms.count() as u64
     }
 
-    /// Bytes of the table's matrices and terms, as they lie on a GPU.
+    /// Bytes of the table's matrices and terms, as on a GPU.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let width = match self.precision {
@@ -271,8 +271,8 @@ impl Recipe {
     /// Entries of the table: the product of the resolutions.
     #[must_use]
     pub fn entries(&self) -> u64 {
-        // The product of four u32 fits u128. No recipe past the entry limit gets here; the conversion to u64 saturates
-        // so that this function cannot fail for any caller.
+        // The product of four u32 fits u128. A recipe within the entry limit fits u64. The conversion saturates, so
+        // this function never fails.
         let product: u128 = self.resolution.named().iter().map(|(_, n)| u128::from(**n)).product();
         u64::try_from(product).unwrap_or(u64::MAX)
     }

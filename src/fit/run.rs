@@ -14,18 +14,19 @@ use super::{
     table::Table,
 };
 
-/// A callback that gets the number of fitted entries and may stop the fit. Several threads call it.
+/// A callback that receives the number of fitted entries and can stop the fit. Several threads call it.
 pub type Progress<'a> = dyn Fn(u64) -> ControlFlow<()> + Sync + 'a;
 
-/// Fits a whole plan on the current rayon pool, whose size changes nothing; `None` when `progress` stops it.
+/// Fits a whole plan on the current rayon pool. The size of the pool does not change the result. Returns `None` if
+/// `progress` stops the fit.
 ///
-/// `progress` gets the count of finished entries after each entry, and at intervals within a long one.
+/// `progress` receives the number of finished entries after each entry, and at intervals within a long entry.
 #[must_use]
 pub fn fit_plan(plan: &Plan, progress: &Progress) -> Option<Table> {
     Some(assemble(plan, &fit_entries(plan, progress)?))
 }
 
-/// The fitted entries of a whole plan, as [`fit_plan`] assembles them.
+/// The fitted entries of a whole plan, before [`fit_plan`] assembles them.
 #[must_use]
 pub fn fit_entries(plan: &Plan, progress: &Progress) -> Option<Vec<FittedEntry>> {
     let finished = AtomicU64::new(0);
@@ -39,8 +40,8 @@ pub fn fit_entries(plan: &Plan, progress: &Progress) -> Option<Vec<FittedEntry>>
         })
     };
     let rows: Vec<u64> = (0..plan.rows()).collect();
-    // Threads take one row at a time, so that they all end together. The results are in the order of the rows,
-    // whichever row ends first.
+    // Threads take one row at a time, so they all end together. The results are in the order of the rows, whichever row
+    // ends first.
     let fitted: Option<Vec<_>> = rows.into_par_iter().with_max_len(1).map(fit_row).collect();
     Some(fitted?.concat())
 }

@@ -1,4 +1,4 @@
-//! Shards: fixed runs of entries, the unit in which a fit is leased and resumed.
+//! Shards: fixed ranges of entries. A shard is the unit in which workers lease and resume a fit.
 
 use std::ops::{ControlFlow, Range};
 
@@ -15,19 +15,20 @@ use super::{
     stop_check::StopCheck,
 };
 
-/// Predicted seconds of a shard, at most: a short job that waits for a worker begins soon, and little work is lost with
-/// a worker.
+/// The largest predicted time of a shard. Short shards let a waiting job begin soon, and lose little work with a
+/// worker.
 const SHARD_SECONDS: f64 = 1.0;
-/// Entries of a shard where a whole table takes few seconds: fewer would spend more time on leasing than on fitting.
+/// The smallest number of entries of a shard, for tables that take a few seconds. With fewer entries, leasing would
+/// take longer than fitting.
 const FEW_ENTRIES: u64 = 64;
-/// Number of shards above which shards grow towards [`SHARD_SECONDS`].
+/// The number of shards above which shards grow towards [`SHARD_SECONDS`].
 const MANY_SHARDS: u64 = 256;
 
-/// A recipe's nodes and how they are cut into shards; the recipe alone decides both.
+/// A recipe's nodes and their division into shards. Both depend on the recipe alone.
 ///
-/// The entries that share alpha, ratio and theta are a view. They also share work where symmetry makes them equal. A
-/// row is one view or, where each view starts from the last, all views that share alpha and ratio. A shard is a whole
-/// number of rows, so that its entries do not depend on any other's.
+/// Entries with the same alpha, ratio and theta form a view. They share work if symmetry makes them equal. A row is one
+/// view. If each view starts from the previous view, a row is all views with the same alpha and ratio. A shard is a
+/// whole number of rows, so its entries do not depend on other shards.
 #[derive(Debug, Clone)]
 pub struct Plan {
     recipe: Recipe,
@@ -44,7 +45,7 @@ impl Plan {
         plan
     }
 
-    /// The recipe that is planned.
+    /// The recipe of the plan.
     #[must_use]
     pub fn recipe(&self) -> &Recipe {
         &self.recipe
@@ -56,26 +57,26 @@ impl Plan {
         self.recipe.entries()
     }
 
-    /// Number of shards.
+    /// The number of shards.
     #[must_use]
     pub fn shards(&self) -> u32 {
         u32::try_from(self.entries().div_ceil(self.entries_per_shard)).unwrap_or(u32::MAX)
     }
 
-    /// The entries of `shard`, as indices in storage order; empty past the last.
+    /// The entries of `shard`, as indices in storage order; empty after the last shard.
     #[must_use]
     pub fn shard_entries(&self, shard: u32) -> Range<u64> {
         let start = u64::from(shard) * self.entries_per_shard;
         start.min(self.entries())..(start + self.entries_per_shard).min(self.entries())
     }
 
-    /// Number of rows.
+    /// The number of rows.
     #[must_use]
     pub fn rows(&self) -> u64 {
         self.entries() / self.row_length()
     }
 
-    /// Entries of a shard: whole rows, at most a second of predicted work unless one row takes longer.
+    /// The number of entries of a shard: whole rows, at most a second of predicted work unless one row takes longer.
     fn shard_length(&self) -> u64 {
         let row = self.row_length();
         let of_a_second = SHARD_SECONDS * self.entries() as f64 / fit_seconds(&self.recipe);
@@ -92,7 +93,7 @@ impl Plan {
         u64::from(self.recipe.resolution.phi.max(1))
     }
 
-    /// Whether each view starts from the last.
+    /// True if each view starts from the previous view.
     fn is_warm(&self) -> bool {
         self.recipe.fit.simplex.is_some_and(|simplex| simplex.start == Start::Warm)
     }
@@ -103,8 +104,8 @@ impl Plan {
         &self.nodes
     }
 
-    /// Where the lobe of the entry at `index` in storage order lies: at its node, within the limits of what can be
-    /// fitted. Domain: `index < entries()`.
+    /// The configuration of the entry at `index` in storage order: its node, clamped to the limits of the fit. Domain:
+    /// `index < entries()`.
     #[must_use]
     pub fn place(&self, index: u64) -> PerAxis<f64> {
         within_limits(self.recipe.layout.node(&self.nodes, index as usize))
@@ -113,8 +114,8 @@ impl Plan {
 
 /// Fits the entries of `shard` in storage order.
 ///
-/// `on_progress` gets the count of the shard's finished entries after every entry, and at intervals within a long one.
-/// It may stop the fit; then the result is `None` and nothing of the shard is kept.
+/// `on_progress` receives the number of the shard's finished entries after every entry, and at intervals within a long
+/// entry. It can stop the fit. The result is then `None`, and all entries of the shard are discarded.
 pub fn fit_shard(
     plan: &Plan,
     shard: u32,
@@ -125,8 +126,8 @@ pub fn fit_shard(
     fit_rows(plan, rows, &mut Fitter::new(&plan.recipe.fit).of(plan.recipe.lobe), on_progress)
 }
 
-/// Fits the entries of some rows in storage order: [`fit_shard`] for callers who need no leases and whose threads
-/// should end together. `fitter` has the plan's settings and lobe model.
+/// Fits the entries of some rows in storage order. It is [`fit_shard`] for callers without leases, whose threads should
+/// end together. `fitter` has the plan's settings and lobe model.
 pub fn fit_rows(
     plan: &Plan,
     rows: Range<u64>,
@@ -160,8 +161,9 @@ fn fit_row(
     Some(())
 }
 
-/// The matrix, in the frame of its lobe, from which the first view of a row with warm starts begins: of the lobe seen
-/// from above, down from the plan's roughest one in halves, each found from the last.
+/// The matrix from which the first view of a row with warm starts begins, in the frame of its lobe. The lobe is seen
+/// from above. The search starts at the plan's largest roughness and halves it, each fit starting from the previous
+/// fit.
 fn from_above(plan: &Plan, alpha: f64, fitter: &mut Fitter, stop_check: &mut StopCheck) -> Option<DMat3> {
     let mut rough = plan.place(plan.entries() - 1).alpha;
     let mut near = None;
@@ -176,9 +178,9 @@ fn from_above(plan: &Plan, alpha: f64, fitter: &mut Fitter, stop_check: &mut Sto
     }
 }
 
-/// Fits the entries of the view whose first entry is `first`, each lobe once. It starts from `near`, if there is one,
-/// and leaves there what the next view starts from. Seen from above, the lobe is the same for every phi. On an
-/// isotropic surface it turns with phi.
+/// Fits the entries of the view whose first entry is `first`, each lobe once. It starts from `near`, if given, and sets
+/// `near` to the start of the next view. Seen from above, the lobe is the same for every phi. On an isotropic surface
+/// it turns with phi.
 fn fit_view(
     plan: &Plan,
     first: u64,
@@ -222,7 +224,8 @@ fn fit_view(
     Some(())
 }
 
-/// The entry of a round lobe, without the asymmetry of its samples: x and y are equal, so that a lookup may swap them.
+/// The entry of a round lobe, without the asymmetry of its samples. Its x and y are equal, because a lookup can swap
+/// them.
 fn round(entry: &FittedEntry) -> FittedEntry {
     let round = |[xx, _, _, _, yy, _, _, _, zz]: [f64; 9]| {
         let radius = 0.5 * (xx + yy);
@@ -231,29 +234,29 @@ fn round(entry: &FittedEntry) -> FittedEntry {
     FittedEntry { matrix: round(entry.matrix), second: entry.second.map(round), ..*entry }
 }
 
-/// The entry of an isotropic lobe that has turned with the view.
+/// The entry of an isotropic lobe, turned with the view.
 fn turned(entry: &FittedEntry, phi: f64) -> FittedEntry {
     let turn = |matrix: [f64; 9]| row_major(&turned_about_z(from_row_major(&matrix), phi));
     FittedEntry { matrix: turn(entry.matrix), second: entry.second.map(turn), ..*entry }
 }
 
-/// Numbers of an entry in a shard's bytes: the matrix, amplitude, Fresnel term and error.
+/// The numbers of an entry in a shard's bytes: the matrix, amplitude, Fresnel term and error.
 const NUMBERS: usize = 12;
-/// Those of a second matrix after them.
+/// The numbers of a second matrix, which follow.
 const SECOND: usize = 9;
 
-/// Bytes that are not the result of a shard of the expected length.
+/// Bytes whose number is wrong for the entries of a shard.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("a shard of {expected} bytes was expected, {actual} were found")]
+#[error("the result of a shard has {actual} bytes; expected {expected}")]
 pub struct ShardBytesError {
-    /// Bytes that the shard's entries take.
+    /// The number of bytes for the shard's entries.
     pub expected: usize,
-    /// Bytes that were found.
+    /// The actual number of bytes.
     pub actual: usize,
 }
 
-/// A finished shard as bytes: 12 little-endian f64 an entry (matrix, amplitude, Fresnel, error), and 9 more where it has a
-/// second matrix.
+/// Encodes a finished shard: 12 little-endian f64 an entry (matrix, amplitude, Fresnel term, error), and 9 more if the
+/// entry has a second matrix.
 #[must_use]
 pub fn shard_to_bytes(entries: &[FittedEntry]) -> Vec<u8> {
     let numbers = |e: &FittedEntry| {
@@ -262,10 +265,10 @@ pub fn shard_to_bytes(entries: &[FittedEntry]) -> Vec<u8> {
     entries.iter().flat_map(numbers).flat_map(f64::to_le_bytes).collect()
 }
 
-/// The entries of a plan's shard: the inverse of [`shard_to_bytes`].
+/// Decodes the entries of a plan's shard, the inverse of [`shard_to_bytes`].
 ///
 /// # Errors
-/// When `bytes` is not exactly as long as the shard's entries.
+/// If the number of bytes does not match the shard's entries.
 pub fn shard_from_bytes(plan: &Plan, shard: u32, bytes: &[u8]) -> Result<Vec<FittedEntry>, ShardBytesError> {
     let range = plan.shard_entries(shard);
     let has_second = plan.recipe.brdf.fresnel().second().is_some();

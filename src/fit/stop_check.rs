@@ -1,12 +1,12 @@
-//! The progress calls of a long fit, by which it is also stopped.
+//! The progress calls of a long fit. They can also stop it.
 
 use std::ops::ControlFlow;
 
-/// Work between two calls: projections of a sample on a direction, 5 to 15 ns each. A call follows after some
-/// hundredths of a second, whatever the recipe.
+/// The work between two calls, in projections of a sample on a direction of 5 to 15 ns each. For every recipe, calls
+/// follow each other within some hundredths of a second.
 const WORK_PER_CHECK: usize = 1 << 23;
 
-/// Counts the work of a fit and calls back at intervals, so that the caller knows that the fit is alive and can stop
+/// Counts the work of a fit and calls back at intervals. The caller then knows that the fit is running, and can stop
 /// it.
 pub struct StopCheck<'a> {
     go_on: &'a mut dyn FnMut() -> ControlFlow<()>,
@@ -21,13 +21,13 @@ impl std::fmt::Debug for StopCheck<'_> {
 }
 
 impl<'a> StopCheck<'a> {
-    /// Calls `go_on` at intervals.
+    /// Counts work for the callback `go_on`.
     pub fn new(go_on: &'a mut dyn FnMut() -> ControlFlow<()>) -> Self {
         Self { go_on, work: 0 }
     }
 
-    /// Counts the projection of `samples` samples on one direction, or work that takes as long; `None` when the caller
-    /// wants the fit to stop.
+    /// Counts the projection of `samples` samples on one direction, or equivalent work; `None` if the caller stops the
+    /// fit.
     pub(crate) fn worked(&mut self, samples: usize) -> Option<()> {
         self.work += samples;
         if self.work < WORK_PER_CHECK {
@@ -38,7 +38,7 @@ impl<'a> StopCheck<'a> {
     }
 }
 
-/// The work that `fit` counts. Before each call, what it counts beyond the work between two calls is left out.
+/// The work that `fit` counts. Excess work before a call is not counted.
 #[cfg(test)]
 pub(crate) fn work_of(fit: impl FnOnce(&mut StopCheck)) -> usize {
     let mut calls = 0;
@@ -52,7 +52,7 @@ pub(crate) fn work_of(fit: impl FnOnce(&mut StopCheck)) -> usize {
     calls * WORK_PER_CHECK + rest
 }
 
-/// The answer to a fit that nothing stops.
+/// A callback that never stops the fit.
 pub(crate) fn unstopped() -> ControlFlow<()> {
     ControlFlow::Continue(())
 }

@@ -1,4 +1,4 @@
-//! Amplitude and Fresnel term for a table that came without them.
+//! Computes amplitude and Fresnel term for a table without terms.
 
 use rayon::prelude::*;
 
@@ -10,19 +10,19 @@ use super::{
     table::Terms,
 };
 
-/// Samples of a lobe. With this many its terms are within 1e-3 of their limit.
+/// The number of samples of a lobe. The terms are then within 1e-3 of their limit.
 const SAMPLES: usize = 4096;
 
-/// GGX's amplitude and Fresnel term at every node, as [`terms_of`] finds them.
+/// GGX's amplitude and Fresnel term at every node; see [`terms_of`].
 #[must_use]
 pub fn ggx_terms(layout: Layout, axes: &PerAxis<Vec<f64>>) -> Terms {
     terms_of(&BrdfKind::Ggx.into(), layout, axes)
 }
 
 /// A scattering model's amplitude and Fresnel term at every node, as a layout stores them, in storage order. Runs on
-/// the current rayon pool; its size changes nothing.
+/// the current rayon pool. Its size does not change the result.
 ///
-/// Domain: nodes that a fit could have, and a model that [is complete](BrdfModel::is_complete).
+/// Domain: nodes that a fit can have, and a model that [is complete](BrdfModel::is_complete).
 #[must_use]
 pub fn terms_of(brdf: &BrdfModel, layout: Layout, axes: &PerAxis<Vec<f64>>) -> Terms {
     let PerAxis { alpha, ratio, theta, phi } = layout.lengths(axes);
@@ -40,8 +40,8 @@ pub fn terms_of(brdf: &BrdfModel, layout: Layout, axes: &PerAxis<Vec<f64>>) -> T
     Terms { amplitude, fresnel, edge: None }
 }
 
-/// A scattering model's [`edge_spread`] at every node, in storage order: what every layout stores for the edge term. Runs
-/// on the current rayon pool; its size changes nothing.
+/// A scattering model's [`edge_spread`] at every node, in storage order. All layouts store the edge term in this form.
+/// Runs on the current rayon pool. Its size does not change the result.
 ///
 /// Domain: as [`terms_of`].
 #[must_use]
@@ -96,7 +96,7 @@ mod tests {
             let (found, fitted) = (ggx_terms(layout, &table.axes), table.terms.expect("the recipe asks for them"));
             assert_eq!(found.amplitude.len(), 72);
             let pairs = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-            // The fit takes 2048 samples of the lobe. The least amplitude, at the horizon, is 0.5.
+            // The fit takes 2048 samples of the lobe. The smallest amplitude, at the horizon, is 0.5.
             assert!(pairs(&found.amplitude, &fitted.amplitude) < 4e-3, "{found:?} {fitted:?}");
             assert!(pairs(&found.fresnel, &fitted.fresnel) < 4e-3, "{found:?} {fitted:?}");
         }

@@ -1,4 +1,4 @@
-//! Tables, BRDFs and polygons whose numbers are known, for tests of the floors above.
+//! Tables, BRDFs and polygons with known numbers, for tests of the layers above.
 
 pub use super::{
     brdf::{planted_anisotropic, planted_tabulated},

@@ -1,23 +1,23 @@
-//! The albedo of GGX without a table, and the energy that its shadowing loses.
+//! The albedo of GGX without a table, and compensation for the energy lost by shadowing.
 //!
-//! A ray that other facets stop is lost to a model of one bounce: white metal of alpha 1 under light from everywhere
-//! reflects less than half of it. What is missing is added in proportion to what is there [Turquin 2019, after Kulla
-//! and Conty 2017; Fdez-Agüera 2019]: with the albedo `E` for a Fresnel factor of one, times
+//! A model of one bounce loses rays that hit other facets. White metal of alpha 1 under uniform light reflects less
+//! than half of it. The missing light is added in proportion to the reflected light [Turquin 2019, after Kulla and
+//! Conty 2017; Fdez-Agüera 2019]. With the albedo `E` for a Fresnel factor of one, the factor is
 //!
 //! ```text
 //! 1 + f0 (1 / E - 1)
 //! ```
 //!
-//! so that white metal reflects all, and light that bounces twice is coloured twice. Tables have `E`: their amplitude.
-//! Without one it is a cubic of four numbers of a surface and a view,
+//! White metal then reflects all light, and light that bounces twice is coloured twice. In tables `E` is the amplitude.
+//! Without a table it is a cubic of four numbers of a surface and a view,
 //!
 //! ```text
 //! 1 - E = p(r, s, a, b)
 //! ```
 //!
-//! of the height `r = wo_z / |A wo|`, the part `s` of light that is shadowed at the reflection of the middle one of the
-//! visible normals, and the larger and the smaller roughness `a` and `b`. It has no term without `s`, `a` or `b`: a
-//! mirror loses nothing. `cargo run --release -p ltcforge-studies -- albedo` finds its numbers and tells its error.
+//! of the height `r = wo_z / |A wo|`, the part `s` of light that is shadowed at the reflection of the central visible
+//! normal, and the larger and the smaller roughness `a` and `b`. Each term has a factor `s`, `a` or `b`, so a mirror
+//! loses nothing. `cargo run --release -p ltcforge-studies -- albedo` finds the numbers and prints their error.
 
 use super::{LightError, rules::surface_and_view};
 use ltcforge_fit::{
@@ -25,7 +25,7 @@ use ltcforge_fit::{
     math::{Lattice, Scalar, Triple, direction, dot, minus, plus, scaled},
 };
 
-/// The numbers of the cubic, in the order of [`factors`]; `shaders/ltc_albedo.wgsl` has the same.
+/// The numbers of the cubic, in the order of [`factors`]. `shaders/ltc_albedo.wgsl` has the same numbers.
 #[rustfmt::skip]
 pub const LOSS: [f64; 31] = [
     5.363, -16.3138, 16.1379, 0.6751, 2.6458, 13.3242, 12.9676, -2.6392,
@@ -34,21 +34,21 @@ pub const LOSS: [f64; 31] = [
     -0.3276, -0.3395, 0.7035, 0.7827, -0.3537, 0.0475, -0.2428,
 ];
 
-/// The least albedo: a surface seen along itself may lose more than the cubic knows.
+/// The smallest albedo. The cubic is inaccurate for rough surfaces at grazing views.
 const LEAST: f64 = 0.2;
 
-/// Samples of [`sampled`].
+/// The number of samples of [`sampled`].
 const SAMPLES: usize = 4096;
 
-/// The four numbers of a surface and a view. Domain: as [`albedo`].
+/// The four inputs of the cubic for a surface and a view. Domain: as [`albedo`].
 #[must_use]
 pub fn inputs<T: Scalar>([alpha_x, alpha_y]: [T; 2], wo: Triple<T>) -> [T; 4] {
     let stretch = |w: Triple<T>| [alpha_x * w[0], alpha_y * w[1], w[2]];
     let length = |w: Triple<T>| dot(w, w).sqrt();
-    let seen = stretch(wo);
-    let rise = wo[2] / length(seen);
-    // A normal of any length.
-    let normal = stretch(plus(scaled(seen, T::ONE / length(seen)), [T::ZERO, T::ZERO, T::ONE]));
+    let wo_stretched = stretch(wo);
+    let rise = wo[2] / length(wo_stretched);
+    // The central visible normal, not normalised.
+    let normal = stretch(plus(scaled(wo_stretched, T::ONE / length(wo_stretched)), [T::ZERO, T::ZERO, T::ONE]));
     let along = T::of(2.0) * dot(wo, normal) / dot(normal, normal);
     let reflected = minus(scaled(normal, along), wo);
     let out = reflected[2].max(T::ZERO) / length(stretch(reflected));
@@ -56,8 +56,8 @@ pub fn inputs<T: Scalar>([alpha_x, alpha_y]: [T; 2], wo: Triple<T>) -> [T; 4] {
     [rise, T::ONE - lit, alpha_x.max(alpha_y), alpha_x.min(alpha_y)]
 }
 
-/// The products of the inputs by which the numbers of the cubic are multiplied: `s`, `a` and `b`, each with the
-/// quadratic of the numbers that come with it.
+/// The products of the inputs that the numbers of the cubic multiply: `s`, `a` and `b`, each times the terms of a
+/// quadratic.
 #[must_use]
 pub fn factors<T: Scalar>([r, s, a, b]: [T; 4]) -> [T; 31] {
     let one = T::ONE;
@@ -70,8 +70,8 @@ pub fn factors<T: Scalar>([r, s, a, b]: [T; 4]) -> [T; 31] {
     factors
 }
 
-/// The part that GGX reflects of light from everywhere, for a Fresnel factor of one, in [0.2, 1]. Domain: `alpha` in
-/// [1e-5, 1], `wo` of length one with `z > 0`.
+/// The part of uniform light that GGX reflects, for a Fresnel factor of one, in [0.2, 1]. Domain: `alpha` in [1e-5, 1],
+/// `wo` of unit length with `z > 0`.
 #[must_use]
 pub fn albedo<T: Scalar>(alpha: [T; 2], wo: Triple<T>) -> T {
     let terms = factors(inputs(alpha, wo)).into_iter().zip(LOSS);
@@ -79,18 +79,18 @@ pub fn albedo<T: Scalar>(alpha: [T; 2], wo: Triple<T>) -> T {
     (T::ONE - loss).max(T::of(LEAST)).min(T::ONE)
 }
 
-/// The factor by which a material of reflectance `f0` reflects more than what one bounce tells, at least one for an
-/// albedo up to one. Domain: an albedo above zero.
+/// The factor that adds the lost energy to the light of one bounce, for a material of reflectance `f0`. It is at least
+/// one if the albedo is at most one. Domain: an albedo above zero.
 #[must_use]
 pub fn compensation<T: Scalar>(albedo: T, f0: T) -> T {
     T::ONE + f0 * (T::ONE / albedo - T::ONE)
 }
 
-/// The albedo of a scattering model for a Fresnel factor of one: the mean weight of 4,096 samples, within 1e-3 of its
-/// limit.
+/// The albedo of a scattering model for a Fresnel factor of one. It is the mean weight of 4,096 samples, within 1e-3 of
+/// its limit.
 ///
 /// # Errors
-/// [`LightError::NoFacets`] for a model other than of facets that shadow each other, [`LightError::Domain`] as
+/// [`LightError::NoFacets`] for a model without facets that shadow each other, [`LightError::Domain`] as for
 /// [`by_table`](super::by_table).
 pub fn sampled(brdf: &BrdfModel, at: &Configuration) -> Result<f64, LightError> {
     check(brdf)?;
@@ -100,13 +100,13 @@ pub fn sampled(brdf: &BrdfModel, at: &Configuration) -> Result<f64, LightError> 
     Ok(weights.sum::<f64>() / SAMPLES as f64)
 }
 
-/// That of GGX as [`albedo`] tells it, for a checked surface and view.
+/// The albedo of GGX from the cubic. Checks surface and view.
 pub(super) fn of_ggx(at: &Configuration) -> Result<f64, LightError> {
     let (alpha, _) = surface_and_view(at)?;
     Ok(albedo(alpha, direction(at.theta, at.phi).to_array()))
 }
 
-/// Whether a scattering model is one of facets.
+/// Returns an error for a scattering model without facets.
 pub(super) fn check(brdf: &BrdfModel) -> Result<(), LightError> {
     if brdf.follows_reflection() { Ok(()) } else { Err(LightError::NoFacets(brdf.kind())) }
 }

@@ -1,4 +1,5 @@
-//! Random surfaces and lights, the same in every run, a quadrature over a light's area, and where a function jumps.
+//! Random surfaces and lights for tests and studies, a quadrature over a light's area, and a search for jumps of a
+//! function. The random numbers are the same in every run.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +17,7 @@ use ltcforge_fit::{
 /// A surface, a view of it, and the vertices of a light.
 #[derive(Debug, Clone)]
 pub struct Lit {
-    /// The surface, and from where it is seen.
+    /// The surface and the view.
     pub at: Configuration,
     /// The corners of the light.
     pub vertices: Vec<DVec3>,
@@ -26,7 +27,7 @@ impl Lit {
     /// The light.
     ///
     /// # Panics
-    /// For corners that are not those of a convex polygon.
+    /// If the corners do not form a convex polygon.
     #[must_use]
     pub fn light(&self, sides: Sides) -> PolygonLight {
         PolygonLight::new(self.vertices.clone(), sides).expect("convex")
@@ -44,8 +45,8 @@ impl Lit {
         direction(self.at.theta, self.at.phi)
     }
 
-    /// The same scene told in other ways: as it is and mirrored by x, by y, by both and by the diagonal, each from
-    /// every corner of the light on, in both orders.
+    /// All descriptions of the same scene: unchanged, and mirrored in x, in y, in both and in the diagonal, each with
+    /// the light starting at every corner, in both orders.
     pub fn tellings(&self) -> impl Iterator<Item = Self> + '_ {
         let mirrored = MIRRORS.iter().map(|(phi, is_swapped, mirror)| {
             let Configuration { alpha_x, alpha_y, theta, phi: own } = self.at;
@@ -55,7 +56,7 @@ impl Lit {
         });
         mirrored.flat_map(|lit| {
             let orders = (0..lit.vertices.len()).flat_map(|from| [(from, false), (from, true)]);
-            let told: Vec<Self> = orders
+            let reordered: Vec<Self> = orders
                 .map(|(from, is_reversed)| {
                     let mut vertices = lit.vertices.clone();
                     vertices.rotate_left(from);
@@ -65,15 +66,15 @@ impl Lit {
                     Self { vertices, ..lit }
                 })
                 .collect();
-            told
+            reordered
         })
     }
 }
 
-/// What a mirror does to an azimuth, whether it swaps x and y, and what it does to a vector.
+/// The map of azimuths, whether x and y are swapped, and the map of vectors.
 type Mirror = (fn(f64) -> f64, bool, fn(DVec3) -> DVec3);
 
-/// No mirror, those of the tangent frame's axes, and that of its diagonal.
+/// The identity, the mirrors of the tangent frame's axes, and the mirror of its diagonal.
 const MIRRORS: [Mirror; 5] = [
     (|phi| phi, false, |v| v),
     (|phi| 0.5 * TAU - phi, false, |v| DVec3::new(-v.x, v.y, v.z)),
@@ -82,7 +83,7 @@ const MIRRORS: [Mirror; 5] = [
     (|phi| 0.25 * TAU - phi, true, |v| DVec3::new(v.y, v.x, v.z)),
 ];
 
-/// A table with the clamped cosine in place of every lobe of a model.
+/// A table whose lobes are all the clamped cosine.
 #[must_use]
 pub fn cosine(brdf: BrdfModel) -> Table {
     Table {
@@ -97,7 +98,7 @@ pub fn cosine(brdf: BrdfModel) -> Table {
     }
 }
 
-/// Which roughnesses are drawn.
+/// The distribution of random roughnesses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Roughness {
     /// alpha 0.01 to 1, ratio 0 to 1.
@@ -113,13 +114,13 @@ pub enum Roughness {
 pub struct Draw(Xoshiro256PlusPlus);
 
 impl Draw {
-    /// The same draws in every run.
+    /// A generator that draws the same numbers in every run.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(Xoshiro256PlusPlus::seed_from_u64(seed))
     }
 
-    /// A number between two.
+    /// A number between `low` and `high`.
     pub fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
     }
@@ -148,13 +149,13 @@ impl Draw {
         Configuration { alpha_x, alpha_y, theta: self.within(0.0, most.to_radians()), phi: self.within(0.0, TAU) }
     }
 
-    /// A rectangle, half as wide as 0.05 to 1.2 times up to e, at distance one around a direction that the lobe
-    /// reflects.
+    /// A rectangle at distance one, around a direction that the lobe reflects. Its half width is 0.05 to 1.2 times up
+    /// to e.
     pub fn lit(&mut self, roughness: Roughness) -> Lit {
         self.lit_by(roughness, [0.05, 1.2])
     }
 
-    /// The same for another range of half widths.
+    /// Like [`Draw::lit`], with another range of half widths.
     pub fn lit_by(&mut self, roughness: Roughness, [least, most]: [f64; 2]) -> Lit {
         loop {
             let at = self.configuration(roughness);
@@ -174,8 +175,8 @@ impl Draw {
         }
     }
 
-    /// An upright rectangle across from the viewer. The middle of its lower edge is `foot` times its height above the
-    /// surface, one end of that edge `tilt` times as much higher and the other lower.
+    /// An upright rectangle opposite to the viewer. The centre of its lower edge is at a height of `foot` times the
+    /// rectangle's height. The ends of this edge are `tilt` times this height above and below its centre.
     pub fn wall(&mut self, roughness: Roughness, foot: f64, tilt: f64) -> Lit {
         let at = self.configuration(roughness);
         let towards = at.phi + TAU * self.within(0.4, 0.6);
@@ -194,11 +195,12 @@ impl Draw {
     }
 }
 
-/// A hundredth of a path is halved so often that lobes of roughness 1e-5 change over it by 1e-8.
+/// The number of halvings of a hundredth of a path. Lobes of roughness 1e-5 then change by 1e-8 over it.
 const HALVINGS: u32 = 36;
 
-/// The largest change of a function over an interval in [0, 1] that is as good as a point: halves of the three of a
-/// hundred intervals over which it changes most, each time the half over which it changes more.
+/// The largest change of a function over a tiny interval in [0, 1]. The search starts with the three of a hundred
+/// intervals over which the function changes most. It halves each interval repeatedly and keeps the half with the
+/// larger change.
 #[must_use]
 pub fn jump(of: impl Fn(f64) -> f64) -> f64 {
     let mut steps: Vec<[f64; 2]> = (0..100).map(|i| [i, i + 1].map(|i| f64::from(i) / 100.0)).collect();
@@ -215,14 +217,14 @@ pub fn jump(of: impl Fn(f64) -> f64) -> f64 {
     narrowed.fold(0.0, f64::max)
 }
 
-/// The light of a parallelogram of radiance one that GGX reflects, by [`over_area_of`].
+/// The light of a parallelogram of radiance one reflected by GGX, computed by [`over_area_of`].
 #[cfg(test)]
 pub(super) fn over_area(lit: &Lit, n: u32) -> [f64; 2] {
     over_area_of(&Ggx { alpha_x: lit.at.alpha_x, alpha_y: lit.at.alpha_y }, lit, n)
 }
 
-/// The reflected light of a parallelogram of radiance one, by the midpoint rule on its area with `n` by `n` cells and
-/// the BRDF itself: for a Fresnel factor of one, and weighed by Schlick's fifth power.
+/// The reflected light of a parallelogram of radiance one, for a Fresnel factor of one and weighted by Schlick's fifth
+/// power. It evaluates the BRDF with the midpoint rule on `n` by `n` cells of the area.
 #[cfg(test)]
 pub(super) fn over_area_of(brdf: &dyn Brdf, lit: &Lit, n: u32) -> [f64; 2] {
     let wo = lit.wo();

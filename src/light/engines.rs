@@ -1,7 +1,7 @@
-//! Area lights as engines and papers ship them, to be measured beside the models: each by its published formula.
+//! The area lights of engines and papers by their published formulas, for comparison with the models.
 //!
-//! Engines whose tables are isotropic know one roughness. Here it is the geometric mean of a surface's two, by which
-//! they are nearer to the truth than by either.
+//! Engines with isotropic tables use one roughness. Here it is the geometric mean of a surface's two roughnesses, which
+//! is more accurate than either.
 
 use glam::DVec3;
 
@@ -15,24 +15,24 @@ use ltcforge_fit::{
 };
 
 named_list! {
-    /// How engines and papers light by a rectangle.
+    /// The method with which engines and papers compute rectangular lights.
     pub enum EngineWay {
-        /// The isotropic table, of a light's vector form factor what the sphere of the same one leaves above the horizon
-        /// [Hill and Heitz 2016]: three.js, Babylon.js, PlayCanvas and Bevy light so.
+        /// The isotropic table. The part of the vector form factor above the horizon is the part of a sphere with the
+        /// same form factor [Hill and Heitz 2016]. three.js, Babylon.js, PlayCanvas and Bevy use it.
         Clipless = "ltc2017, clipless",
-        /// The same after directions are stretched along x and y by alpha over the mean one, which keeps the shadows of an
-        /// anisotropic surface [Heitz 2014, section 5.3].
+        /// Like [`EngineWay::Clipless`], with directions first stretched along x and y by alpha divided by its mean.
+        /// This preserves the shadows of an anisotropic surface [Heitz 2014, section 5.3].
         Stretched = "ltc2017, stretched",
         /// The anisotropic table, with the light cut at the lobe's horizon [KT et al. 2022].
         Anisotropic = "kt2022, its own",
-        /// GGX towards the point of the light that is nearest to the mirrored view, by the light's solid angle
-        /// [Lagarde and de Rousiers 2014], with the lobe's peak lowered as much as the light widens it [Karis 2013].
+        /// GGX towards the point of the light nearest to the mirrored view, times the light's solid angle [Lagarde and
+        /// de Rousiers 2014]. The lobe's peak is lowered as much as the light widens it [Karis 2013].
         RepresentativePoint = "representative point",
     }
 }
 
 impl EngineWay {
-    /// The layout of its table; `None` for a way that reads none.
+    /// The layout of the table; `None` for a method without a table.
     #[must_use]
     pub fn layout(self) -> Option<Layout> {
         match self {
@@ -42,13 +42,14 @@ impl EngineWay {
         }
     }
 
-    /// The light that a surface reflects of a parallelogram, for a Fresnel factor of one.
+    /// The light of a parallelogram that a surface reflects, for a Fresnel factor of one.
     ///
     /// Domain: a table of [`EngineWay::layout`], with terms; a light of four vertices.
     ///
     /// # Errors
     /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon,
-    /// [`LightError::NoTerms`] and [`LightError::Singular`] for a table that does not tell, or is not there.
+    /// [`LightError::NoTerms`] for a table that is missing or has no terms, [`LightError::Singular`] for a singular
+    /// matrix.
     pub fn reflected(self, table: Option<&Table>, at: &Configuration, light: &PolygonLight) -> Result<f64, LightError> {
         let table = || table.ok_or(LightError::NoTerms);
         let mean = (at.alpha_x * at.alpha_y).sqrt();
@@ -69,7 +70,7 @@ impl EngineWay {
     }
 }
 
-/// By a table, without clipping at the lobe's horizon.
+/// Computes the light with a table, without cutting it at the lobe's horizon.
 fn clipless(table: &Table, at: &Configuration, vertices: &[DVec3], sides: Sides) -> Result<f64, LightError> {
     let found = table.lookup(at);
     let amplitude = found.amplitude.ok_or(LightError::NoTerms)?;
@@ -82,7 +83,7 @@ fn clipless(table: &Table, at: &Configuration, vertices: &[DVec3], sides: Sides)
     Ok(if length > 0.0 { amplitude * length * cheap_form_factor(flux.z / length, length) } else { 0.0 })
 }
 
-/// Whether the origin is on a lit side: the vertices run clockwise as seen from there.
+/// True if the origin is on a lit side. The vertices run clockwise as seen from there.
 fn faces(vertices: &[DVec3], sides: Sides) -> bool {
     sides == Sides::Two || volume(vertices) > 0.0
 }
@@ -92,7 +93,7 @@ fn volume(vertices: &[DVec3]) -> f64 {
     (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]).dot(vertices[0])
 }
 
-/// By the point of the light that is nearest to the ray of the mirrored view.
+/// Computes the light from its point nearest to the ray of the mirrored view.
 fn representative_point(at: &LitPoint<'_, f64>) -> f64 {
     let vertices: Vec<DVec3> = at.vertices.iter().map(|v| DVec3::from_array(*v)).collect();
     if !faces(&vertices, at.sides) {
@@ -102,7 +103,7 @@ fn representative_point(at: &LitPoint<'_, f64>) -> f64 {
     let across = x.cross(y);
     let wo = DVec3::from_array(at.wo);
     let mirrored = DVec3::new(-wo.x, -wo.y, wo.z);
-    // A ray that leaves the plane meets it, by its direction along the plane, as far away as makes no difference.
+    // A ray that leaves the plane is treated as meeting it far away, in its direction along the plane.
     let descent = mirrored.dot(across) / corner.dot(across);
     let met = if descent > 1e-4 { mirrored / descent } else { 1e4 * mirrored } - corner;
     let part = |side: DVec3| (met.dot(side) / side.length_squared()).clamp(0.0, 1.0);
@@ -116,7 +117,7 @@ fn representative_point(at: &LitPoint<'_, f64>) -> f64 {
     reflected.clamp(0.0, 1.0)
 }
 
-/// Steradians that a parallelogram covers as seen from the origin, by two triangles [Van Oosterom and Strackee 1983].
+/// The solid angle of a parallelogram seen from the origin, from two triangles [Van Oosterom and Strackee 1983].
 fn solid_angle(vertices: &[DVec3]) -> f64 {
     let unit: Vec<DVec3> = vertices.iter().map(|v| v.normalize_or_zero()).collect();
     let triangle = |[a, b, c]: [DVec3; 3]| 2.0 * atan2(a.cross(b).dot(c).abs(), 1.0 + a.dot(b) + b.dot(c) + c.dot(a));
@@ -136,7 +137,7 @@ mod tests {
         PolygonLight::new(vec![at - x - y, at + x - y, at + x + y, at - x + y], sides).expect("a square")
     }
 
-    /// Every lobe is the clamped cosine.
+    /// A table whose lobes are all the clamped cosine.
     fn table() -> Table {
         let table = cosine(BrdfModel::from(BrdfKind::Ggx));
         Table { terms: Some(Terms { amplitude: vec![1.0], fresnel: vec![0.0], edge: None }), ..table }
@@ -173,7 +174,7 @@ mod tests {
         }
     }
 
-    /// Along x the directions are drawn out, along y drawn in; the view turns towards x.
+    /// Directions are stretched along x and shrunk along y, and the view turns towards x.
     #[test]
     fn directions_are_stretched_by_the_roughness() {
         let at = Configuration { alpha_x: 0.6, alpha_y: 0.15, ..AT };
@@ -202,7 +203,7 @@ mod tests {
         }
     }
 
-    /// A light that the mirrored view hits is lit by the peak of the lobe, and one behind the viewer is not.
+    /// A light that the mirrored view hits has the peak of the lobe. A light behind the viewer does not.
     #[test]
     fn the_nearest_point_of_a_light_that_is_hit_is_where_it_is_hit() {
         let wo = direction(0.5, 0.0);

@@ -1,41 +1,41 @@
-//! Why there is no answer.
+//! Errors of lights.
 
 use ltcforge_fit::BrdfKind;
 
-/// Why a light is invalid, or its reflection cannot be computed.
+/// The reason why a light is invalid, or why its reflection cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LightError {
     /// A polygon has too few vertices.
-    #[error("{0} vertices; a light has three at least")]
+    #[error("a light needs at least three vertices, got {0}")]
     TooFewVertices(usize),
     /// A vertex is not finite.
     #[error("vertex {index} is not finite")]
     NotFinite {
-        /// Which vertex, from zero.
+        /// The index of the vertex, from zero.
         index: usize,
     },
-    /// The outline turns both ways, crosses itself or goes around more than once.
+    /// The outline turns both ways, crosses itself, or turns more than once.
     #[error("the light is not convex: vertices {0}, {1} and {2} run against the others", .vertices[0], .vertices[1], .vertices[2])]
     NotConvex {
-        /// Three vertices, from zero, that run the other way round than the first three that are not in line.
+        /// Three vertices, from zero, that turn against the first three vertices that are not in line.
         vertices: [usize; 3],
     },
-    /// The shaded point lies on the outline, so that it is seen in no direction.
+    /// The shaded point lies on the outline. The light then has no direction.
     #[error("the shaded point lies on the edge that begins at vertex {edge}")]
     OnOutline {
-        /// Which edge, by the vertex where it begins, from zero.
+        /// The edge, by the index of its first vertex, from zero.
         edge: usize,
     },
     /// The shaded point lies in the light.
     #[error("the shaded point lies inside the light")]
     Inside,
     /// The half axes of an ellipse are parallel, or one has no length.
-    #[error("the half axes are parallel or zero; an ellipse has two that span a plane")]
+    #[error("the half axes are parallel or zero; an ellipse needs two that span a plane")]
     Flat,
     /// A length is negative or not finite.
-    #[error("{what} is {value}; it is a finite number, not negative")]
+    #[error("{what} is {value}; it must be finite and not negative")]
     Length {
-        /// Which length.
+        /// The name of the length.
         what: &'static str,
         /// Its value.
         value: f64,
@@ -43,36 +43,34 @@ pub enum LightError {
     /// A surface or a view direction that has no reflection.
     #[error("{what} is {value}; {allowed}")]
     Domain {
-        /// Which number.
+        /// The name of the number.
         what: &'static str,
         /// Its value.
         value: f64,
         /// The allowed values.
         allowed: &'static str,
     },
-    /// A table tells how lobes look and not how much they reflect.
-    #[error("the table has no amplitude and no Fresnel term")]
+    /// A table without terms does not determine how much a lobe reflects.
+    #[error("the table has no amplitude and no Fresnel term: its recipe needs \"terms\": true")]
     NoTerms,
     /// A blend needs two lobes.
-    #[error(
-        "the table has one lobe an entry; a blend is of two, as field fresnel of a recipe asks for: \"blended_lobes\""
-    )]
+    #[error("the table has one lobe an entry, and a blend needs two: its recipe needs \"fresnel\": \"blended_lobes\"")]
     OneLobe,
-    /// A table has not the third term of metals.
-    #[error("the table has no edge term, by which F82 weighs: its recipe needs \"terms\": \"f82\"")]
+    /// A table has no third term for metals.
+    #[error("the table has no edge term for F82: its recipe needs \"terms\": \"f82\"")]
     NoEdge,
     /// The model needs a table, and none was given.
-    #[error("model {0} lights by a table: name one, or choose --model normals")]
+    #[error("model {0} needs a table: name one, or choose --model normals")]
     NeedsTable(crate::LightModel),
-    /// A closed form is of another scattering model than the light that it is compared with.
+    /// A closed form is for another scattering model than the reference.
     #[error(
-        "models {models} are of brdf ggx, not of brdf {0}, which is lit by a table: choose --model ltc",
+        "models {models} are for brdf ggx, not for brdf {0}, which needs a table: choose --model ltc",
         models = crate::LightModel::names_of(|model| !model.needs_table())
     )]
     OtherBrdf(BrdfKind),
-    /// A table stands for another scattering model than the lights that it is measured by.
+    /// A table has another scattering model than the lights with which it is measured.
     #[error(
-        "the lights are around what brdf {lights} reflects, and the table is of brdf {table}: draw lights for the table's own"
+        "the lights are drawn for brdf {lights}, and the table is of brdf {table}: draw lights for the table's brdf"
     )]
     OtherLights {
         /// The scattering model for which the lights were drawn.
@@ -80,29 +78,27 @@ pub enum LightError {
         /// The scattering model of the table.
         table: BrdfKind,
     },
-    /// A scattering model has no light that its shadowing loses.
-    #[error(
-        "brdf {0} loses nothing by shadowing between facets that could be given back: compensation is of ggx and beckmann"
-    )]
+    /// A scattering model loses no light by shadowing.
+    #[error("brdf {0} loses no light by shadowing between facets: compensation is for ggx and beckmann")]
     NoFacets(BrdfKind),
-    /// A tabulated model has no numbers at hand.
+    /// A tabulated model without the values of its file.
     #[error("the BRDF is tabulated, and its file was not read: attach it first")]
     NoBrdfFile,
     /// A picture needs a rectangle.
-    #[error("the light is no rectangle: a picture is on a light of four corners with right angles")]
+    #[error("a picture needs a rectangular light: four corners with right angles")]
     NoRectangle,
-    /// A picture is lit by tables of LTCs.
-    #[error("the table is one of Gaussians; a picture on a light is read by tables of lobe ltc")]
+    /// A picture needs a table of LTCs.
+    #[error("a picture on a light needs a table of lobe ltc; this table has Gaussians")]
     NoLtc,
-    /// The light of a picture's texels does not sum to that of the whole rectangle.
+    /// The light of a picture's texels does not add up to the light of the rectangle.
     #[error(
-        "the lobe is too sharp to be integrated texel by texel: the sum is off by {off}; raise the roughness or move the light"
+        "the lobe is too sharp to integrate texel by texel: the sum is off by {off}; raise the roughness or move the light"
     )]
     NotConverged {
-        /// By how much.
+        /// The relative error of the sum.
         off: f64,
     },
-    /// A table's matrix has no inverse.
+    /// The table's matrix is singular.
     #[error("the table's matrix is singular")]
     Singular,
 }

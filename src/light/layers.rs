@@ -1,8 +1,8 @@
-//! How a coat and fuzz combine with what lies below them under an area light: the layers of OpenPBR.
+//! The layers of OpenPBR under an area light: coat and fuzz over a base.
 //!
-//! `layer(base, coat)` is `f_coat + T (1 - E_coat(wo)) f_base`, `E` the albedo towards the viewer [OpenPBR 1.1, layering]. No
-//! factor depends on the direction of light, so that what layers reflect of an area light is the same sum of what each
-//! reflects of it by itself. `shaders/layers.wgsl` has the same functions.
+//! `layer(base, coat)` is `f_coat + T (1 - E_coat(wo)) f_base`, with the albedo `E` towards the viewer [OpenPBR 1.1,
+//! layering]. No factor depends on the light direction. The light that layers reflect of an area light is therefore the
+//! same sum of the light that each layer reflects alone. `shaders/layers.wgsl` has the same functions.
 
 use super::{AreaLight, LightError, ltc::covered, rules::surface_and_view};
 use ltcforge_fit::{
@@ -10,25 +10,26 @@ use ltcforge_fit::{
     brdf::{Brdf, Fuzz},
 };
 
-/// The light of a base under a coat that covers the part `weight` of it:
+/// The light of a base, of which a coat covers the part `weight`:
 /// `weight coat + lerp(1, transmittance (1 - albedo), weight) base`.
 ///
-/// `base` and `coat` are what each reflects by itself, `albedo` what the coat reflects of all light towards the viewer:
-/// `f0 (amplitude - fresnel) + fresnel` of a table's lobe. Domain: all but the lights in [0, 1].
+/// `base` and `coat` are the light that each reflects alone. `albedo` is the part of uniform light that the coat
+/// reflects towards the viewer, `f0 (amplitude - fresnel) + fresnel` of a table's lobe. Domain: all except the lights
+/// in [0, 1].
 #[must_use]
 pub fn coated(base: f64, coat: f64, albedo: f64, weight: f64, transmittance: f64) -> f64 {
     weight * coat + (1.0 - weight + weight * transmittance * (1.0 - albedo)) * base
 }
 
-/// The light of all below under fuzz that covers the part `weight` of it: `weight fuzz + (1 - weight albedo) below`. The
-/// colour of fuzz is in `fuzz` and not in `albedo`: what passes is not tinted.
+/// The light of the layers below, of which fuzz covers the part `weight`: `weight fuzz + (1 - weight albedo) below`.
+/// The colour of fuzz is in `fuzz` and not in `albedo`, so transmitted light is not tinted.
 #[must_use]
 pub fn fuzzed(below: f64, fuzz: f64, albedo: f64, weight: f64) -> f64 {
     weight * fuzz + (1.0 - weight * albedo) * below
 }
 
-/// The light that fuzz of a roughness in [0, 1] reflects, for white fibres, and its albedo: by its own LTC, without a table.
-/// The roughnesses of `at` do not matter.
+/// The light that fuzz of a roughness in [0, 1] reflects, for white fibres, and its albedo. It is the integral of the
+/// model's own LTC and needs no table. The roughnesses of `at` are ignored.
 ///
 /// # Errors
 /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon.

@@ -1,5 +1,5 @@
-//! The light that a surface reflects or transmits, by each model: a table of LTCs, the closed form in the space of
-//! normals, or one Gaussian; and the truth, by quadrature.
+//! The light that a surface reflects or transmits. The models are a table of LTCs, the closed form in the space of
+//! normals, and one Gaussian. Quadratures compute the reference.
 //!
 //! Invariant: `light` fits nothing and reads no file.
 

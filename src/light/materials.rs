@@ -1,8 +1,8 @@
-//! Anisotropy as materials describe it, and the roughnesses along and across a tangent that it stands for: one function
-//! for each description, and one list of their parameters.
+//! The anisotropy parameters of material descriptions, and the roughnesses along and across a tangent that follow from
+//! them. Each description has a function and a list of parameters.
 //!
-//! Roughnesses are GGX alphas, and 1 is the roughest that the models of light and tables know. Some descriptions go
-//! beyond: the functions return what is published, [`AnisotropicRoughness::within_bounds`] what is lit.
+//! Roughnesses are GGX alphas. Models of light and tables allow at most 1, but some descriptions exceed it. The
+//! functions return the published values, and [`AnisotropicRoughness::within_bounds`] limits them.
 
 use std::fmt;
 
@@ -26,14 +26,14 @@ named_list! {
     }
 }
 
-/// A number of a description, named as there.
+/// A parameter of a description, with its original name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MaterialParameter {
-    /// Its name.
+    /// The name of the parameter.
     pub name: &'static str,
-    /// What it may be: from a least to a greatest value, where a description bounds it.
+    /// The smallest and largest value; infinite if the description has no limit.
     pub range: [f64; 2],
-    /// What it is where a material leaves it out.
+    /// The value if a material leaves the parameter out.
     pub default: f64,
 }
 
@@ -55,29 +55,29 @@ const MATERIALX: [MaterialParameter; 2] = [parameter("roughness", UNIT, 0.0), pa
 const DISNEY: [MaterialParameter; 2] = [parameter("roughness", UNIT, 0.5), parameter("anisotropic", UNIT, 0.0)];
 const HDRP: [MaterialParameter; 2] = [parameter("_Smoothness", UNIT, 0.5), parameter("_Anisotropy", [-1.0, 1.0], 0.0)];
 
-/// GGX roughnesses along and across a tangent, and the tangent's angle about the normal, radians counter-clockwise from
-/// the surface's own tangent.
+/// GGX roughnesses along and across a tangent. The tangent has an angle about the normal, in radians counter-clockwise
+/// from the surface's own tangent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnisotropicRoughness {
-    /// Along the turned tangent.
+    /// Roughness along the turned tangent.
     pub alpha_x: f64,
-    /// Across it.
+    /// Roughness across the turned tangent.
     pub alpha_y: f64,
-    /// Its angle.
+    /// Angle of the turned tangent.
     pub rotation: f64,
 }
 
-/// glTF's: `alpha_x = mix(r^2, 1, s^2)`, `alpha_y = r^2` for a roughness `r` and a strength `s`, both in [0, 1]; a rotation
-/// in radians (`KHR_materials_anisotropy`).
+/// The roughnesses of glTF (`KHR_materials_anisotropy`): `alpha_x = mix(r^2, 1, s^2)`, `alpha_y = r^2` for a roughness
+/// `r` and a strength `s`, both in [0, 1], and a rotation in radians.
 #[must_use]
 pub fn gltf(roughness_factor: f64, anisotropy_strength: f64, anisotropy_rotation: f64) -> AnisotropicRoughness {
     let (alpha_y, share) = (roughness_factor * roughness_factor, anisotropy_strength * anisotropy_strength);
     AnisotropicRoughness { alpha_x: alpha_y * (1.0 - share) + share, alpha_y, rotation: anisotropy_rotation }
 }
 
-/// OpenPBR's: `alpha_x = r^2 sqrt(2 / (1 + (1 - a)^2))`, `alpha_y = (1 - a) alpha_x` for a roughness `r` and an anisotropy
-/// `a`, both in [0, 1]: `alpha_x^2 + alpha_y^2 = 2 r^4`, up to an `alpha_x` of the root of two [OpenPBR 1.1, microfacet
-/// model]. The coat's roughness and anisotropy mean the same.
+/// The roughnesses of OpenPBR: `alpha_x = r^2 sqrt(2 / (1 + (1 - a)^2))`, `alpha_y = (1 - a) alpha_x` for a roughness
+/// `r` and an anisotropy `a`, both in [0, 1]. Then `alpha_x^2 + alpha_y^2 = 2 r^4`, and `alpha_x` is at most the square
+/// root of two [OpenPBR 1.1, microfacet model]. The parameters of the coat have the same meaning.
 #[must_use]
 pub fn openpbr(specular_roughness: f64, specular_roughness_anisotropy: f64) -> AnisotropicRoughness {
     let across = 1.0 - specular_roughness_anisotropy;
@@ -85,8 +85,8 @@ pub fn openpbr(specular_roughness: f64, specular_roughness_anisotropy: f64) -> A
     AnisotropicRoughness { alpha_x, alpha_y: across * alpha_x, rotation: 0.0 }
 }
 
-/// MaterialX': `alpha_x = min(r^2 / s, 1)`, `alpha_y = r^2 s` with `s = sqrt(1 - min(a, 0.98))` for a roughness `r` and an
-/// anisotropy `a`, both in [0, 1] [node `roughness_anisotropy`, 1.39].
+/// The roughnesses of MaterialX: `alpha_x = min(r^2 / s, 1)`, `alpha_y = r^2 s` with `s = sqrt(1 - min(a, 0.98))` for a
+/// roughness `r` and an anisotropy `a`, both in [0, 1] [node `roughness_anisotropy`, 1.39].
 #[must_use]
 pub fn materialx(roughness: f64, anisotropy: f64) -> AnisotropicRoughness {
     const MOST_ANISOTROPY: f64 = 0.98;
@@ -94,8 +94,9 @@ pub fn materialx(roughness: f64, anisotropy: f64) -> AnisotropicRoughness {
     AnisotropicRoughness { alpha_x: (alpha / aspect).min(1.0), alpha_y: alpha * aspect, rotation: 0.0 }
 }
 
-/// Disney's: `alpha_x = max(0.001, r^2 / s)`, `alpha_y = max(0.001, r^2 s)` with `s = sqrt(1 - 0.9 a)` for a roughness `r`
-/// and an anisotropy `a`, both in [0, 1]; `alpha_x` is up to 3.2 [Burley 2012, and `disney.brdf` of BRDF Explorer].
+/// The roughnesses of Disney: `alpha_x = max(0.001, r^2 / s)`, `alpha_y = max(0.001, r^2 s)` with `s = sqrt(1 - 0.9 a)`
+/// for a roughness `r` and an anisotropy `a`, both in [0, 1]. `alpha_x` is at most 3.2 [Burley 2012, and `disney.brdf`
+/// of BRDF Explorer].
 #[must_use]
 pub fn disney(roughness: f64, anisotropic: f64) -> AnisotropicRoughness {
     const LEAST: f64 = 0.001;
@@ -103,8 +104,8 @@ pub fn disney(roughness: f64, anisotropic: f64) -> AnisotropicRoughness {
     AnisotropicRoughness { alpha_x: (alpha / aspect).max(LEAST), alpha_y: (alpha * aspect).max(LEAST), rotation: 0.0 }
 }
 
-/// HDRP's: `alpha_x = (1 + a) r^2`, `alpha_y = (1 - a) r^2` with `r = 1 - smoothness` for a smoothness in [0, 1] and an
-/// anisotropy `a` in [-1, 1]; either is up to 2 [Kulla and Conty 2017; `CommonMaterial.hlsl`].
+/// The roughnesses of HDRP: `alpha_x = (1 + a) r^2`, `alpha_y = (1 - a) r^2` with `r = 1 - smoothness` for a smoothness
+/// in [0, 1] and an anisotropy `a` in [-1, 1]. Both are at most 2 [Kulla and Conty 2017; `CommonMaterial.hlsl`].
 #[must_use]
 pub fn hdrp(smoothness: f64, anisotropy: f64) -> AnisotropicRoughness {
     let alpha = (1.0 - smoothness) * (1.0 - smoothness);
@@ -112,7 +113,7 @@ pub fn hdrp(smoothness: f64, anisotropy: f64) -> AnisotropicRoughness {
 }
 
 impl MaterialModel {
-    /// The numbers that say how rough and anisotropic a material is.
+    /// The parameters for roughness and anisotropy.
     #[must_use]
     pub fn parameters(self) -> &'static [MaterialParameter] {
         match self {
@@ -124,7 +125,8 @@ impl MaterialModel {
         }
     }
 
-    /// The roughnesses of a material: one number for each of [`MaterialModel::parameters`], in their order and ranges.
+    /// The roughnesses of a material, from one number for each of [`MaterialModel::parameters`], in their order and
+    /// ranges.
     fn roughness(self, numbers: &[f64]) -> AnisotropicRoughness {
         let at = |index: usize| numbers.get(index).copied().unwrap_or_default();
         match self {
@@ -143,16 +145,16 @@ impl MaterialModel {
 }
 
 impl AnisotropicRoughness {
-    /// The roughnesses of a material such as `openpbr:specular_roughness=0.3,specular_roughness_anisotropy=0.5`: the name of
-    /// a description, then numbers by their names there. What is left out has the description's default.
+    /// Parses a material such as `openpbr:specular_roughness=0.3,specular_roughness_anisotropy=0.5`: the name of a
+    /// description, then its parameters. Missing parameters have their default.
     ///
     /// # Errors
-    /// Every fault of the text.
+    /// All faults of the text.
     pub fn parse(text: &str) -> Result<Self, MaterialFaults> {
         let (name, list) = text.split_once(':').unwrap_or((text, ""));
         let Some(model) = MaterialModel::from_name(name.trim()) else {
             let names: Vec<&str> = MaterialModel::ALL.iter().map(|model| model.name()).collect();
-            let fault = format!("«{}» is none of {}", name.trim(), names.join(", "));
+            let fault = format!("«{}» is not one of {}", name.trim(), names.join(", "));
             return Err(MaterialFaults(vec![fault]));
         };
         let parameters = model.parameters();
@@ -169,9 +171,9 @@ impl AnisotropicRoughness {
                 _ if numbers[index].is_some() => faults.push(format!("{name} is given more than once")),
                 Ok(number) if number.is_finite() && (low..=high).contains(&number) => numbers[index] = Some(number),
                 _ if low.is_finite() => {
-                    faults.push(format!("{name} is «{value}»; it is a number from {low} to {high}"));
+                    faults.push(format!("{name} is «{value}»; it must be from {low} to {high}"));
                 }
-                _ => faults.push(format!("{name} is «{value}»; it is a finite number")),
+                _ => faults.push(format!("{name} is «{value}»; it must be finite")),
             }
         }
         if !faults.is_empty() {
@@ -181,20 +183,20 @@ impl AnisotropicRoughness {
         Ok(model.roughness(&numbers.collect::<Vec<f64>>()))
     }
 
-    /// The same with both roughnesses lowered to 1 where they are above.
+    /// The same material with both roughnesses limited to 1.
     #[must_use]
     pub fn within_bounds(self) -> Self {
         Self { alpha_x: self.alpha_x.min(1.0), alpha_y: self.alpha_y.min(1.0), ..self }
     }
 
-    /// The surface seen from a direction of the surface's own frame, as models of light and tables have it: in the frame
-    /// of the turned tangent. [`AnisotropicRoughness::turned`] brings lights there.
+    /// The configuration for a view direction in the surface's own frame. The configuration is in the frame of the
+    /// turned tangent. [`AnisotropicRoughness::turned`] converts lights to this frame.
     #[must_use]
     pub fn seen_from(&self, theta: f64, phi: f64) -> Configuration {
         Configuration { alpha_x: self.alpha_x, alpha_y: self.alpha_y, theta, phi: phi - self.rotation }
     }
 
-    /// A vector of the surface's own frame in that of the turned tangent.
+    /// Converts a vector from the surface's own frame to the frame of the turned tangent.
     #[must_use]
     pub fn turned(&self, vector: DVec3) -> DVec3 {
         let (sin, cos) = sin_cos(self.rotation);
@@ -202,7 +204,7 @@ impl AnisotropicRoughness {
     }
 }
 
-/// Every fault of a material's text.
+/// All faults of a material's text.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub struct MaterialFaults(pub Vec<String>);
 
@@ -225,7 +227,7 @@ mod tests {
         assert!(is_near, "{found:?}, not {alpha_x} {alpha_y} {rotation}");
     }
 
-    /// Each formula at numbers where it can be worked out by hand.
+    /// Compares each formula with values computed by hand.
     #[test]
     fn formulas_are_the_published_ones() {
         assert_near(gltf(0.5, 0.6, 1.57), [0.52, 0.25, 1.57]);
@@ -242,7 +244,7 @@ mod tests {
         assert_near(hdrp(0.5, -1.0), [0.0, 0.5, 0.0]);
     }
 
-    /// What the descriptions say of their formulas holds over their whole domain.
+    /// The invariants of the descriptions hold over their whole domain.
     #[test]
     fn invariants_hold() {
         for [r, a] in (0..=10).flat_map(|i| (0..=10).map(move |j| [i, j].map(|n| 0.1 * f64::from(n)))) {
@@ -282,24 +284,24 @@ mod tests {
     }
 
     #[test]
-    fn every_fault_of_a_text_is_told() {
+    fn every_fault_of_a_text_is_reported() {
         let refused = |text: &str| AnisotropicRoughness::parse(text).expect_err(text).to_string();
-        assert_eq!(refused("pbr:roughness=1"), "«pbr» is none of gltf, openpbr, materialx, disney, hdrp");
+        assert_eq!(refused("pbr:roughness=1"), "«pbr» is not one of gltf, openpbr, materialx, disney, hdrp");
         assert_eq!(
             refused("openpbr:roughness=0.5,specular_roughness=1.5,specular_roughness_anisotropy"),
             "openpbr has no «roughness»; it has specular_roughness, specular_roughness_anisotropy; specular_roughness is \
-             «1.5»; it is a number from 0 to 1; specular_roughness_anisotropy is «»; it is a number from 0 to 1"
+             «1.5»; it must be from 0 to 1; specular_roughness_anisotropy is «»; it must be from 0 to 1"
         );
-        let told = "anisotropyRotation is «inf»; it is a finite number; roughnessFactor is given more than once";
-        assert_eq!(refused("gltf:anisotropyRotation=inf,roughnessFactor=1,roughnessFactor=nan"), told);
+        let message = "anisotropyRotation is «inf»; it must be finite; roughnessFactor is given more than once";
+        assert_eq!(refused("gltf:anisotropyRotation=inf,roughnessFactor=1,roughnessFactor=nan"), message);
     }
 
     #[test]
     fn a_turned_tangent_sees_what_turns_with_it() {
         let material = gltf(0.3, 0.5, FRAC_PI_2);
         assert_eq!(material.turned(DVec3::new(1.0, 2.0, 3.0)), DVec3::new(2.0, -1.0, 3.0));
-        let seen = material.seen_from(0.7, FRAC_PI_2);
-        assert_eq!((seen.phi, seen.theta, seen.alpha_y), (0.0, 0.7, material.alpha_y));
+        let configuration = material.seen_from(0.7, FRAC_PI_2);
+        assert_eq!((configuration.phi, configuration.theta, configuration.alpha_y), (0.0, 0.7, material.alpha_y));
         assert_eq!(disney(1.0, 1.0).within_bounds().alpha_x, 1.0);
     }
 }

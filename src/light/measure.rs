@@ -1,4 +1,4 @@
-//! How far a model's light is off: the one measure that tables and the closed form share.
+//! Measures the error of a model's light. Tables and closed forms use the same measure.
 
 use std::f64::consts::{E, TAU};
 
@@ -14,19 +14,19 @@ use ltcforge_fit::{
     terms_of,
 };
 
-/// Smaller roughnesses are not drawn: their lobes are inside a light or outside.
+/// The smallest random roughness. Lobes with less roughness are either inside or outside of a light.
 const LEAST_DRAWN_ALPHA: f64 = 0.01;
 const LEAST_DRAWN_ACROSS: f64 = 0.005;
-/// The lowest view, as an angle from the normal: 88 degrees.
+/// The largest angle of a view from the normal: 88 degrees.
 const STEEPEST: f64 = 88.0 / 360.0 * TAU;
-/// Half the width of a light at distance one, and half its height, before one is stretched by up to e and the other
-/// shrunk.
+/// Half of the size of a light at distance one. One side is then stretched by up to e, and the other side shrunk by the
+/// same factor.
 const HALF_WIDTH: [f64; 2] = [0.05, 1.2];
-/// The truth's tolerance: a thirtieth of the mean error of the best model.
+/// The tolerance of the reference: a thirtieth of the mean error of the best model.
 const TOLERANCE: f64 = 1e-5;
 const SEED: u64 = 1;
 
-/// Every surface and view for which errors are told.
+/// All surfaces and views of an error measurement.
 pub const EVERYWHERE: PerAxis<[f64; 2]> =
     PerAxis { alpha: [LEAST_DRAWN_ALPHA, 1.0], ratio: [0.0, 1.0], theta: [0.0, STEEPEST], phi: [0.0, 0.25 * TAU] };
 
@@ -37,7 +37,7 @@ struct Lit {
     light: PolygonLight,
 }
 
-/// Random rectangles around the reflections of random surfaces of a scattering model, and what is reflected of each.
+/// Random rectangles around the reflections of random surfaces of a scattering model, with the reference light of each.
 ///
 /// Equal arguments give equal lights.
 #[derive(Debug, Clone)]
@@ -50,14 +50,13 @@ pub struct RandomLights {
 impl RandomLights {
     /// `count` lights on surfaces and views within the ranges of a table of a scattering model.
     ///
-    /// The square root of alpha, ratio and angles are even; alpha is 0.01 at least and theta 88 degrees at most. A
-    /// light stands at distance one around a direction that the model's sampler draws (for GGX the reflection of a
-    /// visible normal), turned and tilted at random, half as wide as 0.05 to 1.2. Domain: at least one light. Runs on
-    /// the current rayon pool; its size changes nothing.
+    /// The square root of alpha, the ratio and the angles are uniformly distributed. Alpha is at least 0.01 and theta
+    /// at most 88 degrees. A light is at distance one, around a direction drawn by the model's sampler (for GGX the
+    /// reflection of a visible normal). It is turned and tilted at random, and its half width is 0.05 to 1.2. Domain:
+    /// at least one light. Runs on the current rayon pool. Its size does not change the result.
     ///
     /// # Errors
-    /// [`LightError::Domain`] for ranges that no table has, [`LightError::NoBrdfFile`] for a tabulated model without
-    /// its numbers.
+    /// [`LightError::Domain`] for invalid ranges, [`LightError::NoBrdfFile`] for a tabulated model without its values.
     pub fn draw(brdf: &BrdfModel, range: &PerAxis<[f64; 2]>, count: usize) -> Result<Self, LightError> {
         if !brdf.is_complete() {
             return Err(LightError::NoBrdfFile);
@@ -82,32 +81,34 @@ impl RandomLights {
         self.lit.len()
     }
 
-    /// Mean of the reflected energy: in [0, 1] for a model that gains no light.
+    /// Mean of the reflected energy. It is in [0, 1] for a model that does not gain light.
     #[must_use]
     pub fn mean_energy(&self) -> f64 {
         self.truth.iter().map(|truth| truth.energy).sum::<f64>() / self.truth.len() as f64
     }
 
-    /// Mean of the light that a material of reflectance `f0`, and one at grazing incidence, reflects by Schlick's factor.
+    /// Mean of the light that a material reflects by Schlick's factor, with reflectance `f0` and one at grazing
+    /// incidence.
     #[must_use]
     pub fn mean_reflected(&self, f0: f64) -> f64 {
         self.truth.iter().map(|truth| truth.schlick(f0, 1.0)).sum::<f64>() / self.truth.len() as f64
     }
 }
 
-/// Absolute error of the energy that a model reflects, for a Fresnel factor of one, over random lights: in [0, 1] for a
-/// scattering model that gains no light.
+/// Absolute error of the energy that a model reflects, for a Fresnel factor of one, over random lights. It is in [0, 1]
+/// for a scattering model that does not gain light.
 ///
 /// # Errors
-/// [`LightError::Singular`] for a table that does not tell, [`LightError::OtherLights`] for one of another scattering
-/// model than the lights, [`LightError::OtherBrdf`] for a closed form where that is not GGX.
+/// [`LightError::Singular`] for a table with a singular matrix, [`LightError::OtherLights`] for a table of another
+/// scattering model than the lights, [`LightError::OtherBrdf`] for a closed form if the lights are not for GGX.
 pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread, LightError> {
     let own = with_terms(model, &lights.brdf)?;
     let model = own.as_ref().map_or(model, |table| model.with_table(table));
     light_error_by(|at, light| model.reflected(at, light), lights)
 }
 
-/// The same for a material of reflectance `f0`, and one at grazing incidence, by Schlick's Fresnel factor.
+/// Like [`light_error`], for a material by Schlick's Fresnel factor, with reflectance `f0` and one at grazing
+/// incidence.
 ///
 /// # Errors
 /// As [`light_error`].
@@ -117,10 +118,10 @@ pub fn material_error(model: Lighting<'_>, lights: &RandomLights, f0: f64) -> Re
     errors(|at, light| model.of_material(at, light, [f0, 1.0]), lights, |truth| truth.schlick(f0, 1.0))
 }
 
-/// [`light_error`] for a function that gives the light of a surface.
+/// Like [`light_error`], for a function that returns the light of a surface.
 ///
 /// # Errors
-/// Those of `reflected`.
+/// The errors of `reflected`.
 pub fn light_error_by(
     reflected: impl Fn(&Configuration, &PolygonLight) -> Result<ReflectedLight, LightError>,
     lights: &RandomLights,
@@ -128,14 +129,14 @@ pub fn light_error_by(
     errors(|at, light| Ok(reflected(at, light)?.energy), lights, |truth| truth.energy)
 }
 
-/// Absolute errors of what a model reflects, beside what `told` takes of the truth.
+/// Absolute errors of a model. `wanted` selects the reference value.
 fn errors(
     reflected: impl Fn(&Configuration, &PolygonLight) -> Result<f64, LightError>,
     lights: &RandomLights,
-    told: impl Fn(&ReflectedLight) -> f64,
+    wanted: impl Fn(&ReflectedLight) -> f64,
 ) -> Result<Spread, LightError> {
     let pairs = lights.lit.iter().zip(&lights.truth);
-    let error = |(Lit { at, light }, truth): (&Lit, &ReflectedLight)| Ok((reflected(at, light)? - told(truth)).abs());
+    let error = |(Lit { at, light }, truth): (&Lit, &ReflectedLight)| Ok((reflected(at, light)? - wanted(truth)).abs());
     pairs.map(error).collect::<Result<_, _>>().map(spread)
 }
 
@@ -146,8 +147,8 @@ fn spread(mut errors: Vec<f64>) -> Spread {
     Spread { mean, p95: errors[count * 95 / 100], max: errors[count - 1] }
 }
 
-/// The table of a model whose own has no terms, with those of its scattering model. Every model is measured by the
-/// truth of what it stands for.
+/// If a model's table has no terms, returns it with the terms of its scattering model. Models are measured by the
+/// reference of their own scattering model.
 fn with_terms(model: Lighting<'_>, brdf: &BrdfModel) -> Result<Option<Table>, LightError> {
     model.check_brdf(brdf)?;
     let Some(table) = model.table() else { return Ok(None) };
@@ -197,7 +198,7 @@ impl Draw {
             let stretch = pow(E, self.within([-1.0, 1.0]));
             let (x, y) = (x * size * stretch, towards.cross(x) * size / stretch);
             let vertices = vec![centre - x - y, centre + x - y, centre + x + y, centre - x + y];
-            // A rectangle that the surface sees edge on may not look convex.
+            // A rectangle seen edge-on may fail the test of convexity.
             match PolygonLight::new(vertices, Sides::Two) {
                 Ok(light) if centre.z > 0.0 => return Lit { at, light },
                 _ => {}
@@ -226,7 +227,7 @@ mod tests {
         RandomLights::draw(&BrdfKind::Ggx.into(), range, count).expect("ranges of a table")
     }
 
-    /// Black reflects Schlick's part alone, and a mirror all.
+    /// A black material reflects only Schlick's part, and a mirror reflects everything.
     #[test]
     fn errors_of_materials_lie_between_those_of_both_parts() {
         let everywhere = PerAxis { phi: [0.0, 0.1], ..EVERYWHERE };

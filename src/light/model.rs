@@ -1,4 +1,4 @@
-//! The models of light: one folder each, and a line in [`LightModel`].
+//! The models of light, one folder each and a line in [`LightModel`].
 
 use super::{
     AreaLight, LightError, albedo, gaussians, ltc,
@@ -10,62 +10,62 @@ use super::{
 use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, LobeModel, Table, named_list};
 
 named_list! {
-    /// How the light that a surface reflects is found.
+    /// The method that computes the light reflected by a surface.
     pub enum LightModel: ModelOfLight {
         /// The closed form in the space of normals, without a table.
         Normals = "normals" => normals::NormalsModel,
         /// A table of LTCs.
         Ltc = "ltc" => ltc::LtcModel,
-        /// A spherical Gaussian, without a table or by one.
+        /// A spherical Gaussian, from a formula or from a table.
         Sg = "sg" => gaussians::SG,
-        /// An anisotropic spherical Gaussian, without a table or by one.
+        /// An anisotropic spherical Gaussian, from a formula or from a table.
         Asg = "asg" => gaussians::ASG,
     }
 }
 
-/// A model of light without a table, and its rule.
+/// A model of light without a table, with its rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ClosedForm {
     model: LightModel,
     rule: NormalsRule,
 }
 
-/// A model of light, and the table that it reads.
+/// A model of light with its table, if any.
 #[derive(Debug, Clone, Copy)]
 pub enum Lighting<'a> {
-    /// A formula, of GGX.
+    /// A formula for GGX.
     ClosedForm(ClosedForm),
-    /// A table, of any scattering model, and how it is used.
+    /// A table of any scattering model, with its options.
     Table(&'a Table, TableUse),
 }
 
 impl LightModel {
-    /// The model that lights by tables of a lobe.
+    /// The model for tables of a lobe model.
     #[must_use]
     pub fn of_lobe(lobe: LobeModel) -> Self {
         Self::ALL.iter().copied().find(|model| model.lobe() == Some(lobe)).unwrap_or(Self::Ltc)
     }
 
-    /// The lobe model of the model's tables; `None` for a model without a table.
+    /// The lobe model of the model's tables; `None` for a model without tables.
     #[must_use]
     pub fn lobe(self) -> Option<LobeModel> {
         self.rules().lobe()
     }
 
-    /// Whether there is no light by it without a table.
+    /// True if the model only works with a table.
     #[must_use]
     pub fn needs_table(self) -> bool {
         self.rules().formula().is_none()
     }
 
-    /// The rules among which option `--rule` chooses, the default first; empty for a model without the option.
+    /// The choices of option `--rule`, the default first; empty for a model without the option.
     #[must_use]
     pub fn rule_choices(self) -> &'static [NormalsRule] {
         self.rules().formula().map_or(&[], Formula::choices)
     }
 
-    /// The model without a table; `None` where it needs one. The rule is the default where none is chosen, and where
-    /// the model has no choice.
+    /// The model without a table; `None` if it needs one. A missing rule is the default, and so is the rule of a model
+    /// without choices.
     #[must_use]
     pub fn closed_form(self, rule: Option<NormalsRule>) -> Option<ClosedForm> {
         let usual = NormalsRule::ALL[0];
@@ -73,34 +73,34 @@ impl LightModel {
         (!self.needs_table()).then_some(ClosedForm { model: self, rule })
     }
 
-    /// The model without a table, under each of its rules; none where it needs one.
+    /// The model without a table, for each of its rules; empty if it needs a table.
     pub fn closed_forms(self) -> impl Iterator<Item = ClosedForm> {
         let rules = if self.rule_choices().is_empty() { &NormalsRule::ALL[..1] } else { self.rule_choices() };
         rules.iter().filter_map(move |rule| self.closed_form(Some(*rule)))
     }
 
-    /// The cost of a pixel of a preview by a formula, in samples of its reference; by a table where the model needs
-    /// one.
+    /// The cost of a pixel of a preview with the formula, in samples of its reference. For a model without a formula it
+    /// is the cost with a table.
     #[must_use]
     pub fn cost(self) -> u32 {
         self.rules().formula().map_or(self.table_cost(), Formula::cost)
     }
 
-    /// The same by a table.
+    /// The cost of a pixel of a preview with a table.
     #[must_use]
     pub fn table_cost(self) -> u32 {
         self.rules().table_cost()
     }
 
-    /// The names of the models for which something holds, as a sentence lists them: `normals, sg and asg`.
+    /// The names of the models for which a condition holds, as in a sentence: `normals, sg and asg`.
     #[must_use]
-    pub fn names_of(is_told: impl Fn(Self) -> bool) -> String {
-        let names: Vec<&str> = Self::ALL.iter().filter(|model| is_told(**model)).map(|model| model.name()).collect();
+    pub fn names_of(holds: impl Fn(Self) -> bool) -> String {
+        let names: Vec<&str> = Self::ALL.iter().filter(|model| holds(**model)).map(|model| model.name()).collect();
         listed(&names)
     }
 }
 
-/// Names as a sentence lists them: `a, b and c`.
+/// Joins names as in a sentence: `a, b and c`.
 fn listed(names: &[&str]) -> String {
     match names {
         [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
@@ -115,24 +115,24 @@ impl ClosedForm {
         self.model
     }
 
-    /// The rule; the default where the model has no choice.
+    /// The rule; the default for a model without choices.
     #[must_use]
     pub fn rule(self) -> NormalsRule {
         self.rule
     }
 
-    /// The rule that was chosen; `None` where the model has no choice.
+    /// The chosen rule; `None` for a model without choices.
     #[must_use]
     pub fn chosen_rule(self) -> Option<NormalsRule> {
         (!self.model.rule_choices().is_empty()).then_some(self.rule)
     }
 
-    /// The light that a surface reflects. Shapes are lit as the polygons that
-    /// [`ShapedLight::outline`](super::ShapedLight::outline) tells.
+    /// The light that a surface reflects. Shapes are replaced by the polygons of
+    /// [`ShapedLight::outline`](super::ShapedLight::outline).
     ///
     /// # Errors
-    /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon, and those of
-    /// the outline.
+    /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon, and the
+    /// errors of the outline.
     pub fn reflected<'a>(
         self,
         at: &Configuration,
@@ -142,7 +142,7 @@ impl ClosedForm {
         lit(at, light.into(), |lit| formula.map_or([0.0; 2], |formula| formula.reflected(lit, self.rule)))
     }
 
-    /// The same light weighed by F82's edge: see [`ReflectedLight::metal`].
+    /// The light weighted by F82's edge weight: see [`ReflectedLight::metal`].
     ///
     /// # Errors
     /// As [`ClosedForm::reflected`].
@@ -152,7 +152,7 @@ impl ClosedForm {
         lit(at, light.into(), of).map(|found| found.energy)
     }
 
-    /// The same in the numbers of a shader: for a Fresnel factor of one, and its part weighed by Schlick's factor.
+    /// The reflected light in f32, for a Fresnel factor of one and weighted by Schlick's factor.
     #[must_use]
     pub fn reflected_f32(self, lit: &LitPoint<'_, f32>) -> [f32; 2] {
         self.model.rules().formula().map_or([0.0; 2], |formula| formula.reflected_f32(lit, self.rule))
@@ -160,13 +160,13 @@ impl ClosedForm {
 }
 
 impl<'a> Lighting<'a> {
-    /// A table as it is used where nothing is chosen.
+    /// A table with default options.
     #[must_use]
     pub fn by(table: &'a Table) -> Self {
         Self::Table(table, TableUse::default())
     }
 
-    /// The same by another table; a formula has none.
+    /// The same model with another table. A formula is unchanged.
     pub(super) fn with_table(self, table: &'a Table) -> Self {
         match self {
             Self::ClosedForm(_) => self,
@@ -179,7 +179,7 @@ impl Lighting<'_> {
     /// The light that a surface reflects.
     ///
     /// # Errors
-    /// Those of [`ClosedForm::reflected`] and [`by_table_as`].
+    /// The errors of [`ClosedForm::reflected`] and [`by_table_as`].
     pub fn reflected<'a>(
         self,
         at: &Configuration,
@@ -191,10 +191,11 @@ impl Lighting<'_> {
         }
     }
 
-    /// What a material reflects by Schlick's Fresnel factor, `f0` face on and `f90` at grazing incidence.
+    /// The light that a material reflects by Schlick's Fresnel factor, with `f0` at normal and `f90` at grazing
+    /// incidence.
     ///
     /// # Errors
-    /// Those of [`Lighting::reflected`] and [`by_blend`].
+    /// The errors of [`Lighting::reflected`] and [`by_blend`].
     pub fn of_material<'a>(
         self,
         at: &Configuration,
@@ -207,12 +208,13 @@ impl Lighting<'_> {
         }
     }
 
-    /// What is reflected of light from everywhere, for a Fresnel factor of one: a table's amplitude, and
-    /// [`albedo`](super::albedo::albedo) of formulas and of tables of Gaussians, whose amplitude is of their whole plane.
+    /// The part of uniform light that is reflected, for a Fresnel factor of one. It is a table's amplitude. For
+    /// formulas and tables of Gaussians it is [`albedo`](super::albedo::albedo), because the amplitude of a Gaussian
+    /// covers its whole plane.
     ///
     /// # Errors
-    /// [`LightError::NoFacets`] for a table of a scattering model other than of facets, [`LightError::NoTerms`],
-    /// [`LightError::Domain`] as [`Self::reflected`].
+    /// [`LightError::NoFacets`] for a table of a scattering model without facets, [`LightError::NoTerms`], and
+    /// [`LightError::Domain`] as for [`Self::reflected`].
     pub fn albedo(self, at: &Configuration) -> Result<f64, LightError> {
         let ggx = albedo::of_ggx(at)?;
         let Some(table) = self.table() else { return Ok(ggx) };
@@ -223,7 +225,7 @@ impl Lighting<'_> {
         table.lookup(at).amplitude.ok_or(LightError::NoTerms)
     }
 
-    /// The table; `None` of a formula.
+    /// The table; `None` for a formula.
     pub(super) fn table(&self) -> Option<&Table> {
         match self {
             Self::ClosedForm(_) => None,
@@ -231,10 +233,10 @@ impl Lighting<'_> {
         }
     }
 
-    /// The same light weighed by F82's edge: see [`ReflectedLight::metal`].
+    /// The light weighted by F82's edge weight: see [`ReflectedLight::metal`].
     ///
     /// # Errors
-    /// As [`Lighting::reflected`], and [`LightError::NoEdge`] for a table without that term.
+    /// As [`Lighting::reflected`], and [`LightError::NoEdge`] for a table without the edge term.
     pub fn edge<'a>(self, at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<f64, LightError> {
         match self {
             Self::ClosedForm(form) => form.edge(at, light),
@@ -242,10 +244,11 @@ impl Lighting<'_> {
         }
     }
 
-    /// Whether it is light of a scattering model.
+    /// Checks that the model is for a scattering model.
     ///
     /// # Errors
-    /// [`LightError::OtherLights`] for a table of another, [`LightError::OtherBrdf`] for a formula where it is not GGX.
+    /// [`LightError::OtherLights`] for a table of another scattering model, [`LightError::OtherBrdf`] for a formula
+    /// with another scattering model than GGX.
     pub(super) fn check_brdf(self, brdf: &BrdfModel) -> Result<(), LightError> {
         match self {
             Self::Table(table, _) if !table.brdf.is_surface_of(brdf) => {

@@ -7,16 +7,16 @@ use glam::DVec3;
 use super::LightError;
 use ltcforge_fit::{Sides, math::atan2};
 
-/// Three vertices run the wrong way round where the volume between them and the shaded point is below zero by more than
-/// this part of their farthest distance squared times their longest edge: rounding to f32 moves vertices less.
+/// The tolerance of convexity. Three vertices turn the wrong way if their volume with the shaded point is below zero by
+/// more than this part of the largest squared distance times the longest edge. Rounding to f32 moves vertices by less.
 const STRAIGHT: f64 = 1e-6;
 
-/// An edge runs through the shaded point where it is closer to it than this part of the farthest vertex's distance.
+/// The tolerance for an edge through the shaded point, relative to the distance of the farthest vertex.
 const TOUCHING: f64 = 1e-12;
 
 /// A convex polygon of radiance one, as seen from a shaded point.
 ///
-/// Its lit side is that from which the vertices run clockwise.
+/// The vertices run clockwise as seen from its lit side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolygonLight {
     vertices: Vec<DVec3>,
@@ -26,12 +26,12 @@ pub struct PolygonLight {
 impl PolygonLight {
     /// The light with these vertices, relative to the shaded point in its tangent frame, normal +z.
     ///
-    /// Vertices may coincide or lie in line: they then add nothing. A polygon is convex if all its triples of vertices
-    /// turn the same way as seen from the shaded point.
+    /// Vertices can coincide or lie in line; they then have no effect. A polygon is convex if all its triples of
+    /// vertices turn the same way as seen from the shaded point.
     ///
     /// # Errors
-    /// [`LightError::TooFewVertices`], [`LightError::NotFinite`], [`LightError::OnOutline`], [`LightError::Inside`] for
-    /// a shaded point in the polygon, [`LightError::NotConvex`].
+    /// [`LightError::TooFewVertices`], [`LightError::NotFinite`], [`LightError::OnOutline`], [`LightError::NotConvex`],
+    /// and [`LightError::Inside`] for a shaded point in the polygon.
     pub fn new(vertices: Vec<DVec3>, sides: Sides) -> Result<Self, LightError> {
         if vertices.len() < 3 {
             return Err(LightError::TooFewVertices(vertices.len()));
@@ -39,7 +39,8 @@ impl PolygonLight {
         if let Some(index) = vertices.iter().position(|v| !v.is_finite()) {
             return Err(LightError::NotFinite { index });
         }
-        // Lengths near the ends of the range of f64 would overflow in products; directions have no length.
+        // The vertices are scaled, because products of lengths near the limits of f64 would overflow. Directions do not
+        // depend on scale.
         let farthest = vertices.iter().fold(0.0_f64, |far, v| far.max(v.abs().max_element()));
         let vertices: Vec<DVec3> =
             if farthest > 0.0 { vertices.into_iter().map(|v| v / farthest).collect() } else { vertices };
@@ -56,21 +57,21 @@ impl PolygonLight {
         }
     }
 
-    /// The vertices, scaled so that the largest coordinate is one: the visible part of a light depends on directions
-    /// alone.
+    /// The vertices, scaled such that the largest coordinate is one. The visible part of a light depends only on
+    /// directions.
     #[must_use]
     pub fn vertices(&self) -> &[DVec3] {
         &self.vertices
     }
 
-    /// The sides from which it can be seen.
+    /// The sides from which it is visible.
     #[must_use]
     pub fn sides(&self) -> Sides {
         self.sides
     }
 }
 
-/// How close an edge comes to the origin.
+/// The distance of an edge from the origin.
 fn from_origin((a, b): (DVec3, DVec3)) -> f64 {
     let along = b - a;
     let length2 = along.length_squared();
@@ -78,10 +79,10 @@ fn from_origin((a, b): (DVec3, DVec3)) -> f64 {
     (a + along * t).length()
 }
 
-/// Whether the origin lies in a polygon: in its plane, as far as rounding tells, and an outline goes around it.
+/// True if the origin is in a polygon: in its plane, up to rounding, with the outline around it.
 ///
-/// A polygon that is seen from within its plane has no side and covers no solid angle or half of all directions,
-/// depending on the last digit. Outside the outline it is seen edge on, and covers nothing.
+/// A polygon seen from within its plane has no side. Inside the outline its solid angle would be zero or a hemisphere,
+/// depending on the last digit. Outside the outline it is seen edge-on and covers nothing.
 fn has_inside(vertices: &[DVec3]) -> bool {
     let edges = || vertices.iter().zip(vertices.iter().cycle().skip(1));
     let normal: DVec3 = edges().map(|(a, b)| (*a - vertices[0]).cross(*b - vertices[0])).sum();
@@ -90,15 +91,16 @@ fn has_inside(vertices: &[DVec3]) -> bool {
     if normal == DVec3::ZERO || vertices.iter().any(|v| v.dot(normal).abs() > STRAIGHT * farthest) {
         return false;
     }
-    // The outline goes around a whole turn if the origin is inside, half of one on an edge, and none outside.
+    // The outline goes around a whole turn if the origin is inside, half a turn if it is on an edge, and no turn if it
+    // is outside.
     let around: f64 = edges().map(|(a, b)| atan2(a.cross(*b).dot(normal), a.dot(*b))).sum();
     around.abs() > 0.75 * TAU
 }
 
-/// Three vertices, in their order, that turn the other way than the first three that turn at all.
+/// Three vertices, in order, that turn against the first triple that turns at all.
 ///
-/// An outline is convex and goes around once just if all triples turn the same way: that also excludes stars and
-/// outlines that go around twice, which edge by edge look convex.
+/// An outline is convex and goes around once if and only if all triples turn the same way. This also excludes stars and
+/// outlines that go around twice, which look convex edge by edge.
 fn wrong_turn(vertices: &[DVec3]) -> Option<[usize; 3]> {
     let count = vertices.len();
     let longest = vertices.iter().map(|v| v.distance(vertices[0])).fold(0.0, f64::max);
@@ -141,7 +143,7 @@ mod tests {
             assert!(PolygonLight::new(vertices.clone(), Sides::One).is_ok(), "{count}");
             vertices.reverse();
             assert!(PolygonLight::new(vertices.clone(), Sides::One).is_ok(), "{count}");
-            // As f32 has them, far away, with a vertex in the middle of an edge and one that occurs twice.
+            // A far polygon rounded to f32, with a vertex in the middle of an edge and a vertex that occurs twice.
             vertices.insert(1, vertices[0].midpoint(vertices[1]));
             vertices.insert(0, vertices[0]);
             let far: Vec<DVec3> =
@@ -175,7 +177,7 @@ mod tests {
                 .map(|(x, z)| centre + DVec3::new(x, 0.5 * z, z))
                 .to_vec()
         };
-        // A vertex at the shaded point, an edge through it, and one that passes a hair beside it.
+        // Tests a vertex at the shaded point, an edge through it, and an edge that passes very close to it.
         let vertex = PolygonLight::new(square(DVec3::new(1.0, 0.5, 1.0)), Sides::Two);
         assert_eq!(vertex, Err(LightError::OnOutline { edge: 0 }));
         let through = PolygonLight::new(square(DVec3::new(-1.0, 0.0, 0.0)), Sides::Two);
@@ -184,8 +186,8 @@ mod tests {
         assert_eq!(PolygonLight::new(vec![DVec3::ZERO; 4], Sides::Two), Err(LightError::OnOutline { edge: 0 }));
     }
 
-    /// Polygons of every count, in any plane, in both orders, with one vertex twice, in f64 and rounded to f32 and to six
-    /// digits.
+    /// Tests polygons of every count, in any plane, in both orders, with one vertex twice, in f64 and rounded to f32
+    /// and to six digits.
     #[test]
     fn a_shaded_point_within_a_polygon_is_refused_and_one_beside_or_above_is_not() {
         let mut refused = 0;
@@ -204,7 +206,7 @@ mod tests {
                 let twice = vertices.iter().chain(vertices.last()).copied().collect();
                 [vertices, as_f32, written, reversed, twice]
             };
-            // A triangle of this size reaches .5 from its centre.
+            // A triangle of this size reaches 0.5 from its centre.
             for within in [DVec3::ZERO, DVec3::new(0.3, 0.1, 0.0), DVec3::new(-0.1, -0.4, 0.0)] {
                 for vertices in tellings(at(within)) {
                     for sides in [Sides::One, Sides::Two] {
@@ -227,7 +229,7 @@ mod tests {
             }
         }
         assert_eq!(refused, 7 * 8 * 3 * 5 * 2);
-        // A tiny light straight ahead has the shaded point in front of all of it.
+        // The shaded point is in front of all edges of a tiny light straight above.
         let tiny = regular(4, 1).into_iter().map(|v| (v - DVec3::new(0.3, 0.0, 2.0)) * 1e-9 + DVec3::Z).collect();
         assert!(PolygonLight::new(tiny, Sides::Two).is_ok());
     }

@@ -1,4 +1,4 @@
-//! The light that an interface transmits, with its arguments checked.
+//! The light that an interface transmits, with checked arguments.
 
 use glam::DVec3;
 
@@ -9,8 +9,8 @@ use super::{
 };
 use ltcforge_fit::Configuration;
 
-/// The transmission of a light below a rough interface, in f64: [`transmitted`] of a surface and a light that are
-/// checked. `eta` is the index on the light's side over that on the viewer's.
+/// The transmission of a light below a rough interface, in f64. It is [`transmitted`] for a checked surface and light.
+/// `eta` is the index on the light's side divided by the index on the viewer's side.
 ///
 /// # Errors
 /// [`LightError::Domain`] for a roughness outside [0, 1], a view direction on or below the horizon, and an index
@@ -19,7 +19,7 @@ pub fn by_refraction(at: &Configuration, eta: f64, light: &PolygonLight) -> Resu
     let (alpha, wo) = surface_and_view(at)?;
     let is_known = (ETA_RANGE[0]..=ETA_RANGE[1]).contains(&eta) && (eta - 1.0).abs() >= ETA_APART;
     if !is_known {
-        let allowed = "an index is a number from 1/3 to 3, at least 0.02 from 1";
+        let allowed = "it must be from 1/3 to 3 and differ from 1 by at least 0.02";
         return Err(LightError::Domain { what: "eta", value: eta, allowed });
     }
     let vertices: Vec<[f64; 3]> = light.vertices().iter().map(DVec3::to_array).collect();

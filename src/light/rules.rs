@@ -1,4 +1,4 @@
-//! The trait of models of light, and their common parts: a checked surface, and the reflected light.
+//! The trait of models of light, and their common parts: surface checks and reflected light.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -11,19 +11,19 @@ use ltcforge_fit::{
     math::{Triple, direction},
 };
 
-/// A model of light: a formula, a table of lobes, or either.
+/// A model of light: a formula, tables of a lobe model, or both.
 pub(crate) trait ModelOfLight: Sync {
-    /// The light of GGX without a table; `None` for a model that has tables alone.
+    /// The formula for the light of GGX; `None` for a model that only works with a table.
     fn formula(&self) -> Option<&dyn Formula> {
         None
     }
 
-    /// The lobe model of its tables; `None` for a model without a table.
+    /// The lobe model of its tables; `None` for a model without tables.
     fn lobe(&self) -> Option<LobeModel> {
         None
     }
 
-    /// The cost of a pixel by a table, in samples of the preview's reference.
+    /// The cost of a pixel with a table, in samples of the preview's reference.
     fn table_cost(&self) -> u32 {
         0
     }
@@ -31,7 +31,7 @@ pub(crate) trait ModelOfLight: Sync {
 
 /// The light of GGX in closed form.
 pub(crate) trait Formula: Sync {
-    /// The rules among which option `--rule` chooses, the default first; empty for a formula without the option.
+    /// The choices of option `--rule`, the default first; empty for a formula without the option.
     fn choices(&self) -> &'static [NormalsRule] {
         &[]
     }
@@ -39,62 +39,63 @@ pub(crate) trait Formula: Sync {
     /// The cost of a pixel, in samples of the preview's reference.
     fn cost(&self) -> u32;
 
-    /// The reflected light of a polygon of radiance one: for a Fresnel factor of one, and its part weighed by Schlick's
+    /// The reflected light of a polygon of radiance one, for a Fresnel factor of one and weighted by Schlick's
     /// `(1 - wo . h)^5`.
     fn reflected(&self, lit: &LitPoint<'_, f64>, rule: NormalsRule) -> [f64; 2];
 
-    /// The reflected light weighed by F82's edge: by default at the incidence that Schlick's part tells.
+    /// The reflected light weighted by F82's edge weight. The default evaluates it at the incidence that follows from
+    /// Schlick's part.
     fn edge(&self, lit: &LitPoint<'_, f64>, rule: NormalsRule) -> f64 {
         edge_of_parts(self.reflected(lit, rule))
     }
 
-    /// The same in the numbers of a shader.
+    /// The reflected light in f32, as in a shader.
     fn reflected_f32(&self, lit: &LitPoint<'_, f32>, rule: NormalsRule) -> [f32; 2];
 }
 
-/// A surface, a view of it, and the vertices of a light around the shaded point, in its tangent frame.
+/// A surface, a view of it, and the vertices of a light relative to the shaded point, in its tangent frame.
 #[derive(Debug, Clone, Copy)]
 pub struct LitPoint<'a, T> {
     /// Roughness along x and y.
     pub alpha: [T; 2],
-    /// The direction of the viewer, of length one.
+    /// The view direction, of unit length.
     pub wo: Triple<T>,
-    /// The reflected light of a convex polygon.
+    /// The vertices of a convex polygon.
     pub vertices: &'a [Triple<T>],
-    /// From where it is lit.
+    /// The lit sides.
     pub sides: Sides,
 }
 
 /// The light that GGX reflects towards the viewer, of a light of radiance one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReflectedLight {
-    /// For a Fresnel factor of one: in [0, 1].
+    /// The light for a Fresnel factor of one, in [0, 1].
     pub energy: f64,
-    /// The same weighed by Schlick's `(1 - wo . h)^5`: in [0, 1].
+    /// The light weighted by Schlick's `(1 - wo . h)^5`, in [0, 1].
     pub fresnel: f64,
 }
 
 impl ReflectedLight {
-    /// Nothing.
+    /// No light.
     pub const NONE: Self = Self { energy: 0.0, fresnel: 0.0 };
 
-    /// The reflected light with Schlick's Fresnel factor, `f0` face on and `f90` at grazing incidence:
+    /// The reflected light with Schlick's Fresnel factor, `f0` at normal and `f90` at grazing incidence:
     /// `f0 (energy - fresnel) + f90 fresnel`.
     #[must_use]
     pub fn schlick(&self, f0: f64, f90: f64) -> f64 {
         f0 * (self.energy - self.fresnel) + f90 * self.fresnel
     }
 
-    /// The reflected light of a metal by F82: Schlick's, less `b` times the light weighed by
-    /// [`edge_weight`](ltcforge_fit::brdf::edge_weight), `edge`, so that at 82 degrees `tint` of Schlick's is left:
-    /// `f0 (energy - fresnel) + f90 fresnel - b edge`, with `b` of [`edge_factor`].
+    /// The reflected light of a metal by F82: `f0 (energy - fresnel) + f90 fresnel - b edge`, with `b` of
+    /// [`edge_factor`]. `edge` is the light weighted by [`edge_weight`](ltcforge_fit::brdf::edge_weight). At 82 degrees
+    /// the factor is `tint` times Schlick's factor.
     #[must_use]
     pub fn metal(&self, edge: f64, [f0, f90]: [f64; 2], tint: f64) -> f64 {
         self.schlick(f0, f90) - edge_factor(f0, f90, tint) * edge
     }
 }
 
-/// A surface's roughnesses along x and y, raised to [`LEAST_ALPHA`], and the direction from which it is seen.
+/// Checks a surface and view. Returns the roughnesses along x and y, raised to [`LEAST_ALPHA`], and the view direction.
 pub(super) fn surface_and_view(at: &Configuration) -> Result<([f64; 2], DVec3), LightError> {
     for (what, value) in [("alpha_x", at.alpha_x), ("alpha_y", at.alpha_y)] {
         if !(0.0..=1.0).contains(&value) {
@@ -111,7 +112,7 @@ pub(super) fn surface_and_view(at: &Configuration) -> Result<([f64; 2], DVec3), 
     Ok(([at.alpha_x.max(LEAST_ALPHA), at.alpha_y.max(LEAST_ALPHA)], direction(at.theta, at.phi)))
 }
 
-/// The light that `of` gives for a checked surface, view and light.
+/// Evaluates `of` for a surface, view and light after it has checked them.
 pub(super) fn lit(
     at: &Configuration,
     light: AreaLight<'_>,

@@ -1,4 +1,4 @@
-//! Lights that are no polygons, checked, and lights of any shape.
+//! Checked lights other than polygons, and lights of any shape.
 
 use glam::DVec3;
 
@@ -21,21 +21,21 @@ named_list! {
     }
 }
 
-/// The parameters of a light of a shape, in the order in which they are given.
+/// The parameters of a light, in the order in which they are given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ShapeParameter {
-    /// How many sides are lit: 1 or 2.
+    /// The number of lit sides: 1 or 2.
     Sides,
-    /// A point or a vector, by the names of its coordinates.
+    /// A point or a vector, with the names of its coordinates.
     Point([&'static str; 3]),
-    /// A length above zero, by its name.
+    /// A positive length, with its name.
     Length(&'static str),
     /// The vertices of a convex polygon, the last parameter: `x0`, `y0`, `z0`, `x1` ...
     Vertices,
 }
 
 impl LightShape {
-    /// The parameters of a light of the shape.
+    /// The parameters of a light with this shape.
     #[must_use]
     pub fn parameters(self) -> &'static [ShapeParameter] {
         use ShapeParameter::{Length, Point, Sides, Vertices};
@@ -49,11 +49,11 @@ impl LightShape {
         }
     }
 
-    /// The light of these parameters. Those that the shape does not have may be anything. Domain: as many points as the
-    /// shape has.
+    /// The light with these parameters. Parameters that the shape does not have are ignored. Domain: the number of
+    /// points of the shape.
     ///
     /// # Errors
-    /// Those of [`PolygonLight::new`] and of the constructors of [`ShapedLight`].
+    /// The errors of [`PolygonLight::new`] and of the constructors of [`ShapedLight`].
     pub fn light(self, sides: Sides, points: &[DVec3], length: f64) -> Result<AnyLight, LightError> {
         let shaped = match self {
             Self::Polygon => return PolygonLight::new(points.to_vec(), sides).map(AnyLight::Polygon),
@@ -66,18 +66,18 @@ impl LightShape {
     }
 }
 
-/// The half axes of an ellipse are parallel where the sine of the angle between them is below this.
+/// The smallest sine of the angle between the half axes of an ellipse. Below it they count as parallel.
 const PARALLEL: f64 = 1e-12;
 
 /// A length below this part of the light's largest number counts as zero.
 const TOUCHING: f64 = 1e-12;
 
-/// A light of radiance one that is no polygon, as seen from a shaded point in its tangent frame, normal +z. The shaded
-/// point is outside of it.
+/// A light of radiance one that is not a polygon, relative to a shaded point in its tangent frame, normal +z. The
+/// shaded point is outside of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShapedLight(Form);
 
-/// The shape, scaled so that the largest number is one: the visible part of a light depends on directions alone.
+/// The shape, scaled such that the largest number is one. The visible part of a light depends only on directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Form {
     Ellipse { centre: DVec3, half_axes: [DVec3; 2], sides: Sides },
@@ -87,8 +87,8 @@ pub(super) enum Form {
 }
 
 impl ShapedLight {
-    /// The ellipse `centre + cos t half_axes[0] + sin t half_axes[1]`, for any two half axes; a disk where they are as
-    /// long as each other and perpendicular. Its lit side is that of `half_axes[0] x half_axes[1]`.
+    /// The ellipse `centre + cos t half_axes[0] + sin t half_axes[1]`, for any two half axes. It is a disk if they have
+    /// equal lengths and are perpendicular. Its lit side is the side of `half_axes[0] x half_axes[1]`.
     ///
     /// # Errors
     /// [`LightError::Domain`] for a coordinate that is not finite, [`LightError::Flat`] for half axes that are parallel
@@ -101,7 +101,7 @@ impl ShapedLight {
         if normal.length() <= PARALLEL * x.length() * y.length() {
             return Err(LightError::Flat);
         }
-        // The shaded point in the half axes; where it lies in the plane.
+        // The coordinates of the shaded point in units of the half axes, if it is in the plane.
         let across2 = normal.length_squared();
         let (u, v) = (y.cross(centre).dot(normal) / across2, centre.cross(x).dot(normal) / across2);
         if centre.dot(normal).abs() <= TOUCHING * normal.length() && u * u + v * v <= 1.0 + TOUCHING {
@@ -125,8 +125,7 @@ impl ShapedLight {
         Ok(Self(Form::Sphere { centre, radius }))
     }
 
-    /// A tube with round ends: all points up to `radius` from the line between `ends`. Where both are one it is a
-    /// sphere.
+    /// A tube with round ends: all points up to `radius` from the line between `ends`. With equal ends it is a sphere.
     ///
     /// # Errors
     /// As [`Self::sphere`].
@@ -140,17 +139,17 @@ impl ShapedLight {
         Ok(Self(Form::Tube { ends: [a, b], radius }))
     }
 
-    /// A line of a small width that faces the shaded point everywhere: the limit of a thin tube whose diameter is the
-    /// width.
+    /// A line with a small width that faces the shaded point everywhere. It is the limit of a thin tube whose diameter
+    /// is the width.
     ///
     /// # Errors
-    /// [`LightError::Domain`] for a coordinate that is not finite, a width that is not above zero and a line without
-    /// length, [`LightError::Inside`] for a shaded point on the line.
+    /// [`LightError::Domain`] for a coordinate that is not finite, a width that is not above zero or equal ends,
+    /// [`LightError::Inside`] for a shaded point on the line.
     pub fn line(ends: [DVec3; 2], width: f64) -> Result<Self, LightError> {
         check_points([("the first end", ends[0]), ("the second end", ends[1])])?;
         check_above_zero("the width", width)?;
         if ends[0] == ends[1] {
-            let allowed = "the two ends are points apart";
+            let allowed = "the two ends must differ";
             return Err(LightError::Domain { what: "the length of the line", value: 0.0, allowed });
         }
         let [a, b, DVec3 { x: width, .. }] = scaled([ends[0], ends[1], DVec3::X * width]);
@@ -160,7 +159,7 @@ impl ShapedLight {
         Ok(Self(Form::Line { ends: [a, b], width }))
     }
 
-    /// Which shape it is.
+    /// The shape of the light.
     #[must_use]
     pub fn shape(&self) -> LightShape {
         match self.0 {
@@ -171,12 +170,11 @@ impl ShapedLight {
         }
     }
 
-    /// The convex polygon that stands for it where a model knows polygons alone: see [`ellipse`], [`tube`] and
+    /// The convex polygon that replaces the shape in models that only handle polygons: see [`ellipse`], [`tube`] and
     /// [`line()`].
     ///
     /// # Errors
-    /// [`LightError::OnOutline`] and [`LightError::Inside`] for a shaded point on the polygon that stands for an
-    /// ellipse, or in it.
+    /// [`LightError::OnOutline`] and [`LightError::Inside`] for a shaded point on or in the polygon of an ellipse.
     pub fn outline(&self) -> Result<PolygonLight, LightError> {
         match self.0 {
             Form::Ellipse { centre, half_axes, sides } => ellipse(centre, half_axes, sides),
@@ -196,7 +194,7 @@ impl ShapedLight {
 pub enum AnyLight {
     /// A polygon.
     Polygon(PolygonLight),
-    /// Any other.
+    /// Another shape.
     Shaped(ShapedLight),
 }
 
@@ -214,7 +212,7 @@ impl<'a> From<&'a AnyLight> for AreaLight<'a> {
 pub enum AreaLight<'a> {
     /// A polygon.
     Polygon(&'a PolygonLight),
-    /// Any other.
+    /// Another shape.
     Shaped(&'a ShapedLight),
 }
 
@@ -231,7 +229,7 @@ impl<'a> From<&'a ShapedLight> for AreaLight<'a> {
 }
 
 impl AreaLight<'_> {
-    /// The vertices and lit sides of the polygon, or of the one that stands for another shape.
+    /// The vertices and lit sides of the polygon, or of the polygon that replaces another shape.
     pub(super) fn polygon(&self) -> Result<(Vec<[f64; 3]>, Sides), LightError> {
         let read = |light: &PolygonLight| (light.vertices().iter().map(DVec3::to_array).collect(), light.sides());
         Ok(match self {
@@ -241,14 +239,14 @@ impl AreaLight<'_> {
     }
 }
 
-/// The point of the line between two points that is nearest to the origin.
+/// The point nearest to the origin on the line between two points.
 fn nearest([a, b]: [DVec3; 2]) -> DVec3 {
     let along = b - a;
     let axis = along.normalize_or_zero();
     a + axis * (-a).dot(axis).clamp(0.0, along.length())
 }
 
-/// The vectors over their largest component: lengths near the ends of the range of f64 would overflow in products.
+/// Divides vectors by their largest component, because products of lengths near the limits of f64 would overflow.
 fn scaled<const N: usize>(vectors: [DVec3; N]) -> [DVec3; N] {
     let largest = vectors.iter().fold(0.0_f64, |largest, v| largest.max(v.abs().max_element()));
     if largest > 0.0 { vectors.map(|v| v / largest) } else { vectors }
@@ -257,7 +255,7 @@ fn scaled<const N: usize>(vectors: [DVec3; N]) -> [DVec3; N] {
 fn check_points<const N: usize>(points: [(&'static str, DVec3); N]) -> Result<(), LightError> {
     let coordinates = points.into_iter().flat_map(|(what, point)| point.to_array().map(|value| (what, value)));
     match coordinates.into_iter().find(|(_, value)| !value.is_finite()) {
-        Some((what, value)) => Err(LightError::Domain { what, value, allowed: "its coordinates are finite numbers" }),
+        Some((what, value)) => Err(LightError::Domain { what, value, allowed: "its coordinates must be finite" }),
         None => Ok(()),
     }
 }
@@ -266,6 +264,6 @@ fn check_above_zero(what: &'static str, value: f64) -> Result<(), LightError> {
     if value.is_finite() && value > 0.0 {
         Ok(())
     } else {
-        Err(LightError::Domain { what, value, allowed: "it is a finite number above 0" })
+        Err(LightError::Domain { what, value, allowed: "it must be finite and above 0" })
     }
 }

@@ -1,4 +1,4 @@
-//! Lights of other shapes, as the polygons that are seen of them.
+//! Lights of other shapes, as the polygons of their outlines.
 
 mod flat;
 mod tube;

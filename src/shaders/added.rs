@@ -1,21 +1,21 @@
-//! The functions that are added to a text to include: their files, their calls and what they are.
+//! Functions that can be added to a text to include: their files, calls and descriptions.
 
 use super::{Additions, Lights, LitBy, Reading};
 use ltcforge_light::LightModel;
 
 const CUT: &str = "\
 LIGHT FROM BELOW
-  ltc_cut_rectangle, ltc_cut_polygon{shapes} take the same arguments
-      and let the lobe end at the surface: nothing shines through from below. Without them an LTC lets through up to a
-      fifth of a light that lies below.
+  ltc_cut_rectangle, ltc_cut_polygon{shapes} take the same arguments.
+      Their lobes end at the surface, so no light shines through from below. The functions without cut let through up to
+      a fifth of a light that lies below.
 ";
 const CUT_SHAPES: &str = ", ltc_cut_disk, ltc_cut_sphere, ltc_cut_tube, ltc_cut_line";
 
 const COMPENSATION: &str = "\
 ENERGY
   {call}
-      once for a point and view: the factor on what a metal of reflectance f0 reflects, by which facets lose no light to
-      each other: white metal reflects all of a white sky.
+      once for a point and view: the factor by which to multiply what a metal of reflectance f0 reflects. It gives back
+      the energy that shadowing loses: white metal then reflects all light of a white sky.
 ";
 
 const POLYGONS_CUT: &str =
@@ -27,7 +27,7 @@ const SHAPES_CUT: &str = "    let cut_disk = ltc_cut_disk(inverse, vertices[0], 
     let cut_line = ltc_cut_line(inverse, vertices[0], vertices[1], 1.0);
 ";
 
-/// How a model's factor is called, and the files that have it.
+/// The call of a model's compensation factor, and the files that define it.
 fn compensation(model: LightModel) -> (&'static str, &'static [&'static str]) {
     match model {
         LightModel::Ltc => ("ltc_compensation(lobe, f0)", &["ltc_compensation"]),
@@ -39,7 +39,7 @@ fn compensation(model: LightModel) -> (&'static str, &'static [&'static str]) {
 }
 
 impl LitBy {
-    /// The files of what is added.
+    /// The files of the additions.
     pub(super) fn added_files(self, lights: Lights) -> Vec<&'static str> {
         let Additions { cut, compensate, .. } = self.additions();
         let cut: &[&str] = match (cut, lights) {
@@ -70,7 +70,7 @@ impl LitBy {
         (self.shader().caller)(reading, lights).replacen("    return ", &format!("{calls}    return "), 1)
     }
 
-    /// The comment of a text to include with what its additions are, before its last part.
+    /// The comment of a text to include, with its additions described before its last part.
     #[must_use]
     pub fn explained(self, comment: &str, lights: Lights) -> String {
         let Additions { cut, compensate, .. } = self.additions();

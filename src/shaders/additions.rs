@@ -1,30 +1,30 @@
-//! Functions that a text to include has only where they are chosen.
+//! Optional functions of a text to include.
 
 use ltcforge_light::{LightModel, textured::Readings};
 
-/// What is added to the text of a model of light; nothing by default.
+/// The additions to the text of a light model; none by default.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Additions {
-    /// For tables of LTCs: the same lights without what shines through from below the surface.
+    /// For tables of LTCs: functions whose lobes end at the surface, so no light shines through from below.
     pub cut: bool,
-    /// The factor by which metals reflect more than one bounce tells.
+    /// The factor by which metals gain the energy of multiple bounces.
     pub compensate: bool,
-    /// Rectangles with pictures, each read so often.
+    /// Rectangles with pictures, and the number of readings of each.
     pub textured: Option<Readings>,
 }
 
-/// Why a model's text has no such addition.
+/// The model's text does not have this addition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum AdditionError {
-    /// Nothing shines through from below.
-    #[error("--cut is of model ltc: by model {0} nothing shines through from below the surface")]
+    /// No light shines through from below.
+    #[error("--cut needs model ltc: model {0} lets no light through from below the surface")]
     NothingBelow(LightModel),
-    /// No kernel of its lobe is known.
-    #[error("--textured is of models normals and ltc: model {0} lights by no pictures")]
+    /// The model has no functions for pictures.
+    #[error("--textured needs model normals or ltc: model {0} has no lights with pictures")]
     NoPictures(LightModel),
 }
 
-/// The beginning of a model's names, and the type of its lobe, where rectangles with pictures can be lit by it.
+/// The prefix of a model's names and the type of its lobe, for models with pictures on rectangles.
 pub(super) fn pictured(model: LightModel) -> Option<[&'static str; 2]> {
     match model {
         LightModel::Normals => Some(["normals", "NormalsView"]),
@@ -34,10 +34,10 @@ pub(super) fn pictured(model: LightModel) -> Option<[&'static str; 2]> {
 }
 
 impl Additions {
-    /// Whether the text of a model can have them.
+    /// Checks that the text of a model can have these additions.
     ///
     /// # Errors
-    /// [`AdditionError`] for a model that nothing shines through, and for one that lights by no pictures.
+    /// [`AdditionError`] for `cut` with a model other than LTCs, and for `textured` with a model without pictures.
     pub fn check(self, model: LightModel) -> Result<(), AdditionError> {
         if self.cut && model != LightModel::Ltc {
             return Err(AdditionError::NothingBelow(model));

@@ -1,46 +1,46 @@
-//! Where a table is bound, in words, by language.
+//! Descriptions of a table's bindings, by language.
 
 use super::{Bound, Filter, Language, Namespace, Reading};
 
-/// Where the program binds them.
+/// The bindings of a program.
 pub(super) fn bindings(language: Language) -> &'static str {
     match language {
         Language::Wgsl => {
             "\
   here      group 0: uniform 0, matrix_a 1, matrix_b 2, terms 3, sampler 4
             group 1, of the example: case 0, result 1
-  The sampler is used where ltc_hardware_filter is true: linear, clamped to the edge, textures filterable. Else the
-  entries are weighed here and it may be any."
+  If ltc_hardware_filter is true, the sampler must be linear and clamp to the edge, and the textures must be filterable.
+  Otherwise the shader interpolates, and any sampler will do."
         }
         Language::Spirv => {
             "\
   here      set 0: uniform 0, matrix_a 1, matrix_b 2, terms 3
             set 1, of the example: case 0, result 1
-  Sampled images, no sampler: the entries are weighed here."
+  Sampled images, no sampler: the shader interpolates."
         }
         Language::Glsl | Language::Glsl330 | Language::GlslEs => {
             "\
   here      uniform block 0, textures: units 0, 1 and 2
             of the example: uniform block 1, storage block 2
-  The entries are weighed here, texels are fetched: filter and wrap mode do not matter, but set filters without mipmaps."
+  The shader fetches texels and interpolates. Filter and wrap mode do not matter, but set filters without mipmaps."
         }
         Language::Hlsl => {
             "\
   matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
   here      uniform b0, matrix_a t1, matrix_b t2, terms t3, all of space0
             of the example: b0 and u1 of space1
-  No sampler: the entries are weighed here."
+  No sampler: the shader interpolates."
         }
         Language::Msl => {
             "\
   here      buffer: uniform 0; textures: matrix_a 0, matrix_b 1, terms 2
             of the example: buffers 1 and 2
-  No sampler: the entries are weighed here."
+  No sampler: the shader interpolates."
         }
     }
 }
 
-/// Where a text to include binds them.
+/// The bindings of a text to include.
 pub(super) fn included_bindings(language: Language, reading: Reading, namespace: &Namespace) -> String {
     let bound = match reading.bound {
         Bound::Volumes => bound_volumes(language),
@@ -48,11 +48,12 @@ pub(super) fn included_bindings(language: Language, reading: Reading, namespace:
     };
     let weighed = match (language, reading.filter) {
         (Language::Wgsl, _) => {
-            "The sampler is used where ltc_hardware_filter is true: linear, clamped to the edge, textures filterable. Else the
-  entries are weighed here and it may be any."
+            "\
+If ltc_hardware_filter is true, the sampler must be linear and clamp to the edge, and the textures must be filterable.
+  Otherwise the shader interpolates, and any sampler will do."
         }
-        (_, Filter::Exact) => "The entries are weighed here, texels are fetched: filter and wrap mode do not matter.",
-        (_, Filter::Hardware) => "The sampler weighs entries: filter linearly, clamp to the edge, no mipmaps.",
+        (_, Filter::Exact) => "The shader fetches texels and interpolates. Filter and wrap mode do not matter.",
+        (_, Filter::Hardware) => "The sampler interpolates: filter linearly, clamp to the edge, no mipmaps.",
     };
     let (opengl, space) = match namespace.group {
         0 => ("in OpenGL 4.3 textures are units", ""),
@@ -62,7 +63,7 @@ pub(super) fn included_bindings(language: Language, reading: Reading, namespace:
     format!("{}\n  {weighed}", namespace.numbered(&bound))
 }
 
-/// Where three textures are bound.
+/// The bindings of a table in three textures.
 fn bound_volumes(language: Language) -> &'static str {
     match language {
         Language::Wgsl => {
@@ -92,7 +93,7 @@ fn bound_volumes(language: Language) -> &'static str {
     }
 }
 
-/// Where the one array is bound.
+/// The bindings of a table in one array.
 fn bound_array(language: Language) -> &'static str {
     match language {
         Language::Wgsl => {

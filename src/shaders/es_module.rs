@@ -1,12 +1,12 @@
-//! A text as a module of JavaScript, and the types of that module.
+//! A text as a JavaScript module, and the types of the module.
 
 use super::Language;
 
-/// The declarations of any such module.
+/// The TypeScript declarations of the module.
 pub const DECLARATIONS: &str =
     "/** The text of a shader, as `ltcforge shader` prints it. */\ndeclare const text: string;\nexport default text;\n";
 
-/// A module whose default export is the text. The comment before it tells editors the language.
+/// A module whose default export is the text. A comment before the text names the language for editors.
 #[must_use]
 pub fn es_module(text: &str, language: Language) -> String {
     let kind = match language {

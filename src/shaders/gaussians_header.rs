@@ -20,7 +20,7 @@ pub(super) const SHADER: ModelShader = ModelShader {
     include_comment: |_, _, _, _, _| gaussians_include_header(),
 };
 
-/// The fragment shader that reaches every function, with the one that gives the view.
+/// The fragment shader that calls every function. `view` names the function that returns the view.
 pub(super) fn gaussians_caller(view: &str) -> String {
     caller(&format!("let view = {view}(1u, 0.5, 0.5, vec3(0.0, 0.0, 1.0));"), CALLS)
 }
@@ -30,50 +30,50 @@ const CALLS: &str = "    let disk = gaussians_disk(view, vertices[0], vertices[1
     return vec4(gaussians_rectangle(view, corners, true) + polygon, disk);
 ";
 
-/// Raised when the values of the check change.
+/// The revision, raised when the values of the check change.
 const REVISION: u32 = 1;
 
-/// The opening comment: what the shader is.
+/// The first part of the comment: description and functions.
 const ABOUT: &str = "\
 Area lights on anisotropic GGX by one Gaussian on the sphere: no table, cheap and coarse.
 
 FUNCTIONS
-  gaussians_view(kind, alpha_x, alpha_y, wo)  a surface seen from a direction, for all lights at the point. kind is 0
-      for a spherical Gaussian (sg), 1 for an anisotropic one (asg); give it as a constant. GGX roughness along x and y,
-      above 0; wo is the view direction in the tangent frame, normal +z, of unit length.
+  gaussians_view(kind, alpha_x, alpha_y, wo)  the lobe of a surface seen from wo, for all lights at the point. kind is 0
+      for a spherical Gaussian (sg), 1 for an anisotropic Gaussian (asg); pass a constant. GGX roughness along x and y is
+      above 0. wo is the view direction in the tangent frame, normal +z, of unit length.
 {lights}";
 
 /// The functions of a Gaussian's lights, with a table or without one.
 pub(super) const LIGHTS: &str =
     "  gaussians_rectangle(view, corners, two_sided), gaussians_polygon(view, vertices, count, two_sided),
   gaussians_disk(view, centre, half_x, half_y, two_sided)
-      what is reflected of a light of radiance one: for a Fresnel factor of one, and the part of it that Schlick's
-      (1 - cos)^5 weighs. The light's vertices are relative to the shaded point, in the tangent frame, convex, and run
-      clockwise seen from the lit side; a disk's is towards half_x x half_y.
+      reflected light of a light of radiance one. x: for a Fresnel factor of one. y: the part of x that Schlick's
+      (1 - cos)^5 weighs. Vertices are relative to the shaded point, in the tangent frame, convex, and run clockwise as
+      seen from the side that emits. A disk emits towards half_x x half_y.
   gaussians_sg(view, axis, sharpness, amplitude)
-      the same of the light amplitude exp(sharpness (w . axis - 1)), as lightmaps and probes store it.
+      the same for the light amplitude exp(sharpness (w . axis - 1)), as lightmaps and probes store it.
   Light of radiance L arrives as L (f0 (x - y) + f90 y).
 ";
 
-/// The program beside the functions.
+/// The description of the example program.
 const EXAMPLE: &str = "\
-  gaussians_example calls them; it stands for your own code, and all bindings go with it.
+  gaussians_example calls them. Replace it with your own code, and delete all bindings.
 
 EXAMPLE
-  Case: 10 x vec4 of f32. wo and alpha_x; alpha_y, how many vertices the light has (3 to 8, 0 for a disk, 1 for a
-  spherical Gaussian), 1 if it is lit from both sides, else 0, and the kind; then eight vertices with 0 after each, of a
-  disk centre, half_x and half_y, of a Gaussian its axis, and sharpness and amplitude.
+  Case: 10 x vec4 of f32. First wo and alpha_x. Second alpha_y; number of vertices of the light (3 to 8, 0 for a disk,
+  1 for a spherical Gaussian); 1 if both sides emit, else 0; the kind. Then eight vertices, each followed by 0. For a
+  disk: centre, half_x, half_y. For a Gaussian: its axis, then sharpness and amplitude.
   Result: a vec4 of f32, the two parts and 0, 0.
 ";
 
-/// How the functions are used where they are included.
+/// The use of the functions of a text to include.
 const USE: &str = "
 USE
-  gaussians_view once for a point and view, then one call for each light. Isotropic surfaces have alpha_x = alpha_y.
-  Nothing is bound. Diffuse light is not here: it is Lambert's form factor of the light.
+  Call gaussians_view once for a point and view, then one function for each light. Isotropic surfaces have
+  alpha_x = alpha_y. There are no bindings. Diffuse light is not included: it is Lambert's form factor of the light.
 ";
 
-/// The light of the check that is a spherical Gaussian.
+/// The spherical Gaussian of the check.
 pub const SG_LIGHT: SgLight<f64> = SgLight { axis: [-0.48, 0.36, 0.8], sharpness: 12.0, amplitude: 1.5 };
 
 pub(super) fn bindings(language: Language) -> &'static str {
@@ -120,8 +120,9 @@ fn check() -> String {
         })
         .collect();
     format!(
-        "CHECK\n  The parts of the one-sided rectangle\n  {corners}, and of the spherical\n  Gaussian of axis ({}), sharpness \
-         {sharpness}, amplitude {amplitude}; by sg | asg.\n  A port in 32 bits comes within 0.00002 of each number.\n{}",
+        "CHECK\n  The two parts by sg | asg, for the one-sided rectangle\n  {corners}, and for the spherical\n  \
+         Gaussian of axis ({}), sharpness {sharpness}, amplitude {amplitude}.\n  \
+         A port in 32 bits comes within 0.00002 of each number.\n{}",
         listed(&axis),
         values.concat()
     )

@@ -22,36 +22,36 @@ pub(super) const SHADER: ModelShader = ModelShader {
     include_comment: gaussians_table_include_header,
 };
 
-/// Raised when the values of the check change.
+/// The revision, raised when the values of the check change.
 const REVISION: u32 = 1;
 
-/// The opening comment: what the shader is.
+/// The first part of the comment: description and functions.
 const ABOUT: &str = "\
 Area lights on anisotropic GGX by one Gaussian on the sphere, by a table that ltcforge fitted with lobe sg or asg.
 
-Reads tables of layout {layout}, and takes every table for one.
+Reads tables of layout {layout}. It does not check the layout of a table.
 
 FUNCTIONS
-  gaussians_lookup(kind, alpha_x, alpha_y, wo)  the table at a surface and a view, for all lights at the point. kind is 0
-      for a table of lobe sg, 1 for asg; give it as a constant. GGX roughness along x and y; wo is the view direction in
-      the tangent frame, normal +z, of unit length.
+  gaussians_lookup(kind, alpha_x, alpha_y, wo)  the lobe of a surface seen from wo, for all lights at the point. kind is
+      0 for a table of lobe sg, 1 for asg; pass a constant. GGX roughness along x and y. wo is the view direction in the
+      tangent frame, normal +z, of unit length.
 {lights}";
 
-/// The program beside the functions.
+/// The description of the example program.
 const EXAMPLE: &str = "\
 EXAMPLE
-  gaussians_table_example calls them; it stands for your own code. All but group 0 goes with it.
-  Case: 10 x vec4 of f32. wo and alpha_x; alpha_y, how many vertices the light has (3 to 8, 0 for a disk, 1 for a
-  spherical Gaussian), 1 if it is lit from both sides, else 0, and the kind; then eight vertices with 0 after each, of a
-  disk centre, half_x and half_y, of a Gaussian its axis, and sharpness and amplitude.
+  gaussians_table_example calls them. Replace it with your own code, and delete all bindings except group 0.
+  Case: 10 x vec4 of f32. First wo and alpha_x. Second alpha_y; number of vertices of the light (3 to 8, 0 for a disk,
+  1 for a spherical Gaussian); 1 if both sides emit, else 0; the kind. Then eight vertices, each followed by 0. For a
+  disk: centre, half_x, half_y. For a Gaussian: its axis, then sharpness and amplitude.
   Result: a vec4 of f32, the two parts and 0, 0.
 ";
 
-/// How the functions are used where they are included.
+/// The use of the functions of a text to include.
 const USE: &str = "
 USE
-  gaussians_lookup once for a point and view, then one call for each light. Isotropic surfaces have alpha_x = alpha_y.
-  Diffuse light is not here: it is Lambert's form factor of the light.
+  Call gaussians_lookup once for a point and view, then one function for each light. Isotropic surfaces have
+  alpha_x = alpha_y. Diffuse light is not included: it is Lambert's form factor of the light.
 ";
 
 fn about(layout: Layout) -> String {
@@ -84,8 +84,8 @@ fn check(layout: Layout) -> String {
         "\
 CHECK
 {}
-  What is reflected of the one-sided rectangle {corners}, for kind 0 | for
-  kind 1. A port in 32 bits comes within 0.00002 of each number.
+  The two parts for kind 0 | for kind 1, for the one-sided rectangle {corners}.
+  A port in 32 bits comes within 0.00002 of each number.
 {values}",
         checked_table(layout)
     )

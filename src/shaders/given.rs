@@ -1,6 +1,6 @@
-//! The text that reads a table whose recipe gives nodes one by one: they stand in the code, which searches for them.
+//! The text that reads a table whose recipe lists its nodes. The code contains the nodes and searches them.
 //!
-//! Every other text takes nodes to be evenly spaced in a variable of the layout, and searches for none.
+//! Every other text computes the place: its nodes are evenly spaced in a coordinate of the layout.
 
 use std::fmt::Write as _;
 
@@ -8,26 +8,26 @@ use super::{Lights, LitBy, Namespace, Reading, commented, sources};
 use crate::{Language, header};
 use ltcforge_fit::{Layout, PerAxis, Table};
 
-/// The axes whose nodes are searched for, in the layout of a table of LTCs.
+/// The axes whose nodes are searched, for a table of LTCs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GivenAxes {
     layout: Layout,
-    /// Nodes of the axes that are not evenly spaced; none of the others.
+    /// The nodes of each axis that is not evenly spaced; empty for the others.
     nodes: PerAxis<Vec<f64>>,
 }
 
-/// Where a text finds the value of an axis: its number among them, and the expression.
+/// The expression for the value of each axis in the text.
 const VALUES: [&str; 4] = ["alpha", "ratio", "angles.x", "angles.y"];
 
 impl GivenAxes {
-    /// Those of a table; `None` where a text of the layout finds all of its nodes without a search.
+    /// The searched axes of a table; `None` if all nodes are evenly spaced as in its layout.
     #[must_use]
     pub fn of(table: &Table) -> Option<Self> {
         let (layout, axes) = (table.layout(), table.axes());
         if layout.is_even(axes) {
             return None;
         }
-        // An axis at a time, with the others of a single node.
+        // Check each axis with a single node on the others.
         let alone = |axis: usize| {
             let of = |other: usize, nodes: &Vec<f64>| if other == axis { nodes.clone() } else { nodes[..1].to_vec() };
             let PerAxis { alpha, ratio, theta, phi } = axes;
@@ -45,7 +45,7 @@ impl GivenAxes {
         self.layout
     }
 
-    /// A text of functions that reads tables of the layout, with the search for these nodes.
+    /// A text of functions for the layout, with the search of these nodes added.
     #[must_use]
     pub fn searched(&self, functions: &str) -> String {
         let place = self.layout.shader().place;
@@ -53,7 +53,7 @@ impl GivenAxes {
         format!("{}\n{}", functions.replacen(&call, "return ltc_place_given(alpha, ratio, wo);", 1), self.part(place))
     }
 
-    /// The nodes, the search, and the place that it finds.
+    /// The nodes, the search, and the function that returns the place.
     fn part(&self, place: &str) -> String {
         let mut out = String::new();
         // Writing to a String cannot fail.
@@ -69,7 +69,7 @@ impl GivenAxes {
             let listed = nodes.iter().map(|node| format!("{:?}", *node as f32)).collect::<Vec<_>>().join(", ");
             writeln!(out, "/// The nodes of {axis}.")?;
             writeln!(out, "const LTC_NODES_OF_{upper} = array<f32, {count}>({listed});\n")?;
-            writeln!(out, "/// The number of the node below a value of {axis}, and the weight of the node above.")?;
+            writeln!(out, "/// The last node at or below a value of {axis}, and the weight of the next node.")?;
             writeln!(out, "fn ltc_among_{axis}(x: f32) -> vec2<f32> {{")?;
             writeln!(out, "    var nodes = LTC_NODES_OF_{upper};")?;
             writeln!(out, "    var lower = 0u;")?;
@@ -78,7 +78,7 @@ impl GivenAxes {
             writeln!(out, "    let weight = (x - nodes[lower]) / (nodes[lower + 1u] - nodes[lower]);")?;
             writeln!(out, "    return vec2(f32(lower), clamp(weight, 0.0, 1.0));\n}}\n")?;
         }
-        writeln!(out, "/// Where a configuration lies among the nodes, some of which are searched for.")?;
+        writeln!(out, "/// The place of a configuration among the nodes, with a search of the listed nodes.")?;
         writeln!(out, "fn ltc_place_given(alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcPlace {{")?;
         writeln!(out, "    var place = {place}(alpha, ratio, wo);")?;
         if !self.nodes.theta.is_empty() || !self.nodes.phi.is_empty() {
@@ -93,13 +93,13 @@ impl GivenAxes {
         writeln!(out, "    return place;\n}}")
     }
 
-    /// The functions that other renderers include.
+    /// The functions to include in other renderers.
     #[must_use]
     pub fn functions(&self, lit_by: LitBy, reading: Reading, lights: Lights) -> String {
         self.searched(&sources::functions(lit_by, reading, lights))
     }
 
-    /// The comment of a text to include, with the lines `about` the table.
+    /// The comment of a text to include; `about` are lines that describe the table.
     #[must_use]
     pub fn comment(
         &self,
@@ -112,8 +112,8 @@ impl GivenAxes {
         let axes = self.nodes.named().into_iter().filter(|(_, nodes)| !nodes.is_empty()).map(|(axis, _)| axis);
         let axes = axes.collect::<Vec<_>>().join(", ");
         let table = format!(
-            "TABLE\n  The text reads this table alone: its nodes of {axes} were given one by one, and stand here. `ltcforge lookup`\n  \
-             prints what a port has to find in it.\n  {}\n",
+            "TABLE\n  The text reads only this table. Its recipe lists nodes of {axes}, and the text contains them.\n  \
+             `ltcforge lookup` prints values to check a port against.\n  {}\n",
             about.join("\n  ")
         );
         header::include_comment_of(language, self.layout, reading, lights, namespace, &commented(&table))

@@ -1,4 +1,4 @@
-//! Values to check a port against, of a small table that a comment can describe.
+//! Values to check a port against, from a small table that a comment can describe.
 
 use glam::DVec3;
 
@@ -13,14 +13,14 @@ use ltcforge_light::{
     gaussians::{self, SphericalGaussian},
 };
 
-/// A surface and a view direction to look up. The cases try every fold, and a place outside the table.
+/// A surface and a view direction to look up. The cases cover every fold, and a place outside the table.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
     /// Roughness along x.
     pub alpha_x: f64,
     /// Roughness along y.
     pub alpha_y: f64,
-    /// The view direction, of unit length in decimals too.
+    /// The view direction. Its decimals have unit length exactly.
     pub wo: [f64; 3],
 }
 
@@ -31,46 +31,46 @@ pub const CASES: [Case; 3] = [
     Case { alpha_x: 0.05, alpha_y: 0.02, wo: [0.576, -0.768, 0.28] },
 ];
 
-/// A rectangle through the horizon, by its corners around the shaded point; lit towards that point.
+/// The corners of a rectangle through the horizon, relative to the shaded point. It emits towards this point.
 pub const CORNERS: [[f64; 3]; 4] = [[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.5, -0.5], [-1.0, 1.5, -0.5]];
 
-/// The values that a port has to reproduce.
+/// The values that a port must reproduce.
 #[derive(Debug, Clone, Copy)]
 pub struct Golden {
     /// `M`, row-major.
     pub matrix: [f64; 9],
     /// Directional albedo for a Fresnel factor of one.
     pub amplitude: f64,
-    /// The same weighted by Schlick's fifth power.
+    /// Directional albedo weighted by Schlick's fifth power.
     pub fresnel: f64,
     /// The part of the lobe that the rectangle covers.
     pub covered: f64,
 }
 
-/// The values for the second lobe of a table with two.
+/// The values for the second lobe of a table with two lobes.
 #[derive(Debug, Clone, Copy)]
 pub struct SecondGolden {
     /// `M_2`, row-major.
     pub matrix: [f64; 9],
-    /// The part that the rectangle covers of the blend of a dielectric, of [`BLENDED`].
+    /// The part of the blended lobe that the rectangle covers, for the dielectric [`BLENDED`].
     pub blended: f64,
 }
 
 /// F0 and F90 of the dielectric.
 pub const BLENDED: [f64; 2] = [0.04, 1.0];
 
-/// How near a port in 32 bits comes to each value, as the header promises.
+/// The error of a port in 32 bits, which the header states for each value.
 pub const TOLERANCE: f64 = 2e-5;
 
 /// The step between the numbers of neighbouring entries: 2^-10, so that all numbers are exact in half floats.
 const STEP: f64 = 1.0 / 1024.0;
 
-/// The numbers of a matrix, by rows, that are zero for a lobe that is symmetric in the plane of incidence.
+/// The elements of a row-major matrix that are zero for a lobe symmetric in the plane of incidence.
 const ACROSS: [usize; 4] = [1, 3, 5, 7];
 
-/// The table: number `k` of entry `e`, both from 0 in storage order, is `I[k] + e (k + 1) / 1024`, where `I` is the
-/// identity, an amplitude of 1 and a Fresnel term of 0. Layouts of isotropic tables have one ratio and one phi, and zeros
-/// across the plane of incidence. Of layout `materials` there are three materials.
+/// The table: number `k` of entry `e`, both from 0 in storage order, is `I[k] + e (k + 1) / 1024`. `I` is the identity,
+/// an amplitude of 1 and a Fresnel term of 0. Layouts of isotropic tables have one ratio and one phi, and zeros across
+/// the plane of incidence. Layout `materials` has three materials.
 #[must_use]
 pub fn table(layout: Layout) -> Table {
     const START: [f64; 11] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
@@ -84,7 +84,7 @@ pub fn table(layout: Layout) -> Table {
     let [ratio, phi] = if is_isotropic { [1, 1] } else { [2, 3] };
     let mut axes = layout.nodes(&range, &PerAxis { alpha: 3, ratio, theta: 3, phi });
     if layout.is_of_materials() {
-        // Exact in 16 bits, too.
+        // These numbers are exact in 16 bits, too.
         (axes.alpha, axes.ratio) = (vec![0.5, 0.125, 0.75], vec![0.5, 0.375, 0.25]);
     }
     let PerAxis { alpha, ratio, theta, phi } = layout.lengths(&axes);
@@ -107,7 +107,7 @@ pub fn table(layout: Layout) -> Table {
     }
 }
 
-/// The same table with second lobes: number `k` of entry `e` is `I[k] + e (9 - k) / 1024`, with the same zeros.
+/// The table of [`table`] with second lobes: number `k` of entry `e` is `I[k] + e (9 - k) / 1024`, with the same zeros.
 #[must_use]
 pub fn table_of_two_lobes(layout: Layout) -> Table {
     let first = table(layout);
@@ -123,7 +123,7 @@ pub fn table_of_two_lobes(layout: Layout) -> Table {
 }
 
 impl Case {
-    /// The surface and the view as comments name them.
+    /// The surface and the view, as printed in comments.
     pub(super) fn named(&self) -> String {
         format!("alpha_x {} alpha_y {} wo ({})", self.alpha_x, self.alpha_y, listed(&self.wo))
     }
@@ -134,7 +134,7 @@ impl Case {
         Configuration { alpha_x: self.alpha_x, alpha_y: self.alpha_y, theta, phi: atan2(y, x) }
     }
 
-    /// The lookup of the table here, in f64.
+    /// The values of [`table`] for this case, in f64.
     pub fn golden(&self, layout: Layout) -> Golden {
         let found = table(layout).lookup(&self.configuration());
         let light = CORNERS.map(DVec3::from_array);
@@ -146,7 +146,7 @@ impl Case {
         }
     }
 
-    /// The lookup of the second lobe of [`table_of_two_lobes`], in f64.
+    /// The values of the second lobe of [`table_of_two_lobes`] for this case, in f64.
     pub fn golden_second(&self, layout: Layout) -> SecondGolden {
         let found = table_of_two_lobes(layout).lookup(&self.configuration());
         let matrix = found.second.unwrap_or(found.matrix);
@@ -158,15 +158,15 @@ impl Case {
         SecondGolden { matrix, blended }
     }
 
-    /// The light of the rectangle reflected by the table, taken for one of Gaussians: for a Fresnel factor of one, and
-    /// its part weighed by Schlick's, in f64.
+    /// Reflected light of the rectangle by [`table`], read as a table of Gaussians, in f64: for a Fresnel factor of
+    /// one, and weighed by Schlick's fifth power.
     #[must_use]
     pub fn lit_by_gaussian(&self, layout: Layout, gaussian: Gaussian) -> [f64; 2] {
         let (shape, parts) = self.gaussian(layout, gaussian);
         gaussians::reflected_by(&shape, parts, &CORNERS, Sides::One)
     }
 
-    /// The lookup of the table, taken for one of Gaussians: the Gaussian, and its two parts.
+    /// The Gaussian of [`table`], read as a table of Gaussians, and its two parts.
     #[must_use]
     pub fn gaussian(&self, layout: Layout, gaussian: Gaussian) -> (SphericalGaussian<f64>, [f64; 2]) {
         let found = table(layout).lookup(&self.configuration());
@@ -177,7 +177,7 @@ impl Case {
     }
 }
 
-/// Numbers with a space between them.
+/// The numbers, separated by spaces.
 pub(super) fn listed<T: ToString>(numbers: &[T]) -> String {
     numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }

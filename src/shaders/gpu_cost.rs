@@ -1,23 +1,23 @@
-//! Costs of the texts on a GPU: registers and instructions, as a compiler counts them.
+//! Costs of the texts on a GPU: registers and instructions that a compiler counts.
 
-/// A compiler's counts for one rectangle by a text to include, with the tangent frame; the sampler filters entries of
-/// tables. They are no timing, and code behind an early return counts less.
+/// A compiler's counts for one rectangle by a text to include, with the tangent frame. The sampler interpolates tables.
+/// Counts are not timings, and code after an early return counts less.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct GpuCost {
-    /// Vector registers: the more of them, the fewer pixels at a time.
+    /// Vector registers. More registers mean fewer pixels at a time.
     pub registers: u32,
     /// Instructions.
     pub instructions: u32,
-    /// Cycles a SIMD needs for one group of threads, if nothing waits.
+    /// Cycles that a SIMD needs for one group of threads, without stalls.
     pub inverse_throughput: u32,
 }
 
-/// The compiler, as the driver names itself: Mesa's for RDNA 2, a GPU that need not be there.
+/// The driver's name for the compiler: Mesa's for RDNA 2. It needs no such GPU.
 pub const COMPILER: &str = "Null hardware (RADV NAVI21), Mesa 22.3.6";
 
-/// The costs of all texts, by the names that [`LitBy::name`](super::LitBy::name) has for them, `cheap horizon` where
-/// `LTC_CHEAP_HORIZON` is chosen, of two lobes with how they are used, of `layers` over a metal, and of engines' ways by theirs: registers, instructions
-/// and inverse throughput. `cargo run --release -p ltcforge-studies -- gpu-costs` finds them.
+/// The costs of all texts: registers, instructions and inverse throughput. Names are those of
+/// [`LitBy::name`](super::LitBy::name), plus `cheap horizon` for `LTC_CHEAP_HORIZON`, the use of two lobes, `layers`
+/// over a metal, and the methods of engines. `cargo run --release -p ltcforge-studies -- gpu-costs` measures them.
 const COSTS: &[(&str, [u32; 3])] = &[
     ("ltc reflected", [48, 692, 1261]),
     ("ltc kt2022", [40, 577, 1033]),
@@ -84,14 +84,14 @@ const COSTS: &[(&str, [u32; 3])] = &[
 ];
 
 impl GpuCost {
-    /// The cost of the text of a name; `None` for a name that no text has.
+    /// The cost of the text with this name; `None` for an unknown name.
     #[must_use]
     pub fn of(name: &str) -> Option<Self> {
         let (_, [registers, instructions, inverse_throughput]) = *COSTS.iter().find(|(known, _)| *known == name)?;
         Some(Self { registers, instructions, inverse_throughput })
     }
 
-    /// The names of all texts and ways.
+    /// The names of all texts and of the engines' methods.
     pub fn names() -> impl Iterator<Item = &'static str> {
         COSTS.iter().map(|(name, _)| *name)
     }
@@ -101,7 +101,7 @@ impl GpuCost {
 mod tests {
     use super::*;
 
-    /// docs/textured.md: a picture of four readings, beyond the same rectangle without one; the most registers of each text.
+    /// The cost of four readings of a picture, compared with a rectangle without a picture, as in docs/textured.md.
     #[test]
     fn pictures_cost_little_beside_their_light() {
         for (text, registers) in

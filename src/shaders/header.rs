@@ -30,7 +30,7 @@ pub(super) fn light_files(lights: Lights) -> &'static [&'static str] {
     }
 }
 
-/// The fragment shader that reaches every function of a table's light.
+/// The fragment shader that calls every function of a table's light.
 #[must_use]
 pub fn table_caller(two_lobes: bool, lights: Lights) -> String {
     let (shapes, parts) = match lights {
@@ -53,34 +53,35 @@ const POLYGONS_CALLED: &str =
     "    let polygon = ltc_rectangle(inverse, corners, true) + ltc_polygon(inverse, vertices, 4u, true);
 ";
 
-/// Raised when the values of the check change.
+/// The revision, raised when the values of the check change.
 const REVISION: u32 = 1;
 
-/// The opening comment: what the shader is.
+/// The first part of the comment: description and functions.
 const ABOUT: &str = "\
 Linearly Transformed Cosines: area lights on anisotropic GGX, by a table that ltcforge fitted.
 
-Reads tables of layout {layout}, and takes every table for one.
+Reads tables of layout {layout}. It does not check the layout of a table.
 
 FUNCTIONS
-  ltc_lookup(alpha_x, alpha_y, wo)  M, amplitude and fresnel. GGX roughness along x and y; wo is the view direction in
-      the tangent frame, normal +z, of unit length. M maps the clamped cosine to the lobe, in that frame.
+  ltc_lookup(alpha_x, alpha_y, wo)  M, amplitude and fresnel. GGX roughness along x and y. wo is the view direction in
+      the tangent frame, normal +z, of unit length. M maps the clamped cosine to the lobe, in the tangent frame.
 {lights}";
 
 /// The functions for tables of materials.
-const MATERIALS: &str = "\x20     That of the material nearest in sqrt(alpha) and ratio, which it searches for.
-  ltc_lookup_material(material, wo)  the same of a material by its number in the recipe's list, without a search. Its
+const MATERIALS: &str = "\x20     It searches for the material nearest in sqrt(alpha) and ratio.
+  ltc_lookup_material(material, wo)  the same for a material by its number in the recipe's list, without a search. The
       larger roughness is along x.
 ";
 
 /// The functions for tables with two lobes.
-const TWO_LOBES: &str = "  ltc_lookup_both(alpha_x, alpha_y, wo)  first, as ltc_lookup has it, and second, the matrix of the part that Schlick's
-      fifth power weighs, of a table with field fresnel of two_lobes or blended_lobes. Light of radiance L arrives as
-      L (f0 amplitude covered(first.m) + (f90 - f0) fresnel covered(second)).
-  ltc_blend(lobes, f0, f90)         one matrix for a material, M below: one integral, for which blended_lobes are fitted.
+const TWO_LOBES: &str = "  ltc_lookup_both(alpha_x, alpha_y, wo)  first, as from ltc_lookup; second, the matrix
+      of the part weighed by Schlick's fifth power. Needs a table with fresnel two_lobes or blended_lobes. Light of
+      radiance L arrives as L (f0 amplitude covered(first.m) + (f90 - f0) fresnel covered(second)).
+  ltc_blend(lobes, f0, f90)         a single matrix for a material, to use as M below. It needs one integral instead of
+      two. Tables with blended_lobes are fitted for it.
 ";
 
-/// The functions of lights that both kinds of tables have.
+/// The functions of lights for tables with and without textures.
 #[must_use]
 pub fn functions_of(lights: Lights) -> &'static str {
     match lights {
@@ -91,10 +92,10 @@ pub fn functions_of(lights: Lights) -> &'static str {
 
 const POLYGONS: &str = "  ltc_inverse(M)                    the inverse up to a factor, for all lights at the point.
   ltc_rectangle(inverse, corners, two_sided), ltc_polygon(inverse, vertices, count, two_sided)
-      the part of the lobe that a light covers, 0 to 1. All is relative to the shaded point, in the tangent frame.
-      Vertices are convex and run clockwise seen from the lit side. A rectangle may be a parallelogram; its last corner is not
-      read. A polygon of four vertices costs more. Disks, spheres, tubes and lines were left out by
-      --lights polygons.
+      the part of the lobe that a light covers, 0 to 1. Positions are relative to the shaded point, in the tangent frame.
+      Outlines are convex and run clockwise as seen from the side that emits. A rectangle may be a parallelogram; its
+      last corner is not read. A polygon of four vertices costs more. --lights polygons has left out disks, spheres,
+      tubes and lines.
   Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
 ";
 
@@ -102,74 +103,75 @@ const LIGHTS: &str = "  ltc_inverse(M)                    the inverse up to a fa
   ltc_rectangle(inverse, corners, two_sided), ltc_polygon(inverse, vertices, count, two_sided),
   ltc_disk(inverse, centre, half_x, half_y, two_sided), ltc_sphere(inverse, centre, radius),
   ltc_tube(inverse, start, end, radius), ltc_line(inverse, start, end, width)
-      the part of the lobe that a light covers, 0 to 1. All is relative to the shaded point, in the tangent frame.
-      Vertices are convex and run clockwise seen from the lit side. A rectangle may be a parallelogram; its last corner
-      is not read. A polygon of four vertices costs more. A disk's lit side is towards half_x x half_y. A tube has
-      round ends; a line is the limit of a thin one, its width the diameter. Disks, spheres and tubes are exact.
-      LTC_CHEAP_HORIZON, a constant, makes all but tubes and lines cheaper, and too bright by up to 0.16 at the horizon.
+      the part of the lobe that a light covers, 0 to 1. Positions are relative to the shaded point, in the tangent frame.
+      Outlines are convex and run clockwise as seen from the side that emits. A rectangle may be a parallelogram; its
+      last corner is not read. A polygon of four vertices costs more. A disk emits towards half_x x half_y. A tube has
+      round ends. A line is the limit of a thin tube; its width is the diameter. Disks, spheres and tubes are exact.
+      The constant LTC_CHEAP_HORIZON makes polygons, disks and spheres cheaper, but too bright by up to 0.16 at the
+      horizon.
   Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
 ";
 
 /// The sentence about a program's entry point.
-const CALLED: &str = "  ltc_example calls them; it stands for your own code. All but group 0 goes with it.\n";
+const CALLED: &str = "  ltc_example calls them. Replace it with your own code; delete all bindings except group 0.\n";
 
-/// How the functions are used where they are included.
+/// The use of the functions of a text to include.
 const USE: &str = "
 USE
-  ltc_lookup and ltc_inverse once for a point and view, then one call for each light. Isotropic surfaces have alpha_x =
-  alpha_y. Diffuse light is the albedo times one with the unit matrix for inverse.
-  A second table in the same shader needs names and bindings of its own: ltcforge shader --prefix --first-binding.
+  Call ltc_lookup and ltc_inverse once for a point and view, then one function for each light. Isotropic surfaces have
+  alpha_x = alpha_y. Diffuse light is the albedo times the part covered with ltc_inverse of the unit matrix.
+  A second table in the same shader needs its own names and bindings: ltcforge shader --prefix --first-binding.
 ";
 
 /// The bindings of a table, in every language.
 const TABLE: &str = "\
 BINDINGS OF A TABLE
-  uniform   36 words, nine vectors of four, which ltcforge export --for wgpu writes as ltc.json. Two of u32: how
-            many nodes alpha, ratio, theta and phi have; the layout's number, not read here
+  uniform   36 words, nine vectors of four, which ltcforge export --for wgpu writes as ltc.json. Two vectors of u32:
+            number of nodes of alpha, ratio, theta and phi; number of the layout, not read here
             ({numbers}),
-            1 if ratio has the one node 1 and phi has one node, else 0; alpha_nodes if entries have two lobes, else 0;
-            and 0. Seven of f32: the first node of each axis in the variable in which the layout's nodes are evenly
-            spaced, the step between nodes in it (1 for one node), and one over that; 1 / alpha_nodes, half of it for
-            two lobes, 1 / (ratio_nodes theta_nodes), theta_nodes, 1 / phi_nodes; the first and last alpha, the first and
-            last ratio; the cosines of the last and first theta, 0, 0; cosine and sine of the first phi, and of the last
-  {textures}  Texels stand in the order of the file's entries, but their numbers have to be put together from its tensors
-  matrix, amplitude and fresnel. Alpha is the larger roughness, ratio the smaller over it, theta and phi the view
-  direction's angles in radians.
+            then 1 if ratio has the single node 1 and phi has one node, else 0; alpha_nodes if entries have two lobes,
+            else 0; and 0. Seven vectors of f32, the first three for alpha, ratio, theta and phi, in the coordinates in
+            which the layout's nodes are evenly spaced: the first node; the step between nodes (1 for a single node);
+            one over the step. Then 1 / alpha_nodes (half of it for two lobes), 1 / (ratio_nodes theta_nodes),
+            theta_nodes, 1 / phi_nodes; first and last alpha, first and last ratio; cosines of the last and first theta,
+            0, 0; cosine and sine of the first phi, and of the last phi
+  {textures}  Texels are in the order of the file's entries. Put their numbers together from the file's tensors matrix,
+  amplitude and fresnel. Alpha is the larger roughness, ratio the smaller divided by the larger, theta and phi the
+  angles of the view direction in radians.
 ";
 
 /// The axis of materials.
-const PAIRS: &str = "\
-  Of layout materials the nodes of alpha are the materials, each with one ratio: in place of the 0 after fresnel stand
-  a material's alpha where theta is the first node, its ratio where theta is the second.
+const PAIRS: &str = "\x20 In layout materials, the nodes of alpha are the materials; each has one ratio. The number
+  after fresnel is the material's alpha at the first node of theta, its ratio at the second node, and 0 at the others.
 ";
 
 /// A table in three textures.
 const VOLUMES: &str = "\
   matrix_a  3D texture, RGBA, 32 or 16 bit float: m00 m01 m02 m10 of each entry; m01 is row 0, column 1
-  matrix_b  likewise: m11 m12 m20 m21
-  terms     likewise: m22 amplitude fresnel 0; a table without terms has amplitude 1, fresnel 0
+  matrix_b  the same format: m11 m12 m20 m21
+  terms     the same format: m22 amplitude fresnel 0; a table without terms has amplitude 1, fresnel 0
   The textures are phi wide, ratio * theta high and alpha deep: texel (p, r * theta_nodes + t, a) is entry [a, r, t, p]
-  of the file's tensors. Second lobes, of tensor matrix_2, follow all first ones.
+  of the file's tensors. Second lobes (tensor matrix_2) follow all first lobes.
 ";
 
 /// A table in one texture.
 const ARRAY: &str = "\
   layers    2D array, RGBA, 32 or 16 bit float, phi wide, ratio * theta high, with three layers for each node of alpha.
-            Entry [a, r, t, p] of the file's tensors is at (p, r * theta_nodes + t): in layer a m00 m01 m02 m10, in layer
-            alpha_nodes + a m11 m12 m20 m21, in layer 2 alpha_nodes + a m22 amplitude fresnel 0; m01 is row 0, column 1; a
-            table without terms has amplitude 1, fresnel 0
+            Entry [a, r, t, p] of the file's tensors is at (p, r * theta_nodes + t). Layer a has m00 m01 m02 m10, layer
+            alpha_nodes + a has m11 m12 m20 m21, layer 2 alpha_nodes + a has m22 amplitude fresnel 0. m01 is row 0,
+            column 1. A table without terms has amplitude 1, fresnel 0
 ";
 
 /// The input and output of `ltc_example`.
 const EXAMPLE: &str = "\
 EXAMPLE
-  Case: 10 x vec4 of f32. wo and alpha_x; alpha_y, what the light is (3 to 8 for as many vertices, 0 a disk, 1 a sphere,
-  2 a tube, 9 a line), 1 if it is lit from both sides, else 0, and radius or width; then eight vertices with 0 after
-  each, of a disk centre, half_x and half_y, of a sphere its centre, of tube and line both ends.
+  Case: 10 x vec4 of f32. First wo and alpha_x. Second alpha_y; shape of the light (3 to 8 for a polygon of so many
+  vertices, 0 disk, 1 sphere, 2 tube, 9 line); 1 if both sides emit, else 0; radius or width. Then eight vertices, each
+  followed by 0. For a disk: centre, half_x, half_y. For a sphere: its centre. For a tube or line: both ends.
   Result: 4 x vec4 of f32. The columns of M with 0 after each; amplitude, fresnel, covered, 0.
 ";
 
-/// The table and what it is called.
+/// Licence, description and functions.
 fn about(layout: Layout, two_lobes: bool, lights: Lights) -> String {
     let materials = if layout.is_of_materials() { MATERIALS } else { "" };
     let two_lobes = if two_lobes { TWO_LOBES } else { "" };
@@ -213,7 +215,7 @@ fn table_include_header(
     include_comment_of(language, layout, reading, lights, namespace, &check)
 }
 
-/// The same with other lines at its end, in lines that begin with `//`.
+/// The comment of a text to include, in lines that begin with `//`, followed by the lines `last`.
 pub(super) fn include_comment_of(
     language: Language,
     layout: Layout,
@@ -243,17 +245,17 @@ fn check(layout: Layout, two_lobes: bool) -> String {
     format!(
         "\
 CHECK
-{} Covered is by the
-  one-sided rectangle {corners}.
+{} Covered is the
+  part that the one-sided rectangle {corners} covers.
   M is given by rows. A port in 32 bits comes within 0.00002 of each number.
 {numbers}{goldens}",
         checked_table(layout)
     )
 }
 
-/// The table's second lobes, in words.
-const SECOND_NUMBERS: &str = "  The second lobe has the numbers I[k] + e * (9 - k) / 1024, with the zeros of the first; blended is what the blend for
-  f0 = 0.04, f90 = 1 covers.
+/// The description of the table's second lobes.
+const SECOND_NUMBERS: &str = "  The second lobe has the numbers I[k] + e * (9 - k) / 1024, with the zeros of the first.
+  Blended is the part that the rectangle covers of the blend for f0 = 0.04, f90 = 1.
 ";
 
 fn shown_second(golden: &SecondGolden) -> String {
@@ -265,19 +267,19 @@ fn by_rows(matrix: &[f64; 9]) -> String {
     rows.collect::<Vec<_>>().join(" | ")
 }
 
-/// The table that ports are checked with, in words.
+/// The description of the table that ports are checked with.
 pub(super) fn checked_table(layout: Layout) -> String {
     let axes = table(layout).axes;
     let PerAxis { ratio: ratios, theta: thetas, phi: phis, .. } = layout.lengths(&axes);
     let ShaderAxes { nodes, start, step, roughness, cosines, azimuths, .. } = layout.shader_axes(&axes);
     let pairs = table(layout).materials().map(|pair| listed(&pair)).collect::<Vec<_>>().join(", ");
     let pairs = if pairs.is_empty() { pairs } else { format!("\n  Its materials are, by alpha and ratio, {pairs}.") };
-    let across = if ratios == 1 { "\n  Those across the plane of incidence, k = 1 3 5 7, are 0." } else { "" };
+    let across = if ratios == 1 { "\n  Numbers across the plane of incidence, k = 1 3 5 7, are 0." } else { "" };
     format!(
-        "\x20 Of the table with the uniform nodes {}, start {}, step {},
-  alpha and ratio {}, cosines {}, azimuths {},
-  whose entry number e = ((a * {ratios} + r) * {thetas} + t) * {phis} + p has the numbers I[k] + e * (k + 1) / 1024,
-  k = 0 to 10: the nine of the matrix by rows, amplitude, fresnel; I = 1 0 0 0 1 0 0 0 1 1 0. All are exact in
+        "\x20 The table has the uniform nodes {}, start {}, step {},
+  alpha and ratio {}, cosines {}, azimuths {}.
+  Its entry e = ((a * {ratios} + r) * {thetas} + t) * {phis} + p has the numbers I[k] + e * (k + 1) / 1024 for
+  k = 0 to 10: the matrix by rows, amplitude, fresnel. I = 1 0 0 0 1 0 0 0 1 1 0. All numbers are exact in
   16 bits.{across}{pairs}",
         listed(&nodes),
         listed(&start),
@@ -299,7 +301,7 @@ fn shown(case: &Case, golden: &Golden) -> String {
     )
 }
 
-/// Six decimals, without a sign on zero.
+/// The number with six decimals, without a sign on zero.
 pub(super) fn fixed(x: f64) -> String {
     let text = format!("{x:.6}");
     if text == "-0.000000" { "0.000000".to_owned() } else { text }

@@ -5,11 +5,11 @@ use ltcforge_fit::named_list;
 named_list! {
     /// A shading language.
     pub enum Language {
-        /// WGSL as it is written here, with its comments and both ways to interpolate entries.
+        /// WGSL, with both ways to interpolate entries.
         Wgsl = "wgsl",
         /// GLSL 4.50 for OpenGL.
         Glsl = "glsl",
-        /// GLSL 3.30 for OpenGL 3.3, which has no compute shaders: to include.
+        /// GLSL 3.30 for OpenGL 3.3, to include. It has no compute shaders.
         Glsl330 = "glsl-330",
         /// GLSL ES: 3.10 for OpenGL ES as a program, 3.00 for WebGL 2 to include.
         GlslEs = "glsl-es",
@@ -23,13 +23,13 @@ named_list! {
 }
 
 impl Language {
-    /// Whether programs are written in it: the example is a compute shader.
+    /// Whether the language has programs: the example is a compute shader.
     #[must_use]
     pub fn has_programs(self) -> bool {
         self != Self::Glsl330
     }
 
-    /// Whether it has text to include: SPIR-V has none.
+    /// Whether the language has text to include; SPIR-V does not.
     #[must_use]
     pub fn has_includes(self) -> bool {
         self != Self::Spirv

@@ -1,4 +1,4 @@
-//! The text that combines layers, which is of no model of light.
+//! The text that combines layers, for any light model.
 
 use super::{header::commented, sources::joined, stamp::head};
 use ltcforge_fit::{
@@ -6,27 +6,27 @@ use ltcforge_fit::{
     math::direction,
 };
 
-/// The functions of fuzz are those of MaterialX, under Apache-2.0 alone.
+/// The licence. The functions of fuzz come from MaterialX, under Apache-2.0 only.
 const LICENCE: &str = "(MIT OR Apache-2.0) AND Apache-2.0";
 
-/// Raised when the values of the check change.
+/// The revision, raised when the values of the check change.
 const REVISION: u32 = 1;
 
-/// The opening comment: what the text is, and how to call it.
+/// The first part of the comment: description, functions and use.
 const ABOUT: &str = "\
-Metals and layers under area lights, as OpenPBR has them: a coat and fuzz over a base. By any model; nothing is bound.
+Metals and layers under area lights, as in OpenPBR: a coat and fuzz over a base. Works with any model; no bindings.
 
 FUNCTIONS
-  layers_metal(parts, f0, tint)  what a metal reflects by F82: parts as normals_rectangle returns them, or
-      vec2(lobe.amplitude, lobe.fresnel) times the part that ltc_rectangle tells.
-  layers_fuzz(roughness, wo)  fuzz as one view sees it, in the tangent frame, normal +z: LtcInverse(inverse, 1.0) is what
-      ltc_rectangle and its like take, and albedo the part of all light that it reflects.
-  layers_albedo(amplitude, fresnel, f0)  what a dielectric reflects of all light, by the terms of a table's lobe.
+  layers_metal(parts, f0, tint)  reflected light of a metal by F82. parts is the result of normals_rectangle, or
+      vec2(lobe.amplitude, lobe.fresnel) times the result of ltc_rectangle.
+  layers_fuzz(roughness, wo)  the lobe of fuzz for one view, in the tangent frame, normal +z. Pass
+      LtcInverse(inverse, 1.0) to ltc_rectangle and the other shapes. albedo is the part of all light that it reflects.
+  layers_albedo(amplitude, fresnel, f0)  the albedo of a dielectric, from the terms of a table's lobe.
   layers_coated(base, coat, albedo, weight, transmittance)  the light of a base under a coat.
-  layers_fuzzed(below, fuzz, albedo, weight)  the light of all below under fuzz.
+  layers_fuzzed(below, fuzz, albedo, weight)  the light of all layers below under fuzz.
 
 USE
-  Sum up what base, coat and fuzz each reflect of the lights, then combine the sums once:
+  Add up the reflected light of all lights for base, coat and fuzz separately. Then combine the three sums:
     let fuzz = layers_fuzz(fuzz_roughness, wo);
     let fuzz_light = radiance * fuzz_color * fuzz.albedo * ltc_rectangle(LtcInverse(fuzz.inverse, 1.0), corners, false);
     let albedo = layers_albedo(coat_lobe.amplitude, coat_lobe.fresnel, 0.04);
@@ -35,14 +35,14 @@ USE
 
 ";
 
-/// Roughnesses and views, polar angle and azimuth, of the values to check a port with.
+/// The cases to check a port with: roughness, polar angle and azimuth of the view.
 pub const FUZZ_CASES: [[f64; 3]; 4] = [[0.2, 1.3, 0.4], [0.5, 0.6, -2.0], [0.8, 0.0, 0.0], [1.0, 1.5, 3.0]];
 
-/// What `layers_fuzz` gives for a case: the columns of the inverse, and the albedo.
+/// The result of `layers_fuzz` for a case: the columns of the inverse, and the albedo.
 #[must_use]
 pub fn fuzz_values([roughness, theta, phi]: [f64; 3]) -> [f64; 10] {
     let (fuzz, wo) = (Fuzz::new(roughness), direction(theta, phi));
-    // The inverse of the matrix, whose last row is that of the unit matrix.
+    // The last row of the matrix is that of the unit matrix, and so is the last row of the inverse.
     let inverse = fuzz.ltc(wo).unwrap_or_default().inverse().to_cols_array();
     std::array::from_fn(|i| inverse.get(i).copied().unwrap_or_else(|| fuzz.albedo(wo.z)))
 }
@@ -60,7 +60,7 @@ pub fn layers_comment() -> String {
     commented(&format!("{}{ABOUT}CHECK\n  Columns of the inverse, and the albedo:\n{check}", head(LICENCE, REVISION)))
 }
 
-/// The functions, and a fragment shader named `ltc_included` that calls them all.
+/// The functions, and a fragment shader named `ltc_included` that calls all of them.
 #[must_use]
 pub fn layers_source() -> String {
     let caller = "

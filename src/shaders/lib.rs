@@ -1,8 +1,8 @@
 //! Shaders in WGSL for other renderers, put together for one model of light and one layout of tables.
 //!
-//! [`SHADERS`] are the files of `shaders/`. [`wgsl()`] joins those that a renderer needs for one layout of tables, or
-//! for none, with an example that calls them, and puts a comment above. `ltcforge-translate` has the other languages,
-//! and texts to include.
+//! [`SHADERS`] are the files of `shaders/`. [`wgsl()`] joins the files for one layout, or for a model without a table,
+//! adds an example that calls them, and puts a comment at the top. `ltcforge-translate` has the other languages, and
+//! texts to include.
 //!
 //! Invariants: `shaders` knows neither a GPU nor a picture, and translates nothing; equal arguments give equal bytes on
 //! every machine.

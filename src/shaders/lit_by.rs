@@ -1,11 +1,11 @@
-//! Models of light with the layouts of their tables, as shaders know them.
+//! The kinds of shaders: a light model, and the layout of its tables.
 
 use super::{AdditionError, Additions};
 use ltcforge_fit::{Layout, named_list};
 use ltcforge_light::{LightModel, NormalsRule};
 
-/// How a shader for other renderers lights: by a model, and by tables of a layout if the model reads any. The
-/// text of models `sg` and `asg` is the same: which one is an argument of its functions.
+/// The kind of a shader for other renderers: a model, and a layout if the model reads tables. Models `sg` and `asg`
+/// have the same text; its functions take the model as an argument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LitBy {
     model: LightModel,
@@ -14,16 +14,16 @@ pub struct LitBy {
     additions: Additions,
 }
 
-/// Why a model has no shader.
+/// The model has no such shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum LitByError {
-    /// It lights by tables alone.
+    /// The model needs a table.
     #[error("model {0} needs --layout, or --without-textures and a table")]
     NeedsLayout(LightModel),
-    /// It reads no table.
+    /// The model reads no table.
     #[error("model {0} reads no table: leave out --layout")]
     NoTable(LightModel),
-    /// It has no rules, or no shader of this one.
+    /// The model has no rules, or no shader of this rule.
     #[error("model {model} has no shader of rule {rule}{}", rules_of(*model))]
     NoRule {
         /// The model.
@@ -31,10 +31,10 @@ pub enum LitByError {
         /// The rule.
         rule: NormalsRule,
     },
-    /// A layout does not store its lobes.
+    /// The layout does not store the lobes of the model.
     #[error(
-        "layout {layout} has tables of LTCs only: model {model} has those of {layouts}",
-        layouts = layouts_of(*model).join(" and ")
+        "layout {layout} stores LTCs only: model {model} needs layout {layouts}",
+        layouts = layouts_of(*model).join(" or ")
     )]
     NotStored {
         /// The model.
@@ -44,7 +44,7 @@ pub enum LitByError {
     },
 }
 
-/// The rules that shaders of a model have, after a colon.
+/// The rules of a model's shaders, after a colon.
 fn rules_of(model: LightModel) -> String {
     if model.rule_choices().is_empty() {
         return String::new();
@@ -59,10 +59,10 @@ fn layouts_of(model: LightModel) -> Vec<&'static str> {
 }
 
 impl LitBy {
-    /// A model and the layout of its tables; without one its formula.
+    /// The shader of a model and a layout; without a layout, the shader of the model's formula.
     ///
     /// # Errors
-    /// [`LitByError`] for a model that does not light so.
+    /// [`LitByError`] if the model has no such shader.
     pub fn new(model: LightModel, layout: Option<Layout>) -> Result<Self, LitByError> {
         match (model.lobe(), layout) {
             (_, None) if model.needs_table() => Err(LitByError::NeedsLayout(model)),
@@ -74,7 +74,7 @@ impl LitBy {
         }
     }
 
-    /// The same by a rule; by the model's default where none is chosen.
+    /// The same shader with a rule; `None` keeps the model's default rule.
     ///
     /// # Errors
     /// [`LitByError::NoRule`].
@@ -88,7 +88,7 @@ impl LitBy {
         }
     }
 
-    /// The same with additions to its text to include.
+    /// The same shader with additions to its text to include.
     ///
     /// # Errors
     /// [`AdditionError`].
@@ -97,7 +97,7 @@ impl LitBy {
         Ok(Self { additions, ..self })
     }
 
-    /// The model, its layout or rule where it has one, and its additions: `ltc reflected`, `normals fast`, `sg`,
+    /// The name: the model, its layout or rule, and its additions. Examples: `ltc reflected`, `normals fast`, `sg`,
     /// `ltc reflected, cut`.
     #[must_use]
     pub fn name(self) -> String {
@@ -109,19 +109,19 @@ impl LitBy {
         format!("{}{kind}{cut}{compensated}{textured}", self.model)
     }
 
-    /// The rule, of a model that has any.
+    /// The rule; `None` for a model without rules.
     #[must_use]
     pub fn rule(self) -> Option<NormalsRule> {
         self.rule
     }
 
-    /// What is added to its text to include.
+    /// The additions to its text to include.
     #[must_use]
     pub fn additions(self) -> Additions {
         self.additions
     }
 
-    /// Whether its text has a lookup by the number of a material: that of LTCs of layout `materials`.
+    /// Whether its text has a lookup by the number of a material: LTCs in layout `materials`.
     pub(super) fn reads_materials(self) -> bool {
         self.model == LightModel::Ltc && self.layout.is_some_and(Layout::is_of_materials)
     }
@@ -140,28 +140,28 @@ impl LitBy {
 }
 
 named_list! {
-    /// The lights that a text to include has functions for, by a table of LTCs.
+    /// The shapes of lights that a text to include has functions for, with a table of LTCs.
     pub enum Lights {
         /// Polygons, disks, spheres, tubes and lines.
         All = "all",
-        /// Rectangles and polygons alone: a text two fifths shorter.
+        /// Rectangles and polygons only: a text two fifths shorter.
         Polygons = "polygons",
     }
 }
 
-/// How a text to include reads a table.
+/// The way in which a text to include reads a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Reading {
-    /// Who interpolates.
+    /// The interpolation of entries.
     pub filter: Filter,
     /// The textures of the table.
     pub bound: Bound,
-    /// Whether the text reads the second lobe of tables of LTCs with two.
+    /// Whether the text reads the second lobe of a table of LTCs with two lobes.
     pub two_lobes: bool,
 }
 
 impl Reading {
-    /// Every way of one lobe, and two of two.
+    /// All ways to read one lobe, and two ways to read two lobes.
     pub const ALL: [Self; 6] = {
         use Bound::{Array, Volumes};
         use Filter::{Exact, Hardware};
@@ -182,18 +182,18 @@ pub enum Bound {
     /// Three 3D textures.
     #[default]
     Volumes,
-    /// One 2D array, and so one sampler in languages that have a sampler for each texture.
+    /// One 2D array. It takes one sampler in languages that have a sampler for each texture.
     Array,
 }
 
-/// Who interpolates the entries of a table.
+/// The interpolation of a table's entries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Filter {
-    /// The shader: 16 fetches a texture, weights of 32 bits, any texture format.
+    /// The shader interpolates: 16 fetches a texture, weights of 32 bits, any texture format.
     #[default]
     Exact,
-    /// The sampler along phi and theta, and along alpha in volumes: 2 fetches a texture, 4 in an array; many GPUs have
-    /// weights of 8 bits, which shows on sharp lobes. Textures have to be filterable.
+    /// The sampler interpolates along phi and theta, and along alpha in volumes: 2 fetches a texture, 4 in an array.
+    /// Many GPUs have weights of 8 bits, which is visible on sharp lobes. Textures must be filterable.
     Hardware,
 }
 

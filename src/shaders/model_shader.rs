@@ -1,26 +1,26 @@
-//! The parts of the shader of a model of light.
+//! The parts of a light model's shader.
 
 use super::{Language, Lights, Namespace, Reading};
 use ltcforge_fit::Layout;
 
-/// The shader of a model of light.
+/// The shader of a light model.
 pub struct ModelShader {
-    /// The beginning of its names.
+    /// The prefix of its names.
     pub(super) prefix: &'static str,
-    /// The files of its functions, beside those that all models share and those that read tables.
+    /// The files of its functions, without the files that all models share and the files that read tables.
     pub(super) functions: fn(Lights) -> &'static [&'static str],
-    /// The file of the program that shows how to call them, and the name of its entry point.
+    /// The file of the example program, which is also the name of its entry point.
     pub example: &'static str,
     /// A fragment shader that calls every function, named `ltc_included`.
     pub caller: fn(Reading, Lights) -> String,
-    /// The comment at the top of the program, in lines that begin with `//`; of a formula it is the same for all
-    /// layouts.
+    /// The comment at the top of the program, in lines that begin with `//`. A model without a table ignores the
+    /// layout.
     pub(super) program_comment: fn(Language, Layout) -> String,
-    /// The comment at the top of the text to include, likewise.
+    /// The comment at the top of the text to include, in lines that begin with `//`.
     pub(super) include_comment: fn(Language, Layout, Reading, Lights, &Namespace) -> String,
 }
 
-/// A fragment shader that looks up what `lookup` says, and goes on as `calls` say with the vertices of a light.
+/// A fragment shader with the statements `lookup`, the vertices of a light, and the statements `calls`.
 pub(super) fn caller(lookup: &str, calls: &str) -> String {
     format!(
         "

@@ -1,4 +1,4 @@
-//! The shader of each model of light.
+//! The shader of each light model.
 
 use super::{
     Language, Lights, LitBy, ModelShader, Namespace, Reading, gaussians_header, gaussians_table_header, header,

@@ -1,4 +1,4 @@
-//! The prefix of the names of a text to include, and its first binding: several such texts can stand in one shader.
+//! The prefix of names and the first binding of a text to include, so that one shader can include several texts.
 
 use std::str::FromStr;
 
@@ -7,11 +7,11 @@ use super::{Language, LitBy};
 /// The names and bindings that a text to include uses in its host shader.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Namespace {
-    /// The prefix of every name, in place of `ltc`, `normals` or `gaussians`.
+    /// The prefix of every name, instead of `ltc`, `normals` or `gaussians`.
     pub prefix: Option<Prefix>,
-    /// The number of its first binding; the others follow. Texts that bind nothing by number do without.
+    /// The number of the first binding; the others follow. Texts without numbered bindings ignore it.
     pub first_binding: u16,
-    /// The group of its bindings: what WGSL calls group, Vulkan set and HLSL space. OpenGL has group 0 alone.
+    /// The group of the bindings: a set in Vulkan, a space in HLSL. OpenGL has only group 0.
     pub group: u16,
 }
 
@@ -19,16 +19,16 @@ pub struct Namespace {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Prefix(String);
 
-/// A text that names cannot begin with.
+/// The text is not a valid prefix.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "«{}» is no prefix: a prefix has lower-case letters and digits, at most {LONGEST}, begins with a letter, and is none \
-    of {}", .0.escape_debug(), RESERVED.join(", ")
+    "the prefix «{}» is invalid: use at most {LONGEST} lower-case letters and digits, beginning with a letter; \
+    {} are reserved", .0.escape_debug(), RESERVED.join(" and ")
 )]
 pub struct BadPrefix(pub String);
 
 const LONGEST: usize = 32;
-/// Languages have names that begin so.
+/// Prefixes that languages reserve.
 const RESERVED: [&str; 2] = ["gl", "metal"];
 
 impl FromStr for Prefix {
@@ -43,18 +43,18 @@ impl FromStr for Prefix {
 }
 
 impl Namespace {
-    /// `text` with the names that it has here: those of the light's own code, and those of the arithmetic that all
-    /// lights share.
+    /// `text` with the prefix in all names: those of the light's own code, and those of the arithmetic that lights
+    /// share.
     #[must_use]
     pub fn named(&self, text: &str, lit_by: LitBy) -> String {
         let own = lit_by.shader().prefix;
         let prefix = self.prefix.as_ref().map_or(own, |Prefix(prefix)| prefix);
         identifiers(text, |name, rest| {
-            // The files of `shaders/`, which comments speak of.
+            // Comments mention files of `shaders/`, whose names stay.
             if rest.starts_with(".wgsl") {
                 return None;
             }
-            // A table of Gaussians is read by the code of tables of LTCs, which may stand beside it.
+            // The code that reads tables of LTCs reads tables of Gaussians too. A shader may include both.
             if lit_by.layout().is_some() && own != "ltc" {
                 if name.starts_with("Ltc") {
                     return Some(format!("{}{name}", capital(prefix)));
@@ -68,7 +68,7 @@ impl Namespace {
         })
     }
 
-    /// The code with its bindings counted from the first, in its group. Group 0 is written in WGSL alone.
+    /// The code with bindings counted from the first, in the group. Only WGSL writes group 0.
     #[must_use]
     pub fn bound(&self, code: &str, language: Language) -> String {
         let group = self.group;
@@ -106,17 +106,17 @@ impl Namespace {
     }
 }
 
-/// The text as names of types begin. Domain: it begins with an ASCII letter.
+/// The text with a capital first letter, as in names of types. Domain: it begins with an ASCII letter.
 fn capital(text: &str) -> String {
     text[..1].to_uppercase() + &text[1..]
 }
 
-/// The text with `to` in place of `from` at the beginning of names.
+/// The text with names that begin with `to` instead of `from`.
 pub(super) fn prefixed(text: &str, from: &str, to: &str) -> String {
     identifiers(text, |name, _| with_prefix(name, from, to))
 }
 
-/// The name that begins with `to` where `name` begins with `from`, as a function, a type or a constant does.
+/// The name with the prefix `to` instead of `from`, for functions, types and constants; `None` for other names.
 fn with_prefix(name: &str, from: &str, to: &str) -> Option<String> {
     if let Some(rest) = name.strip_prefix(from).filter(|rest| rest.starts_with('_')) {
         return Some(format!("{to}{rest}"));
@@ -128,7 +128,7 @@ fn with_prefix(name: &str, from: &str, to: &str) -> Option<String> {
     rest.starts_with(|c: char| c.is_ascii_uppercase()).then(|| format!("{}{rest}", capital(to)))
 }
 
-/// The text with some of its identifiers replaced: `of` is asked for each one, with the text after it.
+/// The text with identifiers replaced. `of` gets each identifier and the text after it, and returns the new name.
 fn identifiers(text: &str, of: impl Fn(&str, &str) -> Option<String>) -> String {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let (mut out, mut rest) = (String::with_capacity(text.len()), text);

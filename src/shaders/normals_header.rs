@@ -52,26 +52,26 @@ const CALLS: &str = "    let disk = normals_disk(view, vertices[0], vertices[1],
     return vec4(normals_rectangle(view, corners, true) + normals_polygon(view, &vertices, 4u, true), disk);
 ";
 
-/// Raised when the values of the check of any rule change.
+/// The revision, raised when the values of the check of any rule change.
 const REVISION: u32 = 1;
 
-/// The opening comment: what the shader is.
+/// The first part of the comment: description and functions.
 const ABOUT: &str = "\
 Area lights on GGX without a table, in the space of its normals, by rule {rule}.
 
   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
-  normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in that frame and
-      run clockwise seen from the lit side; a rectangle's third is not read.
+  normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in this frame and
+      run clockwise as seen from the side that emits. The third corner of a rectangle is not read.
       Light of radiance L arrives as L (f0 (x - y) + f90 y).
 ";
 
-/// The program beside the functions.
+/// The description of the example program.
 const EXAMPLE: &str = "\
-  normals_example calls them; it stands for your own code, and all bindings go with it.
+  normals_example calls them. Replace it with your own code, and delete all bindings.
 
 EXAMPLE
-  Case: 10 x vec4 of f32. wo and alpha_x; alpha_y, how many vertices the light has (3 to 8, or 0 for a disk), 1 if it is
-  lit from both sides, else 0, and 0; then eight vertices with 0 after each, of a disk centre, half_x and half_y.
+  Case: 10 x vec4 of f32. First wo and alpha_x. Second alpha_y; number of vertices of the light (3 to 8, 0 for a disk);
+  1 if both sides emit, else 0; and 0. Then eight vertices, each followed by 0. For a disk: centre, half_x, half_y.
   Result: a vec4 of f32, the two parts and 0, 0.
 ";
 

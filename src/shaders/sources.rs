@@ -1,4 +1,4 @@
-//! The sources in WGSL, and how they are joined.
+//! The sources in WGSL, and functions that join them.
 
 use super::Bound;
 use super::Lights;
@@ -18,7 +18,7 @@ pub struct Shader {
     pub source: &'static str,
 }
 
-/// Every shader but the layouts' parts, each after those it needs.
+/// Every shader except the parts of layouts. Each shader comes after the shaders it needs.
 pub const SHADERS: [Shader; 46] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
@@ -68,7 +68,7 @@ pub const SHADERS: [Shader; 46] = [
     Shader { name: "sphere", source: ltcforge_wgsl::SPHERE },
 ];
 
-/// Parts that read a table with entries in volumes.
+/// The parts that read a table in volumes.
 const TABLE: [&str; 4] = ["ltc_quadrant", "texels_volumes", "ltc_table", "ltc_lookup"];
 
 /// The named shaders as one text, in the order of [`SHADERS`].
@@ -80,22 +80,23 @@ pub fn joined(names: &[&str]) -> String {
 
 /// The named shaders as one module that reads tables of these layouts.
 ///
-/// What a lookup asks of a layout is written here: with one layout it calls that one's parts, with several it asks the
-/// table. A layout of isotropic tables by itself has a lookup of its own.
+/// A lookup calls `ltc_place_of` and `ltc_restore`, or `ltc_steps` and `ltc_restore`, which are written here. For one
+/// layout they call its functions. For several they switch on the table's layout. A single isotropic layout has its own
+/// lookup.
 fn module(names: &[&str], layouts: &[Layout]) -> String {
     let parts = parts_of(layouts);
-    let (lookup, asked) = match layouts {
-        [only] => ("", asked_of(&only.shader())),
-        _ => ("ltc_lookup_among", asked_of_several(layouts)),
+    let (lookup, called) = match layouts {
+        [only] => ("", functions_of_one(&only.shader())),
+        _ => ("ltc_lookup_among", functions_of_several(layouts)),
     };
     let is_isotropic = matches!(layouts, [only] if only.shader().is_isotropic);
     let lookup = if is_isotropic { "ltc_lookup_round" } else { lookup };
     let is_there = |name: &&str| !(is_isotropic && *name == "ltc_lookup");
     let names: Vec<&str> = names.iter().copied().filter(is_there).chain([lookup]).collect();
-    format!("{}\n{}\n{asked}", joined(&names), parts.join("\n"))
+    format!("{}\n{}\n{called}", joined(&names), parts.join("\n"))
 }
 
-/// The parts of these layouts, each once.
+/// The parts of these layouts, without duplicates.
 fn parts_of(layouts: &[Layout]) -> Vec<&'static str> {
     let mut parts = Vec::new();
     for part in layouts.iter().flat_map(|layout| layout.shader().sources) {
@@ -106,24 +107,24 @@ fn parts_of(layouts: &[Layout]) -> Vec<&'static str> {
     parts
 }
 
-/// What a lookup asks of the one layout.
-fn asked_of(LayoutShader { place, restore, is_isotropic, .. }: &LayoutShader) -> String {
+/// The functions that a lookup calls, for one layout.
+fn functions_of_one(LayoutShader { place, restore, is_isotropic, .. }: &LayoutShader) -> String {
     if *is_isotropic {
         return format!(
-            "/// Where a configuration lies along alpha and theta, in the variables in which nodes are evenly spaced.\n\
+            "/// The place of a configuration along alpha and theta, in coordinates with evenly spaced nodes.\n\
             fn ltc_steps(alpha: f32, wo: vec3<f32>) -> vec2<f32> {{\n    return {place}(alpha, wo);\n}}\n\n\
             /// The lobe of interpolated numbers.\n\
             fn ltc_restore(stored: LtcPlane) -> LtcPlane {{\n    return {restore}(stored);\n}}\n"
         );
     }
-    asked_with(
+    lookup_functions(
         &format!("    return {place}(alpha, ratio, wo);\n"),
         &format!("    return {restore}(stored, alpha, ratio, wo);\n"),
     )
 }
 
-/// What a lookup asks of the layout that the table has.
-fn asked_of_several(layouts: &[Layout]) -> String {
+/// The functions that a lookup calls, switching on the layout of the table.
+fn functions_of_several(layouts: &[Layout]) -> String {
     let switch = |default: &str, of: &dyn Fn(&LayoutShader) -> String| {
         let case = |layout: &Layout| {
             let shader = layout.shader();
@@ -146,20 +147,20 @@ fn asked_of_several(layouts: &[Layout]) -> String {
             format!("{}(stored, alpha, ratio, wo)", shader.restore)
         }
     };
-    asked_with(&switch("LtcPlace()", &place), &switch("stored", &restore))
+    lookup_functions(&switch("LtcPlace()", &place), &switch("stored", &restore))
 }
 
-fn asked_with(place: &str, restore: &str) -> String {
+fn lookup_functions(place: &str, restore: &str) -> String {
     format!(
-        "/// Where a configuration lies among the nodes, within the table's ranges seen from wo in the first quadrant.\n\
+        "/// The place of a configuration among the nodes. Domain: the table's ranges, wo in the first quadrant.\n\
         fn ltc_place_of(alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcPlace {{\n{place}}}\n\n\
-        /// The lobe of interpolated numbers there.\n\
+        /// The lobe of interpolated numbers. Domain: as for ltc_place_of.\n\
         fn ltc_restore(stored: LtcLobe, alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {{\n{restore}}}\n"
     )
 }
 
-/// The shaders of the preview but those of model `normals`: all other models, and its own entry points in place of their
-/// examples.
+/// The shaders of the preview except those of model `normals`: all other models, and the preview's entry points instead
+/// of the examples.
 fn previewed() -> Vec<&'static str> {
     let layouts = [None, Some(Layout::ALL[0])];
     let models = layouts.iter().flat_map(|layout| LightModel::ALL.iter().map(|model| LitBy::new(*model, *layout)));
@@ -175,8 +176,8 @@ fn previewed() -> Vec<&'static str> {
         .collect()
 }
 
-/// The module of the preview, which reads tables of every layout, and has model `normals` by each of its rules: the names
-/// of a rule's text begin with the rule's. Pictures on lights are those of the texts to include.
+/// The module of the preview. It reads tables of every layout and has model `normals` with each rule; names in a rule's
+/// text begin with the name of the rule. Pictures on lights use the texts to include.
 #[must_use]
 pub fn preview_module() -> String {
     let by_rule = |rule: &NormalsRule| {
@@ -195,13 +196,13 @@ pub fn table_reader(bound: Bound, layouts: &[Layout]) -> String {
     module(&["ltc_quadrant", texels(bound), "ltc_table", "ltc_lookup", "ltc_two_lobes"], layouts)
 }
 
-/// The module that other renderers take.
+/// The module for other renderers, with its example.
 #[must_use]
 pub fn ported(lit_by: LitBy) -> String {
     assembled(lit_by, TABLE, Lights::All, &[lit_by.shader().example])
 }
 
-/// The shaders of a model's light, what reads its tables if it has any, and others.
+/// The shaders of a model's light, its table reader if it has tables, and `others`.
 fn assembled(lit_by: LitBy, reader: [&str; 4], lights: Lights, others: &[&str]) -> String {
     let functions = [(lit_by.shader().functions)(lights), &lit_by.added_files(lights)].concat();
     match lit_by.layout() {
@@ -218,7 +219,7 @@ fn texels(bound: Bound) -> &'static str {
     }
 }
 
-/// The functions alone that other renderers include.
+/// The functions to include in other renderers, without an example.
 #[must_use]
 pub fn functions(lit_by: LitBy, reading: Reading, lights: Lights) -> String {
     let reader = ["ltc_quadrant", texels(reading.bound), "ltc_table", "ltc_lookup"];
@@ -226,7 +227,7 @@ pub fn functions(lit_by: LitBy, reading: Reading, lights: Lights) -> String {
     assembled(lit_by, reader, lights, others) + &lit_by.textured(reading)
 }
 
-/// The functions of a table's light that read no table: `smooth_at` has the coefficients.
+/// The functions of a table's light without textures; `smooth_at` has the coefficients.
 #[must_use]
 pub fn without_textures(smooth_at: &str, lights: Lights, lit_by: LitBy) -> String {
     let source = ltcforge_wgsl::LAYOUT_REFLECTED;
@@ -245,7 +246,7 @@ mod tests {
     use crate::Additions;
     use ltcforge_light::textured::Readings;
 
-    /// Validates the named shaders, joined with the parts of layouts where they read a table.
+    /// Validates the named shaders, joined with the parts of layouts if they read a table.
     fn validate(names: &[&str]) {
         assert!(names.iter().all(|name| SHADERS.iter().any(|shader| shader.name == *name)), "{names:?}");
         if names.contains(&"ltc_lookup") {
@@ -294,12 +295,13 @@ mod tests {
         validate_text(&["preview"], &preview_module());
     }
 
-    /// Every rule and layout, with each number of readings, and its caller. Nothing is left of the names of the shared text.
+    /// Every rule and layout, with each number of readings, and its caller. The names of the shared text are all
+    /// replaced.
     #[test]
     fn texts_with_pictures_are_valid() {
         let rules = NormalsRule::SHADED.map(|rule| LitBy::new(LightModel::Normals, None)?.by_rule(Some(rule)));
         let tables = Layout::ALL.iter().filter_map(|layout| LitBy::new(LightModel::Ltc, Some(*layout)).ok());
-        let mut seen = 0;
+        let mut checked = 0;
         for lit_by in rules.into_iter().map(|rule| rule.expect("a rule")).chain(tables) {
             for (number, reading) in Readings::ALL
                 .iter()
@@ -315,11 +317,11 @@ mod tests {
                     );
                     assert!(text.contains(&format!("_READINGS: u32 = {number}u")), "{}", lit_by.name());
                     validate_text(&[&lit_by.name()], &(text + &lit_by.caller(reading, Lights::All)));
-                    seen += 1;
+                    checked += 1;
                 }
             }
         }
-        assert!(seen > 100, "{seen}");
+        assert!(checked > 100, "{checked}");
         let of = |text: &str| (text.matches("fn normals_mean").count(), text.matches("NormalsTextured").count());
         let plain = LitBy::new(LightModel::Normals, None).expect("normals");
         assert_eq!(of(&functions(plain, Reading::default(), Lights::All)), (1, 0));
@@ -338,7 +340,7 @@ mod tests {
         assert_eq!(SHADERS.len() + parts_of(Layout::ALL).len(), texts.count());
     }
 
-    /// Those that only the preview runs, whose loops go over what a scene has, and the passes that prefilter, a picture's texels.
+    /// Shaders that loop over a scene, in the preview only, or over the texels of a picture, in the prefilter.
     const OVER_INPUTS: [&str; 6] =
         ["ggx_reference", "reference_solids", "preview_cut", "preview_textured", "sphere", "prefilter"];
 
@@ -355,14 +357,14 @@ mod tests {
         parts().unwrap_or(false)
     }
 
-    /// A number, or a constant of the text by its name.
+    /// Whether a word is a number or the name of a constant.
     fn is_constant(word: &str) -> bool {
         let is_name = |c: char| c.is_ascii_uppercase() || "_.xyzw".contains(c);
         word.trim_end_matches('u').parse::<u32>().is_ok()
             || (["LTC_", "TEXTURED_"].iter().any(|prefix| word.starts_with(prefix)) && word.chars().all(is_name))
     }
 
-    /// A loop without a constant bound can keep the compiler of a driver busy for minutes.
+    /// A driver's compiler may take minutes for a loop without constant bounds.
     #[test]
     fn every_loop_of_an_emitted_shader_has_constant_bounds() {
         let layouts = parts_of(Layout::ALL);

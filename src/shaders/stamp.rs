@@ -1,14 +1,14 @@
-//! The first lines of every text: its licence, what made it, and a digest by which a change of it shows.
+//! The first lines of every text: its licence, the version that wrote it, and a digest that detects changes.
 
 use sha2::{Digest, Sha256};
 
-/// The licence of texts without a table's numbers.
+/// The licence of texts that contain no numbers of a table.
 pub(super) const LICENCE: &str = "MIT OR Apache-2.0";
 
-/// The place of the digest until the text is known.
+/// The placeholder for the digest, until the text is known.
 const DIGEST: &str = "{digest}";
 
-/// The first lines of a comment, to be [`stamped`]. `revision` is raised when the values change that a model gives.
+/// The first lines of a comment, to be [`stamped`]. `revision` is raised when the values of a model change.
 #[must_use]
 pub fn head(licence: &str, revision: u32) -> String {
     let version = env!("CARGO_PKG_VERSION");
@@ -17,8 +17,8 @@ pub fn head(licence: &str, revision: u32) -> String {
     )
 }
 
-/// The comment `header`, a blank line and the `code`, whose digest the comment states: the first 16 digits of the SHA-256
-/// of all that stands below the first blank line.
+/// The comment `header`, a blank line and the `code`. The comment contains the digest of the code: the first 16 digits
+/// of the SHA-256 of the text below the first blank line.
 #[must_use]
 pub fn stamped(header: &str, code: &str) -> String {
     format!("{}\n{code}", header.replace(DIGEST, &digest(code)))

@@ -1,4 +1,4 @@
-//! The text of lights with pictures: the readings, which all models share under names of their own, and a model's lobe.
+//! The text of lights with pictures: the readings, which all models share under different names, and a model's lobe.
 
 use super::{
     Additions, Bound, LitBy, Reading, additions::pictured, namespace::prefixed, normals_header::normals_files,
@@ -6,28 +6,28 @@ use super::{
 };
 use ltcforge_light::{LightModel, textured::Readings};
 
-/// What the text to include says of it.
+/// The description in the text to include.
 const ABOUT: &str = "\
 PICTURES ON LIGHTS
   {own}_textured_rectangle({view}, corners, two_sided, picture, base)
       {result}
-      The picture's upper left is at the first corner, its rows run to the second, its columns to the fourth; all four
-      are read. picture is a layer of {own}_pictures, a 2D array with all levels that light-texture writes; base is
-      log2(sqrt(width height)) - 1 of its first level, whose texels are best square on the light.
+      The picture's upper left is at the first corner; rows run to the second corner, columns to the fourth. All four are
+      read. picture is a layer of {own}_pictures, a 2D array with all levels from ltcforge light-texture. base is
+      log2(sqrt(width height)) - 1 of the first level; its texels should be square on the light.
       {own}_picture_sampler is linear between texels and levels and clamps to the edge.
-      {constant}, a constant, says how often a picture is read: {number}.
+      The constant {constant} is the number of readings of a picture: {number}.
   {own}_profile_rectangle({view}, corners, two_sided, picture)
-      the same of a lamp whose radiance depends on the direction, as its IES profile tells it: picture is a layer with all
-      levels that light-texture writes of the profile. Angles around its axis are from the side to the second corner to that to
-      the fourth.
+      the same for a lamp with an IES profile, whose radiance depends on the direction. picture is a layer with all
+      levels from ltcforge light-texture for the profile. Angles around the lamp's axis run from the side towards the
+      second corner to the side towards the fourth.
 ";
 
-/// What the rule's rectangle with a picture begins with.
+/// The comment of the rule's rectangle with a picture.
 const ABOUT_SHOWN: &str = "\
-/// The same of a rectangle with a picture or a lamp's profile: the parts of the whole light, and the colour of what is reflected.
+/// A rectangle with a picture or a lamp's profile: the two parts of the whole light, and the mean reflected colour.
 ";
 
-/// The two functions that call it.
+/// The two functions that call the rule's rectangle.
 const SHOWN: &str = "
 /// A rectangle with a picture.
 fn normals_textured_rectangle(
@@ -40,7 +40,7 @@ fn normals_textured_rectangle(
     return normals_shown_rectangle(view, corners, two_sided, picture, base, false);
 }
 
-/// A lamp with a profile, of 512 x 512 texels.
+/// A lamp with an IES profile, stored as 512 x 512 texels.
 fn normals_profile_rectangle(
     view: NormalsView,
     corners: array<vec3<f32>, 4>,
@@ -51,7 +51,7 @@ fn normals_profile_rectangle(
 }
 ";
 
-/// The bindings of the pictures and their sampler: those after the table's.
+/// The bindings of the pictures and their sampler, after the bindings of the table.
 fn bindings(lit_by: LitBy, reading: Reading) -> [u32; 2] {
     let first = match (lit_by.layout(), reading.bound) {
         (None, _) => 0,
@@ -62,7 +62,7 @@ fn bindings(lit_by: LitBy, reading: Reading) -> [u32; 2] {
 }
 
 impl LitBy {
-    /// The text of pictures on lights; empty where they are not chosen.
+    /// The text of pictures on lights; empty if they are not chosen.
     pub(super) fn textured(self, reading: Reading) -> String {
         let (Some(number), Some([own, lobe])) = (self.additions().textured, pictured(self.model())) else {
             return String::new();
@@ -84,7 +84,7 @@ impl LitBy {
         format!("\n{shared}\n{of_model}")
     }
 
-    /// The rule's `normals_rectangle` with a picture: its own text, which goes on with the integral of the outline.
+    /// The rule's `normals_rectangle` with a picture: the same text, followed by the colour for the same outline.
     fn normals_rectangle(self) -> String {
         let text = joined(self.rule().map_or(&[], normals_files));
         let begins = text.find("fn normals_rectangle(").unwrap_or(0);
@@ -113,7 +113,7 @@ impl LitBy {
         )
     }
 
-    /// The same for the preview, which declares textures, sampler and number of readings itself, for all models at once.
+    /// The text of pictures for the preview, which declares textures, sampler and number of readings for all models.
     pub(super) fn previewed_pictures(self) -> String {
         let additions = Additions { textured: Some(Readings::ALL[0]), ..Additions::default() };
         let (Some([own, _]), Ok(lit_by)) = (pictured(self.model()), self.with(additions)) else { return String::new() };
@@ -126,7 +126,7 @@ impl LitBy {
             .replace(&format!("{}_READINGS", own.to_uppercase()), "light_readings")
     }
 
-    /// A call of the function that is added.
+    /// Calls of the added functions.
     pub(super) fn textured_call(self) -> String {
         let (Some(_), Some([own, _])) = (self.additions().textured, pictured(self.model())) else {
             return String::new();
@@ -138,18 +138,16 @@ impl LitBy {
         )
     }
 
-    /// What the comment says of it.
+    /// The description in the comment of a text to include.
     pub(super) fn about_textured(self) -> String {
         let (Some(number), Some([own, _])) = (self.additions().textured, pictured(self.model())) else {
             return String::new();
         };
         let (of, result) = match self.model() {
             LightModel::Ltc => {
-                ("inverse", "covered, as ltc_rectangle has it, and colour: light arrives as that of radiance colour.")
+                ("inverse", "covered, as from ltc_rectangle, and colour, to use as the radiance of the light.")
             }
-            _ => {
-                ("view", "parts, as normals_rectangle has them, and colour: light arrives as that of radiance colour.")
-            }
+            _ => ("view", "parts, as from normals_rectangle, and colour, to use as the radiance of the light."),
         };
         ABOUT
             .replace("{own}", own)

@@ -1,35 +1,35 @@
-//! The comment that a file carries about itself.
+//! The comment that a file has about itself.
 
 use ltcforge_files::{digest::Digest, manifest::MeanError, recipe_document};
 use ltcforge_fit::{BrdfKind, Recipe};
 
-/// The licence of the numbers: tables are facts about a BRDF, and those who ship them should not have to ask.
+/// The licence of the numbers: tables are facts about a BRDF, and anyone may ship them without asking.
 const LICENCE: &str = "licence of the numbers: CC0-1.0";
 
-/// That of tables of `fuzz`, whose lobes are published numbers and no fit.
+/// The licence of tables of `fuzz`, whose lobes are published numbers and not a fit.
 const FUZZ: &str = "licence of the numbers: Apache-2.0, that of the lobes of fuzz: Zeltner, Burley, Chiang 2022, by the functions of MaterialX 1.39";
 
-/// The papers that a layout's numbers come from.
+/// The papers on which the tables are based.
 const PAPERS: [&str; 2] = [
     "Heitz, Dupuy, Hill, Neubelt: Real-Time Polygonal-Light Shading with Linearly Transformed Cosines, 2016",
     "KT, Heitz, Dupuy, Narayanan: Bringing Linearly Transformed Cosines to Anisotropic GGX, 2022",
 ];
 
-/// Digits of a digest that tell tables apart in names.
+/// Digits of a digest that distinguish tables in names.
 const DIGITS: usize = 8;
 
-/// Lines for people that each file carries where its format has a place for them. A line holds no control characters.
+/// Lines for people, which each file contains if its format has a place for them. Lines have no control characters.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct About {
     lines: Vec<String>,
     table: Option<Digest>,
-    /// Canonical JSON.
+    /// The recipe in canonical JSON.
     recipe: Option<String>,
     layout: Option<&'static str>,
 }
 
 impl About {
-    /// These lines; a line break within one begins another, and other control characters become spaces.
+    /// The given lines. A line break within a line begins another line; other control characters become spaces.
     pub fn new(lines: impl IntoIterator<Item = impl AsRef<str>>) -> Self {
         let mut clean = Vec::new();
         for line in lines {
@@ -44,14 +44,14 @@ impl About {
         Self { lines: clean, ..Self::default() }
     }
 
-    /// The known facts about a table: its digest and its recipe's, its mean error between nodes (`report.between` of
-    /// its manifest), licence and papers.
+    /// The known facts about a table: its digest and its recipe's digest, its mean error between nodes
+    /// (`report.between` of its manifest), licence and papers.
     #[must_use]
     pub fn of_table(table: Digest, recipe: Option<&Recipe>, error: Option<MeanError>) -> Self {
         let mut lines = vec![format!("ltcforge {}", env!("CARGO_PKG_VERSION")), format!("table {table}")];
         let document = recipe.map(recipe_document::canonical_json);
         lines.extend(document.as_ref().map(|document| format!("recipe {}", Digest::of(document.as_bytes()))));
-        // Files of GGX keep the bytes that they have had.
+        // Files of GGX do not name their BRDF, so their bytes stay the same.
         let brdf = recipe.map(Recipe::brdf).filter(|brdf| *brdf != BrdfKind::Ggx);
         lines.extend(brdf.map(|brdf| format!("brdf {brdf}")));
         let fresnel = recipe.map(|recipe| recipe.model().fresnel()).filter(|fresnel| !fresnel.is_one());
@@ -69,21 +69,22 @@ impl About {
         self.recipe.as_deref()
     }
 
-    /// The same of textures of this layout.
+    /// The same comment for textures of this layout.
     #[must_use]
     pub fn of_layout(self, layout: &'static str) -> Self {
         Self { layout: Some(layout), ..self }
     }
 
-    /// A suffix that tells this table's names in code from those of others: the layout and the first digits of the
-    /// table's digest, as far as they are known, each behind an underscore. ASCII letters, digits and underscores.
+    /// A suffix that distinguishes this table's names in code from those of other tables: the layout and the first
+    /// digits of the table's digest, if they are known, each after an underscore. ASCII letters, digits and
+    /// underscores.
     pub(super) fn suffix(&self) -> String {
         let digits = self.table.map(|table| table.hex()[..DIGITS].to_owned());
         let parts = self.layout.map(|layout| layout.replace('-', "_")).into_iter().chain(digits);
         parts.flat_map(|part| ["_".to_owned(), part]).collect()
     }
 
-    /// The same, and more lines.
+    /// The same comment with more lines.
     #[must_use]
     pub fn and(mut self, lines: impl IntoIterator<Item = impl AsRef<str>>) -> Self {
         self.lines.extend(Self::new(lines).lines);
@@ -96,15 +97,15 @@ impl About {
         &self.lines
     }
 
-    /// The lines as a comment of code, each behind `//`.
+    /// The lines as a comment of code, each after `//`.
     #[must_use]
     pub(super) fn comment(&self) -> String {
-        // A backslash at the end would make the next line a part of the comment in C.
+        // In C, a backslash at the end would continue the comment on the next line.
         self.lines.iter().map(|line| format!("// {line}").trim_end_matches(['\\', ' ']).to_owned() + "\n").collect()
     }
 }
 
-/// Characters that are no control characters, but end a line, and with it a comment, in some languages.
+/// Whether a character is not a control character, but ends a line, and so a comment, in some languages.
 fn is_break(c: char) -> bool {
     matches!(c, '\u{2028}' | '\u{2029}')
 }
@@ -121,7 +122,7 @@ mod tests {
         assert_eq!(About::new(["a line"]).suffix(), "");
     }
 
-    /// A table of fuzz has published numbers, which are not ours to give away.
+    /// A table of fuzz has published numbers under their own licence.
     #[test]
     fn one_licence_is_told() {
         for (brdf, licence) in
@@ -130,12 +131,12 @@ mod tests {
             let document = format!(r#"{{"brdf": "{brdf}"}}"#);
             let recipe = recipe_document::parse(document.as_bytes(), 1_000_000).expect("a recipe");
             let about = About::of_table(Digest::of(b""), Some(&recipe), None);
-            let told: Vec<_> = about.lines().iter().filter(|line| line.starts_with("licence")).collect();
-            assert!(told.len() == 1 && told[0].contains(licence), "{brdf}: {told:?}");
+            let reported: Vec<_> = about.lines().iter().filter(|line| line.starts_with("licence")).collect();
+            assert!(reported.len() == 1 && reported[0].contains(licence), "{brdf}: {reported:?}");
         }
     }
 
-    /// The mean of a few places may be twice that of many.
+    /// The comment states the number of places, because the mean over a few places may be twice that over many.
     #[test]
     fn the_error_is_told_with_the_places_where_it_was_measured() {
         let about = About::of_table(Digest::of(b""), None, Some(MeanError { width: 0.046_98, places: 512 }));

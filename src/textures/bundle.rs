@@ -1,30 +1,31 @@
-//! Files that belong together, and one more that tells what they are.
+//! Files that belong together, and a manifest that describes them.
 
 use serde_json::{Value, json};
 
 use super::{about::About, file::TextureFile, rounding::RoundingError};
 use ltcforge_files::digest::Digest;
 
-/// The name of the manifest beside the other files.
+/// The name of the manifest.
 pub const MANIFEST: &str = "ltcforge.json";
 
 /// The files of an export.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bundle {
-    /// The files; the last tells what the others are.
+    /// The files; the last is the manifest.
     pub files: Vec<TextureFile>,
-    /// Instructions, a sentence each.
+    /// Instructions, one sentence each.
     pub steps: Vec<String>,
 }
 
 impl Bundle {
-    /// The same files and a manifest of them, `ltcforge.json`: what they are by `key` and `name`, such as `for` and an
-    /// engine, what is known of the table, its recipe, the steps, and each file's size in bytes, SHA-256 and what rounding changed.
+    /// The same files plus a manifest `ltcforge.json`. It has the export's `key` and `name` (such as `for` and an
+    /// engine), facts about the table, its recipe, the steps, and each file's size in bytes, SHA-256 and changes by
+    /// rounding.
     pub(super) fn with_manifest(mut self, key: &str, name: &str, about: &About) -> Self {
         let entry = |file: &TextureFile| json!({ "path": file.path, "bytes": file.bytes.len(), "sha256": Digest::of(&file.bytes).hex(), "rounding": file.rounding });
         let files: Vec<_> = self.files.iter().map(entry).collect();
         let mut document = json!({ key: name, "about": about.lines(), "files": files, "steps": self.steps });
-        // The canonical text is JSON.
+        // The canonical text is valid JSON.
         if let Some(recipe) = about.recipe().and_then(|text| serde_json::from_str::<Value>(text).ok()) {
             document["recipe"] = recipe;
         }

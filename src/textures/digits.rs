@@ -1,12 +1,12 @@
-//! Numbers as text: the shortest digits from which the stored number comes back.
+//! Numbers as text: the shortest digits that give the stored number again.
 
 use half::f16;
 
 use ltcforge_fit::Precision;
 
-/// The shortest decimal that is read back as `x`, which is a number of the precision: for 32 bits as an f32, for 16
-/// bits as a half, whether it is read directly, as an f32 that is then rounded, or as an f64. A valid number in JSON,
-/// JavaScript, and with a decimal point also in C, C# and Rust.
+/// The shortest decimal that reads as `x`, a number of the precision. For 32 bits it reads as an f32. For 16 bits it
+/// gives the half if it is read as a half, as an f32 that is then rounded, or as an f64. The text is a valid number in
+/// JSON and JavaScript, and with a decimal point also in C, C# and Rust.
 pub(super) fn shortest(x: f32, precision: Precision) -> String {
     let exponential = match precision {
         Precision::F32 => format!("{x:e}"),
@@ -15,7 +15,8 @@ pub(super) fn shortest(x: f32, precision: Precision) -> String {
     plain(&exponential)
 }
 
-/// At most five digits tell halves apart. Of the decimals with so many digits the nearest to `x` is tried.
+/// The shortest decimal of a half. Five digits distinguish all halves; for each length the decimal nearest to `x` is
+/// tried.
 fn shortest_half(x: f32) -> String {
     (0..=4)
         .map(|decimals| format!("{x:.decimals$e}"))
@@ -23,8 +24,8 @@ fn shortest_half(x: f32) -> String {
         .unwrap_or_else(|| format!("{x:e}"))
 }
 
-/// Whether a half is read from this text in every way. It must not be at the border of two halves: engines round ties
-/// in either direction.
+/// Whether the text gives this half in every way of reading. The text must not be on the border of two halves, because
+/// engines round ties in either direction.
 fn reads_as(text: &str, x: f32) -> bool {
     let (Ok(single), Ok(double)) = (text.parse::<f32>(), text.parse::<f64>()) else { return false };
     let bits = f16::from_f32_const(x).to_bits();
@@ -32,7 +33,7 @@ fn reads_as(text: &str, x: f32) -> bool {
     f16::from_f32_const(single).to_bits() == bits && around.iter().all(|y| f16::from_f64_const(*y).to_bits() == bits)
 }
 
-/// `1.25e-1` as `0.125` where that is not longer by much, without an exponent's `+`.
+/// The text without an exponent if it is not much longer, such as `0.125` for `1.25e-1`; exponents without `+`.
 fn plain(exponential: &str) -> String {
     let Some((mantissa, exponent)) = exponential.split_once('e') else { return exponential.to_owned() };
     let Ok(exponent) = exponent.parse::<i32>() else { return exponential.to_owned() };
@@ -42,7 +43,7 @@ fn plain(exponential: &str) -> String {
     let digits = if digits.is_empty() { "0" } else { digits };
     let count = i32::try_from(digits.len()).unwrap_or(i32::MAX);
     match exponent {
-        // All digits before the point.
+        // All digits are before the point.
         _ if (count - 1..6).contains(&exponent) => {
             format!("{sign}{digits}{}", "0".repeat((exponent + 1 - count) as usize))
         }
@@ -75,7 +76,7 @@ mod tests {
             let double: f64 = serde_json::from_str(&text).unwrap_or_else(|_| panic!("{text} is no JSON"));
             assert_eq!(f16::from_f32_const(single).to_bits(), bits, "{text}");
             assert_eq!(f16::from_f64_const(double).to_bits(), bits, "{text}");
-            // Strictly nearer than to the next halves: some engines round ties away from zero.
+            // The text must be strictly nearer than to the next halves: some engines round ties away from zero.
             for neighbour in [bits ^ 0x8000, bits.wrapping_add(1), bits.wrapping_sub(1)].map(f16::from_bits) {
                 let (here, there) = ((double - half.to_f64_const()).abs(), (double - neighbour.to_f64_const()).abs());
                 assert!(neighbour.is_nan() || half == neighbour || here < there, "{text} is no nearer to {half}");

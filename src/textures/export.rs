@@ -1,4 +1,4 @@
-//! Exports of a table: which files, by one name.
+//! Exports of a table: a name for each set of files.
 
 use std::{fmt, str::FromStr};
 
@@ -9,35 +9,35 @@ use super::{
 use ltcforge_files::compact::{COMPACT_MAGIC, encode_lobes};
 use ltcforge_fit::{Precision, Table};
 
-/// The name of files that hold all textures.
+/// The name of a file that contains all textures.
 const STEM: &str = "ltc";
-/// The key of the export's name in the manifest of files that are not for an engine.
+/// The key of the export's name in the manifest, for files that are not for an engine.
 const MANIFEST_KEY: &str = "export";
 
-/// Files that can be made of a table. Its name is that of an engine, layout, format and numbers with dots between, or
-/// that of a compact form: `three`, `ltc2017.ktx2.f16`, `compact-js`.
+/// A set of files that can be made of a table. Its name is that of an engine, or layout, format and numbers with dots
+/// between, or that of a compact form: `three`, `ltc2017.ktx2.f16`, `compact-js`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Export {
-    /// The files of an engine, under its names.
+    /// The files of an engine, with its names.
     Engine(Engine),
-    /// Textures of a layout in a format of one's own choice.
+    /// Textures of a layout in any format.
     Textures {
         /// The layout of axes, texels and channels.
         layout: TextureLayout,
-        /// The files' format.
+        /// The format of the files.
         container: TextureContainer,
-        /// Bits of a number.
+        /// The number format.
         precision: Precision,
     },
     /// The table in its compact form.
     Compact(CompactContainer),
 }
 
-/// Why there is no export of a name.
+/// The name is not an export.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "«{}» is no export: an export is an engine ({}), a compact form ({}), or layout.container.precision, such as \
-    ltc2017.ktx2.f16, of the layouts {}, the containers {} and the precisions {}", .0.escape_debug(), names(Engine::ALL),
+    "«{}» is not an export; allowed: an engine ({}), a compact form ({}), or layout.container.precision, such as \
+    ltc2017.ktx2.f16, with layouts {}, containers {} and precisions {}", .0.escape_debug(), names(Engine::ALL),
     names(CompactContainer::ALL), names(TextureLayout::ALL), names(TextureContainer::ALL), names(Precision::ALL)
 )]
 pub struct UnknownExport(pub String);
@@ -46,42 +46,42 @@ fn names<T: fmt::Display>(all: &[T]) -> String {
     all.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
-/// Why a table has no such files.
+/// The table does not have these files.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ExportError {
-    /// It has no such textures.
+    /// The table has no such textures.
     #[error(transparent)]
     Textures(#[from] NoTextures),
-    /// It has, of other sizes than the engine takes.
+    /// The table has such textures, but not in the sizes that the engine needs.
     #[error("{source}; this recipe gives a table that has them: {recipe}")]
     Sizes {
-        /// The sizes that the engine takes, and those that there are.
+        /// The sizes that the engine needs, and the sizes of the table.
         source: Box<TextureFileError>,
-        /// A recipe that serves.
+        /// A recipe whose table has the needed sizes.
         recipe: String,
     },
-    /// The format cannot hold them.
+    /// The format cannot store the textures.
     #[error(transparent)]
     Files(TextureFileError),
-    /// It has matrices that no shader can invert.
+    /// Some matrices are singular, and shaders cannot invert them.
     #[error(
-        "{count} entries have matrices without an inverse, which make no light; the first is entry {entry}, {place}"
+        "{count} entries have matrices without an inverse, which cannot be lit; the first is entry {entry}, {place}"
     )]
     Singular {
-        /// How many.
+        /// The number of singular matrices.
         count: usize,
-        /// The index of the first.
+        /// The index of the first singular entry.
         entry: usize,
-        /// Where it is.
+        /// The place of the first singular entry.
         place: String,
     },
-    /// It has no such compact form.
+    /// The table has no such compact form.
     #[error(transparent)]
     Compact(#[from] CompactFileError),
 }
 
 impl ExportError {
-    /// A recipe whose table has these files, if another one would help.
+    /// A recipe whose table has these files, if there is one.
     #[must_use]
     pub fn recipe(&self) -> Option<&str> {
         match self {
@@ -94,7 +94,7 @@ impl ExportError {
 }
 
 impl Export {
-    /// Every export that there is: of engines first, then textures, then compact forms.
+    /// All exports: engines first, then textures, then compact forms.
     pub fn all() -> impl Iterator<Item = Self> {
         let textures = TextureLayout::ALL.iter().flat_map(|&layout| {
             TextureContainer::ALL.iter().flat_map(move |&container| {
@@ -105,10 +105,10 @@ impl Export {
         Engine::ALL.iter().map(|&engine| Self::Engine(engine)).chain(textures).chain(compact)
     }
 
-    /// The name of the layout that the files have, and whether the table has it. Sizes are not looked at.
+    /// The name of the layout of the files, if the table has it. Sizes are not checked.
     ///
     /// # Errors
-    /// When it has not; the error names a recipe whose table has it. When one of its matrices has no inverse.
+    /// The table lacks the layout; the error names a recipe whose table has it. Or a matrix has no inverse.
     pub fn layout(self, table: &Table) -> Result<&'static str, ExportError> {
         check_inverses(table)?;
         match self {
@@ -124,11 +124,11 @@ impl Export {
         }
     }
 
-    /// The files, their manifest, and what to do with them. They follow from the arguments and this program alone.
-    /// `about` says what the table is; how its textures are sampled is added.
+    /// The files, their manifest, and instructions. They depend only on the arguments and the version of this program.
+    /// `about` describes the table; this function adds the sampling of its textures.
     ///
     /// # Errors
-    /// When the table has no such files.
+    /// The table does not have these files.
     pub fn bundle(self, table: &Table, about: About) -> Result<Bundle, ExportError> {
         check_inverses(table)?;
         match self {
@@ -160,11 +160,11 @@ impl Export {
         }
     }
 
-    /// The paths of the files of a table, and files that look like them: of the same formats, with other numbers. They
-    /// take a fraction of the time of [`Self::bundle`].
+    /// The paths of the files of a table, with placeholder contents of the same formats but other numbers. This takes a
+    /// fraction of the time of [`Self::bundle`].
     ///
     /// # Errors
-    /// When the table has no such textures.
+    /// The table does not have these textures.
     pub fn forms(self, table: &Table) -> Result<Vec<TextureFile>, ExportError> {
         let about = About::default();
         let lobes = |bytes: Vec<u8>| vec![bytes; if table.second_matrices().is_some() { 2 } else { 1 }];
@@ -180,7 +180,7 @@ impl Export {
                 Bundle { files, steps: vec![] }.with_manifest(MANIFEST_KEY, &self.to_string(), &about)
             }
             Self::Compact(CompactContainer::Wgsl) => {
-                // The module's text follows from numbers that these bytes lack.
+                // The module's text depends on numbers that these bytes lack.
                 let mut bundle = Self::compact_bundle(CompactContainer::Bytes, lobes(COMPACT_MAGIC.to_vec()), &about)?;
                 let (path, bytes) = (format!("{STEM}.compact.wgsl"), b"// WGSL".to_vec());
                 bundle.files.insert(1, TextureFile { path, bytes, rounding: RoundingError::default() });
@@ -191,10 +191,10 @@ impl Export {
         Ok(bundle.files)
     }
 
-    /// [`Self::bundle`] of a table the compact forms of whose lobes are there already.
+    /// The same as [`Self::bundle`], from the compact forms of the table's lobes.
     ///
     /// # Errors
-    /// When the bytes are no compact form.
+    /// The bytes are not a compact form.
     pub fn compact_bundle(
         container: CompactContainer,
         forms: Vec<Vec<u8>>,
@@ -205,10 +205,10 @@ impl Export {
     }
 }
 
-/// The files of a table, with a step more where its recipe gives nodes one by one.
+/// The files of a table, with one more step if its recipe lists nodes.
 fn with_search(mut bundle: Bundle, table: &Table) -> Bundle {
     if !table.layout.is_even(&table.axes) {
-        let text = "The recipe gives nodes one by one: of the shader's texts only that of ltcforge shader --nodes TABLE finds them.";
+        let text = "The recipe lists its nodes: use the shader that ltcforge shader --nodes TABLE writes.";
         bundle.steps.push(text.to_owned());
     }
     bundle
@@ -221,18 +221,18 @@ fn check_inverses(table: &Table) -> Result<(), ExportError> {
     Err(ExportError::Singular { count: 1 + singular.count(), entry, place: table.place_of(entry) })
 }
 
-/// The layout of the textures that an engine takes of a table. A table that no recipe would help is refused first.
+/// The layout of the textures that an engine needs of a table. Errors that no other recipe can fix come first.
 fn engine_textures(engine: Engine, table: &Table) -> Result<TextureLayout, NoTextures> {
     let own = TextureLayout::of_shader(table.layout);
     let layout = engine.layout().map_or(Ok(own), TextureLayout::named)?;
     let checked = layout.check(table);
-    let there_is = if checked.is_ok() { layout.name() } else { own.name() };
+    let available = if checked.is_ok() { layout.name() } else { own.name() };
     if table.lobe.gaussian().is_some() {
-        return Err(NoTextures::OtherLobe { engine: engine.name(), lobe: table.lobe, layout: there_is });
+        return Err(NoTextures::OtherLobe { engine: engine.name(), lobe: table.lobe, layout: available });
     }
     if engine.layout().is_some() && !engine.brdfs().contains(&table.brdf()) {
         let known = engine.brdfs().iter().map(|brdf| brdf.name()).collect::<Vec<_>>().join(", ");
-        return Err(NoTextures::OtherBrdf { engine: engine.name(), known, brdf: table.brdf(), layout: there_is });
+        return Err(NoTextures::OtherBrdf { engine: engine.name(), known, brdf: table.brdf(), layout: available });
     }
     checked?;
     Ok(layout)

@@ -1,24 +1,24 @@
-//! Files that were made of textures.
+//! Files made of textures.
 
 use std::{ffi::OsStr, path::Path};
 
 use super::{rounding::RoundingError, texture::TextureError};
 use ltcforge_files::compact::COMPACT_MAGIC;
 
-/// A file that was made of textures.
+/// A file made of textures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TextureFile {
-    /// Its path within the folder that it is written to, with `/` between names.
+    /// The path within the destination folder, with `/` between names.
     pub path: String,
-    /// Its bytes.
+    /// The bytes of the file.
     pub bytes: Vec<u8>,
     /// The changes by rounding.
     pub rounding: RoundingError,
 }
 
 impl TextureFile {
-    /// Whether bytes may be another version of this file: a text too, or bytes that begin alike, or that are as many
-    /// where a format has no beginning of its own.
+    /// Whether bytes look like another version of this file: both are texts; or both begin alike; or, for a format
+    /// without a magic number, both have the same length.
     #[must_use]
     pub fn resembles(&self, bytes: &[u8]) -> bool {
         let is_json = |bytes: &[u8]| serde_json::from_slice::<serde::de::IgnoredAny>(bytes).is_ok();
@@ -32,53 +32,53 @@ impl TextureFile {
     }
 }
 
-/// Why textures are no file.
+/// The textures cannot become files.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TextureFileError {
-    /// A texture that contradicts itself.
+    /// A texture is inconsistent.
     #[error(transparent)]
     Texture(#[from] TextureError),
-    /// No texture at all.
+    /// There is no texture.
     #[error("no texture was given; a file needs one or more")]
     Empty,
-    /// Two textures of one name.
-    #[error("two textures are named «{name}»; each needs a name of its own")]
+    /// Two textures have the same name.
+    #[error("two textures are named «{name}»; each needs a different name")]
     SameName {
         /// The name.
         name: String,
     },
-    /// A texture that the format cannot hold.
+    /// The format cannot store a texture.
     #[error("«{name}»: {field} is {value}; {container} allows {allowed}")]
     Unsupported {
-        /// The texture.
+        /// The name of the texture.
         name: String,
-        /// The property that does not fit.
+        /// The unsupported property.
         field: &'static str,
-        /// Its value.
+        /// The value of the property.
         value: String,
         /// The format.
         container: &'static str,
-        /// The values that the format allows.
+        /// The allowed values.
         allowed: String,
     },
-    /// An engine needs a texture that is not there.
-    #[error("{engine} needs a texture «{name}» of {wanted}; there are {found}")]
+    /// A texture that an engine needs is missing.
+    #[error("{engine} needs a texture «{name}» with {wanted}, but the table gives {found}")]
     Missing {
         /// The engine.
         engine: &'static str,
-        /// The texture's name.
+        /// The name of the texture.
         name: &'static str,
-        /// The texture that the engine needs.
+        /// The required texture.
         wanted: String,
-        /// The textures that there are.
+        /// The textures of the table.
         found: String,
     },
-    /// The crate that writes the format refuses.
+    /// The crate that writes the format returned an error.
     #[error("{container}: {reason}")]
     Refused {
         /// The format.
         container: &'static str,
-        /// Its reason.
+        /// The message of the crate.
         reason: String,
     },
 }

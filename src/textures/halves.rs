@@ -1,15 +1,15 @@
 //! Matrices in halves: the numbers of a matrix are rounded together, so that its lobe moves least.
 //!
-//! Each number alone is nearest to one of two neighbouring halves, but a sharp lobe's direction depends on differences
-//! of numbers that are many times its width apart: rounding each to the nearest may move it by most of its width. Every
-//! number becomes one of its two neighbours, and of these choices that one is taken whose lobe is displaced least,
+//! The direction of a sharp lobe depends on differences of numbers that are many times larger than its width. Rounding
+//! each number to the nearest half may move the lobe by most of its width. So each number becomes one of its two
+//! neighbouring halves, and the search selects the combination that displaces the lobe least:
 //!
 //! ```text
 //! d^2 = mean_k |w'_k - w_k|^2,   w_k = M c_k / |M c_k|
 //! ```
 //!
-//! with fixed directions `c_k` that stand for a clamped cosine. Of up to five numbers, as isotropic tables have them,
-//! all choices are tried; of nine, those that change one or two numbers at a time, until none is better.
+//! with fixed directions `c_k` that represent a clamped cosine. For up to five numbers, as in isotropic tables, the
+//! search tries all combinations. For nine, it changes one or two numbers at a time until nothing improves.
 
 use glam::{DMat3, DVec3};
 use half::f16;
@@ -17,46 +17,47 @@ use serde::Serialize;
 
 use ltcforge_fit::{ALPHA_FLOOR, Layout, PerAxis, Reflection, THETA_CEILING, Table, math::concentric_cosine};
 
-/// How far lobes moved when their matrices were rounded: the root of the mean square over a lobe's directions, as a
-/// part of the root mean square of their distance from their middle. 1 for a matrix that makes no lobe.
+/// The displacement of lobes by rounding their matrices: the root mean square over a lobe's directions, divided by the
+/// root mean square of their distance from their middle. 1 for a matrix that makes no lobe.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Displacement {
-    /// Mean over a table's entries.
+    /// The mean over a table's entries.
     pub mean: f64,
-    /// Largest.
+    /// The largest value.
     pub max: f64,
 }
 
-/// Numbers of a texture as halves that were chosen together.
+/// The numbers of a texture as halves that were selected together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Halves {
-    /// In the order of the texels.
+    /// The halves, in the order of the texels.
     pub numbers: Vec<f32>,
-    /// The displacement of the table's lobes.
+    /// The displacement of the table's lobes by rounding.
     pub displacement: Displacement,
 }
 
-/// Rings and sectors of the clamped cosine, one direction in each: for choices, and for what is told of them.
-const CHOOSING: [usize; 2] = [4, 8];
-const TELLING: [usize; 2] = [8, 16];
-/// Most numbers of which all choices are tried.
+/// Rings and sectors of the clamped cosine, with one direction in each: for the search, and for the reported
+/// displacement.
+const SEARCHED: [usize; 2] = [4, 8];
+const MEASURED: [usize; 2] = [8, 16];
+/// The most numbers for which all combinations are tried.
 const MOST_TOGETHER: usize = 5;
-/// The displacement of a matrix that no choice keeps upright.
+/// The displacement of a matrix if no combination makes a lobe.
 const WITHOUT_LOBE: f64 = 1.0;
-/// Most rounds of changing one or two numbers.
+/// The most rounds of changing one or two numbers.
 const MOST_ROUNDS: usize = 8;
 
-/// The table with matrices whose numbers are halves, and how far its lobes moved.
+/// The table with matrices in halves, and the displacement of its lobes.
 pub(super) fn halved(table: &Table) -> (Table, Displacement) {
-    let (choosing, telling) = (Cosine::new(CHOOSING), Cosine::new(TELLING));
+    let (searched, measured) = (Cosine::new(SEARCHED), Cosine::new(MEASURED));
     let mut halved = table.clone();
     let (mut sum, mut max, mut lobes) = (0.0, 0.0_f64, 0);
     for matrices in [Some(&mut halved.matrix), halved.second.as_mut()].into_iter().flatten() {
         for (entry, matrix) in matrices.iter_mut().enumerate() {
             let decoder = LobeDecoder::of(table.layout, table.node(entry));
             let exact = *matrix;
-            *matrix = decoder.nearest_lobe(&exact, &choosing);
-            let moved = decoder.displacement(&exact, matrix, &telling).unwrap_or(WITHOUT_LOBE);
+            *matrix = decoder.nearest_lobe(&exact, &searched);
+            let moved = decoder.displacement(&exact, matrix, &measured).unwrap_or(WITHOUT_LOBE);
             sum += moved;
             max = max.max(moved);
             lobes += 1;
@@ -66,8 +67,8 @@ pub(super) fn halved(table: &Table) -> (Table, Displacement) {
     (halved, Displacement { mean, max })
 }
 
-/// The half next to a number and, where there is one, its neighbour on the other side of it. With a number that is not
-/// zero, neither is zero, and both are finite.
+/// The half nearest to a number, and the neighbouring half on the other side of it, if there is one. If the number is
+/// not zero, neither half is zero, and both are finite.
 pub(super) fn neighbours(x: f32) -> (f32, Option<f32>) {
     let half = f16::from_f32_const(x);
     if x == 0.0 || half.to_f32_const() == x {
@@ -81,13 +82,13 @@ pub(super) fn neighbours(x: f32) -> (f32, Option<f32>) {
     }
     let nearest = half.to_f32_const();
     let bits = half.to_bits();
-    // Bits grow with the magnitude.
+    // The bits of a half grow with its magnitude.
     let other = f16::from_bits(if nearest.abs() < x.abs() { bits + 1 } else { bits - 1 });
     let is_usable = other.is_finite() && other.to_f32_const() != 0.0;
     (nearest, is_usable.then(|| other.to_f32_const()))
 }
 
-/// Directions that stand for a clamped cosine.
+/// Directions that represent a clamped cosine.
 struct Cosine(Vec<DVec3>);
 
 impl Cosine {
@@ -103,10 +104,10 @@ impl Cosine {
     }
 }
 
-/// Makes the lobe of an entry from its stored matrix.
+/// Computes the lobe of an entry from its stored matrix.
 struct LobeDecoder {
     is_inverse: bool,
-    /// The factor to the left of the stored matrix.
+    /// The left factor of the stored matrix.
     before: DMat3,
 }
 
@@ -117,16 +118,16 @@ impl LobeDecoder {
         Self { is_inverse: layout.free_numbers().is_some_and(|free| free.is_inverse), before }
     }
 
-    /// The lobe of a stored matrix; `None` where there is none.
+    /// The lobe of a stored matrix; `None` if it makes no lobe.
     fn lobe(&self, stored: &[f32; 9]) -> Option<DMat3> {
-        // The array has rows.
+        // The array is row-major.
         let stored = DMat3::from_cols_array(&stored.map(f64::from)).transpose();
         let determinant = stored.determinant();
         let lobe = self.before * if self.is_inverse { stored.inverse() } else { stored };
         (determinant > 0.0 && lobe.is_finite()).then_some(lobe)
     }
 
-    /// The displacement from one stored matrix to another; `None` where one has no lobe.
+    /// The displacement between the lobes of two stored matrices; `None` if one of them makes no lobe.
     fn displacement(&self, exact: &[f32; 9], other: &[f32; 9], cosine: &Cosine) -> Option<f64> {
         let exact = cosine.of(&self.lobe(exact)?);
         let moved = mean_square(&exact, &cosine.of(&self.lobe(other)?));
@@ -136,7 +137,7 @@ impl LobeDecoder {
         part.is_finite().then_some(part)
     }
 
-    /// The halves whose lobe is nearest to the matrix's own.
+    /// The halves whose lobe is nearest to the lobe of the exact matrix.
     fn nearest_lobe(&self, exact: &[f32; 9], cosine: &Cosine) -> [f32; 9] {
         let choices = exact.map(neighbours);
         let free: Vec<usize> = (0..9).filter(|i| choices[*i].1.is_some()).collect();
@@ -169,7 +170,7 @@ impl LobeDecoder {
         for _ in 0..MOST_ROUNDS {
             let before = best.0;
             for (k, one) in free.iter().enumerate() {
-                // The last of them changes one number, those before it two.
+                // The last item changes one number, the items before it two.
                 for other in free[k + 1..].iter().chain([one]) {
                     let change = 1 << one | 1 << other;
                     try_one(best.0 ^ change, &mut best);
@@ -196,9 +197,9 @@ mod tests {
     use ltcforge_files::compact::planted::planted;
     use ltcforge_fit::Precision;
 
-    /// The displacement where each number is rounded alone.
+    /// The displacement if each number is rounded separately.
     fn alone(table: &Table) -> Displacement {
-        let cosine = Cosine::new(TELLING);
+        let cosine = Cosine::new(MEASURED);
         let moved: Vec<f64> = (0..table.matrix.len())
             .map(|entry| {
                 let nearest = round(&table.matrix[entry], Precision::F16).numbers;
@@ -223,7 +224,7 @@ mod tests {
             let (halved, moved) = halved(&table);
             let alone = alone(&table);
             assert!(moved.mean < part * alone.mean, "{layout}: {moved:?} {alone:?}");
-            // Not all choices of nine numbers are tried.
+            // The search does not try all combinations of nine numbers.
             assert!(moved.max <= alone.max || table.layout.only_ranges().is_none(), "{layout}: {moved:?} {alone:?}");
             assert!(moved.mean > 0.0 && halved.matrix != table.matrix, "{layout}");
             let (again, unmoved) = super::halved(&halved);

@@ -1,9 +1,10 @@
-//! Textures as files: what engines load, include or compile in.
+//! Textures as files that engines load, include or compile.
 //!
-//! A [`Texture`] is numbers with sizes and names. A container writes some of them in one format, an engine's bundle
-//! writes the files that this engine has, under its names.
+//! A [`Texture`] has numbers, sizes and names. A container writes textures in one format. An engine's bundle writes the
+//! files of this engine, with its names.
 //!
-//! Invariant: equal arguments give equal bytes. No clock, no environment, no file is read or written here.
+//! Invariant: equal arguments give equal bytes. No code here uses a clock or the environment, or reads or writes a
+//! file.
 
 mod about;
 mod bundle;

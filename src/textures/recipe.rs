@@ -1,12 +1,12 @@
-//! The recipe that errors name: one whose table has the files that were asked for.
+//! Recipes that errors suggest, whose tables have the requested files.
 
 use serde_json::json;
 
 use ltcforge_files::digest::Digest;
 use ltcforge_fit::{BrdfKind, Layout, LobeModel, Table};
 
-/// The recipe of a layout, with the scattering model, its materials and the lobe of a table added where the layout takes
-/// them; two lobes an entry where its readers take these.
+/// The recipe of a layout, completed with the table's scattering model, materials and lobe if the layout supports them,
+/// and with two lobes an entry if its readers support them.
 pub(super) fn recipe_like(recipe: &str, layout: Layout, takes_two_lobes: bool, table: &Table) -> String {
     let brdf = table.brdf.kind();
     let file = table.brdf.file().map(|file| Digest::from_bytes(*file.digest()).to_string());

@@ -1,4 +1,4 @@
-//! Rounding to the numbers that a file stores.
+//! Rounding to the number format of a file.
 
 use half::f16;
 use serde::Serialize;
@@ -9,36 +9,36 @@ use super::{
 };
 use ltcforge_fit::Precision;
 
-/// Numbers of a precision, as 32-bit numbers that hold them exactly.
+/// Numbers of a precision, as 32-bit numbers that store them exactly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rounded {
     /// The number format.
     pub precision: Precision,
     /// The numbers.
     pub numbers: Vec<f32>,
-    /// How far they are from what was rounded.
+    /// The distance of the rounded numbers from the originals.
     pub error: RoundingError,
 }
 
-/// How far rounded numbers are from the originals; all zero for 32 bits.
+/// The distance of rounded numbers from the originals; all zero for 32 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct RoundingError {
-    /// The largest |rounded - x| / |x| of numbers of at least 2^-14 = 6.1e-5, from which on halves have 11 bits. Unless
-    /// numbers were clamped it is at most 2^-11 = 4.9e-4, and where they were chosen together 2^-10.
+    /// The largest |rounded - x| / |x| of numbers of at least 2^-14 = 6.1e-5, where halves have 11 bits. It is at most
+    /// 2^-11 = 4.9e-4, or 2^-10 for numbers rounded together, unless numbers were clamped.
     pub relative: f64,
-    /// The largest |rounded - x| of smaller numbers, between which halves are 2^-24 = 6.0e-8 apart.
+    /// The largest |rounded - x| of smaller numbers, where the step of halves is 2^-24 = 6.0e-8.
     pub absolute_of_small: f64,
-    /// Numbers beyond 65504, the largest half, which became that.
+    /// The number of values above 65504, the largest half, which were clamped to it.
     pub clamped: u64,
-    /// Numbers nearer to zero than to any half, which became the smallest half of their sign.
+    /// The number of values nearer to zero than to any half, which became the smallest half of their sign.
     pub raised: u64,
-    /// How far the lobes of the table moved, where the texture is one of a table's and has 16 bits.
+    /// The displacement of the table's lobes, for textures of a table in 16 bits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Displacement>,
 }
 
 impl RoundingError {
-    /// Counts a number that became another.
+    /// Records the rounding of a number.
     fn add(&mut self, x: f32, rounded: f32) {
         let (exact, apart) = (f64::from(x).abs(), (f64::from(rounded) - f64::from(x)).abs());
         if x.abs() >= f16::MIN_POSITIVE.to_f32_const() {
@@ -48,7 +48,7 @@ impl RoundingError {
         }
     }
 
-    /// That of two sets of numbers together.
+    /// The combined error of two sets of numbers.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -56,7 +56,7 @@ impl RoundingError {
             absolute_of_small: self.absolute_of_small.max(other.absolute_of_small),
             clamped: self.clamped + other.clamped,
             raised: self.raised + other.raised,
-            // Textures of one table tell the same.
+            // Textures of one table have the same displacement.
             displacement: match (self.displacement, other.displacement) {
                 (Some(one), Some(other)) => {
                     Some(Displacement { mean: one.mean.max(other.mean), max: one.max.max(other.max) })
@@ -67,9 +67,8 @@ impl RoundingError {
     }
 }
 
-/// Rounds finite numbers to the nearest of a precision, ties to even. With halves, a number beyond the largest half
-/// becomes that, and none but zero becomes zero: where a table has a divisor or a determinant that is small, it stays
-/// positive.
+/// Rounds finite numbers to the nearest of a precision, ties to even. For halves, numbers above the largest half become
+/// the largest half, and only zero becomes zero. So small divisors and determinants of a table stay positive.
 #[must_use]
 pub fn round(numbers: &[f32], precision: Precision) -> Rounded {
     let mut error = RoundingError::default();
@@ -80,8 +79,8 @@ pub fn round(numbers: &[f32], precision: Precision) -> Rounded {
     Rounded { precision, numbers: rounded, error }
 }
 
-/// Rounds the numbers of a texture. With halves, numbers that were chosen together are taken as they are, if they are
-/// next to what the texture holds.
+/// Rounds the numbers of a texture. For halves, numbers that were rounded together are used if they are next to the
+/// texture's numbers.
 #[must_use]
 pub(super) fn round_texture(texture: &Texture, precision: Precision) -> Rounded {
     let chosen = texture.halves.as_ref().filter(|_| precision == Precision::F16);
@@ -92,7 +91,7 @@ pub(super) fn round_texture(texture: &Texture, precision: Precision) -> Rounded 
     Rounded { precision, numbers, error }
 }
 
-/// The half that was chosen for a number, or the nearest where that is not one of its two neighbours.
+/// The half that was selected for a number, or the nearest half if the selected half is not a neighbour of the number.
 fn take_half(x: f32, half: f32, error: &mut RoundingError) -> f32 {
     if neighbours(x).1 != Some(half) {
         return round_to_half(x, error);
@@ -117,18 +116,18 @@ fn round_to_half(x: f32, error: &mut RoundingError) -> f32 {
 }
 
 impl Rounded {
-    /// The first for 32 bits, the second for 16.
+    /// `single` for 32 bits, `half` for 16 bits.
     pub(super) fn either<T>(&self, single: T, half: T) -> T {
         if self.precision == Precision::F32 { single } else { half }
     }
 
-    /// Bytes of one number.
+    /// The size of a number in bytes.
     #[must_use]
     pub fn number_bytes(&self) -> usize {
         self.either(4, 2)
     }
 
-    /// The numbers as files and graphics interfaces have them.
+    /// The numbers as little-endian bytes, as in files and graphics interfaces.
     #[must_use]
     pub fn little_endian(&self) -> Vec<u8> {
         match self.precision {
@@ -137,7 +136,7 @@ impl Rounded {
         }
     }
 
-    /// The bits of each number as a half: exact where the precision is 16 bits.
+    /// The bits of each number as a half. Exact for a precision of 16 bits.
     pub fn half_bits(&self) -> impl Iterator<Item = u16> {
         self.numbers.iter().map(|x| f16::from_f32_const(*x).to_bits())
     }
@@ -194,7 +193,7 @@ mod tests {
         fn in_range_the_nearest_is_taken(x in -60000.0_f32..60000.0) {
             let (half, _) = rounded(x);
             for neighbour in [half.next_up(), half.next_down()] {
-                // Both neighbouring halves: one bit of a half away.
+                // Both neighbouring halves differ by one in their bits.
                 let bits = f16::from_f32_const(half).to_bits();
                 for bits in [bits.wrapping_add(1), bits.wrapping_sub(1)] {
                     let other = f16::from_bits(bits).to_f32_const();

@@ -1,14 +1,14 @@
-//! Numbers as a renderer has them: a 2D texture, an array of these, or a 3D texture.
+//! Textures: 2D, arrays of 2D, or 3D.
 
 use super::halves::Halves;
 
-/// Most texels along one side.
+/// The most texels along one side.
 const MOST_TEXELS: u32 = 1 << 16;
 
-/// A texture of 32-bit numbers. Its fields can be changed, so writers call [`Texture::check`] before they read them.
+/// A texture of 32-bit numbers. Its fields are public, so writers call [`Texture::check`] before they read them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
-    /// Its name in files and code: a letter, then letters, digits and underscores.
+    /// The name in files and code: a letter, then letters, digits and underscores.
     pub name: String,
     /// Texels along x.
     pub width: u32,
@@ -16,54 +16,53 @@ pub struct Texture {
     pub height: u32,
     /// Texels along z; 1 for a 2D texture.
     pub depth: u32,
-    /// Layers of an array; 1 for a texture that is no array.
+    /// Layers of an array; 1 for a texture that is not an array.
     pub layers: u32,
-    /// The names of a texel's numbers, in order.
+    /// The names of a texel's channels, in order.
     pub channels: Vec<String>,
     /// The numbers: channel fastest, then x, y, z, layer.
     pub texels: Vec<f32>,
-    /// The numbers in 16 bits where those of different texels or channels belong together; `None` where each is
-    /// rounded to the nearest half.
+    /// The numbers in 16 bits, if they were rounded together; `None` to round each number to the nearest half.
     pub halves: Option<Halves>,
 }
 
-/// Why numbers are no texture.
+/// The numbers are not a texture.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TextureError {
-    /// A name that files or code cannot have.
+    /// The name is not possible in files or code.
     #[error("name is «{name}»; a texture's name is 1 to 64 ASCII letters, digits and underscores, a letter first")]
     Name {
         /// The name.
         name: String,
     },
-    /// A side without texels, or too many.
+    /// A side has no texels, or too many.
     #[error("«{name}»: {field} is {value}; 1 to {MOST_TEXELS} are allowed")]
     Side {
         /// The texture.
         name: String,
-        /// Which side.
+        /// The name of the side.
         field: &'static str,
-        /// Its length.
+        /// The length of the side.
         value: u32,
     },
-    /// No channel, one without a name, or two of the same name.
-    #[error("«{name}»: channels are {channels:?}; one or more are needed, each with a name of its own")]
+    /// There is no channel, or a channel has no name or the same name as another.
+    #[error("«{name}»: channels are {channels:?}; at least one is required, each with a different name")]
     Channels {
         /// The texture.
         name: String,
-        /// Its channels.
+        /// The channels.
         channels: Vec<String>,
     },
-    /// More or fewer numbers than the sizes say.
+    /// The number of texels does not match the sizes.
     #[error(
-        "«{name}»: texels has {actual} numbers; {width} x {height} x {depth} texels, {layers} layers and {channels} channels take {expected}"
+        "«{name}»: texels has {actual} numbers; {width} x {height} x {depth} texels, {layers} layers and {channels} channels need {expected}"
     )]
     Length {
         /// The texture.
         name: String,
-        /// Numbers that there are.
+        /// The number of values.
         actual: usize,
-        /// Numbers that the sizes take.
+        /// The number of values that the sizes require.
         expected: u64,
         /// Texels along x.
         width: u32,
@@ -76,22 +75,22 @@ pub enum TextureError {
         /// Channels.
         channels: usize,
     },
-    /// More or fewer halves than numbers.
+    /// The number of halves differs from the number of values.
     #[error("«{name}»: halves has {actual} numbers, texels {expected}")]
     Halves {
         /// The texture.
         name: String,
-        /// Halves that there are.
+        /// The number of halves.
         actual: usize,
-        /// Numbers that there are.
+        /// The number of values.
         expected: usize,
     },
-    /// A number that is infinite or NaN.
+    /// A number is infinite or NaN.
     #[error("«{name}»: texels[{index}] is {value}; only finite numbers are allowed")]
     NotFinite {
         /// The texture.
         name: String,
-        /// Its place.
+        /// The index of the number.
         index: usize,
         /// The number as text.
         value: String,
@@ -102,7 +101,7 @@ impl Texture {
     /// A 2D texture.
     ///
     /// # Errors
-    /// When [`Self::check`] finds a fault.
+    /// [`Self::check`] finds an error.
     pub fn flat(
         name: impl Into<String>,
         [width, height]: [u32; 2],
@@ -115,7 +114,7 @@ impl Texture {
     /// A texture of `[width, height, depth]` texels in each of `layers` layers.
     ///
     /// # Errors
-    /// When [`Self::check`] finds a fault.
+    /// [`Self::check`] finds an error.
     pub fn new(
         name: impl Into<String>,
         [width, height, depth]: [u32; 3],
@@ -129,10 +128,10 @@ impl Texture {
         Ok(texture)
     }
 
-    /// Whether name and channels can be written, the sizes agree with the numbers, and all numbers are finite.
+    /// Checks that name and channels can be written, the sizes match the numbers, and all numbers are finite.
     ///
     /// # Errors
-    /// The first field that does not hold.
+    /// The first field that is wrong.
     pub fn check(&self) -> Result<(), TextureError> {
         let name = || self.name.clone();
         if !is_identifier(&self.name) {
@@ -175,8 +174,8 @@ impl Texture {
         }
     }
 
-    /// Lengths from the slowest index to the fastest, as arrays of other programs have them: layers and depth only
-    /// where there are several, then height, width, channels.
+    /// Lengths from the slowest index to the fastest, as for arrays in other programs: layers and depth only if there
+    /// are several, then height, width, channels.
     #[must_use]
     pub fn shape(&self) -> Vec<usize> {
         let several = [self.layers, self.depth].into_iter().filter(|n| *n > 1);
@@ -184,16 +183,16 @@ impl Texture {
         sides.chain([self.channels.len()]).collect()
     }
 
-    /// The numbers of each 2D slice: of each depth of the first layer, then of the next.
+    /// The numbers of each 2D slice: all depths of the first layer, then of the next layer.
     #[must_use]
     pub fn slices(&self) -> impl ExactSizeIterator<Item = &[f32]> {
         self.texels.chunks_exact(self.width as usize * self.height as usize * self.channels.len())
     }
 
-    /// The same texture with some of its channels, in the order of `channels`.
+    /// The same texture with only the given channels, in the order of `channels`.
     ///
     /// # Errors
-    /// [`TextureError::Channels`] when it lacks one of them.
+    /// [`TextureError::Channels`] if a channel is missing.
     pub fn only(&self, channels: &[&str]) -> Result<Self, TextureError> {
         let place = |channel: &&str| self.channels.iter().position(|own| own == channel);
         let Some(places) = channels.iter().map(place).collect::<Option<Vec<_>>>() else {
@@ -210,7 +209,7 @@ impl Texture {
     }
 }
 
-/// Whether files and code in every language can have this name.
+/// Whether a name is possible in files and in code of every language.
 fn is_identifier(name: &str) -> bool {
     name.len() <= 64
         && name.starts_with(|c: char| c.is_ascii_alphabetic())
@@ -236,7 +235,7 @@ mod tests {
             (|t| t.layers = 1 << 17, "layers is 131072"),
             (|t| t.channels.clear(), "channels are []"),
             (|t| t.channels[1] = "a".to_owned(), r#"channels are ["a", "a"]"#),
-            (|t| t.height = 4, "texels has 24 numbers; 2 x 4 x 1 texels, 2 layers and 2 channels take 32"),
+            (|t| t.height = 4, "texels has 24 numbers; 2 x 4 x 1 texels, 2 layers and 2 channels need 32"),
             (
                 |t| t.halves = Some(Halves { numbers: vec![0.0; 3], displacement: Displacement::default() }),
                 "halves has 3 numbers, texels 24",

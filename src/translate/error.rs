@@ -2,13 +2,13 @@
 
 use ltcforge_shaders::Language;
 
-/// Why there is no translation: a language that has no such text ([`Language::has_programs`],
-/// [`Language::has_includes`]), or a defect of the shaders or of naga.
+/// There is no translation: the language has no such text ([`Language::has_programs`], [`Language::has_includes`]), or
+/// the shader or naga has a defect.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}: {reason}", language.name())]
 pub struct PortError {
-    /// The language asked for.
+    /// The language that was requested.
     pub language: Language,
-    /// The message of naga, or what is not printed, with line and column.
+    /// The message of naga or of the printer, with line and column.
     pub reason: String,
 }

@@ -1,4 +1,4 @@
-//! An isotropic table's light as text to include, without any texture: the table's polynomials stand in the code.
+//! An isotropic table's light as text to include, without any texture: the code contains the table's polynomials.
 
 use std::fmt::Write as _;
 
@@ -11,29 +11,30 @@ use ltcforge_shaders::{
 /// The licences of the text and of a table's numbers.
 const LICENCE: &str = "(MIT OR Apache-2.0) AND CC0-1.0";
 
-/// Raised when the light of a table changes.
+/// The revision, raised when the light of a table changes.
 const REVISION: u32 = 1;
 
-/// The opening comment: what the text is, and how to call it.
+/// The first part of the comment: description, functions and use.
 const ABOUT: &str = "\
 Linearly Transformed Cosines: area lights on isotropic surfaces, without a texture.
 
 FUNCTIONS
-  ltc_lookup(alpha_x, alpha_y, wo)  M, amplitude and fresnel. GGX roughness, the same twice; wo is the view direction in
-      the tangent frame, normal +z, of unit length. M maps the clamped cosine to the lobe, in that frame.
+  ltc_lookup(alpha_x, alpha_y, wo)  M, amplitude and fresnel. Pass the same GGX roughness twice. wo is the view
+      direction in the tangent frame, normal +z, of unit length. M maps the clamped cosine to the lobe, in this frame.
 {lights}
 USE
-  ltc_lookup and ltc_inverse once for a point and view, then one call for each light. Diffuse light is the albedo times
-  one with the unit matrix for inverse. Nothing is bound.
+  Call ltc_lookup and ltc_inverse once for a point and view, then one function for each light. Diffuse light is the
+  albedo times the part covered with ltc_inverse of the unit matrix. There are no bindings.
 
 TABLE
 ";
 
-/// The functions in `language`, with the coefficients of `function`, under a comment that ends with the lines `about`
-/// the table. `namespace` keeps the lights of several tables in one shader apart; nothing is bound.
+/// The functions in `language`, with the coefficients of `function`. The comment at the top ends with the lines
+/// `about`, which describe the table. `namespace` keeps the lights of several tables in one shader apart. There are no
+/// bindings.
 ///
 /// # Errors
-/// SPIR-V, which has no text, or a defect of the shaders or of naga.
+/// [`PortError`] for SPIR-V, which has no text to include, or for a defect of the shaders or of naga.
 pub fn include_function(
     language: Language,
     function: &IsotropicFunction,
@@ -42,7 +43,7 @@ pub fn include_function(
     additions: Additions,
     namespace: &Namespace,
 ) -> Result<String, PortError> {
-    // The matrix, amplitude and Fresnel term that the text looks up are those of a table of this layout.
+    // The text looks up the matrix, amplitude and Fresnel term of this layout.
     let lit_by = LitBy::from(Layout::Reflected).with(additions);
     let lit_by = lit_by.map_err(|error| PortError { language, reason: error.to_string() })?;
     let caller = lit_by.caller(Reading::default(), lights);
@@ -55,8 +56,8 @@ pub fn include_function(
     Ok(stamped(&header, &text))
 }
 
-/// The part of the shader that the table alone decides: where the polynomials begin, and their coefficients in
-/// multiples of a step.
+/// The part of the shader that depends on the table: the ranges of the polynomials, and their coefficients in multiples
+/// of a step.
 pub(crate) fn smooth_at(function: &IsotropicFunction) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
@@ -67,11 +68,11 @@ pub(crate) fn smooth_at(function: &IsotropicFunction) -> String {
 fn write_smooth_at(out: &mut String, function: &IsotropicFunction) -> std::fmt::Result {
     let ends = function.ends();
     let pair = |of: fn([f64; 2]) -> f64| ends.map(|ends| format!("{:?}", of(ends) as f32)).join(", ");
-    writeln!(out, "/// Where sqrt(alpha) and 1 - sqrt(cos theta) begin, and one over how far they reach.")?;
+    writeln!(out, "/// Start of sqrt(alpha) and of 1 - sqrt(cos theta), and one over the length of each range.")?;
     writeln!(out, "const LTC_FUNCTION_START = vec2<f32>({});", pair(|[low, _]| low))?;
     writeln!(out, "const LTC_FUNCTION_SCALE = vec2<f32>({});\n", pair(|[low, high]| 1.0 / (high - low)))?;
     writeln!(out, "struct LtcSmooth {{\n    shape: vec3<f32>,\n    terms: vec3<f32>,\n}}\n")?;
-    writeln!(out, "/// The table's numbers. x: polynomials of the roughness, y: of the view.")?;
+    writeln!(out, "/// The table's numbers, from polynomials of the roughness (x) and of the view (y).")?;
     writeln!(out, "fn ltc_smooth_at(x: LtcChebyshev, y: LtcChebyshev) -> LtcSmooth {{")?;
     let steps = IsotropicFunction::steps();
     for (name, first) in [("shape", 0), ("terms", 3)] {
@@ -90,7 +91,7 @@ fn write_smooth_at(out: &mut String, function: &IsotropicFunction) -> std::fmt::
     writeln!(out, "    return LtcSmooth(shape * vec3({}), terms * vec3({}));\n}}", scale(0), scale(3))
 }
 
-/// Where `LtcChebyshev` has the polynomial of a degree.
+/// The component of `LtcChebyshev` that has the polynomial of a degree.
 fn place(degree: usize) -> String {
     format!("{}.{}", ["low", "middle", "high"][degree / 4], ["x", "y", "z", "w"][degree % 4])
 }

@@ -1,18 +1,17 @@
-//! The shader as text to include: functions and their bindings, no program.
+//! The shader as text to include: functions and bindings, without a program.
 
 use super::{PortError, translation::translate_functions};
 use ltcforge_shaders::{GivenAxes, Language, Lights, LitBy, Namespace, Reading, functions, stamped};
 
-/// The functions in `language`, under a comment that explains how to call them, what to bind where, and which values a
-/// port has to reproduce.
+/// The functions in `language`, under a comment that explains calls, bindings and values to check a port against.
 ///
-/// `reading` says how a table's entries are read; models without a table have none. Who interpolates is the constant
-/// `ltc_hardware_filter` in WGSL, and the text is the same for both. `namespace` keeps several texts apart that are to
-/// stand in one shader; a table's, that of model normals and that of the Gaussians need none. `lights` says which
-/// lights a table of LTCs has functions for; of other models it says nothing.
+/// `reading` selects how entries of a table are read; models without a table ignore it. In WGSL, the constant
+/// `ltc_hardware_filter` selects the interpolation, so the text is the same for both filters. `namespace` keeps several
+/// texts in one shader apart; texts of different models need no namespace. `lights` selects the shapes of lights for
+/// tables of LTCs; other models ignore it.
 ///
 /// # Errors
-/// SPIR-V, which has no text, or a defect of the shaders or of naga.
+/// [`PortError`] for SPIR-V, which has no text to include, or for a defect of the shaders or of naga.
 pub fn include(
     language: Language,
     lit_by: impl Into<LitBy>,
@@ -27,10 +26,11 @@ pub fn include(
     made(language, lit_by, reading, lights, namespace, &functions(lit_by, read, lights), &header)
 }
 
-/// The functions that read a table whose nodes are given one by one, with the lines `about` it; else as [`include()`].
+/// The functions that read a table with listed nodes; `about` are lines that describe the table. Otherwise like
+/// [`include()`].
 ///
 /// # Errors
-/// As [`include()`].
+/// Like [`include()`].
 pub fn include_given(
     language: Language,
     lit_by: LitBy,

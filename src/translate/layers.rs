@@ -3,11 +3,11 @@
 use super::{PortError, translation::translate_functions};
 use ltcforge_shaders::{Language, layers_comment, layers_source, stamped};
 
-/// The functions that combine a coat and fuzz with what lies below them, in `language`, under a comment that explains
-/// them. Their names begin with `layers`; nothing is bound.
+/// The functions that combine a coat and fuzz with the layers below, in `language`, under a comment that explains them.
+/// Their names begin with `layers`. There are no bindings.
 ///
 /// # Errors
-/// SPIR-V, which has no text, or a defect of the shader or of naga.
+/// [`PortError`] for SPIR-V, which has no text to include, or for a defect of the shader or of naga.
 pub fn include_layers(language: Language) -> Result<String, PortError> {
     Ok(stamped(&layers_comment(), &translate_functions(language, &layers_source(), None)?))
 }

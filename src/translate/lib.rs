@@ -1,9 +1,9 @@
 //! Shaders of `ltcforge-shaders` in the languages of other renderers.
 //!
-//! [`port()`] translates a shader with the example that calls it. [`include()`] does so without the example, and
-//! [`include_function()`] puts a table's polynomials in its place. WGSL is handed out as it is written, without naga.
+//! [`port()`] translates a shader with the example that calls it. [`include()`] leaves out the example, and
+//! [`include_function()`] replaces the table by polynomials. WGSL is returned as written, without naga.
 //!
-//! GLSL, HLSL and MSL are printed from a syntax tree of the WGSL; naga validates it and writes SPIR-V.
+//! The printer writes GLSL, HLSL and MSL from a syntax tree of the WGSL. naga validates the WGSL and writes SPIR-V.
 //!
 //! Invariants: only `translation` uses naga; equal arguments give equal bytes on every machine.
 

@@ -7,13 +7,13 @@ use super::{
     translation::{program, spirv_program},
 };
 
-/// The shader that lights by a table of some layout, or without one, in `language`: UTF-8, or the words of SPIR-V in
+/// The shader in `language` that lights by a table of a layout, or without a table: UTF-8, or the words of SPIR-V in
 /// little-endian order.
 ///
-/// SPIR-V holds the comment in its `OpSource`.
+/// SPIR-V contains the comment in its `OpSource`.
 ///
 /// # Errors
-/// naga does not translate the shader.
+/// [`PortError`] if the language has no program or naga does not translate the shader.
 pub fn port(language: Language, lit_by: impl Into<LitBy>) -> Result<Vec<u8>, PortError> {
     let lit_by = lit_by.into();
     if language == Language::Wgsl {
@@ -25,7 +25,7 @@ pub fn port(language: Language, lit_by: impl Into<LitBy>) -> Result<Vec<u8>, Por
         return spirv_program(lit_by, &header).map_err(failed);
     }
     let body = program(language, lit_by).map_err(failed)?;
-    // OpenGL ES takes nothing before the version, not even a comment.
+    // OpenGL ES allows nothing before the version, not even a comment.
     let (version, code) = match body.split_once('\n').filter(|(first, _)| first.starts_with("#version")) {
         Some((version, code)) => (format!("{version}\n"), code),
         None => (String::new(), body.as_str()),

@@ -3,11 +3,11 @@
 use super::{PortError, translation::translate_functions};
 use ltcforge_shaders::{Language, prefilter_comment, prefilter_source, stamped};
 
-/// The functions that make the pyramid of a picture pass by pass, in `language`, under a comment that explains them. Their
-/// names begin with `prefilter`, and they read two textures.
+/// The functions that make the pyramid of a picture in several passes, in `language`, under a comment that explains
+/// them. Their names begin with `prefilter`. They read two textures.
 ///
 /// # Errors
-/// SPIR-V, which has no text, or a defect of the shader or of naga.
+/// [`PortError`] for SPIR-V, which has no text to include, or for a defect of the shader or of naga.
 pub fn include_prefilter(language: Language) -> Result<String, PortError> {
     Ok(stamped(&prefilter_comment(), &translate_functions(language, &prefilter_source(), None)?))
 }

@@ -1,9 +1,10 @@
-//! WGSL in another language as a person would write it: its names, its comments, its lines.
+//! Prints WGSL in another language as a person would write it, with its names, comments and lines.
 //!
-//! Declarations that the program reaches are printed in the order of the source, but each after those it needs. What
-//! both languages write alike is copied from the source, so comments, blanks and lines stay as they are.
+//! Declarations that the entry point uses are printed in the order of the source, but after the declarations they
+//! depend on. Code that both languages write alike is copied from the source, with its comments, blanks and line
+//! breaks.
 //!
-//! Invariants: knows no naga and no model of light; equal arguments give equal bytes; a text that it does not
+//! Invariants: knows neither naga nor light models; equal arguments give equal bytes; a text that it does not
 //! understand gives an error with line and column, never a panic.
 
 mod builtins;
@@ -29,13 +30,13 @@ use order::Order;
 /// The use of the entry point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Form {
-    /// It only tells which functions are called, and is left out.
+    /// It shows which functions to print, and is left out.
     Include,
     /// It is a compute shader.
     Program,
 }
 
-/// The declarations that the entry point `entry` of `source` reaches, in `language`; the error has line and column.
+/// The declarations of `source` that the entry point `entry` uses, in `language`. The error has line and column.
 pub(crate) fn printed(language: Language, source: &str, entry: &str, form: Form) -> Result<String, String> {
     let dialect: &dyn Dialect = match (language, form) {
         (Language::Glsl, Form::Include) => &Glsl::Desktop450,
@@ -48,7 +49,7 @@ pub(crate) fn printed(language: Language, source: &str, entry: &str, form: Form)
         (Language::Msl, _) => &Msl,
         (Language::Wgsl | Language::Spirv, _) => return Err("this language is not printed".to_owned()),
     };
-    module(source, entry, form, dialect).map_err(|fault| fault.told(source))
+    module(source, entry, form, dialect).map_err(|fault| fault.message(source))
 }
 
 fn module(source: &str, entry: &str, form: Form, dialect: &dyn Dialect) -> Result<String, Fault> {
@@ -86,7 +87,7 @@ fn module(source: &str, entry: &str, form: Form, dialect: &dyn Dialect) -> Resul
 
 /// The entry point of a program, which takes no parameters.
 fn program(context: &mut Context<'_>, name: &str, function: &Function) -> Result<String, Fault> {
-    // The resources that it reads are in its head, not among its parameters.
+    // Its resources are parameters of the entry point in the dialect, not of this function.
     let read = context.read.remove(name).unwrap_or_default();
     let bound: Vec<(String, Slotted)> = read
         .into_iter()
@@ -96,7 +97,7 @@ fn program(context: &mut Context<'_>, name: &str, function: &Function) -> Result
     Ok(context.dialect.entry(name, &body, &bound))
 }
 
-/// `is_made`: whether values of a structure are made of their parts.
+/// `is_made`: whether the code constructs values of a structure from members.
 fn declaration(context: &mut Context<'_>, item: &Item, is_made: bool) -> Result<Option<String>, Fault> {
     let name = &item.name;
     match &item.kind {
@@ -135,7 +136,7 @@ fn declaration(context: &mut Context<'_>, item: &Item, is_made: bool) -> Result<
     }
 }
 
-/// The text with comments that begin with two slashes, as all these languages have them.
+/// The text with comments that begin with two slashes, as in all these languages.
 fn commented(text: &str) -> String {
     let line = |line: &str| match line.trim_start().strip_prefix("///") {
         Some(rest) => format!("{}//{rest}\n", &line[..line.len() - line.trim_start().len()]),

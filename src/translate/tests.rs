@@ -29,14 +29,14 @@ fn text(language: Language, lit_by: impl Into<LitBy>) -> String {
     String::from_utf8(ported(language, lit_by)).expect("UTF-8")
 }
 
-/// Code without its comments, which the header is.
+/// The code without comments, and so without the header.
 fn code(text: &str) -> String {
     text.lines()
         .filter(|line| !line.trim_start().starts_with("//"))
         .fold(String::new(), |code, line| code + line + "\n")
 }
 
-/// Whether a text begins with a comment, below the line that GLSL begins with. The comment's digest has no value yet.
+/// Whether a text begins with a comment, after the `#version` line of GLSL. The digest in `header` has no value yet.
 fn begins_with(text: &str, header: &str) -> bool {
     let text = text.strip_prefix("#version").and_then(|rest| rest.split_once('\n')).map_or(text, |(_, below)| below);
     let (before, behind) = header.split_once("{digest}").expect("a digest");
@@ -44,7 +44,7 @@ fn begins_with(text: &str, header: &str) -> bool {
         .is_some_and(|rest| rest.split_at_checked(16).is_some_and(|(_, rest)| rest.starts_with(behind)))
 }
 
-/// The lines of a header's values, in the order of the cases.
+/// The values in lines of a header that begin with `word`, in the order of the cases.
 fn numbers_after<'a>(text: &'a str, word: &'a str) -> impl Iterator<Item = Vec<f64>> + 'a {
     text.lines()
         .filter_map(move |line| line.trim_start_matches(['/', ' ']).strip_prefix(word))
@@ -74,7 +74,7 @@ fn every_language_has_header_and_functions_of_either_layout() {
     }
 }
 
-/// The models of light that need no table, each with its comment and its functions.
+/// The light models without a table, each with its comment and its functions.
 fn without_a_table(language: Language) -> [(LitBy, String, &'static [&'static str]); 2] {
     [
         (lit_by(LightModel::Normals, None), lit_by(LightModel::Normals, None).comment(language), &NORMALS_FUNCTIONS),
@@ -131,7 +131,7 @@ fn every_language_has_the_shaders_without_a_table() {
 
 #[test]
 fn languages_look_like_themselves() {
-    // GLSL has one name for an entry point.
+    // GLSL has a fixed name for the entry point.
     let entries =
         [(Language::Glsl, "void main()"), (Language::Hlsl, "void ltc_example()"), (Language::Msl, "void ltc_example(")];
     let signs = [
@@ -282,7 +282,7 @@ fn includes() -> impl Iterator<Item = (Language, LitBy, String)> {
 fn what_is_included_has_functions_and_no_program() {
     for (language, lit_by, text) in includes() {
         let name = language.name();
-        // The text of a rule has a shorter head.
+        // The text of a rule has no such sections.
         let has_sections = lit_by.rule().is_none();
         for word in ["FUNCTIONS", "USE"].into_iter().filter(|_| has_sections).chain(["MIT OR Apache-2.0", "CHECK"]) {
             assert!(text.contains(word), "{name}: {word}");

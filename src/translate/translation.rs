@@ -1,4 +1,4 @@
-//! From WGSL to the other languages: naga validates it and writes SPIR-V, `printer` the texts.
+//! From WGSL to other languages: naga validates and writes SPIR-V, `printer` writes the texts.
 
 use naga::{
     Module, ShaderStage,
@@ -14,32 +14,32 @@ use super::{
 };
 use ltcforge_shaders::{Filter, Language, LitBy, ported, stamped};
 
-/// The constant that says who interpolates.
+/// The pipeline constant that selects the interpolation.
 const FILTER: &str = "ltc_hardware_filter";
 
-/// A program in a language that is printed; the error is naga's or has line and column.
+/// A program in a printed language. The error is naga's, or has line and column.
 pub(super) fn program(language: Language, lit_by: LitBy) -> Result<String, String> {
     let source = exact(lit_by)?;
     validated(&source)?;
     printed(language, &source, lit_by.shader().example, Form::Program)
 }
 
-/// A program as the words of SPIR-V in little-endian order. Its source, which it holds, is under the comment `header`.
+/// A program as words of SPIR-V in little-endian order. It contains its source, with the comment `header`.
 pub(super) fn spirv_program(lit_by: LitBy, header: &str) -> Result<Vec<u8>, String> {
     let source = stamped(header, &exact(lit_by)?);
     spirv(validated(&source)?, lit_by.shader().example, &source)
 }
 
-/// The program in WGSL, which weighs the entries of a table itself.
+/// The program in WGSL that interpolates the entries of a table itself.
 fn exact(lit_by: LitBy) -> Result<String, String> {
     with_filter(&ported(lit_by), lit_by.layout().map(|_| Filter::Exact))
 }
 
-/// The fragment shader that calls every function of a text to include, and is left out of it.
+/// The fragment shader that calls every function of a text to include. The text does not contain it.
 const CALLER: &str = "ltc_included";
 
-/// The functions of a WGSL module in `language`, without the fragment shader that calls them all. `filter` is that of a
-/// shader that reads a table.
+/// The functions of a WGSL module in `language`, without the fragment shader that calls them. `filter` is for shaders
+/// that read a table.
 pub(super) fn translate_functions(
     language: Language,
     source: &str,
@@ -54,21 +54,21 @@ pub(super) fn translate_functions(
     text.map_err(|reason| PortError { language, reason })
 }
 
-/// The text above the entry point, which is last.
+/// The text above the entry point, which comes last.
 fn without_entry(whole: &str) -> Result<String, String> {
     let end = whole.rfind("@fragment\n").ok_or_else(|| format!("no {CALLER} in the text"))?;
     Ok(format!("{}\n", whole[..end].trim_end()))
 }
 
-/// The text with the filter put in, of a shader that reads a table.
+/// The text with the filter constant replaced, for a shader that reads a table.
 fn with_filter(source: &str, filter: Option<Filter>) -> Result<String, String> {
     match filter {
         None => Ok(source.to_owned()),
-        Some(filter) => folded(source, FILTER, filter == Filter::Hardware).map_err(|fault| fault.told(source)),
+        Some(filter) => folded(source, FILTER, filter == Filter::Hardware).map_err(|fault| fault.message(source)),
     }
 }
 
-/// The module of a valid text.
+/// Parses and validates a module.
 fn validated(source: &str) -> Result<Module, String> {
     let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
     validate(&module)?;
@@ -81,11 +81,11 @@ fn validate(module: &Module) -> Result<ModuleInfo, String> {
         .map_err(|error| format!("{:?}", error.into_inner()))
 }
 
-/// The declarations that the entry point reaches, in SPIR-V.
+/// The declarations that the entry point uses, in SPIR-V.
 fn spirv(mut module: Module, entry: &str, source: &str) -> Result<Vec<u8>, String> {
     compact(&mut module, KeepUnused::No);
     let info = validate(&module)?;
-    // Many validators do not know the number of WGSL among the source languages yet.
+    // Many validators do not know WGSL as a source language yet.
     let language = spv::SourceLanguage::Unknown;
     let debug_info = spv::DebugInfo { source_code: source, file_name: "ltc.wgsl", language };
     let options = spv::Options {

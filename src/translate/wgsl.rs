@@ -1,6 +1,6 @@
 //! The subset of WGSL in which `shaders/` is written, as a syntax tree over its own text.
 //!
-//! A node knows where it stands; comments and blanks lie between nodes and stay in the text.
+//! Each node knows its place in the text. Comments and blanks are between nodes and stay in the text.
 //!
 //! Invariants: knows no other language; hostile text gives a [`Fault`], never a panic.
 

@@ -31,8 +31,9 @@ fn the_decoder_in_wgsl_makes_the_textures() {
         let files = CompactContainer::Wgsl.files("ltc", &table, &About::new(["a table"])).expect("files");
         assert_eq!((files[0].path.as_str(), &files[0].bytes), ("ltc.compact", &bytes));
         let source = std::str::from_utf8(&files[1].bytes).expect("UTF-8");
-        let sizes = [stated(source, "for the decoder alone", " bytes"), stated(source, "RGBA of 32 bits", " bytes")];
-        let passes = [stated(source, "ltc_read, ", " times"), stated(source, "ltc_expand, ", " workgroups. Copy")];
+        let sizes =
+            [stated(source, "scratch memory of the decoder", " bytes"), stated(source, "RGBA of 32 bits", " bytes")];
+        let passes = [stated(source, "ltc_read, ", " dispatches"), stated(source, "ltc_expand, ", " workgroups. Copy")];
         let passes = passes.map(|n| u32::try_from(n).expect("few"));
         let found = match run_decoder(source, &bytes, sizes, passes) {
             Ok(found) => found,

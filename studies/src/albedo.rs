@@ -165,14 +165,15 @@ pub fn told(count: usize) -> String {
 /// Views over which a table tells means: even in the square of the cosine, by which light from everywhere is weighed.
 const VIEWS: usize = 64;
 
-/// The tables of docs/energy.md: what isotropic surfaces reflect of a white sky, by one bounce, by the factor and by the
-/// series of bounces of Kulla and Conty, `f0^2 A / (1 - f0 (1 - A))` of what one bounce loses for the mean albedo `A`.
+/// The tables of docs/materials.md: the part of a white sky that isotropic surfaces reflect in one bounce, with the
+/// factor, and by the series of bounces of Kulla and Conty. The series adds `f0^2 A / (1 - f0 (1 - A))` of the light that
+/// one bounce loses, for the mean albedo `A`.
 ///
 /// # Panics
 /// Never: each surface and view is within bounds.
 #[must_use]
 pub fn materials() -> String {
-    let mut out = String::from("docs/energy.md, mean albedo and that of views of 0, 45, 75 and 85 degrees:\n\n");
+    let mut out = String::from("docs/materials.md, mean albedo and that of views of 0, 45, 75 and 85 degrees:\n\n");
     out += "| alpha | mean | 0 degrees | 45 degrees | 75 degrees | 85 degrees |\n|---|---|---|---|---|---|\n";
     let brdf = BrdfKind::Ggx.into();
     let of = |alpha: f64, theta: f64| {
@@ -188,7 +189,7 @@ pub fn materials() -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(out, "| {alpha} | {:.2} | {} |", mean(alpha), views.join(" | "));
     }
-    out += "\ndocs/energy.md, part of a white sky that is reflected: one bounce / by the factor / by the series:\n\n";
+    out += "\ndocs/materials.md, reflected part of a white sky: one bounce, with the factor, by the series:\n\n";
     let heads = alphas.map(|alpha| format!("alpha {alpha}")).join(" | ");
     let _ = writeln!(out, "| f0 | {heads} |\n|---|---|---|---|---|");
     for f0 in [1.0, 0.9, 0.5, 0.2, 0.04] {
@@ -196,7 +197,7 @@ pub fn materials() -> String {
             let a = mean(alpha);
             let series = f0 * f0 * a / (1.0 - f0 * (1.0 - a));
             let by_series = f0 * a + (1.0 - a) * series;
-            format!("{:.3} / {:.3} / {by_series:.3}", f0 * a, f0 * a * compensation(a, f0))
+            format!("{:.3}, {:.3}, {by_series:.3}", f0 * a, f0 * a * compensation(a, f0))
         });
         let _ = writeln!(out, "| {f0} | {} |", cells.join(" | "));
     }

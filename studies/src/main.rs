@@ -93,7 +93,7 @@ enum Study {
         #[arg(long, num_args = 2, requires = "isotropic")]
         shipped: Option<Vec<PathBuf>>,
     },
-    /// The table of docs/isotropic.md: isotropic tables by the L3 distance
+    /// The table of studies/isotropic.md: isotropic tables by the L3 distance
     L3 {
         /// The textures that engines ship, .dds: matrices and terms
         #[arg(long, num_args = 2)]
@@ -138,7 +138,7 @@ enum Study {
         #[arg(short, long, value_name = "FILE.png", default_value = "docs/materials.png")]
         out: PathBuf,
     },
-    /// The figures of docs/figures.md, gaussians.md and refraction.md
+    /// Draw the figures of studies/figures.md, isotropic.md, gaussians.md and docs/refraction.md
     Figures {
         /// Only this one, once or several times [default: all]
         #[arg(value_name = "NAME", value_parser = figure)]
@@ -147,7 +147,7 @@ enum Study {
         #[arg(long, value_parser = adapter, default_value = "any", env = "LTCFORGE_ADAPTER")]
         adapter: Adapter,
         /// Folder that the figures go to
-        #[arg(short, long, value_name = "DIR", default_value = "docs/figures")]
+        #[arg(short, long, value_name = "DIR", default_value = "studies/figures")]
         out: PathBuf,
     },
 }

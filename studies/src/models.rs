@@ -1,4 +1,4 @@
-//! The tables of docs/normals.md and docs/light.md: how far model `normals` is off over random lights, beside a table
+//! The tables of docs/normals.md and docs/lights.md: how far model `normals` is off over random lights, beside a table
 //! of LTCs.
 
 use std::fmt::Write as _;
@@ -116,7 +116,7 @@ pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
         let _ = writeln!(out, "| {name} | {} |", cells.join(" | "));
     }
 
-    out += "\ndocs/light.md:\n\n| lights | rule | energy: mean, p95, max | Fresnel part: mean, p95, max |\n|---|---|---|---|\n";
+    out += "\ndocs/lights.md:\n\n| lights | rule | energy: mean, p95, max | Fresnel part: mean, p95, max |\n|---|---|---|---|\n";
     for (kind, seed, count) in [(Kind::Random, 1030, 10 * lights / 4), (Kind::Anisotropic, 1031, 3 * lights / 4)] {
         let cases = cases(kind, seed, count);
         for rule in [NormalsRule::Balanced, NormalsRule::Fine, NormalsRule::Fast] {

@@ -138,7 +138,7 @@ impl Numbers {
             .map(|i| format!("{} * units_{i}", matrix(&self.outputs, i * group, (i + 1) * group)))
             .collect();
         let bias = listed(&self.outputs.iter().map(|row| row[self.units.len()]).collect::<Vec<_>>());
-        let _ = writeln!(out, "    let told = {}\n        + vec{outputs}({bias});", terms.join("\n        + "));
+        let _ = writeln!(out, "    let outputs = {}\n        + vec{outputs}({bias});", terms.join("\n        + "));
         out
     }
 }

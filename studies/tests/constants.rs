@@ -21,10 +21,10 @@ const SHADERS: [&str; 3] = [
     include_str!("../../shaders/normals_fine.wgsl"),
 ];
 const NORMALS_PAGE: &str = include_str!("../../docs/normals.md");
-const LIGHT_PAGE: &str = include_str!("../../docs/light.md");
+const LIGHTS_PAGE: &str = include_str!("../../docs/lights.md");
 const README: &str = include_str!("../../README.md");
-const ISOTROPIC_PAGE: &str = include_str!("../../docs/isotropic.md");
-const TABULATED_PAGE: &str = include_str!("../../docs/tabulated.md");
+const ISOTROPIC_PAGE: &str = include_str!("../isotropic.md");
+const MATERIALS_PAGE: &str = include_str!("../../docs/materials.md");
 const REFRACTION_PAGE: &str = include_str!("../../docs/refraction.md");
 
 /// The numbers are printed as they stand, in Rust and in the shader, which have the same ones.
@@ -111,38 +111,40 @@ fn rows(text: &str, named: usize) -> Vec<(String, Vec<f64>)> {
     text.lines().filter_map(row).filter(|(_, numbers)| !numbers.is_empty()).collect()
 }
 
-/// Every row that a shortened study prints is in a document, and its means are about as large.
+/// Compares the rows of a document with the rows of the same names that a shortened study prints: their means are about
+/// as large. Returns the number of compared rows; a document may leave out some that the study prints.
 fn check_rows(document: &str, printed: &str, named: usize, factor: f64) -> usize {
     let (documented, printed) = (rows(document, named), rows(printed, named));
+    let mut compared = 0;
     for (name, found) in &printed {
-        let row = documented.iter().find(|(other, _)| other == name);
-        let (_, wanted) = row.unwrap_or_else(|| panic!("no row {name}"));
+        let Some((_, wanted)) = documented.iter().find(|(other, _)| other == name) else { continue };
+        compared += 1;
         assert_eq!(found.len(), wanted.len(), "{name}");
         for (found, wanted) in found.iter().zip(wanted) {
             assert!((1.0 / factor..factor).contains(&(found / wanted)), "{name}: {found} printed, {wanted} documented");
         }
     }
-    printed.len()
+    compared
 }
 
 #[test]
 fn the_documents_have_the_rows_of_model_normals() {
     let printed = models::tables(0.2).expect("a recipe");
-    let (errors, light) = printed.split_once("docs/light.md").expect("two documents");
-    assert_eq!(check_rows(NORMALS_PAGE, errors, 1, 1.8), 9 + 6 + 7);
+    let (errors, light) = printed.split_once("docs/lights.md").expect("two documents");
+    assert_eq!(check_rows(NORMALS_PAGE, errors, 1, 1.8), 7 + 3 + 3);
     // Their names tell how many lights there are.
     let few = |text: &str| {
         text.replace(", 10000 |", " |").replace(", 3000 |", " |").replace(", 2000 |", " |").replace(", 600 |", " |")
     };
-    assert_eq!(check_rows(&few(LIGHT_PAGE), &few(light), 2, 1.8), 6);
+    assert_eq!(check_rows(&few(LIGHTS_PAGE), &few(light), 2, 1.8), 6);
 }
 
 #[test]
 fn the_documents_have_the_ratio_to_the_best_ltcs() {
     let recipe = Recipe::builder().preset(Preset::Draft).build().expect("a recipe");
     let found = best::compared(&recipe, 60);
-    let row = README.lines().find(|line| line.starts_with("| preset `draft` | 162 KiB |")).expect("a row");
-    let ratio = numbers(row.split(" | ").nth(3).expect("a ratio"))[0];
+    let row = README.lines().find(|line| line.starts_with("| preset `draft` |")).expect("a row");
+    let ratio = numbers(row.rsplit(" | ").next().expect("a ratio"))[0];
     println!("{found:?}, documented {ratio}");
     assert!((found.ratio.mean - ratio).abs() < 0.06 && found.ratio.max < 3.0, "{found:?} {ratio}");
 }
@@ -186,9 +188,8 @@ fn the_albedo_is_the_cubic_that_a_search_finds() {
     assert!(include_str!("../../src/light/albedo.rs").contains(&albedo::as_rust(&LOSS)), "{}", albedo::as_rust(&LOSS));
     let shader = include_str!("../../shaders/ltc_albedo.wgsl");
     assert!(shader.contains(&albedo::as_wgsl(&LOSS)), "{}", albedo::as_wgsl(&LOSS));
-    let page = include_str!("../../docs/energy.md");
     for row in albedo::materials().lines().filter(|line| line.starts_with("| ")) {
-        assert!(page.contains(row), "{row}: cargo run --release -p ltcforge-studies -- albedo");
+        assert!(MATERIALS_PAGE.contains(row), "{row}: cargo run --release -p ltcforge-studies -- albedo");
     }
 }
 
@@ -200,5 +201,5 @@ fn a_brdf_as_numbers_costs_what_the_page_says() {
     println!("{}", found.text());
     assert!(table < 1.2 * formula && table < 1.2 * numbers && numbers < 0.01, "{table} {formula} {numbers}");
     let size = format!("{} values, {} bytes", grouped(found.values), grouped(found.file_bytes));
-    assert!(TABULATED_PAGE.contains(&size), "{size}");
+    assert!(MATERIALS_PAGE.contains(&size), "{size}");
 }

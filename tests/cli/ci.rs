@@ -1,24 +1,18 @@
 //! The instructions of `docs/ci.md`, executed line by line.
 
-use std::{
-    env, fs,
-    path::{Path, PathBuf},
-    process::{Command, Output},
-};
+use std::{env, fs, path::PathBuf, process::Command};
 
 use serde_json::Value;
 
-use crate::common::{SMALL, command::ltcforge, tell_skipped};
+use crate::common::{
+    SMALL,
+    documents::{self, run_in, shell},
+    tell_skipped,
+};
 
-/// The blocks of code of one language in the document, in their order.
+/// The code blocks of one language in the document, in order.
 fn blocks(language: &str) -> Vec<String> {
-    let document = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/ci.md")).expect("the document");
-    let fence = format!("```{language}\n");
-    let blocks = document.split(&fence).skip(1);
-    let blocks: Vec<String> =
-        blocks.map(|rest| rest.split("```").next().expect("the end of a block").to_owned()).collect();
-    assert!(!blocks.is_empty(), "{language}");
-    blocks
+    documents::blocks("docs/ci.md", language)
 }
 
 /// A project with a recipe and nothing else.
@@ -28,31 +22,6 @@ fn project() -> (tempfile::TempDir, PathBuf) {
     fs::create_dir(project.join("recipes")).expect("a folder");
     fs::write(project.join("recipes/metal.json"), SMALL).expect("a recipe");
     (folder, project)
-}
-
-/// Runs a program in a project, with the binary on its path.
-fn run_in(project: &Path, program: impl AsRef<Path>, args: &[&str]) -> Output {
-    let binary = Path::new(env!("CARGO_BIN_EXE_ltcforge")).parent().expect("a folder");
-    let path = env::var_os("PATH").unwrap_or_default();
-    let folders = [binary.to_owned()].into_iter().chain(env::split_paths(&path));
-    // The environment of the tests' own runs: nothing of ours, no proxy.
-    let clean = ltcforge::<&str>(project, []);
-    let mut command = Command::new(program.as_ref());
-    for (name, value) in clean.get_envs() {
-        match value {
-            Some(value) => command.env(name, value),
-            None => command.env_remove(name),
-        };
-    }
-    command.env("PATH", env::join_paths(folders).expect("folders")).current_dir(project).args(args);
-    command.output().expect("the program runs")
-}
-
-#[track_caller]
-fn shell(project: &Path, script: &str) -> String {
-    let ran = run_in(project, "sh", &["-euc", script]);
-    assert!(ran.status.success(), "{script}\n{}", String::from_utf8_lossy(&ran.stderr));
-    String::from_utf8(ran.stdout).expect("text")
 }
 
 /// A project that is pinned as the document says.

@@ -141,7 +141,7 @@ fn a_published_table_is_compared_and_one_of_the_wrong_shape_refused() {
 
     let wrong = [
         ("2, 2, 2, 3, 3", 8 * 9, "[alpha, ratio, theta, phi, 3, 3]"),
-        ("2, 2, 2, 2, 3, 3", 15 * 9, "the shape takes 576"),
+        ("2, 2, 2, 2, 3, 3", 15 * 9, "the shape needs 576"),
         ("2, 2, 2, 1, 3, 3", 8 * 9, "2 to 16384 nodes on each axis"),
     ];
     for (shape, numbers, said) in wrong {

@@ -136,14 +136,14 @@ fn a_shader_needs_no_texture_for_isotropic_tables() {
     let told = run(here, words.iter().chain(&[table.as_str(), "-o", "light.glsl", "--json"])).exited(0);
     let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
     assert_eq!((&told["coefficients"], &told["table"]), (&Value::from(600), &Value::from(digest.to_string())));
-    // A draft of few nodes: finer tables have less, which docs/compact.md states.
+    // A draft with few nodes. docs/layouts.md has the error of a finer table.
     assert!(told["error"].as_f64().is_some_and(|error| error < 0.06), "{told}");
     let text = fs::read_to_string(here.join("light.glsl")).expect("a file");
     for said in ["table sha256:", "CC0-1.0", "mean error of the polynomials: 0.", "ltc_lookup(", "ltc_rectangle("] {
         assert!(text.contains(said), "{said} is not in {text}");
     }
     let cases: [(&str, &[&str], &str); 3] = [
-        (&anisotropic, &[], "allowed: the one ratio 1"),
+        (&anisotropic, &[], "it must have only ratio 1"),
         (&table, &["--as", "example"], "a text to include"),
         (&table, &["--model", "normals"], "model ltc"),
     ];

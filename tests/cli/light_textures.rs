@@ -102,11 +102,11 @@ fn a_profile_becomes_a_picture_of_its_directions() {
     assert!((texel / (400.0 * 2.0_f64.sqrt()) - 1.0).abs() < 0.03, "{texel}");
     let line = ["light-texture", "spot.ies", "-o", "none", "--light", "1x2", "--transfer", "srgb"];
     let ran = run(here, line).exited(1);
-    let wanted = "spot.ies: an IES profile is linear, over directions: leave out light and transfer";
+    let wanted = "spot.ies: an IES profile is linear and needs no size of a light: leave out light and transfer";
     assert!(ran.stderr.contains(wanted), "{}", ran.stderr);
     fs::write(here.join("broken.ies"), profile.replace("800", "-800")).expect("a file");
     let ran = run(here, ["light-texture", "broken.ies", "-o", "none"]).exited(1);
-    let wanted = "broken.ies: no IES LM-63 that can be read: candela 1 is -800; none is below zero";
+    let wanted = "broken.ies: not a readable IES LM-63 file: candela 1 is -800; candelas must not be negative";
     assert!(ran.stderr.contains(wanted), "{}", ran.stderr);
     assert!(!here.join("none").exists());
 }
@@ -124,9 +124,9 @@ fn what_is_no_picture_is_named_and_nothing_is_written() {
             "text.png",
             [].as_slice(),
             1,
-            "text.png: this file is neither an image nor a profile that can be read; allowed: PNG, OpenEXR, Radiance HDR, JPEG, IES LM-63",
+            "text.png: this file is neither a readable image nor a readable profile; allowed: PNG, OpenEXR, Radiance HDR, JPEG, IES LM-63",
         ),
-        ("short.hdr", &[], 1, "short.hdr: no Radiance HDR that can be read"),
+        ("short.hdr", &[], 1, "short.hdr: not a readable Radiance HDR file"),
         ("none.png", &[], 1, "none.png: "),
         ("sign.png", &["--as", "dds", "--texels", "rgb9e5"], 2, "texels is rgb9e5; dds allows rgba16f, rgba32f"),
         ("sign.png", &["--light", "3x0"], 2, "a width and a height above zero"),

@@ -220,7 +220,7 @@ fn light_refuses_a_shaded_point_within_a_polygon() {
 /// The example of the documentation, as it stands there.
 #[test]
 fn the_documentation_shows_what_is_printed() {
-    let text = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/light.md")).expect("the documentation");
+    let text = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/lights.md")).expect("the documentation");
     let block = text.split("```").find_map(|block| block.strip_prefix("console\n")).expect("a session");
     let [_, lights, answer] = block.split("$ ").collect::<Vec<_>>()[..] else { panic!("{block}") };
     let (command, lights) = lights.split_once('\n').expect("lights");
@@ -250,7 +250,7 @@ fn what_is_cut_at_the_surface_lets_nothing_through() {
         let refused = run_with_stdin(folder.path(), ["light", "-", "--cut", "--model", model], below).exited(2);
         assert!(refused.stderr.contains("--cut is of model ltc"), "{}", refused.stderr);
         let refused = run(folder.path(), ["shader", "--language", "hlsl", "--cut", "--model", model]).exited(2);
-        assert!(refused.stderr.contains("--cut is of model ltc"), "{}", refused.stderr);
+        assert!(refused.stderr.contains("--cut needs model ltc"), "{}", refused.stderr);
     }
     let shader = ["shader", "--language", "hlsl", "--layout", "reflected", "--cut"];
     assert!(run(folder.path(), shader).exited(0).stdout.contains("float ltc_cut_tube("));
@@ -310,7 +310,7 @@ fn light_tells_the_channels_of_a_picture() {
     let refused = with(&["tv.png", "--light", "sphere", "--model", "sg"]).exited(2);
     assert!(refused.stderr.contains("leave out --light; model sg reads no pictures"), "{}", refused.stderr);
     fs::write(folder.path().join("no.png"), "no picture").expect("a file");
-    assert!(with(&["no.png"]).exited(1).stderr.contains("no.png: this file is not an image that can be read"));
+    assert!(with(&["no.png"]).exited(1).stderr.contains("no.png: this file is not a readable image"));
     let triangle = "0.5,0.5,0,0,2,-1,-1,2,1,-1,2,0,1,2\n";
     let refused = run_with_stdin(folder.path(), ["light", "-", "--texture", "tv.png"], triangle).exited(2);
     assert!(refused.stderr.contains("a light of four corners with right angles"), "{}", refused.stderr);

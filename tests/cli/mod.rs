@@ -16,6 +16,7 @@ mod pictures;
 mod plan;
 mod project;
 mod pull;
+mod readme;
 mod same_bytes;
 mod scenes;
 mod service;

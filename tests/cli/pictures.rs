@@ -73,7 +73,9 @@ fn preview_shows_a_picture_on_the_light() {
         ]
     );
     fs::write(folder.path().join("no.png"), "no picture").expect("a file");
-    assert!(preview(&["--light-texture", "no.png"]).exited(1).stderr.contains("no.png: this file is not an image"));
+    assert!(
+        preview(&["--light-texture", "no.png"]).exited(1).stderr.contains("no.png: this file is not a readable image")
+    );
     let both = preview(&["--light-texture", "red.png", "--light-picture", "window"]).exited(2);
     assert!(both.stderr.contains("--light-texture") && both.stderr.contains("--light-picture"), "{}", both.stderr);
 }

@@ -230,7 +230,7 @@ fn report_tells_of_tables_what_their_manifests_do_and_of_npy_files() {
     let cut = npy();
     fs::write(folder.path().join("cut.npy"), &cut[..cut.len() - 1]).expect("a file");
     let refused = run(folder.path(), ["report", "cut.npy"]).exited(3);
-    assert!(refused.stderr.contains("575 bytes of data; the shape takes 576"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("575 bytes of data; the shape needs 576"), "{}", refused.stderr);
     fs::write(folder.path().join("empty.npy"), b"").expect("a file");
     let refused = run(folder.path(), ["report", "empty.npy"]).exited(3);
     assert!(refused.complaints()[0].contains("not a .npy file"), "{:?}", refused.complaints());

@@ -117,7 +117,7 @@ fn layers_are_a_text_of_their_own() {
     run(here, ["shader", "--as", "layers", "--language", "spirv", "-o", "layers.spv"]).exited(2);
 }
 
-/// The command of docs/preview.md.
+/// The command of docs/shaders.md.
 #[test]
 fn the_digest_in_a_text_is_that_of_sha256sum() {
     let folder = tempfile::tempdir().expect("a folder");

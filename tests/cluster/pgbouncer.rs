@@ -83,9 +83,9 @@ pub(crate) fn pgbouncer() -> Option<(PathBuf, (u32, u32))> {
     None
 }
 
-/// What the document says is to be set in transaction mode: of the database, and of all.
+/// The settings for transaction mode in docs/operations.md: those of the database, and those of pgbouncer.
 fn documented() -> (String, String) {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/scale.md");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/operations.md");
     let document = fs::read_to_string(file).expect("the document");
     let block =
         document.split("```ini\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a block of settings");

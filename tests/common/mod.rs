@@ -3,6 +3,7 @@
 
 pub(crate) mod browser;
 pub(crate) mod command;
+pub(crate) mod documents;
 pub(crate) mod folder;
 pub(crate) mod openapi;
 pub(crate) mod server;

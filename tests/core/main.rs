@@ -5,6 +5,7 @@ mod circles;
 mod common;
 #[path = "../fuzz/mod.rs"]
 mod fuzz;
+mod links;
 mod preview_parameters;
 #[path = "../tables/mod.rs"]
 mod tables;

@@ -11,6 +11,7 @@ mod common;
 mod examples;
 mod playcanvas;
 mod three;
+mod tutorial;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -123,7 +124,7 @@ const STOCK_ERROR: [f64; 2] = [0.0075, 0.0018];
 /// happen to lie.
 const OUR_PLASTIC_ERROR: f64 = 0.0028;
 
-/// The sizes that `docs/compact.md` promises: 2,655 bytes of a table for engines, 14,105 of the default one.
+/// The sizes in `docs/layouts.md`: 2,655 bytes of a table for engines, 14,105 of the default one.
 const ENGINES_COMPACT_BYTES: u64 = 3_000;
 const DEFAULT_COMPACT_BYTES: u64 = 16_000;
 

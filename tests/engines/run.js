@@ -151,7 +151,7 @@ for ( const [ name, set ] of Object.entries( sets ) ) {
 
 }
 
-const folders = { '/': HERE, '/node_modules/': `${ HERE }/node_modules` };
+const folders = { '/': HERE, '/node_modules/': `${ HERE }/node_modules`, '/docs/': `${ HERE }/../../docs/engines` };
 if ( values.exports ) folders[ '/tables/ours/' ] = values.exports;
 if ( values.dielectric ) folders[ '/tables/dielectric/' ] = values.dielectric;
 const server = await serve( folders, answers );

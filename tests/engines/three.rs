@@ -116,11 +116,11 @@ const STREAM_ERROR: Apart = Apart { mean: 0.0006, most: 0.016 };
 
 const PICTURE_REFUSALS: [(&str, &str); 6] = [
     ("text", "ltcforge shader --model normals --textured 4"),
-    ("pictures", "pictures have to be LightPictures"),
+    ("pictures", "pictures must be LightPictures"),
     ("prefilter", "ltcforge shader --as prefilter"),
-    ("size", "width is 0: it has to be a whole number from 1 on; height is 4.5"),
-    ("layer", "layer is 1: it has to be a whole number from 0 to 0"),
-    ("texture", "the picture has to be a texture"),
+    ("size", "width is 0: it must be a whole number of at least 1; height is 4.5"),
+    ("layer", "layer is 1: it must be a whole number from 0 to 0"),
+    ("texture", "the picture must be a texture"),
 ];
 
 #[test]

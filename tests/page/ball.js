@@ -1,4 +1,4 @@
-// The viewer's shader ball: its triangles, its light beside the reference, and its place in the link.
+// The shader ball of the viewer: its triangles, its light compared with the reference, and its link.
 
 import { withWorld } from './world.js';
 
@@ -21,7 +21,7 @@ await withWorld( async ( { open } ) => {
 
 				const [ place, normal, tangent ] = [ corner, corner + 3, corner + 6 ].map( three );
 				found.radius = Math.max( found.radius, Math.hypot( ...place ) );
-				// A triangle at a pole has no extent.
+				// Triangles at a pole are degenerate.
 				if ( Math.hypot( ...flat ) > 1e-9 ) found.cosine = Math.min( found.cosine, dot( flat, normal ) / Math.hypot( ...flat ) );
 				found.skew = Math.max( found.skew, Math.abs( dot( normal, tangent ) ) );
 				found.length = Math.max( found.length, Math.abs( Math.hypot( ...normal ) - 1 ), Math.abs( Math.hypot( ...tangent ) - 1 ) );
@@ -34,7 +34,7 @@ await withWorld( async ( { open } ) => {
 
 	} );
 
-	/** The picture's bytes of red. */
+	/** The red bytes of the image. */
 	const bytes = () => page.evaluate( () => {
 
 		const [ canvas, copy ] = [ document.querySelector( '.stage canvas' ), document.createElement( 'canvas' ) ];
@@ -44,7 +44,7 @@ await withWorld( async ( { open } ) => {
 		return [ ...context.getImageData( 0, 0, canvas.width, canvas.height ).data ].filter( ( _, i ) => i % 4 === 0 );
 
 	} );
-	/** The sum of bytes that are not the background's. */
+	/** The sum of all bytes that differ from the background. */
 	const lit = ( bytes ) => bytes.reduce( ( sum, byte ) => sum + ( byte === bytes[ 0 ] ? 0 : byte ), 0 );
 	await page.locator( '#view-surface' ).selectOption( 'shader_ball' );
 	await page.locator( '#view-show' ).selectOption( 'model' );
@@ -56,7 +56,7 @@ await withWorld( async ( { open } ) => {
 	await page.locator( '#view-show' ).selectOption( 'reference' );
 	await page.waitForFunction( () => Number( document.querySelector( '.stage canvas' ).dataset.samples ) >= 256 );
 	const reference = await bytes();
-	// The ball, the foot, what is beside its neck, and a corner of the picture.
+	// The ball, the foot, the background next to the neck, and a corner of the image.
 	const places = [ [ 215, 190 ], [ 256, 345 ], [ 316, 310 ], [ 500, 500 ] ].map( ( [ x, y ] ) => ours[ 512 * y + x ] );
 	return { ...geometry, linked, kept, places, ratio: lit( ours ) / lit( reference ) };
 

@@ -1,6 +1,6 @@
-// Scenes in glTF 2.0, made of numbers.
+// Generates scenes in glTF 2.0.
 
-/** A sphere of triangles around (4, 5, 6), of radius 2 by its node, with tangents along circles of latitude. */
+/** A sphere of triangles with centre (4, 5, 6) and radius 2, both by its nodes. Tangents run along circles of latitude. */
 export function sphere( rows, material ) {
 
 	const [ places, tangents, indices ] = [ [], [], [] ];
@@ -29,13 +29,13 @@ export function sphere( rows, material ) {
 
 }
 
-/** That sphere with places in textures, east around it and down, and with images in the file; without `hasTangents` it has none. */
+/** The sphere with texture coordinates, with images inside the file, and with tangents if `hasTangents`. u grows to the east, v downwards. */
 export function texturedSphere( rows, material, images, hasTangents = true ) {
 
 	const { document, binary } = sphere( rows, material );
 	const places = Array.from( { length: rows + 1 }, ( _, row ) => Array.from( { length: 2 * rows + 1 }, ( _, column ) => [ column / ( 2 * rows ), row / rows ] ) ).flat( 2 );
 	const chunks = [ Buffer.from( new Float32Array( places ).buffer ), ...images ];
-	// Each begins at a multiple of four bytes.
+	// Every chunk begins at a multiple of four bytes.
 	const padded = chunks.map( ( chunk ) => Buffer.concat( [ chunk, Buffer.alloc( - chunk.length & 3 ) ] ) );
 	let at = binary.length;
 	for ( const [ i, chunk ] of chunks.entries() ) {

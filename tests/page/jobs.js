@@ -1,5 +1,5 @@
-// A recipe from the form to a downloaded table, a job that is cancelled in another tab, one that is watched through a page that
-// is loaded again, and one that fails.
+// From the form of a recipe to the downloaded table. Then a job that is followed across a reload and cancelled in another tab, and
+// a job that fails.
 
 import { createHash } from 'node:crypto';
 import { readFile } from 'node:fs/promises';
@@ -14,7 +14,7 @@ await withWorld( async ( { service, open } ) => {
 	for ( const [ name, value ] of Object.entries( SMALL.fit ) ) await page.locator( `#field-fit-${ name }` ).fill( String( value ) );
 	await page.locator( 'aside dd', { hasText: /^16$/ } ).waitFor();
 	const document = JSON.parse( await page.getByRole( 'textbox', { name: 'Recipe as JSON' } ).inputValue() );
-	// What was entered outlives the page.
+	// Reloading the page keeps the recipe.
 	await page.reload();
 	await page.locator( 'aside dd', { hasText: /^16$/ } ).waitFor();
 	const reloaded = JSON.parse( await page.getByRole( 'textbox', { name: 'Recipe as JSON' } ).inputValue() );
@@ -32,7 +32,7 @@ await withWorld( async ( { service, open } ) => {
 	const table = await saved( page.getByRole( 'link', { name: /Download/ } ) );
 	await page.getByText( 'wgpu', { exact: true } ).click();
 	const file = page.locator( '.files tr' ).first();
-	const exported = { saved: await saved( file.getByRole( 'link' ) ), told: await file.locator( 'code' ).getAttribute( 'title' ) };
+	const exported = { saved: await saved( file.getByRole( 'link' ) ), digest: await file.locator( 'code' ).getAttribute( 'title' ) };
 
 	const { id } = await service.call( '/v1/jobs', ENDLESS );
 	const [ list, other ] = [ await open( 'jobs' ), await open( `jobs/${ id }` ) ];
@@ -40,7 +40,7 @@ await withWorld( async ( { service, open } ) => {
 	await running.waitFor();
 	await other.reload();
 	await running.waitFor();
-	// By the stream alone: the page of one job does not ask again.
+	// The page of one job updates by the event stream alone.
 	const done = () => other.locator( '.facts dd' ).first().textContent();
 	const first = await done();
 	await other.waitForFunction( ( first ) => document.querySelector( '.facts dd' ).textContent !== first, first );
@@ -49,7 +49,7 @@ await withWorld( async ( { service, open } ) => {
 	await other.locator( '.state.cancelled' ).waitFor();
 	const { state } = await service.call( `/v1/jobs/${ id }` );
 
-	// A job that failed: both pages tell the reason, and it is submitted again.
+	// Both pages show why a job failed. It can be submitted again.
 	await service.fail( { ...SMALL, precision: 'f16' } );
 	await list.reload();
 	const failed = list.locator( 'tr', { has: list.locator( '.state.failed' ) } );

@@ -1,11 +1,11 @@
-// Lighthouse on the list of tables and on a table: the least score of each category, for `make lighthouse`. It needs the
-// package `lighthouse`, which no test does.
+// Runs Lighthouse on the list of tables and on a table, for `make lighthouse`. Fails if a score is below 95. Only this script
+// needs the package `lighthouse`.
 
 import lighthouse from 'lighthouse';
 
 import { withWorld } from './world.js';
 
-/** Where Chromium listens for who measures. */
+/** The port on which Chromium listens for Lighthouse. */
 const PORT = 9333;
 
 await withWorld( async ( { service } ) => {
@@ -15,7 +15,7 @@ await withWorld( async ( { service } ) => {
 	const scores = {};
 	for ( const [ name, hash ] of Object.entries( { tables: 'tables', table: `tables/${ digests[ 0 ] }` } ) ) {
 
-		// The first run renders the pictures that the service then has.
+		// The first run makes the service render the pictures. The second one is measured.
 		for ( let run = 0; run < 2; run ++ ) {
 
 			const { lhr } = await lighthouse( `${ service.url }/#/${ hash }`, { port: PORT, logLevel: 'error' } );

@@ -1,5 +1,5 @@
-// Every page in both themes and three widths: what axe-core finds, whether anything is wider than the window or too small to
-// read, and whether anything moves where less motion is asked for. With `--pictures FOLDER` the pages are drawn there.
+// Checks every page in both themes and at three widths: with axe-core, for content wider than the window, for text that is too
+// small, and for motion if the user prefers reduced motion. `--pictures FOLDER` writes screenshots.
 
 import { createRequire } from 'node:module';
 import { readFile } from 'node:fs/promises';
@@ -12,13 +12,13 @@ import { PICTURES, SMALL, withWorld } from './world.js';
 const AXE = await readFile( createRequire( import.meta.url ).resolve( 'axe-core/axe.min.js' ), 'utf8' );
 const WIDTHS = [ 360, 1280, 3840 ];
 
-/** What each page shows once its answers are there. */
+/** An element of each page that appears once it is complete. */
 const READY = { tables: '.picture img[src]', table: '.plots img[src]', jobs: '.state', job: '.state', new: 'aside dd', faults: '.bad', compare: '.best', viewer: '.facts', nowhere: '.notice' };
 
-/** The least size of letters by the width of the window, in pixels; a screen of 4K that is not scaled has them half as large as others. */
+/** The smallest font size by the width of the window, in pixels. On a 4K screen without scaling, a pixel is half as large as on others. */
 const LEAST = { 360: 11, 1280: 11, 3840: 16 };
 
-/** In the page: the size of its smallest letters, and the part of the window's width that it takes. */
+/** Runs in the page: its smallest font size, and the part of the window's width that it uses. */
 function text() {
 
 	const written = [ ...document.querySelectorAll( 'header *, main *' ) ].filter( ( element ) => ! ( element instanceof SVGElement ) && element.checkVisibility() && [ ...element.childNodes ].some( ( { nodeType, data } ) => nodeType === Node.TEXT_NODE && data.trim() ) );
@@ -27,7 +27,7 @@ function text() {
 
 }
 
-/** In the page: how many animations run where everything is to be animated. */
+/** Runs in the page: the number of running animations after one was set on every element. */
 function animations() {
 
 	const sheet = new CSSStyleSheet();
@@ -39,7 +39,7 @@ function animations() {
 
 }
 
-/** A proxy that has the service below a path, as an operator may. It keeps `Host`, by which the service knows its own pages. */
+/** A proxy that serves the service below a path. It keeps the field `Host`, by which the service recognises its own pages. */
 async function below( prefix, service ) {
 
 	const server = createServer( ( asked, answer ) => {
@@ -62,7 +62,7 @@ async function below( prefix, service ) {
 
 await withWorld( async ( { service, open } ) => {
 
-	// Fitted to be looked at where pictures are drawn.
+	// Screenshots show tables of good quality.
 	const recipes = PICTURES ? [ { preset: 'paper' }, { preset: 'standard', layout: 'ltc2017' }, { preset: 'paper', precision: 'f16' }, { preset: 'draft', brdf: 'charlie' } ] : [ SMALL, { ...SMALL, precision: 'f16' } ];
 	const digests = [];
 	for ( const recipe of recipes ) digests.push( await service.fit( recipe ) );
@@ -80,7 +80,7 @@ await withWorld( async ( { service, open } ) => {
 
 			await page.evaluate( ( hash ) => location.hash = `#/${ hash }`, hash );
 			await page.locator( `.page-${ hash.split( /[/?]/ )[ 0 ] } h1` ).waitFor();
-			// All is there: the answers, the pictures, and in the viewer a whole reference where pictures are drawn.
+			// Wait for all pictures, and for a complete reference in the viewer if screenshots are written.
 			await page.locator( READY[ name ] ).first().waitFor();
 			await page.waitForFunction( ( samples ) => [ ...document.images ].every( ( { src, complete } ) => src && complete )
 				&& [ ...document.querySelectorAll( '.stage canvas' ) ].every( ( { dataset } ) => Number( dataset.samples ) >= samples ), PICTURES ? 1024 : 0 );
@@ -90,7 +90,7 @@ await withWorld( async ( { service, open } ) => {
 			const { size, part } = await page.evaluate( text );
 			if ( size < LEAST[ width ] || part < 0.6 ) small.push( `${ at }: letters of ${ size } pixels, ${ Math.round( 100 * part ) } % of the width` );
 			if ( PICTURES ) await page.screenshot( { path: join( PICTURES, `${ name }-${ width }-${ colorScheme }.png` ), fullPage: true } );
-			// Rules do not depend on the width as the layout does.
+			// The accessibility rules do not depend on the width.
 			if ( width === WIDTHS[ 2 ] ) continue;
 			if ( reducedMotion === 'reduce' && name === 'viewer' ) {
 

@@ -1,4 +1,4 @@
-// A glTF file that is dropped on the viewer: a sphere of triangles beside the viewer's own, and files with faults.
+// glTF files in the viewer: a sphere of triangles compared with the viewer's own sphere, and files with errors.
 
 import { glb, sphere } from './glb.js';
 import { withWorld } from './world.js';
@@ -7,7 +7,7 @@ await withWorld( async ( { open } ) => {
 
 	const material = { pbrMetallicRoughness: { metallicFactor: 1, roughnessFactor: Math.sqrt( 0.2 ), baseColorFactor: [ 0.91, 0.92, 0.92, 1 ] }, extensions: { KHR_materials_anisotropy: { anisotropyStrength: Math.sqrt( 0.375 ), anisotropyRotation: 0.6 } } };
 	const page = await open( 'viewer?show=model&rotation=0.6&alpha_x=0.5&alpha_y=0.2' );
-	/** The bytes of the middle of the sphere. */
+	/** The bytes in the middle of the sphere. */
 	const bytes = () => page.evaluate( () => {
 
 		const [ canvas, copy ] = [ document.querySelector( '.stage canvas' ), document.createElement( 'canvas' ) ];
@@ -41,9 +41,9 @@ await withWorld( async ( { open } ) => {
 
 	};
 
-	const told = await offer( 'sphere.glb', glb( sphere( 96, material ) ) );
+	const note = await offer( 'sphere.glb', glb( sphere( 96, material ) ) );
 	await page.waitForFunction( () => document.querySelector( '#view-surface' ).value === 'mesh' );
-	// The frame after the next shows it.
+	// The frame after the next shows the mesh.
 	await page.evaluate( () => new Promise( ( done ) => requestAnimationFrame( () => requestAnimationFrame( done ) ) ) );
 	const meshed = await bytes();
 	const apart = Math.max( ...meshed.map( ( byte, i ) => Math.abs( byte - own[ i ] ) ) );
@@ -60,6 +60,6 @@ await withWorld( async ( { open } ) => {
 		await offer( 'bad4.glb', glb( { ...small, document: { ...small.document, nodes: [ { children: [ 0 ] } ] } } ) ),
 		await offer( 'bad5.glb', glb( { ...small, document: { ...small.document, extensionsRequired: [ 'KHR_draco_mesh_compression' ] } } ) ),
 	];
-	return { told, bright: Math.max( ...own.filter( ( _, i ) => i % 4 < 3 ) ), apart, faults };
+	return { note, bright: Math.max( ...own.filter( ( _, i ) => i % 4 < 3 ) ), apart, faults };
 
 } );

@@ -1,8 +1,8 @@
 //! The page of `ltcforge serve`, used in a browser as people use it.
 //!
-//! `node` runs each script of this folder with a service of its own in Chromium. `make test` installs what this needs; where
-//! it cannot, the tests say that they are skipped. `UPDATE_PICTURES=1 cargo test --test product page::looks -- --ignored` draws every page at three
-//! widths and in both themes in `target/page`.
+//! `node` runs each script of this folder in Chromium with its own service. `make test` installs the dependencies. If it cannot,
+//! the tests print that they are skipped. `UPDATE_PICTURES=1 cargo test --test product page::looks -- --ignored` writes screenshots
+//! of every page, at three widths and in both themes, to `target/page`.
 
 use std::{env, fs, path::Path};
 
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::common::browser;
 
-/// The output of a script, of which the browser has nothing to complain: no error of a script or the console, no report of
+/// The output of a script. The browser must report no complaint: no error of a script or of the console, and no violation of
 /// the Content-Security-Policy.
 fn script(file: &str, args: &[&str]) -> Option<Value> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page");
@@ -29,11 +29,11 @@ fn jobs_are_submitted_watched_cancelled_and_told_why_they_failed() {
     assert_eq!((&seen["document"], &seen["reloaded"]), (&document, &document));
     assert!(seen["digest"].as_str().is_some_and(|digest| digest.starts_with("sha256:")), "{seen:#}");
     assert_eq!(seen["table"], seen["digest"]);
-    assert_eq!(seen["exported"]["saved"], seen["exported"]["told"]);
+    assert_eq!(seen["exported"]["saved"], seen["exported"]["digest"]);
     assert_eq!(seen["cancelled"], "cancelled");
-    let [listed, told] = [0, 1].map(|i| seen["reasons"][i].as_str().unwrap_or_default());
+    let [listed, shown] = [0, 1].map(|i| seen["reasons"][i].as_str().unwrap_or_default());
     assert!(listed.contains("Not a directory"), "{seen:#}");
-    assert_eq!(told, format!("The storage failed: {listed}"));
+    assert_eq!(shown, format!("The storage failed: {listed}"));
 }
 
 #[test]
@@ -64,7 +64,7 @@ fn a_recipe_is_placed_among_others_and_found_for_a_scene() {
     assert_eq!(seen["shown"], "1, 0.04 × 4", "{seen:#}");
     assert_eq!(seen["weighed"], json!([{ "f0": 1 }, { "f0": 0.04, "weight": 8 }, { "f0": 0.5 }]), "{seen:#}");
     assert!(seen["fault"].as_str().is_some_and(|fault| fault.contains("null is not a number")), "{seen:#}");
-    // A range around the material's own alpha and ratio; of an isotropic scene one ratio.
+    // The ranges contain just the material's alpha. An isotropic scene has one ratio.
     let range = |of: &str, axis: &str| seen[of]["range"][axis].clone();
     assert_eq!(range("planned", "alpha"), json!([0.3, 0.3]), "{seen:#}");
     assert_eq!(range("round", "ratio"), json!([1, 1]), "{seen:#}");
@@ -79,7 +79,7 @@ fn a_token_is_asked_for_sent_with_everything_and_kept_nowhere() {
     assert!(seen["name"].as_str().is_some_and(|name| name.ends_with(".safetensors")), "{seen:#}");
     assert_eq!((&seen["dialogs"], &seen["later"], &seen["kept"]), (&json!(1), &json!(0), &json!(0)), "{seen:#}");
     assert_eq!(seen["violations"], json!([]), "{seen:#}");
-    assert!(seen["without"].as_str().is_some_and(|told| told.contains("token")), "{seen:#}");
+    assert!(seen["without"].as_str().is_some_and(|shown| shown.contains("token")), "{seen:#}");
 }
 
 #[test]
@@ -108,8 +108,8 @@ fn tables_are_found_sorted_compared_and_varied_and_their_maps_read() {
     }
     assert_eq!(seen["varied"], json!({ "isWhole": true, "precision": "f16", "samples": "64" }));
     for way in ["hovered", "keyed"] {
-        let [told, wanted] = [0, 1].map(|i| seen[way][i].as_str().unwrap_or_default());
-        assert!(told.starts_with("alpha ") && told.ends_with(wanted), "{way}: {seen:#}");
+        let [shown, wanted] = [0, 1].map(|i| seen[way][i].as_str().unwrap_or_default());
+        assert!(shown.starts_with("alpha ") && shown.ends_with(wanted), "{way}: {seen:#}");
     }
     assert_eq!((&seen["isBrightest"], &seen["isDarkest"]), (&json!(true), &json!(true)), "{seen:#}");
     assert!(seen["spread"].as_f64().is_some_and(|shades| shades > 100.0), "{seen:#}");
@@ -122,16 +122,16 @@ fn every_open_page_notices_a_service_that_stops_and_outlives_its_restart() {
     assert_eq!(seen["others"], json!([]), "{seen:#}");
 }
 
-/// The most by which a byte of the viewer's pixels is off those of previews: the drivers' own arithmetic.
+/// Maximum difference of a byte between the viewer and previews. Graphics drivers compute with different rounding.
 const OFF: f64 = 2.0;
 
-/// The most by which the viewer's reference is off that of previews, as a part of all light.
+/// Maximum relative difference of all light between the references of the viewer and of previews.
 const REFERENCE_OFF: f64 = 0.01;
 
-/// The most by which the bytes of the shader ball by `normals` are off those of its reference, as a part of their sum.
+/// Maximum relative difference of the bytes of the shader ball between `normals` and the reference.
 const BALL_OFF: f64 = 0.01;
 
-/// The most by which bytes of what engines ship are off those of our table, on average over a picture of a round surface.
+/// Maximum mean difference of bytes between the table of engines and our table, for an isotropic surface.
 const ENGINES_OFF: f64 = 1.5;
 
 #[test]
@@ -156,7 +156,7 @@ fn the_viewer_draws_what_previews_show() {
     assert_eq!(seen["beside"], "normals, no table");
     let tables = seen["tables"].as_array().expect("a list");
     assert!(!tables.iter().any(|table| table == "table normals") && tables.len() > 3, "{tables:?}");
-    assert_eq!(seen["told"], true, "two scattering models are told");
+    assert_eq!(seen["isExplained"], true, "two scattering models are explained");
 }
 
 #[test]
@@ -170,7 +170,7 @@ fn pictures_on_lights_are_seen_as_the_program_tells() {
     for scene in ["normals", "sharp", "table"] {
         assert!(number("bright", scene) > 100.0, "{scene}: nothing is seen: {seen:#}");
     }
-    // A picture's mean, where bytes of 90 and more round by 1 %.
+    // All bytes are above 90, which rounds by 1 % at most.
     for channel in 0..3 {
         let [least, most] = [0, 1].map(|i| seen["engines"][channel][i].as_f64().expect("a factor"));
         assert!(least > 0.2 && most < 0.8 && most / least < 1.05, "{seen:#}");
@@ -178,7 +178,7 @@ fn pictures_on_lights_are_seen_as_the_program_tells() {
     assert!(seen["reference"].as_f64().is_some_and(|apart| apart.abs() < REFERENCE_OFF), "{seen:#}");
     assert!(number("opened", "off") <= 1.0, "{seen:#}");
     assert_eq!((&seen["opened"]["linked"], &seen["colours"]), (&json!(false), &json!(["blue", "red"])), "{seen:#}");
-    assert_eq!(seen["refused"], "no.png is no picture or video that this browser shows");
+    assert_eq!(seen["refused"], "no.png: this browser cannot show the file; open another image or video");
     assert_eq!((&seen["moves"], &seen["stops"], &seen["kept"]), (&json!(true), &json!(true), &json!(true)), "{seen:#}");
     assert_eq!(seen["again"], "disc");
 }
@@ -198,7 +198,7 @@ fn the_viewer_is_used_and_its_link_holds_all() {
 fn the_shader_ball_is_smooth_and_its_link_holds_it() {
     let Some(seen) = script("ball.js", &[]) else { return };
     let number = |name: &str| seen[name].as_f64().unwrap_or_else(|| panic!("{name}: {seen:#}"));
-    // It lies in the sphere that the camera sees; each normal is near the flat one, and across the tangent.
+    // The ball fits into the unit sphere. Each normal is close to the flat normal, and perpendicular to the tangent.
     assert!(number("radius") <= 1.0 && number("radius") > 0.9, "{seen:#}");
     assert!(number("cosine") > 0.9 && number("skew") < 1e-6 && number("length") < 1e-6, "{seen:#}");
     assert_eq!((&seen["linked"], &seen["kept"]), (&json!(true), &json!("shader_ball")), "{seen:#}");
@@ -212,15 +212,15 @@ fn the_shader_ball_is_smooth_and_its_link_holds_it() {
 #[ignore = "make test-all runs it"]
 fn a_gltf_file_that_is_dropped_is_seen_with_its_own_materials() {
     let Some(seen) = script("mesh.js", &[]) else { return };
-    assert_eq!(seen["told"], "36,864 triangles, 1 material", "{seen:#}");
+    assert_eq!(seen["note"], "36,864 triangles, 1 material", "{seen:#}");
     assert!(seen["bright"].as_f64().is_some_and(|byte| byte > 100.0), "nothing is seen: {seen:#}");
-    // By its flat triangles a place of the sphere is off by 1e-4.
+    // Flat triangles differ from the sphere by 1e-4.
     assert!(seen["apart"].as_f64().is_some_and(|bytes| bytes <= OFF), "{seen:#}");
     let parts = [
         ["accessors/0 has 99 elements", "primitives/1/attributes/POSITION is missing"],
-        ["bad2.glb", "«sphere.bin» beside it"],
+        ["bad2.glb", "in another file, «sphere.bin»"],
         ["bad3.glb", "neither a GLB nor"],
-        ["bad4.glb", "nodes/0 is below 65 others"],
+        ["bad4.glb", "nodes/0 is nested 65 levels deep"],
         ["bad5.glb", "KHR_draco_mesh_compression"],
     ];
     for (i, wanted) in parts.iter().enumerate() {
@@ -234,23 +234,23 @@ fn a_gltf_file_that_is_dropped_is_seen_with_its_own_materials() {
 fn textures_of_a_gltf_file_are_shown_or_told_to_be_left_out() {
     let Some(seen) = script("textures.js", &[]) else { return };
     let number = |name: &str| seen[name].as_f64().unwrap_or_else(|| panic!("{name}: {seen:#}"));
-    // An image of one colour does what a factor does, as PNG, and as JPEG within its own rounding.
+    // An image of one colour has the same effect as a factor, as PNG, and as JPEG with its rounding.
     assert!(number("bright") > 60.0 && number("constant") <= OFF && number("jpeg") <= 2.0 * OFF, "{seen:#}");
-    // The left half of the image wraps around the right half of what is seen, and is red.
+    // The red left half of the texture is on the right of the image.
     assert!(seen["halves"][0].as_f64() < Some(0.45) && seen["halves"][1].as_f64() > Some(0.52), "{seen:#}");
-    // Normals that lean up move the light of a lamp above down, alike with tangents of the file and without.
+    // Normals that lean up move the highlight down, with and without tangents in the file.
     assert!(number("moved") > 4.0 && number("derived") <= OFF, "{seen:#}");
     let notes = seen["notes"].as_str().unwrap_or_default();
     for note in [
-        "baseColorTexture is left out: images/0 is neither PNG nor JPEG",
-        "metallicRoughnessTexture is left out: images/1 has 65536 x 1 pixels; at most 4096",
-        "normalTexture is left out: images/2 cannot be decoded",
-        "of other textures than",
+        "baseColorTexture is not shown: images/0 is neither PNG nor JPEG",
+        "metallicRoughnessTexture is not shown: images/1 has 65536 x 1 pixels; the limit is 4096",
+        "normalTexture is not shown: images/2 cannot be decoded",
+        "only textures of base colour",
     ] {
         assert!(notes.contains(note), "{note}: {notes}");
     }
     let beside = seen["beside"].as_str().unwrap_or_default();
-    for note in ["images/0 is not in the file", "it is of TEXCOORD_1", "it has a KHR_texture_transform"] {
+    for note in ["images/0 is not inside the file", "it uses TEXCOORD_1", "KHR_texture_transform is not supported"] {
         assert!(beside.contains(note), "{note}: {beside}");
     }
 }

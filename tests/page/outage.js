@@ -1,4 +1,4 @@
-// The service goes while a page is open, and comes back.
+// The service stops while pages are open, and starts again.
 
 import { ENDLESS, SMALL, withWorld } from './world.js';
 
@@ -7,7 +7,7 @@ await withWorld( async ( { service, open, complaints } ) => {
 	const digest = await service.fit( SMALL );
 	const { id } = await service.call( '/v1/jobs', ENDLESS );
 	const pages = {};
-	/** Every page, and what it shows once its answers are there. */
+	/** Every page, and an element that appears once it is complete. */
 	const places = { job: [ `jobs/${ id }`, '.state.running' ], jobs: [ 'jobs', '.state.running' ], tables: [ 'tables', '.picture img[src]' ], table: [ `tables/${ digest }`, '.maps' ], form: [ 'new', 'aside dd' ], compare: [ 'compare', '.compare' ], viewer: [ 'viewer?show=model', '.facts' ] };
 	for ( const [ name, [ hash, ready ] ] of Object.entries( places ) ) {
 
@@ -18,25 +18,25 @@ await withWorld( async ( { service, open, complaints } ) => {
 
 	const all = Object.values( pages );
 	await service.stop();
-	// Most of them have nothing to ask, and none is touched.
+	// Every page notices by itself. Most of them make no calls.
 	for ( const page of all ) await page.locator( '#service.down', { hasText: 'does not answer' } ).waitFor();
-	// A page that was not loaded yet is shown once the service is back.
+	// A page that could not load is shown once the service is back.
 	await pages.compare.evaluate( () => location.hash = '#/jobs' );
-	await pages.compare.getByRole( 'heading', { name: 'Not shown' } ).waitFor();
-	// The list of tables hears of the service when there is another table.
+	await pages.compare.getByRole( 'heading', { name: 'Cannot show this page' } ).waitFor();
+	// The list of tables notices the service only later, when there is another table.
 	await pages.tables.route( '**/healthz', ( route ) => route.abort() );
 	await service.start();
 	for ( const page of all ) if ( page !== pages.tables ) await page.locator( '#service.up' ).waitFor();
 	await pages.compare.locator( '.state.running' ).waitFor();
 	await fetch( `${ service.url }/v1/jobs/${ id }`, { method: 'DELETE' } );
-	// Each by itself, without being touched.
+	// Each page updates by itself.
 	for ( const page of [ pages.job, pages.jobs ] ) await page.locator( '.state.cancelled' ).waitFor();
 	await service.fit( { ...SMALL, precision: 'f16' } );
 	await pages.jobs.locator( '.state.done' ).nth( 1 ).waitFor();
 	await pages.tables.unroute( '**/healthz' );
 	await pages.tables.locator( '#service.up' ).waitFor();
 	await pages.tables.locator( '.list tbody tr', { hasText: 'f16' } ).waitFor();
-	// The browser says that nobody answered; there is nothing else to say.
+	// The browser reports the failed connections. It must report nothing else.
 	const others = complaints.splice( 0 ).filter( ( text ) => ! /ERR_CONNECTION_REFUSED|ERR_FAILED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|ERR_INCOMPLETE_CHUNKED_ENCODING|status of 503/.test( text ) );
 	return { others };
 

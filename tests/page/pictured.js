@@ -1,5 +1,5 @@
-// Pictures on lights: the viewer's pixels beside what `ltcforge light --texture` prints for the same surfaces, its reference
-// beside the truth of that, and files that are opened.
+// Pictures on lights. Compares the viewer's pixels with `ltcforge light --texture` for the same surfaces, and its reference with
+// `--truth`. Then opens files.
 
 import { spawnSync } from 'node:child_process';
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
@@ -11,7 +11,7 @@ import { LTCFORGE, withWorld } from './world.js';
 
 const SIZE = 512;
 
-/** Twenty places on the sphere, around where the light is seen. */
+/** Twenty pixels on the sphere, around the highlight. */
 const PLACES = Array.from( { length: 20 }, ( _, i ) => {
 
 	const [ angle, radius ] = [ 2.4 * i, 50 * Math.sqrt( ( i + 0.5 ) / 20 ) ];
@@ -24,7 +24,7 @@ const plus = ( a, b, by = 1 ) => a.map( ( x, i ) => x + by * b[ i ] );
 const unit = ( v ) => v.map( ( x ) => x / Math.sqrt( dot( v, v ) ) );
 const cross = ( a, b ) => [ 0, 1, 2 ].map( ( i ) => a[ ( i + 1 ) % 3 ] * b[ ( i + 2 ) % 3 ] - a[ ( i + 2 ) % 3 ] * b[ ( i + 1 ) % 3 ] );
 
-/** The light of `ltcforge light` at a pixel of the sphere, as a line: the surface, the view and the corners in its tangent frame. */
+/** The input line of `ltcforge light` for a pixel of the sphere: surface, view, and corners of the light in the tangent frame. */
 function line( scene, [ x, y ] ) {
 
 	const { eye, right, up, forward } = camera( scene );
@@ -42,7 +42,7 @@ function line( scene, [ x, y ] ) {
 
 }
 
-/** The byte that shows a radiance. */
+/** The byte of the image for a radiance. */
 const shownAs = ( radiance, exposure ) => {
 
 	const y = 1 - Math.exp( - exposure * radiance );
@@ -50,7 +50,7 @@ const shownAs = ( radiance, exposure ) => {
 
 };
 
-/** And back. */
+/** The inverse of `shownAs` at exposure 1. */
 const linear = ( byte ) => {
 
 	const v = byte / 255;
@@ -65,8 +65,8 @@ await withWorld( async ( { service, open } ) => {
 	const page = await open( 'tables' );
 	writeFileSync( join( folder, 'table' ), Buffer.from( await ( await fetch( `${ service.url }/v1/tables/${ digest }` ) ).arrayBuffer() ) );
 
-	/** Bytes of what the program tells of places: by columns of a name's beginning. */
-	function told( scene, png, words, begin = '' ) {
+	/** The colours that `ltcforge light` prints for all places. `begin` is the prefix of their columns. */
+	function printed( scene, png, words, begin = '' ) {
 
 		const path = join( folder, 'shown.png' );
 		writeFileSync( path, Buffer.from( png.split( ',' )[ 1 ], 'base64' ) );
@@ -84,8 +84,8 @@ await withWorld( async ( { service, open } ) => {
 
 	};
 
-	/** Pixels of the picture in the page at places, and what the light shows as a PNG. */
-	const seen = ( places = PLACES ) => page.evaluate( ( places ) => {
+	/** Pixels of the image at places, and the picture on the light as a PNG. */
+	const pixelsAt = ( places = PLACES ) => page.evaluate( ( places ) => {
 
 		const [ canvas, copy ] = [ document.querySelector( '.stage canvas' ), document.createElement( 'canvas' ) ];
 		Object.assign( copy, { width: canvas.width, height: canvas.height } );
@@ -96,14 +96,14 @@ await withWorld( async ( { service, open } ) => {
 	}, places );
 	const frame = () => page.evaluate( () => new Promise( ( done ) => requestAnimationFrame( () => requestAnimationFrame( done ) ) ) );
 	const apart = ( one, other ) => Math.max( ...one.flat().map( ( value, i ) => Math.abs( value - other.flat()[ i ] ) ) );
-	// Texels are square on it.
+	// Texels are square on this light.
 	const light = { light_picture: 'signs', light_width: 0.8, light_height: 0.5, exposure: 2 };
 	const [ f0 ] = METALS.plastic;
 	const plastic = { ...light, metal: 'plastic', exposure: 8 };
 	const byte = ( scene, png, words, begin ) => {
 
 		const asked = read( new URLSearchParams( scene ) );
-		return told( asked, png, [ '--f0', String( f0 ), ...words ], begin ).map( ( colours ) => colours.map( ( colour ) => shownAs( asked.lights[ 0 ].intensity * colour, asked.exposure ) ) );
+		return printed( asked, png, [ '--f0', String( f0 ), ...words ], begin ).map( ( colours ) => colours.map( ( colour ) => shownAs( asked.lights[ 0 ].intensity * colour, asked.exposure ) ) );
 
 	};
 
@@ -116,37 +116,37 @@ await withWorld( async ( { service, open } ) => {
 	] ) {
 
 		await shown( { ...scene, show: 'model' } );
-		const { pixels, png } = await seen();
+		const { pixels, png } = await pixelsAt();
 		const expected = byte( scene, png, words );
 		off[ name ] = apart( pixels, expected );
 		bright[ name ] = Math.max( ...expected.flat() );
 
 	}
 
-	// The second light's picture is another layer, and a light of one colour beside it stays.
+	// The picture of the second light is another layer. The dim first light shows another picture.
 	const second = { lights: 2, light2_x: - 1.3, light2_y: 1.4, light2_z: 1.2, light2_width: 0.8, light2_height: 0.5, light2_picture: 'signs' };
 	await shown( { ...plastic, ...second, light_picture: 'disc', light_intensity: 0.1, show: 'model' } );
-	const inTwo = ( await seen() ).pixels;
-	const alone = ( await shown( { ...plastic, show: 'model' } ), await seen() ).pixels;
+	const inTwo = ( await pixelsAt() ).pixels;
+	const alone = ( await shown( { ...plastic, show: 'model' } ), await pixelsAt() ).pixels;
 	off.second = apart( inTwo, alone );
 
-	// Engines know the mean alone: by each channel, all of the surface is darker by the same factor.
+	// Engines use only the mean: in each channel, the whole surface is darker by one factor.
 	const round = { table: 'engines', metal: 'white', alpha_x: 0.4, alpha_y: 0.4, show: 'model', light_width: 0.8, light_height: 0.5 };
-	const [ plainly, pictured ] = [ ( await shown( round ), await frame(), await seen() ).pixels, ( await shown( { ...round, light_picture: 'signs' } ), await seen() ).pixels ];
+	const [ plainly, pictured ] = [ ( await shown( round ), await frame(), await pixelsAt() ).pixels, ( await shown( { ...round, light_picture: 'signs' } ), await pixelsAt() ).pixels ];
 	const darker = [ 0, 1, 2 ].map( ( channel ) => plainly.map( ( pixel, i ) => linear( pictured[ i ][ channel ] ) / linear( pixel[ channel ] ) ).filter( ( _, i ) => plainly[ i ][ channel ] > 90 ) );
 	const engines = darker.map( ( factors ) => [ Math.min( ...factors ), Math.max( ...factors ) ] );
 
-	// The reference beside the truth.
+	// Compare the reference with `--truth`.
 	await shown( { ...plastic, show: 'reference' } );
 	await page.waitForFunction( () => Number( document.querySelector( '.stage canvas' ).dataset.samples ) >= 512 );
-	const truly = await seen();
+	const truly = await pixelsAt();
 	const sum = ( pixels ) => pixels.flat().reduce( ( a, b ) => a + b, 0 );
 	const reference = sum( truly.pixels ) / sum( byte( plastic, truly.png, [ '--truth' ], 'true_' ) ) - 1;
 	rmSync( folder, { recursive: true } );
 
-	// A file: of one colour it lights as no picture does, and the link knows nothing of it.
+	// A file of one colour gives the same light as no picture. The link does not contain it.
 	await shown( { light_width: 0.8, light_height: 0.5, show: 'model' } );
-	const plain = ( await seen() ).pixels;
+	const plain = ( await pixelsAt() ).pixels;
 	const openFile = async ( name, mimeType, buffer ) => {
 
 		await page.locator( '#picture' ).setInputFiles( { name, mimeType, buffer } );
@@ -167,11 +167,11 @@ await withWorld( async ( { service, open } ) => {
 	await openFile( 'white.png', 'image/png', Buffer.from( white, 'base64' ) );
 	await page.waitForFunction( () => document.querySelector( '.screen' ).width === 256 );
 	await frame();
-	const opened = { off: apart( ( await seen() ).pixels, plain ), linked: await page.evaluate( () => location.hash.includes( 'picture' ) ) };
+	const opened = { off: apart( ( await pixelsAt() ).pixels, plain ), linked: await page.evaluate( () => location.hash.includes( 'picture' ) ) };
 	await page.locator( '#picture' ).setInputFiles( { name: 'no.png', mimeType: 'image/png', buffer: Buffer.from( 'no picture' ) } );
 	const refused = await page.locator( '.controls .notice' ).textContent();
 
-	// A video, recorded here: red, then blue.
+	// A video that is recorded here: red, then blue.
 	const film = await page.evaluate( () => new Promise( ( done ) => {
 
 		const canvas = Object.assign( document.createElement( 'canvas' ), { width: 64, height: 40 } );
@@ -199,20 +199,20 @@ await withWorld( async ( { service, open } ) => {
 	for ( const since = performance.now(); colours.size < 2 && performance.now() - since < 20_000; ) {
 
 		await frame();
-		const [ red, , blue ] = ( await seen() ).pixels[ 0 ];
+		const [ red, , blue ] = ( await pixelsAt() ).pixels[ 0 ];
 		if ( red > 60 || blue > 60 ) colours.add( red > blue ? 'red' : 'blue' );
 
 	}
 
-	// What moves is stopped, and the link holds what is drawn here.
+	// Pause stops the video. The link contains the built-in video.
 	await page.locator( '#view-light_picture' ).selectOption( 'disc' );
 	await frame();
 	const changes = async () => {
 
-		const { png } = await seen();
+		const { png } = await pixelsAt();
 		await frame();
 		await frame();
-		return png !== ( await seen() ).png;
+		return png !== ( await pixelsAt() ).png;
 
 	};
 

@@ -1,4 +1,4 @@
-// A recipe's forecast and its place among others, weights of materials, and recipes from scenes.
+// The forecast of a recipe and its place in the chart, weights of materials, and recipes from scenes.
 
 import { glb, sphere } from './glb.js';
 import { withWorld } from './world.js';
@@ -10,7 +10,7 @@ await withWorld( async ( { service, open, complaints } ) => {
 	const recipe = async () => JSON.parse( await page.getByRole( 'textbox', { name: 'Recipe as JSON' } ).inputValue() );
 	const size = ( text ) => page.locator( '.facts div', { hasText: 'Size' } ).filter( { hasText: text } ).waitFor();
 	await size( '166 kB' );
-	// The recipe's own point and a measured table in the chart of bytes.
+	// The chart shows the recipe and a measured table.
 	await page.locator( '.tradeoff .measured' ).waitFor();
 	const own = () => page.locator( '.tradeoff .own' ).evaluate( ( mark ) => Number( mark.getAttribute( 'cx' ) ) );
 	const bytes = await own();
@@ -18,7 +18,7 @@ await withWorld( async ( { service, open, complaints } ) => {
 	await size( '83 kB' );
 	const halved = await own();
 
-	// Weights of materials are shown and kept.
+	// The form shows the weights of materials and keeps them.
 	const fresnel = [ { f0: 1 }, { f0: 0.04, weight: 4 } ];
 	await page.evaluate( ( recipe ) => location.hash = `#/new?${ new URLSearchParams( { recipe } ) }`, JSON.stringify( { preset: 'draft', fresnel } ) );
 	const list = page.getByLabel( 'F0 of the materials' );
@@ -29,7 +29,7 @@ await withWorld( async ( { service, open, complaints } ) => {
 	await list.fill( '1, 0.04 × grey' );
 	const fault = await page.locator( '#field-fresnel-fault' ).filter( { hasText: /./ } ).textContent();
 
-	// A list of materials, with a budget, and a scene.
+	// Plan for a list of materials, with a budget, and for a scene.
 	const scene = page.locator( '#scene' );
 	const materials = { materials: [ { name: 'brushed', alpha_x: 0.3, alpha_y: 0.09 } ] };
 	await scene.setInputFiles( { name: 'list.json', mimeType: 'application/json', buffer: Buffer.from( JSON.stringify( materials ) ) } );
@@ -43,10 +43,10 @@ await withWorld( async ( { service, open, complaints } ) => {
 	await scene.setInputFiles( { name: 'broken.glb', mimeType: 'model/gltf-binary', buffer: Buffer.from( 'glTF' ) } );
 	const refused = await page.locator( '.drop .notice' ).first().textContent();
 
-	// What to begin with.
-	await page.locator( '#start' ).selectOption( { label: 'sheen of glTF' } );
+	// Start from a use.
+	await page.locator( '#start' ).selectOption( { label: 'glTF sheen' } );
 	await page.waitForFunction( () => document.querySelector( '#field-brdf' ).value === 'charlie_neubelt' );
-	// The browser tells of an answer that is no success.
+	// The browser reports every response with an error status.
 	const others = complaints.splice( 0 ).filter( ( text ) => ! text.includes( 'status of 422' ) );
 	return { others, halved: halved < bytes, shown, weighed, fault, planned, round, refused };
 

@@ -1,4 +1,4 @@
-// Tables as they are searched, sorted, compared and varied, and the errors of one over angle and roughness by pointer and keys.
+// Search, sort, compare and vary tables; read the error maps of a table with pointer and keys.
 
 import { SMALL, withWorld } from './world.js';
 
@@ -12,7 +12,7 @@ await withWorld( async ( { service, open } ) => {
 	const list = await open( 'tables' );
 	const shown = () => list.locator( '.list tbody th a' ).evaluateAll( ( links ) => links.map( ( { hash } ) => hash.replace( '#/tables/', '' ) ) );
 	await list.waitForFunction( () => document.querySelectorAll( '.list tbody tr' ).length === 3 && ! document.querySelector( '.list tbody' ).textContent.includes( '…' ) );
-	// The newest is first; each column is sorted by a click, and the other way by another.
+	// The newest table is first. A click on a column sorts by it, and another click reverses the order.
 	const newest = await shown();
 	const sorted = {};
 	for ( const [ name, figure ] of Object.entries( FIGURES ) ) {
@@ -30,7 +30,7 @@ await withWorld( async ( { service, open } ) => {
 
 	}
 
-	// All words have to be met, by the recipe or a digest.
+	// The recipe or the digest must contain every word.
 	const found = {};
 	for ( const words of [ 'F16', 'ggx f16', digest.slice( 10, 22 ), 'f16 kt2022', '' ] ) {
 
@@ -39,15 +39,15 @@ await withWorld( async ( { service, open } ) => {
 
 	}
 
-	// Three that are compared, and the best of each figure.
+	// Three compared tables, with the best value of each figure.
 	for ( const name of [ digest, coarse, half ] ) await list.getByLabel( `Compare ${ name.slice( 7, 17 ) }` ).check();
 	await list.getByRole( 'link', { name: 'Compare 3' } ).click();
 	await list.locator( '.best' ).first().waitFor();
 	const best = await list.locator( '.compare tbody tr' ).evaluateAll( ( rows ) => Object.fromEntries( rows.map( ( { cells: [ name, ...cells ] } ) => [ name.textContent, cells.map( ( cell ) => cell.classList.contains( 'best' ) && cell.textContent.startsWith( 'best: ' ) ) ] ) ) );
 	const least = ( figure ) => [ digest, coarse, half ].map( ( name, _, names ) => figure( manifests[ name ] ) === Math.min( ...names.map( ( other ) => figure( manifests[ other ] ) ) ) );
-	const winners = Object.entries( { 'Error between nodes': FIGURES.Error, 'Error of light, mean': FIGURES.Light, Size: FIGURES.Size, Entries: ( { entries } ) => entries } ).map( ( [ name, figure ] ) => [ name, best[ name ], least( figure ) ] );
+	const winners = Object.entries( { 'Error between nodes, mean': FIGURES.Error, 'Error of light, mean': FIGURES.Light, Size: FIGURES.Size, Entries: ( { entries } ) => entries } ).map( ( [ name, figure ] ) => [ name, best[ name ], least( figure ) ] );
 
-	// A variation begins with the whole recipe.
+	// A variation starts from the whole recipe.
 	await list.evaluate( ( hash ) => location.hash = hash, `#/tables/${ half }` );
 	await list.getByRole( 'link', { name: 'Fit a variation' } ).click();
 	await list.getByRole( 'button', { name: 'Open the table' } ).waitFor();
@@ -59,30 +59,30 @@ await withWorld( async ( { service, open } ) => {
 	const errors = await service.call( `/v1/tables/${ digest }/plots/error.json?ratio=0.25&phi=0.7` );
 	const page = await open( `tables/${ digest }` );
 	const map = page.locator( '.map' ).first();
-	const told = page.locator( '.told' );
-	await told.filter( { hasText: 'lobe off by' } ).waitFor();
-	/** What is to be told of a cell, in the same words. */
-	const wanted = ( column, row ) => `seen at ${ Math.round( errors.theta[ column ] * 180 / Math.PI ) }°, azimuth 40°: lobe off by ${ ( 100 * errors.width[ row ][ column ] ).toFixed( 1 ) } % of its width, light by ${ ( 100 * errors.light[ row ][ column ] ).toFixed( 2 ) } %`;
+	const output = page.locator( '.cell-errors' );
+	await output.filter( { hasText: 'lobe error' } ).waitFor();
+	/** The expected text for a cell. */
+	const wanted = ( column, row ) => `view angle ${ Math.round( errors.theta[ column ] * 180 / Math.PI ) }°, azimuth 40°: lobe error ${ ( 100 * errors.width[ row ][ column ] ).toFixed( 1 ) } % of its width, light error ${ ( 100 * errors.light[ row ][ column ] ).toFixed( 2 ) } % of its energy`;
 	await map.scrollIntoViewIfNeeded();
 	const { x, y, width, height } = await map.boundingBox();
-	// The cell of column 30 and, from below, row 5.
+	// The cell in column 30 and in row 5 from below.
 	await page.mouse.move( x + width * 30.5 / 40, y + height * ( 1 - 5.5 / 40 ) );
-	const hovered = [ await told.textContent(), wanted( 30, 5 ) ];
+	const hovered = [ await output.textContent(), wanted( 30, 5 ) ];
 	await map.focus();
 	await page.keyboard.press( 'ArrowUp' );
 	await page.keyboard.press( 'ArrowLeft' );
-	const keyed = [ await told.textContent(), wanted( 29, 6 ) ];
-	// The brightest cell of the picture is that of the greatest error, the darkest that of the least.
+	const keyed = [ await output.textContent(), wanted( 29, 6 ) ];
+	// The brightest cell has the largest error, the darkest cell the smallest.
 	const bytes = await page.locator( '.map canvas' ).first().evaluate( ( canvas ) => [ ...canvas.getContext( '2d' ).getImageData( 0, 0, 40, 40 ).data ] );
 	const flat = errors.width.flat();
 	const shade = ( cell ) => bytes.slice( 4 * cell, 4 * cell + 3 ).reduce( ( a, b ) => a + b, 0 );
 	const shades = Array.from( { length: 1600 }, ( _, cell ) => shade( cell ) );
-	// Rows of a picture go down, those of the errors up.
+	// Rows of the image go down. Rows of the errors go up.
 	const at = ( error ) => ( 39 - Math.floor( flat.indexOf( error ) / 40 ) ) * 40 + flat.indexOf( error ) % 40;
 	const isBrightest = shades[ at( Math.max( ...flat ) ) ] === Math.max( ...shades );
 	const isDarkest = shades[ at( Math.min( ...flat ) ) ] === Math.min( ...shades );
 	await page.locator( '#plot-ratio' ).fill( '1' );
-	await told.filter( { hasText: /^alpha [0-9.]+, seen/ } ).waitFor();
+	await output.filter( { hasText: /^alpha [0-9.]+, view/ } ).waitFor();
 	return { isNewestFirst: String( newest ) === String( [ half, coarse, digest ] ), sorted, found, winners, varied, hovered, keyed, isBrightest, isDarkest, spread: Math.max( ...shades ) - Math.min( ...shades ) };
 
 } );

@@ -1,4 +1,4 @@
-// Textures of a glTF file that is dropped on the viewer, beside factors that do the same, and those that are left out.
+// Textures of a glTF file in the viewer, compared with equal factors, and notes about textures that are not shown.
 
 import { glb, texturedSphere } from './glb.js';
 import { withWorld } from './world.js';
@@ -7,7 +7,7 @@ await withWorld( async ( { open } ) => {
 
 	const page = await open( 'viewer?show=model&exposure=2' );
 	await page.locator( '.page-viewer .facts' ).waitFor();
-	/** The bytes of an image of pixels in a row. */
+	/** The bytes of an image that is one row of pixels. */
 	const image = async ( type, ...pixels ) => Buffer.from( await page.evaluate( ( [ type, pixels ] ) => {
 
 		const canvas = Object.assign( document.createElement( 'canvas' ), { width: pixels.length, height: 1 } );
@@ -16,8 +16,8 @@ await withWorld( async ( { open } ) => {
 
 	}, [ type, pixels ] ), 'base64' );
 	let files = 0;
-	/** Opens a file; the note on it. */
-	const told = async ( scene ) => {
+	/** Opens a file. Returns its note. */
+	const noteOf = async ( scene ) => {
 
 		const name = `scene${ ++ files }.glb`;
 		await page.locator( '#mesh' ).setInputFiles( { name, mimeType: 'model/gltf-binary', buffer: glb( scene ) } );
@@ -26,11 +26,11 @@ await withWorld( async ( { open } ) => {
 
 	};
 
-	/** The middle of the picture under a file, 200 pixels a side. */
+	/** The middle of the image with a file, 200 pixels per side. */
 	const shown = async ( scene ) => {
 
-		await told( scene );
-		// The frame after the next shows it.
+		await noteOf( scene );
+		// The frame after the next shows the file.
 		return page.evaluate( () => new Promise( ( done ) => requestAnimationFrame( () => requestAnimationFrame( () => {
 
 			const [ canvas, copy ] = [ document.querySelector( '.stage canvas' ), document.createElement( 'canvas' ) ];
@@ -52,7 +52,7 @@ await withWorld( async ( { open } ) => {
 	const constant = apart( plain, await shown( texturedSphere( 48, textured, [ await image( 'png', colour ), await image( 'png', rough ) ] ) ) );
 	const jpeg = apart( plain, await shown( texturedSphere( 48, textured, [ await image( 'jpeg', colour ), await image( 'jpeg', rough ) ] ) ) );
 
-	// Red on the left half of the image, blue on the right one: how red is what is seen left and right.
+	// The left half of the texture is red, the right half blue. Measures red at the left and the right of the image.
 	const two = await shown( texturedSphere( 48, { pbrMetallicRoughness: { roughnessFactor: 0.9, baseColorTexture: { index: 0 } } }, [ await image( 'png', [ 255, 0, 0 ], [ 0, 0, 255 ] ) ] ) );
 	const red = ( from ) => {
 
@@ -62,7 +62,7 @@ await withWorld( async ( { open } ) => {
 
 	};
 
-	// Normals that lean up by 15 degrees, and how far down the middle of the light is then.
+	// Normals that lean up by 15 degrees move the middle of the highlight down.
 	const leaning = [ 128, Math.round( 127.5 * ( 1 + Math.sin( 0.26 ) ) ), Math.round( 127.5 * ( 1 + Math.cos( 0.26 ) ) ) ];
 	const normals = { pbrMetallicRoughness: { roughnessFactor: 0.6 }, normalTexture: { index: 0 } };
 	const middle = ( bytes ) => {
@@ -77,16 +77,16 @@ await withWorld( async ( { open } ) => {
 	const level = await shown( texturedSphere( 48, normals, [ await image( 'png', [ 128, 128, 255 ] ) ] ) );
 	const without = await shown( texturedSphere( 48, normals, [ await image( 'png', leaning ) ], false ) );
 
-	// What is left out.
+	// Textures that are not shown.
 	const wide = await image( 'png', colour );
 	wide.writeUInt32BE( 65536, 16 );
 	const cut = ( await image( 'png', colour ) ).subarray( 0, 30 );
 	const other = { ...textured, normalTexture: { index: 2 }, occlusionTexture: { index: 1 } };
-	const notes = await told( texturedSphere( 4, other, [ Buffer.from( 'RIFF, a WebP' ), wide, cut ] ) );
+	const notes = await noteOf( texturedSphere( 4, other, [ Buffer.from( 'RIFF, a WebP' ), wide, cut ] ) );
 	const turned = { pbrMetallicRoughness: { baseColorTexture: { index: 0 }, metallicRoughnessTexture: { index: 0, texCoord: 1 } }, normalTexture: { index: 0, extensions: { KHR_texture_transform: {} } } };
 	const outside = texturedSphere( 4, turned, [] );
 	Object.assign( outside.document, { images: [ { uri: 'https://example.com/colour.png' } ], textures: [ { source: 0 } ] } );
-	const beside = await told( outside );
+	const beside = await noteOf( outside );
 	return { bright: apart( plain.filter( ( _, i ) => i % 4 === 0 ), Array( 40_000 ).fill( 0 ) ), constant, jpeg, halves: [ red( 0 ), red( 140 ) ], moved: middle( lean ) - middle( level ), derived: apart( lean, without ), notes, beside };
 
 } );

@@ -1,4 +1,4 @@
-// A service that wants a token: the page asks for it, sends it with everything, and keeps it nowhere.
+// A service that needs a token: the page asks for it, sends it with every request, and does not store it.
 
 import { createHash } from 'node:crypto';
 import { spawnSync } from 'node:child_process';
@@ -21,8 +21,8 @@ await withWorld( async ( { service, open, complaints } ) => {
 	page.on( 'response', ( response ) => response.status() === 401 && refused.push( response.url() ) );
 	const dialog = page.getByRole( 'dialog' );
 	await dialog.getByLabel( 'Token' ).fill( 'wrong' );
-	await dialog.getByRole( 'button', { name: 'Go on' } ).click();
-	await dialog.getByText( 'refused this token' ).waitFor();
+	await dialog.getByRole( 'button', { name: 'Continue' } ).click();
+	await dialog.getByText( 'rejected this token' ).waitFor();
 	const dialogs = await dialog.count();
 	await dialog.getByLabel( 'Token' ).fill( token );
 	await page.keyboard.press( 'Enter' );
@@ -35,7 +35,7 @@ await withWorld( async ( { service, open, complaints } ) => {
 	const saved = `sha256:${ createHash( 'sha256' ).update( await readFile( await download.path() ) ).digest( 'hex' ) }`;
 	const name = download.suggestedFilename();
 
-	// A job, by its stream.
+	// A job, followed by its event stream.
 	await page.evaluate( ( hash ) => location.hash = hash, `#/jobs/${ id }` );
 	await page.locator( '.state.running' ).waitFor();
 	const first = await page.locator( '.facts dd' ).first().textContent();
@@ -50,10 +50,10 @@ await withWorld( async ( { service, open, complaints } ) => {
 	const axe = await readFile( createRequire( import.meta.url ).resolve( 'axe-core/axe.min.js' ), 'utf8' );
 	await page.evaluate( axe );
 	const { violations } = await page.evaluate( () => window.axe.run( document ) );
-	// Who has no token is told why nothing is shown.
+	// Without a token, the page says why it shows nothing.
 	await page.keyboard.press( 'Escape' );
 	const without = await page.locator( '.notice' ).first().textContent();
-	// The browser tells of each answer that is no success.
+	// The browser reports every response with an error status.
 	const others = complaints.splice( 0 ).filter( ( text ) => ! text.includes( '401' ) );
 	return { digest, saved, name, dialogs, later, kept, violations: violations.map( ( { id } ) => id ), without, others };
 

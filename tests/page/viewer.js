@@ -1,4 +1,4 @@
-// The viewer's pixels beside those of previews, which the service's CPU renders.
+// Compares the viewer's pixels with previews that the service renders on the CPU.
 
 import { spawnSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
@@ -10,10 +10,10 @@ import { LTCFORGE, withWorld } from './world.js';
 
 const KT2022 = fileURLToPath( new URL( '../../src/server/page/published/kt2022.npy', import.meta.url ) );
 
-/** Pixels a side, as the viewer has them. */
+/** Pixels per side of the viewer's image. */
 const SIZE = 512;
 
-/** Twenty places that lie on the sphere, and on the floor below the horizon. */
+/** Twenty pixels that lie on the sphere, and on the floor below the horizon. */
 const PLACES = Array.from( { length: 20 }, ( _, i ) => {
 
 	const [ angle, radius ] = [ 2.4 * i, 100 * Math.sqrt( ( i + 0.5 ) / 20 ) ];
@@ -21,7 +21,7 @@ const PLACES = Array.from( { length: 20 }, ( _, i ) => {
 
 } );
 
-/** The names of previews for a scene of the viewer, under its first light. */
+/** The parameters of a preview for a scene of the viewer with its first light. */
 function preview( { surface, table, metal, light_shape, light_width = 0.7, light_height = 0.45, ...scene } ) {
 
 	const light = { light: light_shape || 'rectangle', light_centre: '-1.3,1.4,1.2', light_half_size: `${ light_width },${ light_height }` };
@@ -31,7 +31,7 @@ function preview( { surface, table, metal, light_shape, light_width = 0.7, light
 
 }
 
-/** The radiance behind a byte of a picture, and back. */
+/** The radiance of a byte of an image. `shownAs` is the inverse. */
 const linear = ( byte ) => {
 
 	const v = byte / 255;
@@ -71,7 +71,7 @@ await withWorld( async ( { service, open } ) => {
 		line_by_normals: { light_shape: 'line', light_height: 0.05, exposure: 4 },
 	};
 	const page = await open( 'tables' );
-	// Pixels of the picture in the page, of the service's by its path, or of a file's bytes, by places.
+	// Pixels at places: of the viewer's image, of a picture of the service by its path, or of a file by its bytes.
 	const pixels = ( from, places ) => page.evaluate( async ( { from, places } ) => {
 
 		const canvas = document.createElement( 'canvas' );
@@ -86,12 +86,12 @@ await withWorld( async ( { service, open } ) => {
 	const shown = async ( scene ) => {
 
 		await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?${ new URLSearchParams( scene ) }` );
-		// A picture that is drawn has its figures.
+		// The figures appear once the image is drawn.
 		await page.locator( '.page-viewer .facts' ).waitFor();
 
 	};
 
-	/** Waits for so many samples of the reference. */
+	/** Waits until the reference has at least `samples` samples. */
 	const sampled = ( samples ) => page.waitForFunction( ( samples ) => Number( document.querySelector( '.stage canvas' ).dataset.samples ) >= samples, samples );
 
 	const off = {};
@@ -105,7 +105,7 @@ await withWorld( async ( { service, open } ) => {
 
 	}
 
-	// The published table of KT et al. beside the program's picture of its file.
+	// Compare the published table of KT et al. with `ltcforge preview` of its file.
 	for ( const [ name, scene ] of Object.entries( { kt2022: { rotation: 0.3 }, kt2022_sharp: { alpha_x: 0.1, alpha_y: 0.02, exposure: 2 } } ) ) {
 
 		await shown( { table: 'kt2022', show: 'model', ...scene } );
@@ -121,7 +121,7 @@ await withWorld( async ( { service, open } ) => {
 
 	}
 
-	// Two lights are as bright as each by itself.
+	// Two lights are as bright as the sum of each alone.
 	const [ first, second ] = [ { light_shape: 'disk' }, { light_x: 1.5, light_y: 1.2, light_z: 1, light_shape: 'tube', light_height: 0.1 } ];
 	await shown( { table: reflected, show: 'model', lights: 2, ...first, ...Object.fromEntries( Object.entries( second ).map( ( [ name, value ] ) => [ name.replace( 'light', 'light2' ), value ] ) ) } );
 	const both = await pixels( null, PLACES );
@@ -129,7 +129,7 @@ await withWorld( async ( { service, open } ) => {
 	off.two_lights = apart( both, alone[ 0 ].map( ( pixel, i ) => pixel.map( ( byte, c ) => shownAs( linear( byte ) + linear( alone[ 1 ][ i ][ c ] ) ) ) ) );
 	bright.two_lights = Math.max( ...both.flat() );
 
-	// References over a grid.
+	// Compare references over a grid.
 	const grid = Array.from( { length: 400 }, ( _, i ) => [ 20 + 24 * ( i % 20 ), 20 + 24 * Math.floor( i / 20 ) ] );
 	const sum = ( pixels ) => pixels.flat().reduce( ( a, b ) => a + b, 0 );
 	const reference = {};
@@ -141,7 +141,7 @@ await withWorld( async ( { service, open } ) => {
 
 	}
 
-	// What engines ship is near the truth of a round surface, and not of one with a direction.
+	// The table of engines is accurate for an isotropic surface, and not for an anisotropic one.
 	const engines = {};
 	for ( const [ name, scene ] of [ [ 'round', { alpha_y: 0.4 } ], [ 'sphere', { alpha_y: 0.4, light_shape: 'sphere' } ], [ 'brushed', { alpha_y: 0.1 } ] ] ) {
 
@@ -151,15 +151,15 @@ await withWorld( async ( { service, open } ) => {
 
 	}
 
-	// Another model in place of the reference: the same on both sides makes no difference.
+	// The same model on both sides gives no difference.
 	await shown( { table: reflected, against: reflected, show: 'difference' } );
 	const same = Math.max( ...( await pixels( null, PLACES ) ).flat() );
-	// A link may name normals on either side, which is no table.
+	// A link may name `normals` on the right side. It must not appear in the list of tables.
 	await shown( { table: reflected, against: 'normals' } );
 	const [ beside, tables ] = [ await page.locator( '#against option:checked' ).innerText(), await page.locator( '#model option' ).allInnerTexts() ];
 	await shown( { table: sheen, against: reflected } );
 	const two = await page.locator( '.page-viewer' ).innerText();
-	return { off, bright, reference, engines, same, beside, tables, told: /Two scattering models: charlie on the left, ggx/.test( two ) };
+	return { off, bright, reference, engines, same, beside, tables, isExplained: /Two scattering models: charlie on the left, ggx/.test( two ) };
 
 
 }, [ '--adapter', 'cpu' ] );

@@ -1,11 +1,11 @@
-// The viewer as people use it: what is dragged, lights that come and go, the link, a context that is lost.
+// Using the viewer: drag, add and remove lights, reload the link, lose the WebGL context.
 
 import { SMALL, withWorld } from './world.js';
 
 await withWorld( async ( { service, open } ) => {
 
 	const page = await open( 'viewer?rotation=0.3' );
-	/** The bytes of the model's half of the picture, below the middle. */
+	/** Bytes from the left half of the image, which shows the model. */
 	const bytes = () => page.evaluate( () => {
 
 		const [ canvas, copy ] = [ document.querySelector( '.stage canvas' ), document.createElement( 'canvas' ) ];
@@ -17,7 +17,7 @@ await withWorld( async ( { service, open } ) => {
 	} );
 	await page.locator( '.page-viewer .facts' ).waitFor();
 
-	// The light is dragged and the camera turned; a page that is loaded again shows the same.
+	// Drag the camera and the light. Reloading the page shows the same scene.
 	const stage = await page.locator( '.stage svg' ).boundingBox();
 	const drag = async ( x, y ) => {
 
@@ -42,7 +42,7 @@ await withWorld( async ( { service, open } ) => {
 	await page.locator( '#view-light_x' ).waitFor();
 	const kept = await page.locator( '#view-light_x' ).inputValue() === value && await page.locator( '#view-split' ).inputValue() === '0.3' && await page.evaluate( () => location.hash ) === hash;
 	await page.locator( '#view-split' ).fill( '0.5' );
-	// A light is added, made a tube, dragged away from the eye, and taken away again.
+	// Add a light, make it a tube, drag it away from the camera, and remove it.
 	await page.getByRole( 'button', { name: 'Add' } ).click();
 	await page.locator( '#view-light_shape' ).selectOption( 'tube' );
 	const outlines = await page.locator( '.stage polygon' ).count();
@@ -54,11 +54,11 @@ await withWorld( async ( { service, open } ) => {
 	await page.waitForFunction( ( z ) => Number( document.querySelector( '#view-light_z' ).value ) !== z, z );
 	const linked = await page.evaluate( () => location.hash.includes( 'lights=2' ) && location.hash.includes( 'light2_shape=tube' ) );
 	await page.getByRole( 'button', { name: 'Remove' } ).click();
-	// The next frame draws it.
+	// The next frame removes its outline.
 	await page.waitForFunction( () => document.querySelectorAll( '.stage polygon' ).length < 2 );
 	const left = await page.locator( '.stage polygon' ).count();
 
-	// A context that is lost comes back with its picture.
+	// A restored context shows the same image as before.
 	const beforeLoss = await bytes();
 	await page.evaluate( () => {
 
@@ -71,12 +71,12 @@ await withWorld( async ( { service, open } ) => {
 	await page.waitForFunction( () => Number( document.querySelector( '.stage canvas' ).dataset.samples ) >= 64 );
 	const restored = Math.max( ...( await bytes() ).map( ( byte, i ) => Math.abs( byte - beforeLoss[ i ] ) ) );
 
-	// A table that the reference is not of.
+	// The viewer rejects a table without a reference.
 	const diffuse = await service.fit( { preset: 'draft', brdf: 'oren_nayar', fit: SMALL.fit } );
 	await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?table=${ diffuse }` );
 	const refused = await page.locator( '.page-viewer .notice' ).textContent();
 
-	// A table of a list of materials, which this text does not look up.
+	// The viewer rejects a table with a list of materials.
 	const listed = await service.fit( { ...SMALL, layout: 'materials', materials: [ { alpha: 0.3 } ], resolution: { theta: 2, phi: 2 } } );
 	await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?table=${ listed }` );
 	const unlisted = await page.locator( '.page-viewer .notice', { hasText: 'list of materials' } ).textContent();

@@ -1,4 +1,4 @@
-// A service of its own and a browser for a script, and everything that the browser complains of.
+// Runs a script with its own service and a browser, and collects the errors that the browser reports.
 
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
@@ -13,22 +13,22 @@ import { chromium } from 'playwright-core';
 
 const { values } = parseArgs( { options: { ltcforge: { type: 'string' }, chromium: { type: 'string' }, pictures: { type: 'string' } } } );
 
-/** The program. */
+/** Path of the program. */
 export const LTCFORGE = values.ltcforge;
 
-/** Where pictures are written; undefined where none are asked for. */
+/** The folder for pictures; undefined without `--pictures`. */
 export const PICTURES = values.pictures;
 
-/** WebGL2 by Mesa's rasterizer on the processor. */
+/** WebGL 2 with Mesa's software rasterizer. */
 const FLAGS = [ '--no-sandbox', '--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist' ];
 
-/** Milliseconds after which a script is taken to hang. A run takes up to a minute on a machine that has nothing else to do; one that draws pictures waits for whole references. */
+/** Milliseconds after which a script fails. It takes up to a minute on an idle machine. Scripts that write pictures wait for complete references. */
 const DEADLINE = PICTURES ? 600_000 : 240_000;
 
-/** Sixteen entries that take milliseconds. */
+/** A recipe of sixteen entries that takes milliseconds. */
 export const SMALL = { preset: 'draft', resolution: { alpha: 2, ratio: 2, theta: 2, phi: 2 }, fit: { samples: 64, directions: 4, steps: 5 } };
 
-/** Far more entries than any script waits for. */
+/** A recipe that no script waits for. */
 export const ENDLESS = { preset: 'best', resolution: { alpha: 16, ratio: 16, theta: 16, phi: 16 } };
 
 async function freePort() {
@@ -42,7 +42,7 @@ async function freePort() {
 
 }
 
-/** A service on a port, which can be stopped and started again with its data. */
+/** A service on a port. It can be stopped, and started again with the same data. */
 class Service {
 
 	constructor( port, data, args ) {
@@ -54,7 +54,7 @@ class Service {
 	async start() {
 
 		this.child = spawn( values.ltcforge, [ 'serve', '--listen', `127.0.0.1:${ this.port }`, '--data', this.data, ...this.args ], { cwd: this.data, stdio: [ 'ignore', 'pipe', 'ignore' ] } );
-		// It would outlive a script that is ended.
+		// Otherwise the service would outlive an aborted script.
 		process.on( 'exit', () => this.child.kill( 'SIGKILL' ) );
 		const [ line ] = await Promise.race( [ once( createInterface( this.child.stdout ), 'line' ), once( this.child, 'exit' ) ] );
 		if ( line !== `listening on ${ this.url }` ) throw new Error( `the service did not start: ${ line }` );
@@ -69,7 +69,7 @@ class Service {
 
 	}
 
-	/** The JSON of a call, with the token that `token` may be set to. */
+	/** The JSON response of a call. Sends `this.token` if it is set. */
 	async call( path, body, method = body === undefined ? 'GET' : 'POST' ) {
 
 		const headers = { ...( body && { 'content-type': 'application/json' } ), ...( this.token && { authorization: `Bearer ${ this.token }` } ) };
@@ -117,9 +117,9 @@ class Service {
 }
 
 /**
- * Runs `work` with a service, a function that opens pages, and the list of the browser's complaints: errors of scripts and
- * of the console, and reports of the Content-Security-Policy. Prints what `work` returns, with the complaints.
- * `args` are further ones of the service, `flags` of the browser.
+ * Runs `work` with a service, a function that opens pages, and a list of complaints: errors of scripts and of the console, and
+ * violations of the Content-Security-Policy. Prints the result of `work` with the complaints. `args` are arguments of the
+ * service, `flags` are arguments of the browser.
  */
 export async function withWorld( work, args = [], flags = [] ) {
 

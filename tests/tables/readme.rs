@@ -1,4 +1,4 @@
-//! The README's figures are those of today's fitter.
+//! The figures of the README are those of the current fitter.
 
 use std::{fs, ops::ControlFlow, path::Path};
 
@@ -7,14 +7,14 @@ use ltcforge::{
     fit::{Plan, fit_plan, report},
 };
 
-/// Places at which the README's command measures.
+/// Number of places at which the command of the README measures.
 const POINTS: usize = 1024;
 
-/// Mean, p95 and maximum in percent, as a row of the README has them.
+/// Mean, p95 and maximum in percent, from the row of `table` in the README.
 fn row<'a>(readme: &'a str, table: &str) -> Vec<&'a str> {
     let mut rows = readme.lines().filter_map(|line| line.strip_prefix(&format!("| {table} | ")));
-    let row = rows.find(|row| row.ends_with(" % |")).unwrap_or_else(|| panic!("the README has no row of {table}"));
-    row.trim_end_matches(" |").split(" | ").map(|cell| cell.trim_end_matches(" %")).collect()
+    let row = rows.next().unwrap_or_else(|| panic!("the README has no row of {table}"));
+    row.split(" | ").filter_map(|cell| cell.strip_suffix(" %")).collect()
 }
 
 #[test]

@@ -1,7 +1,7 @@
-//! An adaptive binary range coder, that of LZMA [Pavlov 1999; Martin 1979]: a bit costs as much as it surprises.
+//! An adaptive binary range coder, as in LZMA [Pavlov 1999; Martin 1979]. Likely bits cost less space.
 //!
-//! A model holds the chance of a 0 in parts of 2^11 and moves by a sixteenth of the way to each bit that it sees. All
-//! arithmetic is in integers.
+//! A model stores the probability of a 0 in units of 2^-11, and moves it by a sixteenth of the way to each coded bit.
+//! All arithmetic uses integers.
 
 use super::decoder::{Chance, NARROW};
 
@@ -9,10 +9,10 @@ use super::decoder::{Chance, NARROW};
 pub(super) struct Encoder {
     low: u64,
     range: u32,
-    /// The last byte that a carry can still change, and how many bytes of 255 follow it.
+    /// The last byte that a carry can still change, and the number of 255s after it.
     pending: u8,
     ones: usize,
-    /// Whether there is a pending byte: the first one would always be 0.
+    /// Whether there is a pending byte. The first byte would always be 0.
     begun: bool,
     bytes: Vec<u8>,
 }
@@ -37,7 +37,7 @@ impl Encoder {
         }
     }
 
-    /// The bytes of all bits.
+    /// The bytes of all coded bits.
     pub(super) fn finish(mut self) -> Vec<u8> {
         for _ in 0..5 {
             self.shift();
@@ -45,7 +45,7 @@ impl Encoder {
         self.bytes
     }
 
-    /// Shifts the highest byte of `low` out, as soon as no carry can change it.
+    /// Outputs the highest byte of `low` after no carry can change it.
     fn shift(&mut self) {
         let (carry, next) = ((self.low >> 32) as u8, (self.low >> 24) as u8);
         if next != 0xff || carry != 0 {

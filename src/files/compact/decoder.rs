@@ -1,31 +1,31 @@
-//! Reads what follows the header of a compact form: bits of a range coder, integers of the bits, and sums of polynomials
-//! with these coefficients.
+//! Reads the part after the header of a compact form: bits of a range coder, integers from these bits, and sums of
+//! polynomials with these coefficients.
 //!
-//! The file needs no crate and nothing of this one: exports in Rust have it as it is.
+//! This file needs no crate and no other file. Exports in Rust contain it unchanged.
 
-/// Channels: the smooth numbers of an entry.
+/// The number of channels: the smooth numbers of an entry.
 pub(crate) const CHANNELS: usize = 9;
 /// The most polynomials of any axis.
 pub(crate) const MOST_POLYNOMIALS: usize = 28;
-/// Most entries of a table, so that a short file cannot ask for all memory.
+/// The most entries of a table, so that a short file cannot allocate all memory.
 pub(crate) const MOST_ENTRIES: usize = 1 << 20;
 
-/// The coded bytes, and what a header says of them.
+/// The coded bytes, and the parameters from the header.
 pub(crate) struct Coded<'a> {
     pub(crate) nodes: [usize; 4],
-    /// Polynomials along each axis.
+    /// The number of polynomials along each axis.
     pub(crate) counts: [usize; 4],
     /// The step of each stored channel.
     pub(crate) steps: [Option<f32>; CHANNELS],
     pub(crate) corrected: [bool; CHANNELS],
-    /// What a correction is a multiple of, in steps of its channel.
+    /// The unit of corrections, in steps of their channel.
     pub(crate) correction_steps: f32,
     pub(crate) bytes: &'a [u8],
 }
 
 impl Coded<'_> {
-    /// The numbers of every entry, and how many bytes follow them; `None` where the bytes end too early. Domain: at least one
-    /// polynomial on each axis and no more than nodes, of which there are at most [`MOST_ENTRIES`] in all.
+    /// The numbers of every entry, and the number of bytes after them; `None` if the bytes end too early. Domain: each
+    /// axis has at least one polynomial and at most as many as nodes; there are at most [`MOST_ENTRIES`] entries.
     pub(crate) fn numbers(&self) -> Option<(Vec<[f64; CHANNELS]>, usize)> {
         let bases = Bases::new(self.nodes, self.counts);
         let (mut models, mut corrections) = (Models::new(), Models::new());
@@ -53,14 +53,14 @@ pub(crate) fn multiples(rounded: &[i32], step: f64) -> Vec<f64> {
     rounded.iter().map(|k| f64::from(*k) * step).collect()
 }
 
-/// Bits of a chance.
+/// The bits of a probability.
 const CHANCE_BITS: u32 = 11;
-/// How fast chances move: by 2^-4 of what they lack.
+/// The adaption rate: a probability moves by 2^-4 of the distance to the bit.
 const RATE: u32 = 4;
-/// Below this width of the interval a byte is shifted out.
+/// The width of the interval below which a byte is output.
 pub(crate) const NARROW: u32 = 1 << 24;
 
-/// The chance that the next bit is a 0, in parts of 2^11.
+/// The probability that the next bit is a 0, in units of 2^-11.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Chance(u16);
 
@@ -88,13 +88,13 @@ pub(crate) struct Decoder<'a> {
 }
 
 impl<'a> Decoder<'a> {
-    /// `None` for too few bytes.
+    /// The reader; `None` for too few bytes.
     pub(crate) fn new(bytes: &'a [u8]) -> Option<Self> {
         let (first, bytes) = bytes.split_first_chunk::<4>()?;
         Some(Self { code: u32::from_be_bytes(*first), range: u32::MAX, bytes })
     }
 
-    /// The next bit; `None` where the bytes end.
+    /// The next bit; `None` if the bytes end.
     pub(crate) fn read(&mut self, chance: &mut Chance) -> Option<bool> {
         let bound = chance.bound(self.range);
         let bit = self.code >= bound;
@@ -115,18 +115,18 @@ impl<'a> Decoder<'a> {
     }
 }
 
-/// The longest magnitude in bits.
+/// The largest size of a magnitude in bits.
 pub(crate) const MOST_BITS: usize = 24;
-/// Neighbourhoods that are told apart.
+/// The number of different neighbourhoods.
 const NEIGHBOURHOODS: usize = 13;
 
-/// What was learnt of one kind of array.
+/// The probabilities for one kind of array.
 pub(crate) struct Models {
-    /// By neighbourhood and bits so far: whether the magnitude is longer.
+    /// Whether the magnitude has more bits, by neighbourhood and number of bits so far.
     pub(crate) lengths: [[Chance; MOST_BITS]; NEIGHBOURHOODS],
-    /// By length: the bit below the highest.
+    /// The second highest bit, by number of bits.
     pub(crate) seconds: [Chance; MOST_BITS + 1],
-    /// The bits below that.
+    /// The lower bits.
     pub(crate) low: Chance,
     pub(crate) sign: Chance,
 }
@@ -141,7 +141,7 @@ impl Models {
         }
     }
 
-    /// Reads an array of these lengths, the last axis fastest; `None` where the bytes end.
+    /// Reads an array with these lengths, the last axis fastest; `None` if the bytes end.
     pub(crate) fn read(&mut self, lengths: [usize; 4], from: &mut Decoder<'_>) -> Option<Vec<i32>> {
         let mut numbers = vec![0; lengths.iter().product()];
         for i in 0..numbers.len() {
@@ -164,7 +164,7 @@ impl Models {
     }
 }
 
-/// Which neighbourhood the element `i` has.
+/// The neighbourhood of the element `i`.
 pub(crate) fn neighbourhood([_, ratio, theta, phi]: [usize; 4], numbers: &[i32], i: usize) -> usize {
     let steps = [(i / (phi * theta * ratio), phi * theta * ratio), (i / (phi * theta) % ratio, phi * theta)];
     let steps = steps.into_iter().chain([(i / phi % theta, phi), (i % phi, 1)]);
@@ -224,12 +224,12 @@ impl Basis {
 pub(crate) struct Bases(pub(crate) [Basis; 4]);
 
 impl Bases {
-    /// Domain: as of [`Basis::new`].
+    /// Domain: as for [`Basis::new`].
     pub(crate) fn new(nodes: [usize; 4], counts: [usize; 4]) -> Self {
         Self(std::array::from_fn(|axis| Basis::new(nodes[axis], counts[axis])))
     }
 
-    /// The values at the nodes of coefficients.
+    /// The values of a sum of polynomials at the nodes, from its coefficients.
     pub(crate) fn values(&self, mut coefficients: Vec<f64>) -> Vec<f64> {
         for axis in (0..4).rev() {
             let (basis, after) = (&self.0[axis], self.0[axis + 1..].iter().map(Basis::nodes).product());
@@ -239,7 +239,7 @@ impl Bases {
     }
 }
 
-/// Multiplies an array along one axis, of `from` elements with `after` numbers each, by a matrix of `to` rows.
+/// Multiplies an array along one axis by a matrix of `to` rows. The axis has `from` elements with `after` numbers each.
 pub(crate) fn along(
     array: &[f64],
     from: usize,

@@ -1,45 +1,45 @@
-//! Why a table has no compact form, or bytes are no compact form.
+//! Errors of compact forms.
 
 use ltcforge_fit::{BrdfKind, LobeModel};
 
-/// Why a table has no compact form, or bytes are no compact form.
+/// The table has no compact form, or the bytes are not a compact form.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CompactError {
-    /// Other bytes at the beginning.
+    /// The bytes begin differently.
     #[error("not a compact table of version 1")]
     Magic,
     /// The bytes end too early.
     #[error("the bytes end too early")]
     Short,
-    /// Bytes after the end.
+    /// There are bytes after the end.
     #[error("{bytes} bytes follow the end")]
     Long {
-        /// How many.
+        /// The number of bytes.
         bytes: usize,
     },
-    /// A field of the header that no table has.
+    /// A field of the header is invalid.
     #[error("{field} is {value}; allowed: {allowed}")]
     Field {
-        /// Which.
+        /// The name of the field.
         field: String,
-        /// Its value.
+        /// The value of the field.
         value: String,
         /// The allowed values.
         allowed: String,
     },
-    /// Nodes that are not those of the table's layout over a range.
+    /// The nodes are not those of the table's layout over a range.
     #[error("the nodes of {axis} are not those of layout {layout} from {low} to {high}")]
     Nodes {
         /// The axis.
         axis: &'static str,
-        /// The table's layout.
+        /// The layout of the table.
         layout: String,
         /// The first node.
         low: String,
         /// The last node.
         high: String,
     },
-    /// A layout whose readers need more digits than the steps leave.
+    /// The readers of the layout need more digits than the steps provide.
     #[error(
         "layout {layout} has no compact form: it scales the matrices of sharp surfaces by numbers that nearly vanish; \
          layouts reflected, kt2022 and ltc2017 have one"
@@ -48,54 +48,54 @@ pub enum CompactError {
         /// The layout.
         layout: String,
     },
-    /// A scattering model whose lobes are not near the reflection that the form stores them relative to.
-    #[error("the compact form stores lobes relative to a reflection, which those of brdf {brdf} do not follow")]
+    /// The lobes of the scattering model are far from the reflection to which the form stores them.
+    #[error("the compact form stores lobes relative to a reflection, and lobes of brdf {brdf} do not follow it")]
     Reflection {
         /// The scattering model.
         brdf: BrdfKind,
     },
-    /// A lobe model without decoders.
+    /// There is no decoder for the lobe model.
     #[error(
-        "the compact form is for lobe ltc, and the table has lobe {lobe}: its file and its textures serve in place"
+        "the compact form supports lobe ltc, but the table has lobe {lobe}: use the table file or textures instead"
     )]
     Lobe {
         /// The lobe model.
         lobe: LobeModel,
     },
-    /// A channel whose numbers are too large.
-    #[error("channel {channel} has a number that is too large to be rounded to steps")]
+    /// The numbers of a channel are too large.
+    #[error("channel {channel} has a number that is too large for its steps")]
     Large {
-        /// Its number.
+        /// The number of the channel.
         channel: usize,
     },
-    /// Entries whose determinants are not positive, of which the form has none.
+    /// Some matrices have a determinant that is not positive. The form cannot store them.
     #[error(
-        "{count} entries have matrices whose determinant is not positive, which the compact form cannot hold; the first is \
+        "{count} entries have matrices whose determinant is not positive, which the compact form cannot store; the first is \
          entry {entry}, {place}"
     )]
     Determinants {
-        /// How many.
+        /// The number of these entries.
         count: usize,
-        /// The index of the first.
+        /// The index of the first of these entries.
         entry: usize,
-        /// Where it is.
+        /// The place of the first of these entries.
         place: String,
     },
-    /// A table that the form does not come near to, however fine its steps.
+    /// The form is too inaccurate even with the finest steps.
     #[error(
-        "with the finest steps the mean error between nodes is {decoded} of the lobe's width, of the table {table}; at most \
+        "with the finest steps, the mean error between nodes grows from {table} to {decoded} of the lobe's width; at most \
          1 % more is allowed"
     )]
     Inexact {
-        /// The table's error.
+        /// The error of the table.
         table: String,
-        /// That of the form.
+        /// The error of the form.
         decoded: String,
     },
-    /// An entry whose numbers are not finite.
+    /// An entry has a number that is not finite.
     #[error("entry {entry} has a number that is not finite")]
     Entry {
-        /// Its index.
+        /// The index of the entry.
         entry: usize,
     },
 }

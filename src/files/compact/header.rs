@@ -1,16 +1,16 @@
-//! The uncompressed beginning of a compact file.
+//! The uncompressed header of a compact file.
 //!
 //! | bytes | |
 //! |---|---|
-//! | 8 | `LTCcomp1`, the last byte being the version |
+//! | 8 | `LTCcomp1`; the last byte is the version |
 //! | for each of BRDF, lobe model, layout: 1 + n | the length of the name, the name in ASCII |
 //! | for each axis: 2 + 1 + 8 + 8 | nodes, u16; polynomials; first and last node, f64 |
-//! | 2 | channels that are stored, u16, channel 0 the lowest bit |
-//! | 2 | those of them that have corrections |
-//! | 4 | what a correction is a multiple of, in steps of its channel, f32 |
+//! | 2 | stored channels, u16, channel 0 is the lowest bit |
+//! | 2 | channels with corrections, u16 |
+//! | 4 | the unit of corrections, in steps of their channel, f32 |
 //! | for each stored channel: 4 | the step of its coefficients, f32 |
 //!
-//! Little-endian. The range coder's bytes follow to the end of the file.
+//! Numbers are little-endian. The bytes of the range coder follow to the end of the file.
 
 use super::{
     decoder::{CHANNELS, Coded, MOST_ENTRIES, MOST_POLYNOMIALS},
@@ -18,13 +18,13 @@ use super::{
 };
 use ltcforge_fit::{BrdfKind, Layout, LobeModel, PerAxis};
 
-/// The first bytes of a compact file; the last of them is its version.
+/// The first bytes of a compact file. The last of these bytes is the version.
 pub const COMPACT_MAGIC: &[u8; 8] = b"LTCcomp1";
 /// The layouts with a compact form.
 pub const LAYOUTS: [Layout; 3] = [Layout::Reflected, Layout::Kt2022, Layout::Ltc2017];
-/// Those of amplitude and Fresnel term.
+/// The channels of amplitude and Fresnel term.
 pub(super) const TERMS: [usize; 2] = [7, 8];
-/// Most nodes on an axis, as in recipes.
+/// The most nodes on an axis, as in recipes.
 const MOST_NODES: u16 = 16_384;
 
 /// The contents of the header.
@@ -44,13 +44,13 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// The nodes of the layout over the ranges, ascending from one end to the other.
+    /// The nodes of the layout over the ranges, in ascending order.
     pub(super) fn axes(&self) -> Result<PerAxis<Vec<f64>>, CompactError> {
         let (ranges, axes) = self.divided();
         let only = self.layout.only_ranges().is_none_or(|only| only == ranges);
         for (axis, (name, nodes)) in axes.named().into_iter().enumerate() {
             let [low, high] = self.ranges[axis];
-            // A layout may move the first node up to a floor.
+            // A layout may raise the first node to a floor.
             let ends = nodes.first().is_some_and(|first| *first >= low) && nodes.last() == Some(&high);
             if !(only && ends && nodes.is_sorted_by(|one, next| one < next)) {
                 return Err(self.other_nodes(axis, name));
@@ -59,7 +59,7 @@ impl Header {
         Ok(axes)
     }
 
-    /// The ranges, and the nodes into which the layout divides them.
+    /// The ranges, and the numbers of nodes into which the layout divides them.
     fn divided(&self) -> (PerAxis<[f64; 2]>, PerAxis<Vec<f64>>) {
         let ([alpha, ratio, theta, phi], nodes) = (self.ranges, self.nodes.map(u32::from));
         let resolution = PerAxis { alpha: nodes[0], ratio: nodes[1], theta: nodes[2], phi: nodes[3] };
@@ -68,7 +68,7 @@ impl Header {
         (ranges, axes)
     }
 
-    /// Finds the ranges of these nodes. Where a floor moved the first one up, the range began at 0.
+    /// Finds the ranges of these nodes. If a floor raised the first node, the range began at 0.
     pub(super) fn find_ranges(&mut self, axes: &PerAxis<Vec<f64>>) -> Result<(), CompactError> {
         for (axis, (name, nodes)) in axes.named().into_iter().enumerate() {
             let first = nodes.first().copied().unwrap_or_default();
@@ -85,7 +85,7 @@ impl Header {
         self.axes().map(|_| ())
     }
 
-    /// The error of nodes that the layout does not have.
+    /// The error for nodes that the layout does not have.
     pub(super) fn other_nodes(&self, axis: usize, name: &'static str) -> CompactError {
         let [low, high] = self.ranges[axis].map(|end| end.to_string());
         CompactError::Nodes { axis: name, layout: self.layout.to_string(), low, high }
@@ -98,7 +98,7 @@ impl Header {
     pub(super) fn bytes(&self) -> Vec<u8> {
         let mut bytes = COMPACT_MAGIC.to_vec();
         for name in [self.brdf.name(), self.lobe.name(), self.layout.name()] {
-            // Names in the lists have a few letters.
+            // Names in the lists are short.
             bytes.push(name.len() as u8);
             bytes.extend(name.bytes());
         }
@@ -115,7 +115,7 @@ impl Header {
         bytes
     }
 
-    /// The header, and the bytes that follow it.
+    /// The header, and the bytes after it.
     pub(super) fn read(bytes: &[u8]) -> Result<(Self, &[u8]), CompactError> {
         let mut reader = Reader(bytes);
         if reader.take::<8>().ok().as_ref() != Some(COMPACT_MAGIC) {
@@ -175,7 +175,7 @@ impl Header {
         Ok((header, reader.0))
     }
 
-    /// What the decoder needs to know of the bytes that follow.
+    /// The parameters of the decoder for the bytes after the header.
     pub(super) fn coded<'a>(&self, bytes: &'a [u8]) -> Coded<'a> {
         Coded {
             nodes: self.nodes.map(usize::from),
@@ -187,7 +187,7 @@ impl Header {
         }
     }
 
-    /// Refuses tables with too many entries.
+    /// Rejects tables with too many entries.
     pub(super) fn check_entries(&self) -> Result<(), CompactError> {
         let entries = self.nodes.iter().try_fold(1_usize, |product, n| product.checked_mul(usize::from(*n)));
         match entries {
@@ -201,7 +201,7 @@ impl Header {
     }
 }
 
-/// A scattering model that needs no file: the form has no place for a digest.
+/// A scattering model without a file, because the form has no place for a digest.
 fn formula(name: &str) -> Option<BrdfKind> {
     BrdfKind::formulas().find(|kind| kind.name() == name)
 }
@@ -216,7 +216,7 @@ impl Reader<'_> {
         Ok(*taken)
     }
 
-    /// The item of a list whose name comes next.
+    /// The item of a list whose name is next.
     fn named<T: std::fmt::Display>(
         &mut self,
         field: &str,

@@ -1,8 +1,8 @@
-//! Arrays of small integers as bits: most are zero, and large ones stand beside large ones.
+//! Arrays of small integers as bits. Most integers are zero, and large integers have large neighbours.
 //!
-//! An integer is the length of its magnitude in bits, unary; the magnitude's bits below the highest; and its sign. The
-//! chance of each bit of the length depends on the neighbours that were read before: on the length in bits of
-//! `sum over the axes of 2 |one step back| + |two steps back|`.
+//! An integer is coded as the number of bits of its magnitude, in unary, then the magnitude's bits below the highest,
+//! then its sign. The probability of each unary bit depends on the neighbours that were read before: on the number of
+//! bits of `sum over the axes of 2 |one step back| + |two steps back|`.
 
 use super::{
     coder::Encoder,
@@ -10,7 +10,7 @@ use super::{
 };
 
 impl Models {
-    /// Writes what [`Models::read`] reads. Domain: magnitudes below 2^[`MOST_BITS`](super::decoder::MOST_BITS).
+    /// Writes integers for [`Models::read`]. Domain: magnitudes below 2^[`MOST_BITS`](super::decoder::MOST_BITS).
     pub(super) fn write(&mut self, lengths: [usize; 4], numbers: &[i32], to: &mut Encoder) {
         for (i, number) in numbers.iter().enumerate() {
             let neighbourhood = neighbourhood(lengths, numbers, i);

@@ -1,11 +1,12 @@
-//! The compact form of a table: a hundredth of a byte to four bytes an entry, to ship where a texture is too long.
+//! The compact form of a table: a hundredth of a byte to four bytes an entry, for programs in which a texture is too
+//! large.
 //!
-//! An entry becomes nine numbers that vary smoothly, one a channel (`fit::layout::smooth`). Over the nodes a channel is
-//! a sum of products of Gram's polynomials, whose coefficients are rounded to multiples of a step and coded by a range
-//! coder. What the rounded sum misses at a node by more than five steps is corrected there, so that an edge in a table
-//! costs bytes and not accuracy. A decoder rebuilds the numbers of the table's own layout.
+//! An entry has nine numbers that vary smoothly, one for each channel (`fit::layout::smooth`). Over the nodes, a
+//! channel is a sum of products of Gram's polynomials. Their coefficients are rounded to multiples of a step and coded
+//! by a range coder. Where the rounded sum is off by more than five steps, a correction is stored for the node. So an
+//! edge in a table costs bytes and not accuracy. A decoder rebuilds the numbers of the table's layout.
 //!
-//! The steps are parts of a lobe's width: see `rounding`. What they do to the table is measured, and they become finer
+//! Steps are parts of a lobe's width: see `rounding`. The error that they cause is measured, and the steps become finer
 //! until the decoded table is at most 1 % worse.
 //!
 //! Invariant: equal tables give equal bytes, equal bytes equal tables, on every machine. Hostile bytes give an error,
@@ -32,19 +33,19 @@ use rounding::Rounding;
 
 use ltcforge_fit::{Spread, Table, width_between};
 
-/// What decodes the bytes after a header: source that needs no crate.
+/// The source of the decoder for the bytes after a header. It needs no crate.
 pub const DECODER: &str = include_str!("decoder.rs");
 
-/// Coefficients are rounded down up to this part beyond a half, which costs less accuracy than it saves bytes.
+/// Coefficients with a fraction below `1 - ROUND_UP` are rounded towards zero. It saves more than it costs accuracy.
 const ROUND_UP: f64 = 0.4;
 /// The largest error of a number, in steps of its channel.
 const MOST_MISSED: f64 = 5.0;
 
-/// The most that the mean error of a decoded table between nodes may be, in those of the table itself.
+/// The largest mean error of a decoded table between nodes, relative to the table's mean error.
 const MOST_ERROR: f64 = 1.01;
-/// Places between nodes at which both are measured.
+/// The number of places between nodes where both errors are measured.
 const MEASURED_AT: usize = 512;
-/// How often steps may become finer. The last ones are 28 times finer than the first.
+/// The most refinements of the steps. The last steps are 28 times finer than the first.
 const ATTEMPTS: u32 = 16;
 
 /// A compact form, and its cost: errors between nodes as parts of a lobe's width, at 512 places.
@@ -61,18 +62,18 @@ pub struct Encoded {
 /// The compact form of a table: [`encode_measured`] without the errors.
 ///
 /// # Errors
-/// As there.
+/// Like [`encode_measured`].
 pub fn encode(table: &Table) -> Result<Vec<u8>, CompactError> {
     encode_measured(table).map(|encoded| encoded.bytes)
 }
 
-/// The compact form of a table, whose mean error between nodes is at most 1 % above the table's. `node_error` is not
-/// kept, and no second lobe: [`encode_lobes`] has it. Runs on the current rayon pool, for about a second on two cores, and for half a second more each time that the
-/// steps have to be finer; the pool's size changes nothing.
+/// The compact form of a table, whose mean error between nodes is at most 1 % above the table's. It has neither
+/// `node_error` nor a second lobe, see [`encode_lobes`]. Runs on the current rayon pool: about a second on two cores,
+/// and half a second more for each refinement of the steps. The result does not depend on the size of the pool.
 ///
 /// # Errors
-/// When the table has a layout without a compact form, too many entries, nodes that are not its layout's, a matrix
-/// whose determinant is not positive, an amplitude of zero, or lobes that no step makes near enough.
+/// The table has a layout without a compact form, too many entries, nodes that are not its layout's, a matrix whose
+/// determinant is not positive, an amplitude of zero, or lobes for which no steps are accurate enough.
 pub fn encode_measured(table: &Table) -> Result<Encoded, CompactError> {
     if !LAYOUTS.contains(&table.layout()) {
         return Err(CompactError::Layout { layout: table.layout().to_string() });
@@ -88,7 +89,7 @@ pub fn encode_measured(table: &Table) -> Result<Encoded, CompactError> {
     let (mut rounding, mut reached) = (Rounding::of(table), f64::NAN);
     for _ in 0..ATTEMPTS {
         let bytes = encode_rounded(table, header.clone(), &numbers, rounding)?;
-        // The bytes name the scattering model and not whose lobe was fitted.
+        // The bytes contain the scattering model, but not the materials whose lobe was fitted.
         let decoded = Table { brdf: table.brdf.clone(), ..decode(&bytes)? };
         let decoded = width_between(&decoded, MEASURED_AT);
         reached = decoded.mean;
@@ -100,17 +101,17 @@ pub fn encode_measured(table: &Table) -> Result<Encoded, CompactError> {
     Err(CompactError::Inexact { table: format!("{:.4}", errors.mean), decoded: format!("{reached:.4}") })
 }
 
-/// The compact forms of a table's lobes: one, or a second one that decodes to [`Table::of_second`] without terms.
+/// The compact forms of a table's lobes: one, or two. The second decodes to [`Table::of_second`] without terms.
 ///
 /// # Errors
-/// As [`encode_measured`].
+/// Like [`encode_measured`].
 pub fn encode_lobes(table: &Table) -> Result<Vec<Encoded>, CompactError> {
     let second = table.of_second().map(|second| Table { terms: None, ..second });
     [encode_measured(table)].into_iter().chain(second.as_ref().map(encode_measured)).collect()
 }
 
-/// Refuses lobes that are not LTCs, as its decoders take them for, and those that do not follow the reflection that
-/// [`Table::smooth_numbers`] are relative to.
+/// Rejects lobes that are not LTCs, because decoders read LTCs, and lobes that do not follow the reflection to which
+/// [`Table::smooth_numbers`] are relative.
 ///
 /// # Errors
 /// [`CompactError::Lobe`] and [`CompactError::Reflection`].
@@ -122,7 +123,7 @@ pub fn check_lobes(table: &Table) -> Result<(), CompactError> {
     if brdf.follows_reflection() { Ok(()) } else { Err(CompactError::Reflection { brdf }) }
 }
 
-/// Refuses matrices that no [`Table::smooth_numbers`] stand for.
+/// Rejects matrices that [`Table::smooth_numbers`] cannot represent.
 fn check_determinants(table: &Table) -> Result<(), CompactError> {
     let mut refused = table.determinants().enumerate().filter(|(_, determinant)| *determinant <= 0.0);
     let Some((entry, _)) = refused.next() else { return Ok(()) };
@@ -173,11 +174,11 @@ fn encode_rounded(
     Ok(bytes)
 }
 
-/// The table of a compact form, in the layout that was encoded. Its `node_error` is NaN throughout. The nodes are
-/// exact, the numbers as near as the lobes need.
+/// The table of a compact form, in its layout. `node_error` is NaN throughout. The nodes are exact, the numbers as
+/// accurate as the lobes need.
 ///
 /// # Errors
-/// When the bytes are not those of a table.
+/// The bytes are not a compact form.
 pub fn decode(bytes: &[u8]) -> Result<Table, CompactError> {
     let (header, coded) = Header::read(bytes)?;
     let axes = header.axes()?;
@@ -223,8 +224,8 @@ fn bases(header: &Header) -> Bases {
     Bases::new(header.nodes.map(usize::from), header.polynomials.map(usize::from))
 }
 
-/// Numbers as multiples of a step; a fraction of at least `1 - up` is rounded away from zero. `None` for a number that
-/// is too large.
+/// Numbers as multiples of a step; a fraction of at least `1 - up` is rounded away from zero. `None` if a number is too
+/// large.
 fn rounded(numbers: &[f64], step: f64, up: f64) -> Option<Vec<i32>> {
     let most = f64::from(1_u32 << MOST_BITS);
     let multiple = |x: &f64| {

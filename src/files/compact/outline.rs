@@ -1,26 +1,26 @@
-//! The data of a compact form that a decoder in another language needs before it reads the coded bytes.
+//! The parameters of a compact form that a decoder in another language needs before it reads the coded bytes.
 
 use super::{decoder::CHANNELS, error::CompactError, header::Header};
 use ltcforge_fit::{Layout, PerAxis};
 
-/// The header of a compact form, read.
+/// The parsed header of a compact form.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     /// The layout of the table.
     pub layout: Layout,
-    /// Nodes of each axis.
+    /// The number of nodes of each axis.
     pub axes: PerAxis<Vec<f64>>,
-    /// Polynomials along each axis.
+    /// The number of polynomials along each axis.
     pub counts: [u8; 4],
-    /// The step of each channel, 0 for one that is not stored.
+    /// The step of each channel; 0 for a channel that is not stored.
     pub steps: [f32; CHANNELS],
-    /// Channels with corrections.
+    /// The channels with corrections.
     pub corrected: [bool; CHANNELS],
     /// The unit of corrections, in steps of their channel.
     pub correction_steps: f32,
     /// Whether there are amplitude and Fresnel term.
     pub has_terms: bool,
-    /// Where the coded bytes begin.
+    /// The position of the coded bytes.
     pub coded_at: usize,
 }
 
@@ -28,7 +28,7 @@ impl Outline {
     /// Reads the header.
     ///
     /// # Errors
-    /// When it is not a compact form.
+    /// The bytes are not a compact form.
     pub fn of(bytes: &[u8]) -> Result<Self, CompactError> {
         let (header, coded) = Header::read(bytes)?;
         Ok(Self {

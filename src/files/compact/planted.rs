@@ -1,4 +1,4 @@
-//! Tables of known numbers, and their bytes.
+//! Tables with known numbers, and their bytes.
 
 use super::{CHANNELS, Rounding, Table, encode_rounded, header_of};
 use crate::recipe_document;
@@ -13,8 +13,8 @@ pub(super) fn recipe(layout: Layout, nodes: [u32; 4]) -> Recipe {
     recipe_document::parse(document.as_bytes(), u64::MAX).expect("a recipe")
 }
 
-/// A table of numbers that are a function of the place in [0, 1] on each axis, from the values of the channels at the
-/// origin to those at the far corner.
+/// A table whose numbers are a function of the place in [0, 1] on each axis: from the values of the channels at the
+/// origin to their values at the far corner.
 ///
 /// # Panics
 /// Never: the recipe is valid.
@@ -41,10 +41,10 @@ pub fn planted(layout: Layout, nodes: [u32; 4], has_terms: bool, bump: impl Fn(u
     Table::of_smooth_numbers((recipe.brdf(), recipe.lobe, recipe.layout), axes, &numbers, has_terms)
 }
 
-/// The bytes for the first steps, whatever they do to the table: planted lobes are nobody's.
+/// The bytes with the first steps, without measuring the error, because planted lobes are not real.
 ///
 /// # Panics
-/// For a table that has no compact form.
+/// The table has no compact form.
 #[must_use]
 pub fn unmeasured(table: &Table) -> Vec<u8> {
     let header = header_of(table).expect("a header");

@@ -1,5 +1,5 @@
-//! Gram's polynomials: those that are orthonormal on evenly spaced nodes. Smooth functions need few of them, and unlike
-//! cosines they need no more where a function ends in a slope.
+//! Gram's polynomials, which are orthonormal on evenly spaced nodes. Smooth functions need few of them. Unlike cosines,
+//! they need no more for a function that ends in a slope.
 //!
 //! With `t = i - (n - 1) / 2` and `w_k = sqrt(k^2 (n^2 - k^2) / (4 (4 k^2 - 1)))`, on nodes `i = 0 .. n - 1`,
 //!
@@ -7,29 +7,29 @@
 //! G_0 = 1 / sqrt(n),    w_(k+1) G_(k+1) = t G_k - w_k G_(k-1)
 //! ```
 //!
-//! [Gram 1883; the three terms in Gautschi 2004, section 1.5]. Only products, quotients and square roots occur, so that
-//! the values have the same bits everywhere.
+//! [Gram 1883; the three-term recurrence in Gautschi 2004, section 1.5]. The code uses only products, quotients and
+//! square roots, so the values have the same bits everywhere.
 
 use super::decoder::{Bases, Basis, MOST_POLYNOMIALS, along};
 
-/// As many polynomials as the three terms keep orthonormal: to 1e-12, and in 32 bits to 1e-3. The recurrence loses
-/// digits as their number comes near that of the nodes.
+/// The number of polynomials that the recurrence keeps orthonormal: to 1e-12, and in 32 bits to 1e-3. The recurrence
+/// loses digits as this number approaches the number of nodes.
 pub(super) fn most_polynomials(nodes: usize) -> usize {
     nodes.min(16).max((nodes / 2 + 4).min(MOST_POLYNOMIALS).min(nodes))
 }
 
 impl Bases {
-    /// Coefficients of each axis.
+    /// The numbers of coefficients of each axis.
     pub(crate) fn counts(&self) -> [usize; 4] {
         std::array::from_fn(|axis| self.0[axis].count())
     }
 
-    /// Nodes of each axis.
+    /// The numbers of nodes of each axis.
     pub(crate) fn nodes(&self) -> [usize; 4] {
         std::array::from_fn(|axis| self.0[axis].nodes())
     }
 
-    /// The coefficients that come nearest to values at the nodes.
+    /// The coefficients whose sum is nearest to the values at the nodes.
     pub(super) fn coefficients(&self, mut values: Vec<f64>) -> Vec<f64> {
         for axis in 0..4 {
             let (basis, after) = (&self.0[axis], self.0[axis + 1..].iter().map(Basis::nodes).product());

@@ -1,4 +1,4 @@
-//! How finely a table's numbers are rounded, and where a rounded sum is corrected.
+//! The steps to which a table's numbers are rounded, and the places where a rounded sum is corrected.
 //!
 //! Measured on tables of the presets and of 64 x 64 nodes in layouts `reflected` and `ltc2017`: the mean error between
 //! nodes grows by less than 1 %. For tables where it grows by more, steps become finer.
@@ -6,34 +6,34 @@
 use super::{decoder::CHANNELS, header::TERMS};
 use ltcforge_fit::{ALPHA_FLOOR, Reflection, THETA_CEILING, Table};
 
-/// How many times finer each channel is rounded: by how much of its width the lobe moves with the number, for the terms
-/// by how small their own errors are.
+/// The factor by which each channel's step is finer: the motion of the lobe with the number, in widths. For the terms,
+/// it follows from their small errors.
 const WEIGHTS: [f64; CHANNELS] = [1.5, 1.3, 1.3, 5.0, 4.0, 1.0, 1.0, 45.0, 45.0];
-/// The step of a number that moves the lobe by the step's part of its width, and the steps of corrections.
+/// The step of a number, as the part of its width by which the lobe moves, and the steps of corrections.
 const ANISOTROPIC: (f64, f32) = (0.015, 8.0);
-/// The same for tables of isotropic surfaces, which have fewer numbers and finer nodes.
+/// The same as [`ANISOTROPIC`] for tables of isotropic surfaces, which have fewer numbers and finer nodes.
 const ISOTROPIC: (f64, f32) = (0.007, 8.0);
-/// The same for tables whose numbers are chosen for the error between nodes.
+/// The same as [`ANISOTROPIC`] for tables whose numbers minimise the error between nodes.
 const CHOSEN: (f64, f32) = (0.015, 0.25);
-/// How many times coarser their terms are rounded beside the others.
+/// The factor by which the terms of these tables are rounded more coarsely.
 const CHOSEN_TERMS: f64 = 1.75;
-/// The rows of least roughness whose chosen numbers are far from those of the lobes.
+/// The rows of smallest roughness whose numbers differ most from those of the lobes, in these tables.
 const MIRROR_ROWS: usize = 2;
-/// A number that is off the median of its neighbourhood by more than this many steps is left to corrections.
+/// The distance from the median of its neighbourhood, in steps, above which a number is left to corrections.
 const OUTLIER: f64 = 8.0;
 /// The error of a Fresnel term that is not corrected, in steps.
 const UNSEEN: f64 = 0.08;
 
-/// The factor on steps that are too coarse.
+/// The factor by which steps become finer.
 const FINER: f64 = 0.8;
 
-/// How a table is rounded.
+/// The rounding of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rounding {
     pub(super) part_of_width: f64,
     pub(super) correction_steps: f32,
-    /// Whether numbers are chosen for the error between nodes. Those of least roughness, and at the horizon, then
-    /// depend on their neighbours more than on their own lobes.
+    /// Whether numbers minimise the error between nodes. Then those of the smallest roughness and at the horizon depend
+    /// more on their neighbours than on their own lobes.
     is_chosen: bool,
 }
 
@@ -52,7 +52,7 @@ impl Rounding {
         Self { part_of_width, correction_steps, is_chosen }
     }
 
-    /// All steps finer.
+    /// The same rounding with finer steps.
     pub(super) fn finer(self) -> Self {
         Self { part_of_width: FINER * self.part_of_width, ..self }
     }
@@ -63,9 +63,9 @@ impl Rounding {
         self.part_of_width * coarser / WEIGHTS[channel]
     }
 
-    /// The numbers that polynomials are to follow, of a channel with this step. Where numbers are chosen, those of the
-    /// least roughness and at the horizon are taken from their neighbours and left to corrections, and so are numbers
-    /// that stand out of theirs, because a polynomial would bend all around them.
+    /// The numbers that polynomials should follow, for a channel with this step. If numbers minimise the error between
+    /// nodes, those of the smallest roughness and at the horizon are replaced by their neighbours' and left to
+    /// corrections. So are outliers, because a polynomial would bend all numbers around them.
     pub(super) fn smoothed(self, table: &Table, step: f64, mut exact: Vec<f64>) -> Vec<f64> {
         if self.is_chosen {
             let columns = table.axes().theta.len();
@@ -81,14 +81,14 @@ impl Rounding {
         exact
     }
 
-    /// The error allowed for a number, relative to that of others: a lobe that is narrow beside its reflection needs
+    /// The error allowed for a number, relative to other numbers. A lobe that is narrower than its reflection needs
     /// finer numbers.
     pub(super) fn tolerance(self, channel: usize, numbers: &[f64; CHANNELS]) -> f64 {
         let narrow = numbers[0].min(numbers[2]);
         if self.is_chosen && !TERMS.contains(&channel) { (narrow * narrow).min(1.0) } else { 1.0 }
     }
 
-    /// Whether a miss shows. Near the normal a Fresnel term is so small that its stored root may be off by much.
+    /// Whether an error is visible. Near the normal a Fresnel term is so small that its stored root may be off by much.
     pub(super) fn is_seen(
         self,
         table: &Table,
@@ -108,8 +108,8 @@ impl Rounding {
     }
 }
 
-/// Numbers in rows of `columns`, where those that are farther than `most` from the median of the nine around them are
-/// that median.
+/// Numbers in rows of `columns`. A number farther than `most` from the median of the nine numbers around it is replaced
+/// by the median.
 fn without_outliers(numbers: &[f64], columns: usize, most: f64) -> Vec<f64> {
     let rows = numbers.len() / columns;
     let median = |row: usize, column: usize| {

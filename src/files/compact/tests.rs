@@ -1,4 +1,4 @@
-//! Tables that are planted, and bytes that are hostile.
+//! Planted tables, and hostile bytes.
 
 use std::ops::ControlFlow;
 
@@ -11,11 +11,11 @@ use super::{
 use crate::{digest::Digest, recipe_document};
 use ltcforge_fit::{Layout, Plan, Recipe, fit_plan};
 
-/// A Fresnel term that is off by less is as good as the other, whatever its stored root.
+/// The error of a Fresnel term below which its stored root does not matter.
 const UNSEEN_TERM: f32 = 1e-4;
 
-/// The largest difference of each channel, in its steps. At the horizon the engines' layouts bound their numbers, so
-/// that their numbers there are not those that were planted.
+/// The largest difference of each channel, in steps. At the horizon the layouts of engines bound their numbers, so they
+/// differ from the planted numbers.
 fn misses(one: &Table, other: &Table) -> [f64; CHANNELS] {
     let rounding = Rounding::of(one);
     let is_bounded = |entry: usize| one.layout() != Layout::Reflected && one.axes().node(entry).theta >= 1.57;
@@ -44,8 +44,8 @@ fn smooth_tables_of_every_layout_come_back_in_few_bytes() {
             assert_eq!(again.terms().is_some(), has_terms);
             assert!(again.node_error().iter().all(|error| error.is_nan()));
             let misses = misses(&table, &again);
-            // The errors left uncorrected, and the rounding to 32 bits of a matrix that is nearly singular at the
-            // horizon.
+            // The bound covers uncorrected errors, and the rounding to 32 bits of a matrix that is nearly singular at
+            // the horizon.
             let most = if *layout == Layout::Reflected { 4.1 } else { 6.0 };
             assert!(misses.iter().all(|miss| *miss < most), "{layout}: {misses:?}");
             assert!(bytes.len() < 1500, "{layout}: {} bytes", bytes.len());
@@ -54,7 +54,7 @@ fn smooth_tables_of_every_layout_come_back_in_few_bytes() {
     }
 }
 
-/// Without corrections the edge would be missed by half its height.
+/// Corrections store an edge, which the polynomials would miss by half its height.
 #[test]
 fn an_edge_costs_bytes_and_not_accuracy() {
     let edge = |channel, place: [f64; 4]| if channel == 0 && place[0] > 0.97 && place[2] < 0.5 { 0.5 } else { 0.0 };
@@ -64,7 +64,7 @@ fn an_edge_costs_bytes_and_not_accuracy() {
     assert!(misses.iter().all(|miss| *miss < 4.5), "{misses:?}");
 }
 
-/// Other bytes mean another version: the last byte of [`COMPACT_MAGIC`].
+/// A change in the bytes needs a new version, the last byte of [`COMPACT_MAGIC`].
 #[test]
 fn bytes_and_decoded_numbers_are_pinned() {
     let wave = |channel: usize, place: [f64; 4]| 0.02 * (channel as f64) * place[0] * (place[2] - 0.5) * place[3];
@@ -92,7 +92,8 @@ fn each_fault_of_a_table_is_named() {
     assert_eq!(encode(&table), Err(CompactError::Entry { entry: 7 }));
 }
 
-/// Those of the published table: their distributions are right, and a light's winding is reversed.
+/// Such matrices are in the published table: their distributions are right, but the order of a light's vertices is
+/// reversed.
 #[test]
 fn matrices_that_are_not_upright_are_counted_and_named() {
     let mut table = planted(Layout::Kt2022, [4, 3, 4, 3], true, |_, _| 0.0);
@@ -105,12 +106,12 @@ fn matrices_that_are_not_upright_are_counted_and_named() {
     assert!(error.ends_with("the first is entry 7, alpha 0.0001, ratio 0.0001, theta 1.0471, phi 0.7854"), "{error}");
 }
 
-/// The mean error between nodes at so many places.
+/// The mean error between nodes at this many places.
 fn error(table: &Table) -> f64 {
     width_between(table, MEASURED_AT).mean
 }
 
-/// Fits with the settings of a preset.
+/// Fits a table with the settings of a preset.
 fn fitted(preset: &str, layout: Layout, nodes: [u32; 4]) -> Table {
     let Recipe { resolution, range, .. } = recipe(layout, nodes);
     let document = serde_json::json!({ "preset": preset, "layout": layout, "resolution": resolution, "range": range });
@@ -119,8 +120,8 @@ fn fitted(preset: &str, layout: Layout, nodes: [u32; 4]) -> Table {
     fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("a table")
 }
 
-/// Few nodes need finer steps than those that 64 x 64 take. The lengths of whole tables are tested where these are
-/// fitted anyway, in `tests/engines`.
+/// Few nodes need finer steps than 64 x 64 nodes. The lengths of whole tables are tested where they are fitted anyway,
+/// in `tests/engines`.
 #[test]
 fn no_table_becomes_worse_by_more_than_a_hundredth() {
     for (preset, layout, nodes, most_bytes) in [
@@ -165,7 +166,7 @@ fn each_fault_of_the_header_is_named() {
     decode(&valid()).expect("a table");
     for (at, change, said) in cases {
         let mut bytes = valid();
-        // 16383 nodes of alpha times 45 are below the limit: take more of ratio.
+        // 16383 nodes of alpha times 45 are below the limit, so increase ratio.
         bytes[at..at + change.len()].copy_from_slice(change);
         if said.starts_with("entries") {
             bytes[names + 19..names + 21].copy_from_slice(&[0xff, 0x0f]);
@@ -180,7 +181,7 @@ fn each_fault_of_the_header_is_named() {
 }
 
 proptest! {
-    /// Any numbers within half of the correction's step, and whatever the axes' lengths.
+    /// The error is within half of the correction's step, for any numbers and any lengths of the axes.
     #[test]
     fn rough_tables_come_back(
         nodes in (1_u32..6, 1_u32..5, 1_u32..7, 1_u32..5), noise in prop::collection::vec(-0.2..0.2, 97),

@@ -11,7 +11,7 @@ impl TableFile {
     /// Reads a canonical file.
     ///
     /// # Errors
-    /// [`TableFileError`] for bytes that are not one.
+    /// [`TableFileError`] for bytes that are not a canonical file.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, TableFileError> {
         decode(bytes)
     }
@@ -24,17 +24,17 @@ impl TableFile {
         encode(&self.recipe, &self.table)
     }
 
-    /// Gives a table that was fitted to a tabulated BRDF the bytes of its file, which no table's file has and which
-    /// measuring needs. A table that was just fitted has them.
+    /// Gives a table of a tabulated BRDF the bytes of its BRDF file, which measuring needs and which the table's file
+    /// does not contain. A table that was just fitted has these bytes.
     ///
     /// # Errors
-    /// [`TableFileError::Brdf`] for bytes that are no tabulated BRDF, or another one.
+    /// [`TableFileError::Brdf`] for bytes that are not a tabulated BRDF, or are another one.
     pub fn attach_brdf(&mut self, bytes: &[u8]) -> Result<(), TableFileError> {
         let file = tabulated::decode(bytes).map_err(|error| TableFileError::Brdf(error.to_string()))?;
         self.find_brdf(&|_| Ok(file.clone()))
     }
 
-    /// How good the table is: the report of its manifest. Runs on the current rayon pool.
+    /// The accuracy of the table: the report of its manifest. Runs on the current rayon pool.
     ///
     /// # Errors
     /// [`TableFileError`] for a table of a tabulated BRDF whose file is not attached.
@@ -48,7 +48,7 @@ impl TableFile {
     /// The manifest as JSON.
     ///
     /// # Errors
-    /// As [`TableFile::to_bytes`] and [`TableFile::measure`].
+    /// Like [`TableFile::to_bytes`] and [`TableFile::measure`].
     pub fn manifest(&self) -> Result<String, TableFileError> {
         let file = self.table.model().file().filter(|file| file.data().is_some());
         let find = |_: &str| file.cloned().ok_or_else(|| vec!["attach its file first".to_owned()]);

@@ -1,69 +1,69 @@
-//! Tables in `NumPy`'s `.npy` format, in which KT et al. published theirs.
+//! Tables in `NumPy`'s `.npy` format, the format of KT et al.'s published table.
 //!
-//! f32, little-endian, C order, shape `[alpha, ratio, theta, phi, 3, 3]`: `M` row-major at the nodes of layout
-//! `kt2022` over the whole domain. The file names neither nodes nor terms nor errors.
+//! The file has f32, little-endian, C order, shape `[alpha, ratio, theta, phi, 3, 3]`: `M` row-major at the nodes of
+//! layout `kt2022` over the whole domain. It has neither nodes nor terms nor errors.
 //!
-//! The reader is written here, because those on crates.io bring a parser for all Python literals, a C compiler
-//! included, to read the one line of the header.
+//! The reader is written here, because crates on crates.io include a parser for all Python literals and a C compiler,
+//! to read one line of the header.
 
 use crate::recipe_document;
 use ltcforge_fit::{PerAxis, Recipe, Table};
 
-/// The bytes that every `.npy` file begins with.
+/// The first bytes of every `.npy` file.
 pub const NPY_MAGIC: &[u8] = b"\x93NUMPY";
 
 /// A table that was read, and the ranges of its axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NpyTable {
-    /// The table, without terms; its `node_error` is NaN throughout, because the file does not contain it.
+    /// The table, without terms. Its `node_error` is NaN throughout, because the file does not contain it.
     pub table: Table,
     /// Lowest and highest value on each axis.
     pub range: PerAxis<[f64; 2]>,
 }
 
-/// Why bytes are not such a table.
+/// The bytes are not such a table.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NpyError {
-    /// Not a `.npy` file, or of a version that is not 1, 2 or 3.
+    /// The bytes are not a `.npy` file of version 1, 2 or 3.
     #[error("not a .npy file of version 1, 2 or 3")]
     Magic,
-    /// The header ends before it should, or is not the dictionary that `NumPy` writes.
+    /// The header ends too early, or is not a dictionary as `NumPy` writes it.
     #[error("the header: {0}")]
     Header(String),
-    /// Other elements, another order, or another shape.
+    /// The elements, their order or the shape differ.
     #[error("«{field}» is {found}; a table has {wanted}")]
     Kind {
-        /// The header's field.
+        /// The name of the header's field.
         field: &'static str,
-        /// The field's value.
+        /// The value of the field.
         found: String,
-        /// The value that it should have.
+        /// The required value.
         wanted: &'static str,
     },
-    /// More or fewer bytes than the shape takes.
-    #[error("{actual} bytes of data; the shape takes {expected}")]
+    /// The number of bytes does not match the shape.
+    #[error("{actual} bytes of data; the shape needs {expected}")]
     Length {
-        /// Bytes that the shape takes.
+        /// The bytes that the shape needs.
         expected: u64,
-        /// Bytes that follow the header.
+        /// The bytes after the header.
         actual: usize,
     },
-    /// A number that is infinite or NaN.
+    /// A number is infinite or NaN.
     #[error("element {index} is {value}, not a finite number")]
     NotFinite {
-        /// Its index in storage order.
+        /// The index of the number in storage order.
         index: usize,
         /// The number as text.
         value: String,
     },
 }
 
-/// Reads a table. Hostile bytes give an error, never a panic, and take memory only in proportion to their length.
+/// Reads a table. Hostile bytes give an error, never a panic, and use memory only in proportion to their length.
 ///
-/// Matrices with negative determinant are let through: the published table has 48.
+/// Matrices with a negative determinant are allowed: the published table has 48.
 ///
 /// # Errors
-/// The error names the fault.
+/// [`NpyError`] describes the first problem.
 pub fn decode_npy(bytes: &[u8]) -> Result<NpyTable, NpyError> {
     let (header, data) = split(bytes)?;
     let Header { descr, fortran_order, shape } = Header::parse(header)?;
@@ -107,7 +107,7 @@ pub fn decode_npy(bytes: &[u8]) -> Result<NpyTable, NpyError> {
     Ok(NpyTable { table, range: recipe.range })
 }
 
-/// A recipe with these numbers of nodes in layout `kt2022` over the whole domain. The file does not say how it was
+/// A recipe with these numbers of nodes in layout `kt2022` over the whole domain. The file does not state how it was
 /// fitted.
 fn whole_domain(nodes: &PerAxis<u64>) -> Option<Recipe> {
     let PerAxis { alpha, ratio, theta, phi } = nodes;
@@ -116,7 +116,7 @@ fn whole_domain(nodes: &PerAxis<u64>) -> Option<Recipe> {
     recipe_document::parse(document.as_bytes(), u64::MAX).ok()
 }
 
-/// The header's text and the data behind it.
+/// The text of the header and the data after it.
 fn split(bytes: &[u8]) -> Result<(&str, &[u8]), NpyError> {
     let rest = bytes.strip_prefix(NPY_MAGIC).ok_or(NpyError::Magic)?;
     let short = || NpyError::Header("the file ends within it".to_owned());
@@ -173,13 +173,13 @@ impl Header {
     }
 }
 
-/// A reader of the few Python literals that a header has.
+/// A reader of the Python literals in a header.
 struct Reader<'a> {
     rest: &'a str,
 }
 
 impl<'a> Reader<'a> {
-    /// Takes `token` if it comes next.
+    /// Takes `token` if it is next.
     fn take(&mut self, token: &str) -> bool {
         let Some(rest) = self.rest.trim_start().strip_prefix(token) else { return false };
         self.rest = rest;
@@ -192,10 +192,10 @@ impl<'a> Reader<'a> {
 
     fn refusal(&self, wanted: &str) -> NpyError {
         let found: String = self.rest.trim_start().chars().take(20).collect();
-        NpyError::Header(format!("{wanted} was expected, found «{found}»"))
+        NpyError::Header(format!("expected {wanted}, found «{found}»"))
     }
 
-    /// A string in either kind of quotes. Escapes are not interpreted.
+    /// Reads a string in single or double quotes. Escapes are not interpreted.
     fn string(&mut self) -> Result<&'a str, NpyError> {
         for quote in ["'", "\""] {
             if self.take(quote) {

@@ -2,14 +2,15 @@
 //!
 //! | tensor | type | shape |
 //! |---|---|---|
-//! | `matrix` | f32, or f16 where that is the recipe's precision | alpha, ratio, theta, phi, 3, 3 |
-//! | `matrix_2` (when the recipe has two lobes an entry) | as `matrix` | as `matrix` |
-//! | `amplitude`, `fresnel` (when the recipe has terms), `edge` (those of F82), `node_error` | as `matrix` | alpha, ratio, theta, phi |
+//! | `matrix` | f32, or f16 if it is the recipe's precision | alpha, ratio, theta, phi, 3, 3 |
+//! | `matrix_2` (if the recipe has two lobes an entry) | like `matrix` | like `matrix` |
+//! | `amplitude`, `fresnel` (if the recipe has terms), `edge` (with F82), `node_error` | like `matrix` | alpha, ratio, theta, phi |
 //! | `axis_alpha`, `axis_ratio`, `axis_theta`, `axis_phi` | f64 | nodes |
 //!
-//! Of layout `materials` there is one ratio for each alpha: `axis_ratio` is as long as `axis_alpha`, and the shape has 1 for it.
+//! Layout `materials` has one ratio for each alpha: `axis_ratio` is as long as `axis_alpha`, and the shape has 1 for
+//! it.
 //!
-//! Equal recipe and table give equal bytes, and no other bytes decode to them.
+//! Equal recipes and tables give equal bytes, and no other bytes decode to them.
 
 use safetensors::{Dtype, SafeTensors, serialize, tensor::Metadata};
 
@@ -19,10 +20,10 @@ use ltcforge_fit::{
     math::{from_half_bits, from_row_major, half_bits},
 };
 
-/// The metadata key that holds the recipe.
+/// The metadata key of the recipe.
 const RECIPE_KEY: &str = "ltcforge";
 
-/// A canonical file that was read back.
+/// A decoded canonical file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableFile {
     /// The recipe that was fitted.
@@ -44,10 +45,10 @@ impl TableFile {
         &self.table
     }
 
-    /// Finds the file of a tabulated BRDF, which a table is measured with. Does nothing for other tables.
+    /// Finds the file of a tabulated BRDF, which is needed to measure the table. Does nothing for other tables.
     ///
     /// # Errors
-    /// [`TableFileError::Brdf`] when it is not found.
+    /// [`TableFileError::Brdf`] if the file is not found.
     pub fn find_brdf(&mut self, find: &FindBrdf<'_>) -> Result<(), TableFileError> {
         let missing = self.table.brdf.file().filter(|_| !self.table.brdf.is_complete());
         let Some(name) = missing.map(ToString::to_string) else { return Ok(()) };
@@ -55,39 +56,39 @@ impl TableFile {
         if file.to_string() != name {
             return Err(TableFileError::Brdf(format!("{file} is not {name}")));
         }
-        // A tabulated model has no Fresnel factor of its own.
+        // A tabulated model has no Fresnel factor.
         self.table.brdf = BrdfModel::tabulated(file);
         self.recipe.brdf = self.table.brdf.clone();
         Ok(())
     }
 }
 
-/// Why bytes are not a canonical table file.
+/// The bytes are not a canonical table file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TableFileError {
-    /// Not a safetensors file.
+    /// The bytes are not a safetensors file.
     #[error("not a safetensors file: {0}")]
     Container(String),
-    /// No recipe in the metadata, or one that is not complete and valid.
+    /// The metadata has no recipe, or the recipe is incomplete or invalid.
     #[error("no valid recipe under the metadata key «{RECIPE_KEY}»: {0}")]
     Recipe(String),
     /// The file of a tabulated BRDF was not found.
-    #[error("the table is of a tabulated BRDF, whose file was not found: {0}")]
+    #[error("the table is of a tabulated BRDF, and the file of the BRDF was not found: {0}")]
     Brdf(String),
-    /// A tensor is missing, or has another type or shape than the recipe demands.
+    /// A tensor is missing, or its type or shape does not match the recipe.
     #[error("tensor «{name}»: {detail}")]
     Tensor {
-        /// Which tensor.
+        /// The name of the tensor.
         name: String,
-        /// The fault.
+        /// The problem.
         detail: String,
     },
-    /// The parts are fine, but the bytes are not those that [`encode`] writes: other tensors, order or spacing.
-    #[error("not in canonical form: other tensors, metadata, order or spacing than the recipe's table has")]
+    /// The parts are correct, but [`encode`] would write other bytes: other tensors, order or spacing.
+    #[error("not in canonical form: tensors, metadata, order or spacing differ from those of the recipe's table")]
     NotCanonical,
 }
 
-/// A tensor of numbers in a precision that holds them exactly.
+/// A tensor of numbers in a precision that stores them exactly.
 fn tensor<'a>(precision: Precision, shape: &[usize], values: impl IntoIterator<Item = &'a f32>) -> Tensor {
     let values = values.into_iter();
     let (dtype, bytes) = match precision {
@@ -100,7 +101,7 @@ fn tensor<'a>(precision: Precision, shape: &[usize], values: impl IntoIterator<I
 /// The canonical file of a table.
 ///
 /// # Errors
-/// When the table's vectors are not as long as its axes say.
+/// The lengths of the table's vectors do not match its axes.
 pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError> {
     let shape = table.lengths().named().map(|(_, n)| *n);
     let matrix_shape: Vec<usize> = shape.into_iter().chain([3, 3]).collect();
@@ -125,7 +126,7 @@ pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError>
     }
     for (name, tensor) in &tensors {
         if tensor.shape.iter().product::<usize>() * tensor.dtype.bitsize() != tensor.bytes.len() * 8 {
-            let detail = format!("{} bytes do not make the shape {:?}", tensor.bytes.len(), tensor.shape);
+            let detail = format!("{} bytes do not match the shape {:?}", tensor.bytes.len(), tensor.shape);
             return Err(TableFileError::Tensor { name: name.clone(), detail });
         }
     }
@@ -134,21 +135,18 @@ pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError>
         .map_err(|error| TableFileError::Container(error.to_string()))
 }
 
-/// The length of a file that begins so, if it is canonical: by its header, which has to be whole, and the table that
-/// the recipe in it stands for. Recognises other files before they are read.
+/// The length of a canonical file with this beginning, from its header, which must be complete, and the table of the
+/// recipe in the header. This detects other files before they are read.
 ///
 /// # Errors
-/// When the header is not whole, is not that of a table, or has no recipe.
+/// The header is incomplete, is not that of a table, or has no recipe.
 pub fn stated_length(beginning: &[u8]) -> Result<u64, TableFileError> {
     let refused = |reason: String| TableFileError::Container(reason);
     let (length, rest) = beginning.split_first_chunk::<8>().ok_or_else(|| refused("it is too short".to_owned()))?;
     let length = u64::from_le_bytes(*length);
     let header = usize::try_from(length).ok().and_then(|length| rest.get(..length));
     let header = header.ok_or_else(|| {
-        refused(format!(
-            "its header has {length} bytes, more than the {} that are there or that a table has",
-            rest.len()
-        ))
+        refused(format!("its header has {length} bytes; at most {} are present or allowed", rest.len()))
     })?;
     let header: Metadata = serde_json::from_slice(header).map_err(|error| refused(error.to_string()))?;
     let recipe = recipe_of(&header)?;
@@ -157,7 +155,7 @@ pub fn stated_length(beginning: &[u8]) -> Result<u64, TableFileError> {
         Precision::F32 => 4,
         Precision::F16 => 2,
     };
-    // With the error at the node.
+    // The extra number is the error at the node.
     let numbers = recipe.entry_numbers() + 1;
     Ok(8 + length + recipe.entries() * numbers * number + 8 * nodes)
 }
@@ -171,7 +169,7 @@ fn recipe_of(header: &Metadata) -> Result<Recipe, TableFileError> {
 /// Reads a canonical file. Hostile bytes give an error, never a panic.
 ///
 /// # Errors
-/// The error names the fault: container, recipe, a tensor's type, shape or numbers, or the form.
+/// The error names the problem: container, recipe, a tensor's type, shape or numbers, or the form.
 pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
     let container = |error: safetensors::SafeTensorError| {
         TableFileError::Container(other_form(bytes).unwrap_or_else(|| error.to_string()))
@@ -187,7 +185,7 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
             .map(f64::from_le_bytes)
             .ne(nodes.iter().copied())
         {
-            let detail = "its nodes are not those of the recipe".to_owned();
+            let detail = "the nodes differ from those of the recipe".to_owned();
             return Err(TableFileError::Tensor { name: format!("axis_{name}"), detail });
         }
     }
@@ -238,7 +236,7 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
     Ok(TableFile { recipe, table })
 }
 
-/// The elements of a tensor of this type and shape, each as its little-endian bytes.
+/// The elements of a tensor with this type and shape, as little-endian bytes.
 fn numbers<'a, const BYTES: usize>(
     file: &SafeTensors<'a>,
     name: &str,
@@ -255,7 +253,7 @@ fn numbers<'a, const BYTES: usize>(
     Ok(elements.iter().copied())
 }
 
-/// The elements of a tensor of this precision and shape, all of them finite.
+/// The elements of a tensor with this precision and shape; all must be finite.
 fn finite(file: &SafeTensors, name: &str, precision: Precision, shape: &[usize]) -> Result<Vec<f32>, TableFileError> {
     let values: Vec<f32> = match precision {
         Precision::F32 => numbers::<4>(file, name, Dtype::F32, shape)?.map(f32::from_le_bytes).collect(),

@@ -19,7 +19,7 @@ use ltcforge_fit::{
     Recipe, Shear, Simplex, Solver, Start, StoredTerms, TabulatedAxes,
 };
 
-/// Entries that a table may have unless the caller sets another limit.
+/// The most entries of a table, unless the caller sets another limit.
 pub const DEFAULT_ENTRY_LIMIT: u64 = 2_000_000;
 
 const FIELDS: [&str; 14] = [
@@ -40,17 +40,17 @@ const FIELDS: [&str; 14] = [
 ];
 const FIT_FIELDS: [&str; 8] = ["metric", "solver", "samples", "directions", "steps", "seed", "shear", "start"];
 
-/// Bounds of the number of samples: fewer do not determine a lobe's width, and past the upper bound their f32 counts
-/// are no longer exact.
+/// Bounds of the number of samples. Fewer samples do not determine a lobe's width; above the upper bound their f32
+/// counts are not exact.
 pub(super) const SAMPLES: [u32; 2] = [32, 65_536];
-/// Bounds of the number of directions: seven free numbers need a few.
+/// Bounds of the number of directions: seven free numbers need several directions.
 pub(super) const DIRECTIONS: [u32; 2] = [4, 1024];
 /// Bounds of the number of steps.
 pub(super) const STEPS: [u32; 2] = [1, 100_000];
-/// Greatest seed: whole numbers up to here are exact in every JSON reader.
+/// The largest seed: whole numbers up to here are exact in every JSON reader.
 pub(super) const MOST_SEED: u64 = (1 << 53) - 1;
 
-/// A file's ends in f32 are not those that a document has in decimals.
+/// The tolerance between a file's ends in f32 and a document's ends in decimals.
 const FILE_TOLERANCE: f64 = 1e-6;
 
 /// Reads a document into a complete recipe.
@@ -92,12 +92,12 @@ pub(super) fn read(
     if faults.0.is_empty() { Ok(recipe) } else { Err(faults.0) }
 }
 
-/// A list's items under their names.
+/// The items of a list with their names.
 fn named<T: Copy>(items: &[T], name: fn(T) -> &'static str) -> Vec<(&'static str, T)> {
     items.iter().map(|item| (name(*item), *item)).collect()
 }
 
-/// A recipe may name the fitter that it was made for. The recipe of a stored table may name an older fitter.
+/// Reads the version of the fitter, which a recipe may name. The recipe of a stored table may name an older fitter.
 fn read_fitter(root: &Object, allowed: RangeInclusive<u32>, faults: &mut Faults) -> u32 {
     let Some(value) = root.get("fitter") else { return FITTER_VERSION };
     let version = value.as_u64().and_then(|version| u32::try_from(version).ok());
@@ -124,7 +124,7 @@ fn read_fit(root: &Object, preset: Preset, faults: &mut Faults) -> FitSettings {
     }
 }
 
-/// Only a solver with a simplex has a shear and a start.
+/// Reads shear and start, which only a solver with a simplex has.
 fn read_simplex(object: &Object, solver: Solver, faults: &mut Faults) -> Option<Simplex> {
     if solver.has_simplex() {
         return Some(Simplex {
@@ -140,13 +140,13 @@ fn read_simplex(object: &Object, solver: Solver, faults: &mut Faults) -> Option<
     None
 }
 
-/// Some solvers fit lobes that are symmetric in the plane of incidence only.
+/// Rejects anisotropic surfaces for solvers of lobes that are symmetric in the plane of incidence.
 fn check_ratio(model: &BrdfModel, range: &PerAxis<[f64; 2]>, fit: &FitSettings, faults: &mut Faults) {
     let solver = fit.solver;
     let others = || listed(Solver::ALL, |other| !other.is_isotropic());
     if solver.is_isotropic() && model.has_azimuths() {
         let detail = format!(
-            "solver \"{solver}\" fits isotropic surfaces only, and the file of the tabulated BRDF has azimuths of the view, \
+            "solver \"{solver}\" fits isotropic surfaces only, but the file of the tabulated BRDF has azimuths of the view, \
              phi_o: choose {}",
             others()
         );
@@ -155,18 +155,19 @@ fn check_ratio(model: &BrdfModel, range: &PerAxis<[f64; 2]>, fit: &FitSettings, 
         let [low, high] = range.ratio;
         let others = others();
         let detail = format!(
-            "[{low}, {high}] has anisotropic surfaces, and solver \"{solver}\" fits isotropic ones only: set the range to \
-             [1, 1], or /fit/solver to {others}"
+            "[{low}, {high}] has anisotropic surfaces, but solver \"{solver}\" fits isotropic surfaces only: set the range \
+             to [1, 1], or /fit/solver to {others}"
         );
         faults.note("/range/ratio", detail);
     }
 }
 
-/// A table of one ratio, 1, and of one azimuth is read as isotropic: its lobes turn with the view.
+/// Rejects a single ratio 1 with a single azimuth for a BRDF with azimuths: such tables are read as isotropic, and
+/// their lobes rotate with the view.
 fn check_azimuth(model: &BrdfModel, range: &PerAxis<[f64; 2]>, faults: &mut Faults) {
     if model.has_azimuths() && range.ratio == ISOTROPIC.ratio && range.phi[0] == range.phi[1] {
         let detail = format!(
-            "a table of ratio 1 and of the single value {} is read as isotropic, and the file of the tabulated BRDF has \
+            "a table with ratio 1 and the single value {} is read as isotropic, but the file of the tabulated BRDF has \
              azimuths of the view, phi_o: give phi a range",
             range.phi[0]
         );
@@ -174,7 +175,7 @@ fn check_azimuth(model: &BrdfModel, range: &PerAxis<[f64; 2]>, faults: &mut Faul
     }
 }
 
-/// The scattering model. A tabulated one names its file, and no other does.
+/// Reads the scattering model. A tabulated model names its file; other models must not.
 fn read_brdf(root: &Object, find: &FindBrdf<'_>, faults: &mut Faults) -> BrdfModel {
     let kind = root.choice("brdf", &named(BrdfKind::ALL, BrdfKind::name), BrdfKind::ALL[0], faults);
     let mut note = |detail: String| faults.note(root.pointer("tabulated"), detail);
@@ -182,7 +183,7 @@ fn read_brdf(root: &Object, find: &FindBrdf<'_>, faults: &mut Faults) -> BrdfMod
         (false, None) => {}
         (false, Some(_)) => {
             let other = BrdfKind::Tabulated;
-            note(format!("brdf \"{kind}\" has no file: choose brdf \"{other}\", or leave this field out"));
+            note(format!("brdf \"{kind}\" needs no file: choose brdf \"{other}\", or leave this field out"));
         }
         (true, None) => note(format!("missing: brdf \"{kind}\" needs its file, a path or sha256:<64 hex digits>")),
         (true, Some(Value::String(name))) => match find(name) {
@@ -194,7 +195,7 @@ fn read_brdf(root: &Object, find: &FindBrdf<'_>, faults: &mut Faults) -> BrdfMod
     kind.into()
 }
 
-/// The default is the first layout that takes the lobes of the scattering model.
+/// Reads the layout. The default is the first layout that supports the lobes of the scattering model.
 fn read_layout(root: &Object, brdf: &BrdfModel, lobe: LobeModel, faults: &mut Faults) -> Layout {
     let takes = |layout: &Layout| layout.takes(brdf) && layout.stores(lobe);
     let default = Layout::ALL.iter().copied().find(takes).unwrap_or(Layout::ALL[0]);
@@ -204,43 +205,43 @@ fn read_layout(root: &Object, brdf: &BrdfModel, lobe: LobeModel, faults: &mut Fa
     }
     let others = listed(Layout::ALL, |layout| takes(&layout));
     let detail = if layout.takes(brdf) {
-        format!("layout \"{layout}\" is for readers of LTCs, not for lobe \"{lobe}\"; layouts for it are {others}")
+        format!("layout \"{layout}\" stores LTCs, not lobe \"{lobe}\"; layouts for this lobe: {others}")
     } else if layout.only_ranges().is_some() {
         format!(
-            "layout \"{layout}\" is of isotropic surfaces, and the file of the tabulated BRDF has azimuths of the view, phi_o; \
-             layouts for it are {others}"
+            "layout \"{layout}\" is for isotropic surfaces, but the file of the tabulated BRDF has azimuths of the view, phi_o; \
+             layouts for this file: {others}"
         )
     } else {
         format!(
-            "layout \"{layout}\" stores lobes relative to a reflection, which those of brdf \"{brdf}\" do not follow; layouts \
-             for them are {others}"
+            "layout \"{layout}\" stores lobes relative to a reflection, and lobes of brdf \"{brdf}\" do not follow it; layouts \
+             for these lobes: {others}"
         )
     };
     faults.note(root.pointer("layout"), detail);
     default
 }
 
-/// Checks what a lobe model other than the default requires of the rest of a recipe.
+/// Checks the requirements of a lobe model other than the default.
 fn check_lobe(root: &Object, lobe: LobeModel, fit: &FitSettings, terms: StoredTerms, faults: &mut Faults) {
     let FitSettings { solver, metric, .. } = *fit;
     if lobe.gaussian().is_some() && !metric.compares_images() {
         let others = listed(Metric::ALL, Metric::compares_images);
-        let detail = format!("metric \"{metric}\" compares LTCs, not lobe \"{lobe}\"; metrics for it are {others}");
+        let detail = format!("metric \"{metric}\" compares LTCs, not lobe \"{lobe}\"; metrics for this lobe: {others}");
         faults.note("/fit/metric", detail);
     }
     if !solver.finds(lobe) {
         let others = listed(Solver::ALL, |solver| solver.finds(lobe));
-        let detail = format!("solver \"{solver}\" finds LTCs, not lobe \"{lobe}\"; solvers for it are {others}");
+        let detail = format!("solver \"{solver}\" finds LTCs, not lobe \"{lobe}\"; solvers for this lobe: {others}");
         faults.note("/fit/solver", detail);
     }
     if !terms.any() && lobe.gaussian().is_some() {
-        let detail = format!("false leaves lobe \"{lobe}\" without its amplitude; leave the field out, or say true");
+        let detail = format!("lobe \"{lobe}\" needs its amplitude: leave this field out, or choose true");
         faults.note(root.pointer("terms"), detail);
     }
 }
 
-/// The ranges of a layout that has only one domain are its own, and isotropic surfaces have one ratio: a document may
-/// repeat them, and name no others. Those of a tabulated BRDF lie within its file's.
+/// Reads the ranges. For a layout with a fixed domain, and for the ratio of isotropic surfaces, a document may only
+/// repeat them. Ranges of a tabulated BRDF must be within those of its file.
 fn read_range(
     root: &Object,
     model: &BrdfModel,
@@ -259,7 +260,7 @@ fn read_range(
         [of_file(|axes| &axes.alpha), of_file(|axes| &axes.ratio), of_file(|axes| &axes.theta_o)];
     let of_model = if model.is_isotropic() { ISOTROPIC } else { DOMAIN };
     let default = only.unwrap_or(match axes {
-        // A surface without roughness is one entry, as rough as can be and of equal roughnesses.
+        // A surface without roughness has one entry, with alpha 1 and ratio 1.
         Some(_) => PerAxis {
             alpha: alphas.unwrap_or([1.0; 2]),
             ratio: ratios.unwrap_or(ISOTROPIC.ratio),
@@ -274,18 +275,18 @@ fn read_range(
         if let Some([first, last]) = ends.filter(|ends| *ends != range) {
             let listed = layout.is_of_materials() && (name == "alpha" || name == "ratio");
             let field = if listed { "/materials".to_owned() } else { format!("/nodes/{name}") };
-            let detail = format!("the nodes that {field} gives go from {first} to {last}: leave this field out");
+            let detail = format!("the nodes in {field} range from {first} to {last}: leave this field out");
             faults.note(object.pointer(name), detail);
             return [first, last];
         }
         if only.is_some() && range != default {
             let [low, high] = default;
-            let detail = format!("layout \"{layout}\" has the range [{low}, {high}] only: its readers take no other");
+            let detail = format!("layout \"{layout}\" has the fixed range [{low}, {high}], which its readers expect");
             faults.note(object.pointer(name), detail);
             return default;
         }
         if name == "ratio" && model.is_isotropic() && range != ISOTROPIC.ratio {
-            let detail = format!("brdf \"{brdf}\" has the ratio [1, 1] only: its surfaces are isotropic");
+            let detail = format!("brdf \"{brdf}\" is isotropic: the range must be [1, 1]");
             faults.note(object.pointer(name), detail);
             return default;
         }
@@ -301,10 +302,10 @@ fn read_range(
             let file = format!("the file of the tabulated BRDF has {axis} [{low}, {high}]");
             let given = format!("[{}, {}]", range[0], range[1]);
             if only.is_some() {
-                let detail = format!("layout \"{layout}\" has the range {given} of {name} only, and {file}");
+                let detail = format!("layout \"{layout}\" has the fixed range {given} of {name}, but {file}");
                 faults.note(root.pointer("layout"), detail);
             } else {
-                faults.note(object.pointer(name), format!("{given} goes beyond it: {file}"));
+                faults.note(object.pointer(name), format!("{given} exceeds the data: {file}"));
             }
             return default;
         }
@@ -327,7 +328,7 @@ fn check_entries(recipe: &Recipe, entry_limit: u64, faults: &mut Faults) {
     }
 }
 
-/// Floors move nodes at the end of a range closer together. No two nodes may coincide.
+/// Rejects nodes that coincide. Floors move the nodes at the end of a range closer together.
 fn check_nodes(recipe: &Recipe, faults: &mut Faults) {
     let axes = recipe.nodes();
     let ranges = recipe.range.named();

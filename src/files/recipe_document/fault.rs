@@ -1,10 +1,10 @@
-//! The faults of documents.
+//! Errors of documents.
 
-/// One fault of a recipe document.
+/// An error of a recipe document.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Fault {
-    /// RFC 6901 pointer to the field.
+    /// The RFC 6901 pointer to the field.
     pub pointer: String,
-    /// The fault: the value, and what is allowed.
+    /// The description: the value, and the allowed values.
     pub detail: String,
 }

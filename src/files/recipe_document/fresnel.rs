@@ -1,18 +1,18 @@
-//! The field `fresnel`: the materials whose lobes are fitted.
+//! The field `fresnel`: the materials to whose lobes the table is fitted.
 
 use serde_json::Value;
 
 use super::reader::{Faults, Object, echo, listed};
 use ltcforge_fit::{BrdfKind, LobeFresnel, LobeModel, SecondLobe, WeightedF0};
 
-/// Below it samples of a smooth surface seen from above weigh next to nothing, and few of them tell the lobe.
+/// The smallest usable F0. Below it, samples near the normal have almost no weight, and few samples determine the lobe.
 const LEAST_F0: f64 = 1e-3;
-/// Most materials in a mix.
+/// The most materials in a mix.
 const MOST_MATERIALS: usize = 64;
-/// Greatest weight of a material.
+/// The largest weight of a material.
 const MOST_WEIGHT: f64 = 1e9;
 
-/// The materials whose lobes are fitted: "one", a list of weighted F0, or one of two lobes.
+/// Reads the materials: "one", a list of weighted F0, or a name for two lobes.
 pub(super) fn read_fresnel(root: &Object, brdf: BrdfKind, faults: &mut Faults) -> LobeFresnel {
     let value = match root.get("fresnel") {
         None => return LobeFresnel::One,
@@ -39,14 +39,14 @@ pub(super) fn read_fresnel(root: &Object, brdf: BrdfKind, faults: &mut Faults) -
         return LobeFresnel::One;
     };
     if parts.is_empty() || parts.len() > MOST_MATERIALS {
-        faults.note(&*pointer, format!("{} materials; 1 to {MOST_MATERIALS} make a lobe", parts.len()));
+        faults.note(&*pointer, format!("{} materials; 1 to {MOST_MATERIALS} are allowed", parts.len()));
         return LobeFresnel::One;
     }
     let before = faults.0.len();
     let part = |(index, part): (usize, &Value)| {
         let object = Object::item(format!("{pointer}/{index}"), part, &["f0", "weight"], faults);
         if part.is_object() && object.get("f0").is_none() {
-            faults.note(object.pointer("f0"), "missing: a material has the reflectance seen from above, 0 to 1");
+            faults.note(object.pointer("f0"), "missing: give the reflectance at normal incidence, 0 to 1");
         }
         WeightedF0 {
             f0: object.number("f0", [0.0, 1.0], 1.0, faults),
@@ -58,10 +58,10 @@ pub(super) fn read_fresnel(root: &Object, brdf: BrdfKind, faults: &mut Faults) -
         return LobeFresnel::One;
     }
     match LobeFresnel::mix(parts) {
-        None => faults.note(pointer, "the weights are 0, all of them: no material counts"),
+        None => faults.note(pointer, "all weights are 0: at least one must be above zero"),
         Some(LobeFresnel::Mix(parts)) if parts.iter().all(|part| part.f0 < LEAST_F0) => {
             let detail =
-                format!("one material needs an f0 of {LEAST_F0} or more: seen from above the others reflect nothing");
+                format!("at least one material needs an f0 of {LEAST_F0} or more, to reflect at normal incidence");
             faults.note(pointer, detail);
         }
         Some(fresnel) => return fresnel,
@@ -69,17 +69,17 @@ pub(super) fn read_fresnel(root: &Object, brdf: BrdfKind, faults: &mut Faults) -
     LobeFresnel::One
 }
 
-/// Two lobes are LTCs, and the terms tell how much each counts.
+/// Checks that two lobes are LTCs with terms, which give the weight of each lobe.
 pub(super) fn check_second(root: &Object, fresnel: &LobeFresnel, lobe: LobeModel, terms: bool, faults: &mut Faults) {
     let Some(second) = fresnel.second() else { return };
     let name = second.name();
     if lobe.gaussian().is_some() {
         let others = listed(LobeModel::ALL, |lobe| lobe.gaussian().is_none());
-        let detail = format!("\"{name}\" is for LTCs, not for lobe \"{lobe}\"; lobes for it are {others}");
+        let detail = format!("\"{name}\" needs LTCs, not lobe \"{lobe}\"; choose lobe {others}");
         faults.note(root.pointer("fresnel"), detail);
     }
     if !terms {
-        let detail = format!("false leaves \"{name}\" without what each lobe counts; leave the field out, or say true");
+        let detail = format!("\"{name}\" needs the terms as weights: leave this field out, or choose true");
         faults.note(root.pointer("terms"), detail);
     }
 }

@@ -1,4 +1,4 @@
-//! The materials of a recipe document: pairs of roughness that a table has one by one.
+//! The materials of a recipe document: a list of pairs of roughness.
 
 use serde_json::Value;
 
@@ -8,7 +8,7 @@ use super::{
 };
 use ltcforge_fit::{BrdfKind, LEAST_THETAS, Layout, MOST_MATERIALS, Recipe};
 
-/// The list of field `materials` as pairs of alpha and ratio, for a layout that has materials.
+/// Reads the list in field `materials` as pairs of alpha and ratio, for a layout with materials.
 pub(super) fn read_materials(root: &Object, layout: Layout, brdf: BrdfKind, faults: &mut Faults) -> Vec<[f64; 2]> {
     let pointer = root.pointer("materials");
     let field = root.get("materials");
@@ -37,13 +37,13 @@ pub(super) fn read_materials(root: &Object, layout: Layout, brdf: BrdfKind, faul
         if let Some(first) = pairs.iter().position(|known| Some(*known) == pair) {
             faults.note(format!("{pointer}/{index}"), format!("the same roughness as {pointer}/{first}"));
         }
-        // A material with a fault keeps its number, so that the messages about others are right.
+        // A material with an error keeps its number, so that messages about other materials are right.
         pairs.push(pair.unwrap_or([f64::NAN; 2]));
     }
     if pairs.iter().flatten().any(|x| x.is_nan()) { Vec::new() } else { pairs }
 }
 
-/// One material; `None` where it has a fault.
+/// Reads one material; `None` if it has an error.
 fn read_material(pointer: String, item: &Value, brdf: BrdfKind, faults: &mut Faults) -> Option<[f64; 2]> {
     let before = faults.0.len();
     let object = Object::item(pointer.clone(), item, &["alpha", "ratio", "alpha_x", "alpha_y"], faults);
@@ -55,28 +55,28 @@ fn read_material(pointer: String, item: &Value, brdf: BrdfKind, faults: &mut Fau
             let [x, y] = [one("alpha_x"), one("alpha_y")];
             if y > x {
                 let detail = format!(
-                    "{y} is more than alpha_x, {x}: the larger roughness is along x; exchange them, and turn the material's \
-                     tangent by a quarter"
+                    "{y} is more than alpha_x, {x}: the larger roughness must be along x; swap them, and rotate the material's \
+                     tangent by 90 degrees"
                 );
                 faults.note(object.pointer("alpha_y"), detail);
             }
-            // A mirror is round.
+            // A mirror is isotropic.
             [x, if x > 0.0 { y / x } else { 1.0 }]
         }
         _ if item.is_object() => {
-            faults.note(pointer, "a material has alpha, and ratio unless it is 1; or both alpha_x and alpha_y");
+            faults.note(pointer, "give alpha, and ratio unless it is 1; or give alpha_x and alpha_y");
             return None;
         }
         _ => return None,
     };
     if brdf.is_isotropic() && pair[1] != 1.0 && faults.0.len() == before {
-        let detail = format!("brdf \"{brdf}\" has the ratio 1 only, not {}: its surfaces are isotropic", pair[1]);
+        let detail = format!("brdf \"{brdf}\" is isotropic: the ratio must be 1, not {}", pair[1]);
         faults.note(pointer, detail);
     }
     (faults.0.len() == before).then_some(pair)
 }
 
-/// The roughness of each material stands beside the terms of two nodes of theta, for shaders.
+/// Checks the number of theta nodes. Textures store the roughness of each material after the terms of two theta nodes.
 pub(super) fn check_thetas(recipe: &Recipe, faults: &mut Faults) {
     let Recipe { layout, resolution, range, .. } = recipe;
     if layout.is_of_materials() && resolution.theta < LEAST_THETAS {
@@ -153,6 +153,6 @@ mod tests {
         assert!(detail(r#"{"layout": "materials"}"#).starts_with("missing: layout \"materials\" needs"));
         assert!(detail(r#"{"materials": [{"alpha": 1}]}"#).contains("choose \"materials\", or leave"));
         let repeated = r#"{"layout": "materials", "materials": [{"alpha": 1}], "range": {"alpha": [0, 1]}}"#;
-        assert!(detail(repeated).contains("the nodes that /materials gives go from 1 to 1"), "{}", detail(repeated));
+        assert!(detail(repeated).contains("the nodes in /materials range from 1 to 1"), "{}", detail(repeated));
     }
 }

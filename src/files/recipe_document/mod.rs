@@ -1,5 +1,5 @@
-//! Recipe documents: JSON is read into a complete [`Recipe`] or a list of all faults. Also a recipe's canonical form
-//! and digest.
+//! Recipe documents: reads JSON into a complete [`Recipe`] or a list of all errors. Also a recipe's canonical form and
+//! digest.
 
 mod axes;
 mod document;
@@ -28,16 +28,16 @@ pub use fault::Fault;
 pub use preset::Preset;
 pub use schema::schema;
 
-/// What a document may hold: twice the nodes of four full axes.
+/// The size limits of a document: twice the nodes of four full axes.
 const LIMITS: JsonLimits = JsonLimits { items: 1 << 12, values: 1 << 17 };
 
-/// Why a document is not a recipe.
+/// The document is not a recipe.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RecipeError {
-    /// Not JSON, or JSON that names a field twice.
+    /// The text is not JSON, or repeats a field.
     #[error("not JSON: {0}")]
     Json(String),
-    /// JSON, but not a recipe: every fault, in the order in which the fields are read.
+    /// The document is JSON, but not a recipe. Lists every error, in the order in which fields are read.
     #[error("the recipe has {} fault(s): {}", .0.len(), list(.0))]
     Faults(Vec<Fault>),
 }
@@ -46,28 +46,26 @@ fn list(faults: &[Fault]) -> String {
     faults.iter().map(|fault| format!("{}: {}", fault.pointer, fault.detail)).collect::<Vec<_>>().join("; ")
 }
 
-/// Reads a recipe document that is to be fitted, fills in its preset and the defaults, and checks it.
+/// Reads a recipe document for fitting, fills in its preset and defaults, and checks it.
 ///
-/// # Errors
-/// Every fault of the document at once. The version of another fitter is a fault, and so is a tabulated BRDF, whose
-/// file [`parse_with`] finds.
+/// # Errors Every error of the document at once. The version of another fitter is an error. A tabulated BRDF is an
+/// error too; use [`parse_with`] to find its file.
 pub fn parse(json: &[u8], entry_limit: u64) -> Result<Recipe, RecipeError> {
     parse_with(json, entry_limit, &no_files)
 }
 
-/// As [`parse`], for documents that may name the file of a tabulated BRDF.
+/// Like [`parse`], for documents that may name the file of a tabulated BRDF.
 ///
 /// # Errors
-/// As [`parse`]; every fault of the file is one of the field `tabulated`.
+/// Like [`parse`]; errors of the file belong to the field `tabulated`.
 pub fn parse_with(json: &[u8], entry_limit: u64, find: &FindBrdf<'_>) -> Result<Recipe, RecipeError> {
     read(json, entry_limit, FITTER_VERSION..=FITTER_VERSION, find)
 }
 
-/// Reads the recipe that a stored table carries, which may be an older fitter's. The file of a tabulated BRDF is not
-/// read.
+/// Reads the recipe of a stored table, which may be of an older fitter. The file of a tabulated BRDF is not read.
 ///
 /// # Errors
-/// As [`parse`].
+/// Like [`parse`].
 pub fn parse_stored(json: &[u8]) -> Result<Recipe, RecipeError> {
     let unread = |name: &str| match name.parse::<Digest>() {
         Ok(digest) => Ok(TabulatedFile::unread(*digest.as_bytes())),
@@ -92,7 +90,7 @@ fn read(
 /// The canonical JSON (RFC 8785) of a complete recipe.
 #[must_use]
 pub fn canonical_json(recipe: &Recipe) -> String {
-    // A recipe is made of names and finite numbers, and those always have a canonical form.
+    // A recipe has only names and finite numbers, which always have a canonical form.
     serde_jcs::to_string(recipe).unwrap_or_default()
 }
 

@@ -1,18 +1,18 @@
-//! Named points on the trade between speed and accuracy.
+//! Named combinations of speed and accuracy.
 
 use ltcforge_fit::FitSettings;
 use ltcforge_fit::{Metric, Solver};
 
-/// A named set of fit settings. Every other field of a recipe has one default for all presets.
+/// A named set of fit settings. All other fields of a recipe have one default for all presets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Preset {
-    /// To try things out.
+    /// For experiments.
     Draft,
     /// For work in progress.
     Standard,
     /// For a table that ships, at the paper's size.
     Paper,
-    /// When minutes do not matter.
+    /// For the best table, if minutes do not matter.
     Best,
 }
 
@@ -26,13 +26,13 @@ impl Preset {
         ["draft", "standard", "paper", "best"][self as usize]
     }
 
-    /// The preset of a name.
+    /// The preset with a name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|preset| preset.name() == name)
     }
 
-    /// How hard each entry is fitted.
+    /// The fit settings of the preset.
     #[must_use]
     pub fn fit(self) -> FitSettings {
         let (samples, directions, steps) = match self {

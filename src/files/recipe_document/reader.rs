@@ -7,7 +7,7 @@ use super::fault::Fault;
 /// The longest piece of an offending value that is repeated to the sender.
 const LONGEST_ECHO: usize = 80;
 
-/// Where faults are noted.
+/// The list of errors.
 #[derive(Debug, Default)]
 pub(super) struct Faults(pub(super) Vec<Fault>);
 
@@ -17,7 +17,7 @@ impl Faults {
     }
 }
 
-/// One object of a document, with its place.
+/// An object of a document, with its pointer.
 #[derive(Debug, Clone)]
 pub(super) struct Object<'a> {
     pointer: String,
@@ -25,12 +25,12 @@ pub(super) struct Object<'a> {
 }
 
 impl<'a> Object<'a> {
-    /// The document's root. Faults of fields that are not in `known` are noted.
+    /// The document's root. Fields that are not in `known` are errors.
     pub(super) fn root(value: &'a Value, known: &[&str], faults: &mut Faults) -> Self {
         Self::new(String::new(), Some(value), known, faults)
     }
 
-    /// The object in `field`, with only the fields in `known`; without any when it is absent or no object.
+    /// The object in `field`, with only the fields in `known`. It has no fields if it is missing or not an object.
     pub(super) fn object(&self, field: &str, known: &[&str], faults: &mut Faults) -> Self {
         Self::new(self.pointer(field), self.get(field), known, faults)
     }
@@ -50,7 +50,7 @@ impl<'a> Object<'a> {
             }
         };
         for field in fields.into_iter().flat_map(Map::keys).filter(|field| !known.contains(&field.as_str())) {
-            let detail = format!("unknown field; known here are {}", known.join(", "));
+            let detail = format!("unknown field; allowed: {}", known.join(", "));
             faults.note(format!("{pointer}/{}", escape(&shortened(field))), detail);
         }
         Self { pointer, fields }
@@ -64,7 +64,7 @@ impl<'a> Object<'a> {
         self.fields.and_then(|fields| fields.get(field))
     }
 
-    /// A whole number in `low..=high`.
+    /// A whole number from `low` to `high`.
     pub(super) fn integer(&self, field: &str, low: u64, high: u64, default: u64, faults: &mut Faults) -> u64 {
         let Some(value) = self.get(field) else { return default };
         if let Some(number) = value.as_u64().filter(|number| (low..=high).contains(number)) {
@@ -80,7 +80,7 @@ impl<'a> Object<'a> {
         u32::try_from(number).unwrap_or(default)
     }
 
-    /// One of a few names.
+    /// A choice from several names.
     pub(super) fn choice<T: Copy>(&self, field: &str, choices: &[(&str, T)], default: T, faults: &mut Faults) -> T {
         let Some(value) = self.get(field) else { return default };
         let chosen = value.as_str().and_then(|name| choices.iter().find(|(choice, _)| *choice == name));
@@ -96,7 +96,7 @@ impl<'a> Object<'a> {
     pub(super) fn number(&self, field: &str, domain: [f64; 2], default: f64, faults: &mut Faults) -> f64 {
         let Some(value) = self.get(field) else { return default };
         if let Some(number) = value.as_f64().filter(|number| (domain[0]..=domain[1]).contains(number)) {
-            // -0 and 0 are one number and must be one recipe.
+            // -0 and 0 are equal numbers and must give the same recipe.
             return number + 0.0;
         }
         faults
@@ -104,7 +104,7 @@ impl<'a> Object<'a> {
         default
     }
 
-    /// Two numbers `[low, high]` within `domain`, the first not above the second.
+    /// Two numbers `[low, high]` within `domain`; `low` is not above `high`.
     pub(super) fn range(&self, field: &str, domain: [f64; 2], default: [f64; 2], faults: &mut Faults) -> [f64; 2] {
         let Some(value) = self.get(field) else { return default };
         let pointer = self.pointer(field);
@@ -121,15 +121,15 @@ impl<'a> Object<'a> {
             return default;
         }
         if low > high {
-            faults.note(pointer, format!("{} is reversed: the lower end comes first", echo(value)));
+            faults.note(pointer, format!("{} is reversed: the lower end must come first", echo(value)));
             return default;
         }
-        // -0 and 0 are one number and must be one recipe.
+        // -0 and 0 are equal numbers and must give the same recipe.
         [low + 0.0, high + 0.0]
     }
 }
 
-/// A value as it stands in the document, cut short.
+/// A value as in the document, shortened.
 pub(super) fn echo(value: &Value) -> String {
     shortened(&value.to_string())
 }
@@ -141,12 +141,12 @@ fn shortened(text: &str) -> String {
     }
 }
 
-/// A reference token of RFC 6901.
+/// The text as a reference token of RFC 6901.
 fn escape(field: &str) -> String {
     field.replace('~', "~0").replace('/', "~1")
 }
 
-/// The names of some items, as an error lists them.
+/// The names of some items, as a list in an error.
 pub(super) fn listed<T: Copy + std::fmt::Display>(items: &[T], keep: impl Fn(T) -> bool) -> String {
     let names = items.iter().filter(|item| keep(**item)).map(|item| format!("\"{item}\""));
     names.collect::<Vec<_>>().join(", ")

@@ -1,4 +1,4 @@
-//! The fields of a document in JSON Schema, for forms: names to choose from, and bounds that no other field changes.
+//! The fields of a document in JSON Schema, for forms: allowed names, and bounds that do not depend on other fields.
 
 use serde_json::{Value, json};
 
@@ -63,7 +63,7 @@ mod tests {
     use super::super::{DEFAULT_ENTRY_LIMIT, RecipeError, parse};
     use super::*;
 
-    /// The faults of one member of a document.
+    /// The errors of a document with one member.
     fn faults(group: &str, field: &str, value: &Value) -> String {
         let own = json!({ field: value });
         let document = if group.is_empty() { own } else { json!({ group: own }) };

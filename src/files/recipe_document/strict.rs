@@ -1,6 +1,6 @@
-//! JSON in which no object names a field twice (I-JSON, RFC 7493, section 2.3).
+//! JSON in which no object repeats a field (I-JSON, RFC 7493, section 2.3).
 //!
-//! Readers differ in which of two fields of one name they take, so a document with such a pair has no one meaning.
+//! Readers differ in which of two equal fields they use, so a document with repeated fields is ambiguous.
 
 use std::fmt;
 
@@ -64,7 +64,7 @@ impl<'de> Visitor<'de> for StrictVisitor {
         let mut object = Map::new();
         while let Some(name) = fields.next_key::<String>()? {
             if object.contains_key(&name) {
-                return Err(A::Error::custom(format_args!("the field «{name}» stands twice")));
+                return Err(A::Error::custom(format_args!("the field «{name}» is repeated")));
             }
             let Strict(value) = fields.next_value()?;
             object.insert(name, value);

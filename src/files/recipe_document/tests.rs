@@ -138,7 +138,7 @@ fn nodes_are_given_in_place_of_a_range_and_a_resolution() {
     assert!(text.contains(r#""nodes":{"alpha":[0.04,0.09,0.25],"ratio":[1]}"#), "{text}");
     assert_eq!(recipe(&text), Ok(given));
     assert!(!canonical_json(&recipe("{}").expect("a recipe")).contains("nodes"));
-    // A floor moves a node up.
+    // A floor raises a node.
     assert_eq!(recipe(r#"{"nodes": {"alpha": [0, 0.5]}}"#).expect("a recipe").nodes().alpha, [1e-4, 0.5]);
 }
 
@@ -181,7 +181,7 @@ fn what_is_not_json_is_told_apart() {
 fn a_field_that_stands_twice_is_refused() {
     for text in [r#"{"preset": "draft", "preset": "paper"}"#, r#"{"fit": {"seed": 1, "steps": 2, "seed": 1}}"#] {
         match recipe(text) {
-            Err(RecipeError::Json(detail)) => assert!(detail.contains("stands twice"), "{detail}"),
+            Err(RecipeError::Json(detail)) => assert!(detail.contains("is repeated"), "{detail}"),
             other => panic!("{text} gave {other:?}"),
         }
     }
@@ -193,7 +193,7 @@ proptest! {
         let _ = parse(&bytes, DEFAULT_ENTRY_LIMIT);
     }
 
-    /// Documents with the right names and the wrong values of every kind.
+    /// Documents with valid names and invalid values of every kind.
     #[test]
     fn any_values_give_an_answer(
         field in prop::sample::select(vec!["preset", "fitter", "resolution", "range", "fit", "terms", "layout"]),
@@ -205,7 +205,7 @@ proptest! {
     }
 }
 
-/// The readers of these layouts take one domain. A document may name it, and no other.
+/// Layouts with a fixed domain. A document may name this domain, and no other.
 #[test]
 fn a_layout_of_isotropic_tables_has_its_own_ranges() {
     let plain = recipe(r#"{"layout": "ltc2017"}"#).expect("a recipe");
@@ -220,7 +220,7 @@ fn a_layout_of_isotropic_tables_has_its_own_ranges() {
     }
 }
 
-/// Isotropic surfaces have a ratio of one, and lobes that follow no reflection a layout that stores them as they are.
+/// Isotropic surfaces have a ratio of one. Lobes that follow no reflection have a layout that stores them unchanged.
 #[test]
 fn a_scattering_model_has_its_own_defaults() {
     for brdf in BrdfKind::formulas() {
@@ -239,15 +239,15 @@ fn a_scattering_model_has_its_own_defaults() {
 fn combinations_that_cannot_work_name_the_fields_to_change_all_at_once() {
     let both = r#"{"brdf": "charlie", "layout": "reflected", "range": {"ratio": [0.2, 1]}, "terms": 1}"#;
     let Err(RecipeError::Faults(faults)) = recipe(both) else { panic!("it cannot work") };
-    let told: Vec<(&str, &str)> = faults.iter().map(|fault| (&*fault.pointer, &*fault.detail)).collect();
-    assert_eq!(told.iter().map(|(pointer, _)| *pointer).collect::<Vec<_>>(), ["/layout", "/terms", "/range/ratio"]);
-    assert!(told[0].1.contains(r#""charlie""#) && told[0].1.contains(r#""kt2022""#), "{told:?}");
-    assert!(told[2].1.contains("[1, 1]"), "{told:?}");
+    let reported: Vec<(&str, &str)> = faults.iter().map(|fault| (&*fault.pointer, &*fault.detail)).collect();
+    assert_eq!(reported.iter().map(|(pointer, _)| *pointer).collect::<Vec<_>>(), ["/layout", "/terms", "/range/ratio"]);
+    assert!(reported[0].1.contains(r#""charlie""#) && reported[0].1.contains(r#""kt2022""#), "{reported:?}");
+    assert!(reported[2].1.contains("[1, 1]"), "{reported:?}");
     assert_eq!(pointers(r#"{"brdf": "oren_nayar", "layout": "hdrp", "range": {"ratio": [0, 1]}}"#), ["/range/ratio"]);
     assert!(recipe(r#"{"brdf": "beckmann", "range": {"ratio": [0.2, 1]}}"#).is_ok());
 }
 
-/// The choices of a solver with a simplex are in its recipes, and in no other's: these keep their digests.
+/// Only recipes with a simplex solver contain its choices, so other recipes keep their digests.
 #[test]
 fn a_simplex_has_its_choices_and_other_solvers_none() {
     let fit = |fit: &str| recipe(&format!(r#"{{"layout": "ltc2017", "fit": {{{fit}}}}}"#));
@@ -268,7 +268,7 @@ fn a_simplex_has_its_choices_and_other_solvers_none() {
     );
 }
 
-/// Every metric with every solver is a recipe, where the surfaces are isotropic.
+/// Every metric with every solver is a recipe, for isotropic surfaces.
 #[test]
 fn metrics_and_solvers_combine_freely() {
     for (metric, solver) in Metric::ALL.iter().flat_map(|m| Solver::ALL.iter().map(move |s| (*m, *s))) {

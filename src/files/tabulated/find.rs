@@ -1,4 +1,4 @@
-//! Where the files of tabulated BRDFs are found.
+//! Finding the files of tabulated BRDFs.
 
 use std::path::{Path, PathBuf};
 
@@ -6,18 +6,18 @@ use super::{TABULATED_LIMIT_BYTES, TabulatedError, decode};
 use crate::{bounded::read_file, digest::Digest};
 use ltcforge_fit::TabulatedFile;
 
-/// Finds the file that a recipe names, or tells every fault, one a line.
+/// A function that finds the file that a recipe names, or returns all errors, one in each line.
 pub type FindBrdf<'a> = dyn Fn(&str) -> Result<TabulatedFile, Vec<String>> + 'a;
 
-/// Finds none: for documents that name no file.
+/// Finds no file: for documents that name no file.
 ///
 /// # Errors
 /// Always.
 pub fn no_files(name: &str) -> Result<TabulatedFile, Vec<String>> {
-    Err(vec![format!("{name:?}: files of BRDFs are not read here")])
+    Err(vec![format!("{name:?}: files of BRDFs are not available here")])
 }
 
-/// The name of a tabulated BRDF's file where it is kept for the tables that were fitted to it: beside them.
+/// The name of a tabulated BRDF's file in the folder of the tables that were fitted to it.
 #[must_use]
 pub fn kept_name(digest: &[u8; 32]) -> String {
     format!("{}.brdf.safetensors", Digest::from_bytes(*digest).hex())
@@ -25,17 +25,17 @@ pub fn kept_name(digest: &[u8; 32]) -> String {
 
 /// A file that was found.
 pub struct Located {
-    /// The part of it that a recipe holds.
+    /// The part of the file that a recipe contains.
     pub file: TabulatedFile,
-    /// Its bytes.
+    /// The bytes of the file.
     pub bytes: Vec<u8>,
 }
 
-/// Finds files on disk. A digest is that of a file under its [`kept_name`] in one of `folders`; anything else is a
-/// path, relative to the first of them.
+/// Finds files on disk. A digest names a file with its [`kept_name`] in one of `folders`. Any other name is a path,
+/// relative to the first folder.
 ///
 /// # Errors
-/// When the file is missing, cannot be read, is no tabulated BRDF, or has another digest than its name says.
+/// The file is missing, cannot be read, is not a tabulated BRDF, or has another digest than its name.
 pub fn locate(folders: &[PathBuf], name: &str) -> Result<Located, Vec<String>> {
     let digest: Option<Digest> = name.parse().ok();
     let Some(digest) = digest else {
@@ -48,13 +48,13 @@ pub fn locate(folders: &[PathBuf], name: &str) -> Result<Located, Vec<String>> {
     let kept = kept_name(digest.as_bytes());
     let Some(path) = folders.iter().map(|folder| folder.join(&kept)).find(|path| path.exists()) else {
         let places: Vec<String> = folders.iter().map(|folder| folder.join("").display().to_string()).collect();
-        return Err(vec![format!("{digest}: there is no {kept} in {}", places.join(" and "))]);
+        return Err(vec![format!("{digest}: {kept} is missing in {}", places.join(" and "))]);
     };
     let found = read_path(&path)?;
     if found.file.digest() == digest.as_bytes() {
         Ok(found)
     } else {
-        Err(vec![format!("{}: its digest is {}; it is another file or damaged", path.display(), found.file)])
+        Err(vec![format!("{}: its digest is {}; the file is damaged or another file", path.display(), found.file)])
     }
 }
 

@@ -1,14 +1,14 @@
-//! Tabulated BRDFs as files: safetensors, read with every fault at once.
+//! Tabulated BRDFs as safetensors files. Reading reports all errors at once.
 //!
 //! | tensor | type | shape |
 //! |---|---|---|
-//! | `alpha`, may be absent | f32 or f64 | roughnesses |
-//! | `ratio`, may be absent | f32 or f64 | ratios of roughnesses, of anisotropic surfaces |
+//! | `alpha`, optional | f32 or f64 | roughnesses |
+//! | `ratio`, optional | f32 or f64 | ratios of roughnesses, for anisotropic surfaces |
 //! | `theta_o`, `theta_i`, `phi` | f32 or f64 | angles in radians |
-//! | `phi_o`, of anisotropic surfaces | f32 or f64 | angles in radians |
-//! | `value` | f32 or f64 | `alpha`, `ratio`, `theta_o`, `phi_o`, `theta_i`, `phi`, those there are |
+//! | `phi_o`, for anisotropic surfaces | f32 or f64 | angles in radians |
+//! | `value` | f32 or f64 | `alpha`, `ratio`, `theta_o`, `phi_o`, `theta_i`, `phi`, without those that are left out |
 //!
-//! Metadata is ignored. [`TabulatedBrdf`] documents the meaning of the numbers and their bounds.
+//! Metadata is ignored. [`TabulatedBrdf`] documents the meaning and the bounds of the numbers.
 
 mod find;
 
@@ -24,35 +24,34 @@ use ltcforge_fit::{TabulatedAxes, TabulatedBrdf, TabulatedFile};
 
 pub use find::{FindBrdf, Located, kept_name, locate, no_files};
 
-/// The longest file of a tabulated BRDF that is read: twice the size of the most numbers allowed.
+/// The longest file of a tabulated BRDF: twice the size of the most numbers allowed.
 pub const TABULATED_LIMIT_BYTES: u64 = 64 << 20;
 
-/// The longest header of one: seven tensors take some hundred bytes.
+/// The longest header: seven tensors need some hundred bytes.
 pub const TABULATED_HEADER_LIMIT_BYTES: u64 = 64 << 10;
 
-/// Letters of an unknown tensor's name in a message.
+/// The most letters of an unknown tensor's name in a message.
 const LONGEST_ECHO: usize = 100;
 
 const VALUE: &str = "value";
-/// Axes that a file may lack.
+/// The axes that a file may leave out.
 const OPTIONAL: [&str; 3] = ["alpha", "ratio", "phi_o"];
 
-/// Why bytes are no tabulated BRDF: every fault.
+/// The bytes are not a tabulated BRDF; lists every error.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("not a tabulated BRDF: {}", .0.join("; "))]
 pub struct TabulatedError(pub Vec<String>);
 
-/// Reads a tabulated BRDF and names it by its digest. Hostile bytes give an error, never a panic.
+/// Reads a tabulated BRDF and its digest. Hostile bytes give an error, never a panic.
 ///
-/// # Errors
-/// All faults at once: of the container, of tensors that are missing, unknown, or of another type or shape; of axes and
-/// values, see [`TabulatedBrdf::new`].
+/// # Errors All errors at once: of the container, of tensors that are missing, unknown, or of another type or shape,
+/// and of axes and values, see [`TabulatedBrdf::new`].
 pub fn decode(bytes: &[u8]) -> Result<TabulatedFile, TabulatedError> {
     let brdf = read(bytes).map_err(|faults| TabulatedError(other_form(bytes).map_or(faults, |form| vec![form])))?;
     Ok(TabulatedFile::new(*Digest::of(bytes).as_bytes(), Arc::new(brdf)))
 }
 
-/// Whether a file that begins so is a tabulated BRDF by its header. Nothing is said of its numbers.
+/// Whether the header at the beginning of a file is that of a tabulated BRDF. Numbers are not checked.
 #[must_use]
 pub fn is_tabulated(start: &[u8]) -> bool {
     let Some(length) = header_length(start).filter(|length| *length <= TABULATED_HEADER_LIMIT_BYTES) else {
@@ -66,7 +65,7 @@ pub fn is_tabulated(start: &[u8]) -> bool {
     })
 }
 
-/// The length of the header, by a file's first eight bytes.
+/// The length of the header, from the first eight bytes of a file.
 fn header_length(start: &[u8]) -> Option<u64> {
     Some(u64::from_le_bytes(*start.first_chunk()?))
 }
@@ -85,7 +84,7 @@ fn read(bytes: &[u8]) -> Result<TabulatedBrdf, Vec<String>> {
     found.sort_unstable();
     for name in found.into_iter().filter(|name| *name != VALUE && !names.contains(name)) {
         let name: String = name.chars().take(LONGEST_ECHO).collect();
-        faults.push(format!("tensor «{name}»: unknown; known here are {}, {VALUE}", names.join(", ")));
+        faults.push(format!("tensor «{name}»: unknown; allowed: {}, {VALUE}", names.join(", ")));
     }
     let mut tensor = |name: &str, is_needed: bool| {
         let Ok(tensor) = file.tensor(name) else {
@@ -109,8 +108,8 @@ fn read(bytes: &[u8]) -> Result<TabulatedBrdf, Vec<String>> {
     for (name, _) in
         axes.iter().filter(|(name, (_, nodes))| OPTIONAL.contains(name) && nodes.is_empty() && !is_left_out(name))
     {
-        let what = if *name == OPTIONAL[0] { "roughness" } else { "nodes" };
-        faults.push(format!("tensor «{name}»: no {what}; leave it out for a surface that has none"));
+        let contents = if *name == OPTIONAL[0] { "roughness" } else { "nodes" };
+        faults.push(format!("tensor «{name}»: no {contents}; leave the tensor out for a surface without {name}"));
     }
     let there = axes.iter().filter(|(name, _)| !is_left_out(name));
     let wanted: Vec<usize> = there.map(|(_, (_, nodes))| nodes.len()).collect();
@@ -119,13 +118,13 @@ fn read(bytes: &[u8]) -> Result<TabulatedBrdf, Vec<String>> {
     }
     let [alpha, ratio, theta_o, phi_o, theta_i, phi] = axes.map(|(_, (_, nodes))| nodes);
     let axes = TabulatedAxes { alpha, ratio, theta_o, phi_o, theta_i, phi };
-    // A shape that does not fit the axes is told above, in more words.
-    let told = |tensor: &str| faults.iter().any(|fault| fault.starts_with(&format!("tensor «{tensor}»:")));
+    // A shape that does not match the axes is reported above in more detail.
+    let is_reported = |tensor: &str| faults.iter().any(|fault| fault.starts_with(&format!("tensor «{tensor}»:")));
     match TabulatedBrdf::new(axes, values) {
         Ok(brdf) if faults.is_empty() => Ok(brdf),
         Ok(_) => Err(faults),
         Err(more) => {
-            let more = more.into_iter().filter(|fault| !(told(fault.tensor) && fault.is_of_count()));
+            let more = more.into_iter().filter(|fault| !(is_reported(fault.tensor) && fault.is_of_count()));
             let more: Vec<String> = more.map(|fault| fault.to_string()).collect();
             faults.extend(more);
             Err(faults)
@@ -133,7 +132,7 @@ fn read(bytes: &[u8]) -> Result<TabulatedBrdf, Vec<String>> {
     }
 }
 
-/// The numbers of a tensor; `None` for those of another type.
+/// The numbers of a tensor; `None` for another type.
 fn numbers(tensor: &TensorView) -> Option<Vec<f64>> {
     match tensor.dtype() {
         Dtype::F32 => Some(tensor.data().as_chunks::<4>().0.iter().map(|x| f32::from_le_bytes(*x).into()).collect()),
@@ -145,7 +144,7 @@ fn numbers(tensor: &TensorView) -> Option<Vec<f64>> {
 /// The file of a tabulated BRDF: axes in f64, values in f32.
 ///
 /// # Errors
-/// Those of the container; checked axes and values give none.
+/// The error of the container; checked axes and values give none.
 pub fn encode(brdf: &TabulatedBrdf) -> Result<Vec<u8>, TabulatedError> {
     let axes = brdf.axes();
     let named = axes.named().into_iter().filter(|(_, nodes)| !nodes.is_empty());

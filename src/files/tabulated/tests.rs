@@ -11,13 +11,13 @@ fn planted(alpha: &[f64]) -> Vec<u8> {
     encode(&brdf.expect("a BRDF")).expect("a file")
 }
 
-/// GGX of few nodes, of the ratios 0.5 and 1 or, without `ratio`, of none.
+/// GGX with few nodes, with ratios 0.5 and 1, or without `ratio`.
 fn planted_anisotropic(ratio: &[f64]) -> Vec<u8> {
     let axes = TabulatedAxes::spread(vec![0.6, 1.0], 12, 7).with_azimuths(ratio.to_vec(), 3);
     encode(&TabulatedBrdf::tabulate(BrdfKind::Ggx, axes).expect("a BRDF")).expect("a file")
 }
 
-/// Tensors of f32 by name, shape and number.
+/// Tensors of f32 by name, shape and value.
 fn file(tensors: &[(&str, Vec<usize>, f32)]) -> Vec<u8> {
     let tensors: HashMap<String, Tensor> = tensors
         .iter()
@@ -63,42 +63,42 @@ fn a_file_is_known_by_a_short_header() {
     assert!(!is_tabulated(&bytes[..header - 1]) && !is_tabulated(b"") && !is_tabulated(&[0xff; 64]));
     assert!(!is_tabulated(&file(&[("value", vec![1], 1.0), ("matrix", vec![1], 1.0)])));
 
-    // Tensors without numbers, a million in a valid file.
+    // Tensors without numbers: a valid file may have a million of them.
     let many: Vec<String> =
         (0..2000).map(|i| format!(r#""{i}":{{"dtype":"F32","shape":[0],"data_offsets":[0,0]}}"#)).collect();
     let header = format!("{{{}}}", many.join(","));
     let bytes = [&(header.len() as u64).to_le_bytes(), header.as_bytes()].concat();
-    let told = decode(&bytes).expect_err("a long header").0;
-    assert_eq!(told, [format!("a header of {} bytes; allowed: at most 65536", header.len())]);
+    let reported = decode(&bytes).expect_err("a long header").0;
+    assert_eq!(reported, [format!("a header of {} bytes; allowed: at most 65536", header.len())]);
 }
 
 #[test]
 fn every_fault_of_a_container_is_told_at_once() {
-    let told = |bytes: &[u8]| decode(bytes).expect_err("faults").0;
-    assert!(told(b"PK")[0].starts_with("not a safetensors file: "));
+    let reported = |bytes: &[u8]| decode(bytes).expect_err("faults").0;
+    assert!(reported(b"PK")[0].starts_with("not a safetensors file: "));
     let wrong = file(&[
         ("theta_o", vec![2, 1], 1.5),
         ("phi", vec![2], 1.0),
         ("value", vec![2, 3], -1.0),
         ("roughness", vec![1], 1.0),
     ]);
-    let told = told(&wrong);
+    let reported = reported(&wrong);
     let wanted = [
-        "tensor «roughness»: unknown; known here are alpha, ratio, theta_o, phi_o, theta_i, phi, value",
+        "tensor «roughness»: unknown; allowed: alpha, ratio, theta_o, phi_o, theta_i, phi, value",
         "tensor «theta_i»: missing",
         "tensor «theta_o»: shape [2, 1]; allowed: one axis",
         "tensor «value»: shape [2, 3]; the axes have [2, 0, 2]",
         "tensor «theta_i»: 0 nodes; allowed: 2 and more",
-        "tensor «phi»: it goes from 0 to 1; allowed: from 0 to 3.141592653589793, all of it",
+        "tensor «phi»: nodes go from 0 to 1; they must go from 0 to 3.141592653589793",
         "tensor «value»: 5 of 6 numbers are negative; the first is -1, at element 1",
     ];
-    assert_eq!(told, wanted);
+    assert_eq!(reported, wanted);
 }
 
-/// Azimuths are a whole turn with those of the view alone, and an axis that is there has nodes.
+/// Azimuths cover a whole turn if the view has azimuths, and an axis that is present has nodes.
 #[test]
 fn every_fault_of_azimuths_is_told_at_once() {
-    let told = decode(&file(&[
+    let reported = decode(&file(&[
         ("alpha", vec![0], 1.0),
         ("ratio", vec![0], 1.0),
         ("theta_o", vec![2], 1.0),
@@ -108,13 +108,13 @@ fn every_fault_of_azimuths_is_told_at_once() {
         ("value", vec![2, 2, 2, 3], 0.0),
     ]));
     let wanted = [
-        "tensor «alpha»: no roughness; leave it out for a surface that has none",
-        "tensor «ratio»: no nodes; leave it out for a surface that has none",
+        "tensor «alpha»: no roughness; leave the tensor out for a surface without alpha",
+        "tensor «ratio»: no nodes; leave the tensor out for a surface without ratio",
         "tensor «value»: shape [2, 2, 2, 3]; the axes have [0, 0, 2, 2, 2, 3]",
-        "tensor «phi_o»: it goes from 0 to 1; allowed: from 0 to 1.5707963267948966, all of it",
-        "tensor «phi»: it goes from 0 to 3.1415927410125732; allowed: from 0 to 6.283185307179586, all of it",
+        "tensor «phi_o»: nodes go from 0 to 1; they must go from 0 to 1.5707963267948966",
+        "tensor «phi»: nodes go from 0 to 3.1415927410125732; they must go from 0 to 6.283185307179586",
     ];
-    assert_eq!(told.expect_err("faults").0, wanted);
+    assert_eq!(reported.expect_err("faults").0, wanted);
 }
 
 fn recipe(document: &str, bytes: &[u8]) -> Result<Recipe, RecipeError> {
@@ -145,7 +145,7 @@ fn a_recipe_has_the_ranges_of_its_file_and_names_its_digest() {
     let stored = parse_stored(text.as_bytes()).expect("the same");
     assert_eq!((digest(&stored), &stored), (digest(&with_alpha), &with_alpha));
     assert!(with_alpha.model().is_complete() && !stored.model().is_complete());
-    // One surface without roughness is one row of the table.
+    // One surface without roughness gives one row of the table.
     let without = recipe(document, &planted(&[])).expect("a recipe");
     assert_eq!((without.range().alpha, without.resolution().alpha), ([1.0, 1.0], 1));
 }
@@ -156,7 +156,7 @@ fn a_recipe_that_does_not_fit_its_file_says_what_to_change() {
         (
             r#"{"tabulated": "gold"}"#,
             "/tabulated",
-            r#"brdf "ggx" has no file: choose brdf "tabulated", or leave this field out"#,
+            r#"brdf "ggx" needs no file: choose brdf "tabulated", or leave this field out"#,
         ),
         (
             r#"{"brdf": "tabulated"}"#,
@@ -172,14 +172,14 @@ fn a_recipe_that_does_not_fit_its_file_says_what_to_change() {
         (
             r#"{"brdf": "tabulated", "tabulated": "gold", "range": {"alpha": [0.2, 0.5]}}"#,
             "/range/alpha",
-            "[0.2, 0.5] goes beyond it: the file of the tabulated BRDF has alpha [0.25, 0.5]",
+            "[0.2, 0.5] exceeds the data: the file of the tabulated BRDF has alpha [0.25, 0.5]",
         ),
     ];
     for (document, pointer, detail) in cases {
         assert_eq!(faults(document), [(pointer.to_owned(), detail.to_owned())], "{document}");
     }
     let engine = faults(r#"{"brdf": "tabulated", "tabulated": "gold", "layout": "ltc2017"}"#);
-    let said = r#"layout "ltc2017" has the range [0, 1] of alpha only, and the file of the tabulated BRDF has alpha [0.25, 0.5]"#;
+    let said = r#"layout "ltc2017" has the fixed range [0, 1] of alpha, but the file of the tabulated BRDF has alpha [0.25, 0.5]"#;
     assert_eq!(engine[0], ("/layout".to_owned(), said.to_owned()));
     assert!(engine.len() == 2 && engine[1].1.contains("has theta_o [0, 1.468"), "{engine:?}");
     let both =
@@ -187,8 +187,8 @@ fn a_recipe_that_does_not_fit_its_file_says_what_to_change() {
     assert_eq!(both.iter().map(|(pointer, _)| &**pointer).collect::<Vec<_>>(), ["/layout", "/range/ratio"]);
 }
 
-/// A file with azimuths has the table's azimuths, and ratios where it has them; one that was not read takes what a stored recipe
-/// says.
+/// A file with azimuths gives the table its azimuths, and ratios if it has them. A file that was not read gives the
+/// values of the stored recipe.
 #[test]
 fn a_recipe_is_as_anisotropic_as_its_file() {
     let document = r#"{"brdf": "tabulated", "tabulated": "gold"}"#;
@@ -201,7 +201,7 @@ fn a_recipe_is_as_anisotropic_as_its_file() {
         let stored = parse_stored(canonical_json(&whole).as_bytes()).expect("the same");
         assert_eq!((digest(&stored), &stored), (digest(&whole), &whole));
     }
-    let told = |fields: &str, ratio: &[f64]| {
+    let reported = |fields: &str, ratio: &[f64]| {
         let document = format!(r#"{{"brdf": "tabulated", "tabulated": "gold", {fields}}}"#);
         match recipe(&document, &planted_anisotropic(ratio)) {
             Err(RecipeError::Faults(faults)) => {
@@ -211,17 +211,17 @@ fn a_recipe_is_as_anisotropic_as_its_file() {
         }
     };
     let wanted = [
-        "/layout: layout \"ltc2017\" is of isotropic surfaces, and the file of the tabulated BRDF has azimuths of the view, phi_o; \
-         layouts for it are \"kt2022\"",
-        "/range/ratio: [0.4, 1] goes beyond it: the file of the tabulated BRDF has ratio [0.5, 1]",
-        "/fit/solver: solver \"nelder_mead\" fits isotropic surfaces only, and the file of the tabulated BRDF has azimuths of the \
+        "/layout: layout \"ltc2017\" is for isotropic surfaces, but the file of the tabulated BRDF has azimuths of the view, phi_o; \
+         layouts for this file: \"kt2022\"",
+        "/range/ratio: [0.4, 1] exceeds the data: the file of the tabulated BRDF has ratio [0.5, 1]",
+        "/fit/solver: solver \"nelder_mead\" fits isotropic surfaces only, but the file of the tabulated BRDF has azimuths of the \
          view, phi_o: choose \"bfgs\", \"sgd\"",
     ];
     let fields = r#""layout": "ltc2017", "range": {"ratio": [0.4, 1]}, "fit": {"solver": "nelder_mead"}"#;
-    assert_eq!(told(fields, &[0.5, 1.0]), wanted);
-    let wanted = "/range/phi: a table of ratio 1 and of the single value 0 is read as isotropic, and the file of the tabulated BRDF has \
+    assert_eq!(reported(fields, &[0.5, 1.0]), wanted);
+    let wanted = "/range/phi: a table with ratio 1 and the single value 0 is read as isotropic, but the file of the tabulated BRDF has \
                   azimuths of the view, phi_o: give phi a range";
-    assert_eq!(told(r#""range": {"phi": [0, 0]}"#, &[]), [wanted]);
+    assert_eq!(reported(r#""range": {"phi": [0, 0]}"#, &[]), [wanted]);
 }
 
 #[test]
@@ -243,14 +243,14 @@ fn a_digest_is_found_where_tables_are() {
     assert_eq!((found.file.digest(), found.bytes), (digest.as_bytes(), bytes));
     fs::write(&path, planted(&[0.5])).expect("another file");
     let other = locate(&folders, &digest.to_string()).err().expect("another");
-    assert!(other[0].contains("it is another file or damaged"), "{other:?}");
+    assert!(other[0].contains("the file is damaged or another file"), "{other:?}");
     assert!(locate(&[folder.path().to_owned()], path.to_str().expect("UTF-8")).is_ok());
 }
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
 
-    /// Flipped bytes, cut ends: an error or a BRDF that can be sampled, never a panic.
+    /// Flipped bytes and cut files give an error or a BRDF that can be sampled, never a panic.
     #[test]
     fn hostile_bytes_are_refused_or_work(
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..6),

@@ -1,18 +1,18 @@
-//! How far a lobe moves when the stored numbers of its matrix change.
+//! The displacement of a lobe when the stored numbers of its matrix change.
 
 use glam::{DMat3, DVec3};
 
 use super::five::{ELEMENTS, matrix};
 use crate::{layout::FreeNumbers, math::concentric_cosine};
 
-/// Rings and sectors of the clamped cosine, one direction in each.
+/// Rings and sectors of the clamped cosine. Each cell has one direction.
 const RINGS: usize = 3;
 const SECTORS: usize = 4;
 
 /// A quadratic form of the five numbers.
 pub(super) type QuadraticForm = [[f64; 5]; 5];
 
-/// Directions that stand for a clamped cosine.
+/// Directions distributed like a clamped cosine.
 pub(super) struct Displacement {
     cosines: Vec<DVec3>,
 }
@@ -24,15 +24,15 @@ impl Displacement {
         Self { cosines: (0..RINGS * SECTORS).map(cosine).collect() }
     }
 
-    /// The mean square of the displacement of the lobe of a stored matrix, for changes of its numbers. The number that
-    /// is fixed has no part in it.
+    /// The mean square displacement of the lobe of a stored matrix, as a form of the changes of its five numbers. The
+    /// fixed number has zeros in it.
     pub(super) fn form(&self, stored: &DMat3, free: FreeNumbers) -> QuadraticForm {
         let inverse = stored.inverse();
         let m = if free.is_inverse { &inverse } else { stored };
         let mut form = [[0.0; 5]; 5];
         for cosine in &self.cosines {
             let w = (*m * *cosine).normalize();
-            // The direction before M, up to the length that M gives it.
+            // The direction before the matrix `M` is applied, divided by the length that `M` gives it.
             let before = inverse * w;
             let moves: [DVec3; 5] = std::array::from_fn(|k| {
                 let mut change = [0.0; 5];
@@ -50,7 +50,7 @@ impl Displacement {
         form
     }
 
-    /// The mean square of the displacement from the lobe of one matrix to that of another.
+    /// The mean square displacement between the lobes of two matrices.
     pub(super) fn mean_square(&self, from: &DMat3, to: &DMat3) -> f64 {
         let moved = |cosine: &DVec3| ((*to * *cosine).normalize() - (*from * *cosine).normalize()).length_squared();
         self.cosines.iter().map(moved).sum::<f64>() / self.cosines.len() as f64
@@ -69,7 +69,7 @@ mod tests {
     }
 
     proptest! {
-        /// Moves the directions by the changed matrix itself.
+        /// The expected displacement comes from applying the changed matrix.
         #[test]
         fn the_form_is_the_mean_square_of_small_moves(
             m in lobe(), change in prop::array::uniform5(-1.0..1.0), is_inverse in any::<bool>(),
@@ -87,8 +87,8 @@ mod tests {
             let changed = stored + matrix(&change) * step;
             let changed = if is_inverse { changed.inverse() } else { changed };
             let found = displacement.mean_square(&m, &changed) / (step * step);
-            // A direction w of the changed lobe comes from another cosine than that of the first: the means agree for
-            // inverses only up to the order of the change, for which the step is small enough.
+            // A direction w of the changed lobe comes from a different direction of the cosine. For inverses the means
+            // agree only to first order, and the step is small enough for that.
             prop_assert!((found - predicted).abs() <= 1e-3 * predicted + 1e-6, "{found} {predicted}");
         }
     }

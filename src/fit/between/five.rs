@@ -1,8 +1,8 @@
-//! The numbers of a matrix that an isotropic lobe leaves free.
+//! The numbers of a matrix that are free for an isotropic lobe.
 
 use glam::DMat3;
 
-/// The five numbers of a matrix that is symmetric in the plane of incidence, by column and row.
+/// The five numbers of a matrix that is symmetric about the plane of incidence, by column and row.
 pub(super) const ELEMENTS: [[usize; 2]; 5] = [[0, 0], [0, 2], [1, 1], [2, 0], [2, 2]];
 
 pub(super) fn numbers(matrix: &DMat3) -> [f64; 5] {

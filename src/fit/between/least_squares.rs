@@ -1,5 +1,5 @@
-//! Weighted least squares over a grid: the numbers at the nodes whose bilinear interpolation comes nearest to given
-//! numbers between them.
+//! Weighted least squares over a grid. It finds the numbers at the nodes whose bilinear interpolation is nearest to
+//! given numbers between the nodes.
 
 /// Nodes of a grid, in storage order: the second axis varies fastest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -8,20 +8,20 @@ pub(super) struct Grid {
     pub(super) columns: usize,
 }
 
-/// Most steps of the conjugate gradients. They converge in some tens.
+/// The largest number of conjugate gradient steps. A few tens suffice.
 const MOST_STEPS: usize = 200;
-/// They stop when the residual, in the norm of the preconditioner, has fallen by this factor, squared.
+/// The iteration stops when the squared residual, in the norm of the preconditioner, has fallen by this factor.
 const CONVERGED: f64 = 1e-20;
-/// The weight of a pinned number, as a part of that of its observations.
+/// The weight of a pinned number, relative to the weight of its observations.
 const PINNED: f64 = 1e8;
 
-/// The normal equations `A x = b` of `D` numbers a node.
+/// The normal equations `A x = b` with `D` numbers a node.
 ///
-/// An observation at a point with the weights `phi` of the four nodes around it, of the numbers `t` with a symmetric
-/// weight `W`, adds `phi_i phi_j W` to the block of `A` for each two of the nodes, and `phi_i W t` to `b`.
+/// An observation at a point has numbers `t`, a symmetric weight `W`, and the interpolation weights `phi` of the four
+/// nodes around it. It adds `phi_i phi_j W` to the block of `A` for each pair of nodes, and `phi_i W t` to `b`.
 pub(super) struct Normal<const D: usize> {
     grid: Grid,
-    /// For each node the blocks of it and its eight neighbours, in storage order.
+    /// The blocks of each node with itself and its eight neighbours, in storage order.
     blocks: Vec<[[[f64; D]; D]; 9]>,
     right: Vec<[f64; D]>,
 }
@@ -32,7 +32,8 @@ impl<const D: usize> Normal<D> {
         Self { grid, blocks: vec![[[[0.0; D]; D]; 9]; nodes], right: vec![[0.0; D]; nodes] }
     }
 
-    /// Adds an observation in the cell after the node at `row` and `column`, `at` being the parts of the cell's sides.
+    /// Adds an observation in the cell after the node at `row` and `column`. `at` is the position in the cell, in [0,
+    /// 1].
     pub(super) fn observe(
         &mut self,
         [row, column]: [usize; 2],
@@ -59,12 +60,12 @@ impl<const D: usize> Normal<D> {
         }
     }
 
-    /// Draws each number of a node towards `x`, by this part of the weight that it has already; and where it is pinned,
-    /// to its pin.
-    pub(super) fn hold(&mut self, x: &[[f64; D]], part: f64, pins: &[[Option<f64>; D]]) {
+    /// Draws each number of a node towards `x`, with a weight of `part` times its weight so far. A pinned number is
+    /// drawn strongly towards its pin.
+    pub(super) fn regularise(&mut self, x: &[[f64; D]], part: f64, pins: &[[Option<f64>; D]]) {
         for (((blocks, right), x), pins) in self.blocks.iter_mut().zip(&mut self.right).zip(x).zip(pins) {
             for k in 0..D {
-                // A number that no observation moves stays where it is.
+                // A number without observations gets a weight of one and keeps its value.
                 let own = blocks[OWN][k][k];
                 let part = pins[k].map_or(part, |_| PINNED);
                 let weight = if own > 0.0 { part * own } else { 1.0 };
@@ -75,7 +76,7 @@ impl<const D: usize> Normal<D> {
         }
     }
 
-    /// The solution from the first guess `x` on, by conjugate gradients, preconditioned by the nodes' own blocks.
+    /// The solution by conjugate gradients from the initial guess `x`. The preconditioner is the diagonal blocks.
     pub(super) fn solve(&self, mut x: Vec<[f64; D]>) -> Vec<[f64; D]> {
         let factors: Vec<[[f64; D]; D]> = self.blocks.iter().map(|blocks| cholesky(&blocks[OWN])).collect();
         let precondition =
@@ -127,10 +128,10 @@ impl<const D: usize> Normal<D> {
     }
 }
 
-/// A node's own block among those of its neighbours.
+/// The index of a node's own block among the blocks of its neighbours.
 const OWN: usize = 4;
 
-/// The corners of a cell, steps down and to the right, with their bilinear weights at a point.
+/// The corners of a cell, as steps down and to the right, with their bilinear weights at a point.
 pub(super) fn corners([down, right]: [f64; 2]) -> [(usize, usize, f64); 4] {
     [
         (0, 0, (1.0 - down) * (1.0 - right)),
@@ -161,7 +162,7 @@ fn cholesky<const D: usize>(block: &[[f64; D]; D]) -> [[f64; D]; D] {
         for j in 0..=i {
             let known: f64 = (0..j).map(|k| lower[i][k] * lower[j][k]).sum();
             let left = block[i][j] - known;
-            // Rounding must not make the pivot of a direction without weight negative.
+            // Rounding must not make a pivot negative in a direction without weight.
             lower[i][j] = if i == j { left.max(1e-12 * block[i][i]).sqrt() } else { left / lower[j][j] };
         }
     }
@@ -189,7 +190,7 @@ mod tests {
     const GRID: Grid = Grid { rows: 5, columns: 7 };
     const THIRDS: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
 
-    /// Observes `f` at nine points of each cell, with a weight that is not diagonal and differs from cell to cell.
+    /// Observes `f` at nine points of each cell. The weight is not diagonal and differs from cell to cell.
     fn observed(f: impl Fn(f64, f64) -> [f64; 2]) -> Normal<2> {
         let mut normal = Normal::new(GRID);
         for (row, column) in (0..4).flat_map(|row| (0..6).map(move |column| (row, column))) {
@@ -212,7 +213,7 @@ mod tests {
         }
     }
 
-    /// A convex function lies below its chords: the best numbers at the nodes are less than its own.
+    /// A convex function lies below its chords, so the best numbers at the nodes are below the function.
     #[test]
     fn the_solution_is_nearer_between_nodes_than_the_nodes_numbers() {
         let f = |x: f64, y: f64| [x * x, (0.5 * y).exp()];
@@ -238,13 +239,13 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_nothing_observes_are_held_and_pins_win() {
+    fn numbers_without_observations_are_regularised_and_pins_win() {
         let mut normal = Normal::<2>::new(GRID);
         normal.observe([0, 0], [0.0, 0.0], &[[1.0, 0.0], [0.0, 0.0]], &[3.0, 9.0]);
-        let held = vec![[1.0, 2.0]; 35];
+        let regular = vec![[1.0, 2.0]; 35];
         let mut pins = vec![[None; 2]; 35];
         pins[20][1] = Some(7.0);
-        normal.hold(&held, 0.0, &pins);
+        normal.regularise(&regular, 0.0, &pins);
         let found = normal.solve(vec![[0.0; 2]; 35]);
         assert!((found[0][0] - 3.0).abs() < 1e-9 && (found[0][1] - 2.0).abs() < 1e-9, "{:?}", found[0]);
         assert!((found[20][0] - 1.0).abs() < 1e-9 && (found[20][1] - 7.0).abs() < 1e-6, "{:?}", found[20]);

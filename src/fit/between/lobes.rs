@@ -1,5 +1,5 @@
-//! The best lobes between the nodes, from those at the nodes: beside their reflections where they follow these, else
-//! themselves.
+//! The best lobes between the nodes, interpolated from the lobes at the nodes. The interpolation is relative to the
+//! reflection for lobes that follow it.
 
 use glam::DMat3;
 
@@ -18,17 +18,17 @@ use super::least_squares::corners;
 pub(super) struct InterpolatedLobe {
     pub(super) place: PerAxis<f64>,
     pub(super) lobe: LobeNumbers,
-    /// The error of such a fit.
+    /// The error of a lobe fitted at this point.
     pub(super) error: f64,
 }
 
-/// The fitted lobes in numbers that change little between nodes: relative to their reflections, where
-/// they have some.
+/// The fitted lobes in numbers that change little between nodes. They are relative to the reflection if the lobes
+/// follow it.
 pub(super) struct Lobes {
     spacing: PerAxis<Spacing>,
     /// The layout whose numbers change little between nodes.
     smooth: Layout,
-    /// Nodes of alpha and theta, in the steps in which weights between them are linear.
+    /// Nodes of alpha and theta, on the scale in which the interpolation weights are linear.
     alpha: Vec<f64>,
     theta: Vec<f64>,
     /// Polar angles of the nodes, radians.
@@ -63,12 +63,12 @@ impl Lobes {
         }
     }
 
-    /// Radians between the nodes of theta at the sides of the cells after `column`.
+    /// The angle in radians between the nodes of theta at the sides of the cells after `column`.
     pub(super) fn angle(&self, column: usize) -> f64 {
         self.angles[column + 1] - self.angles[column]
     }
 
-    /// The lobe in the cell after the node at `row` and `column`, `at` being the parts of the cell's sides.
+    /// The lobe in the cell after the node at `row` and `column`. `at` is the position in the cell, in [0, 1].
     pub(super) fn between(&self, [row, column]: [usize; 2], at: [f64; 2]) -> InterpolatedLobe {
         let middle = |steps: &[f64], part: f64| steps[0] + (steps[1] - steps[0]) * part;
         let place = within_limits(PerAxis {

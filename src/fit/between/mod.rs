@@ -1,23 +1,24 @@
-//! Entries that are chosen for the error *between* nodes.
+//! Chooses entries that minimise the error *between* nodes.
 //!
-//! A reader interpolates stored numbers. Where these are not linear between nodes, entries that fit their own lobes
-//! best leave an error in the middle of each cell. Layouts whose readers are given let the fit choose: the numbers
-//! whose interpolation comes nearest to the best lobes, all over the cells.
+//! A reader interpolates stored numbers. If the best numbers are not linear between nodes, entries fitted at the nodes
+//! leave an error in the middle of each cell. Some layouts have a fixed reader. For these the fit chooses the numbers
+//! whose interpolation is nearest to the best lobes over the whole cells.
 //!
-//! The best lobes between nodes need no fits of their own. Beside their reflection (layout `reflected`), or themselves
-//! where they do not follow one, lobes hardly change between neighbouring nodes, so that the fitted ones give them.
+//! The best lobes between nodes need no fits. Lobes hardly change between neighbouring nodes, either relative to their
+//! reflection (layout `reflected`) or, for lobes that do not follow it, as they are. So the fitted lobes are
+//! interpolated.
 //!
-//! The distance is a quadratic form of the stored numbers. Let `M` be the lobe's matrix and `N` its inverse. Adding
-//! `dN` to `N` moves a direction `w` of the lobe by
+//! The distance is a quadratic form of the stored numbers. Let `M` be the lobe's matrix and `N` its inverse. A change
+//! `dN` of `N` moves a direction `w` of the lobe by
 //!
 //! ```text
-//! d(w) = -P M dN w,    P = I - w w^T;    likewise d(w) = P dM N w
+//! d(w) = -P M dN w,    P = I - w w^T;    and d(w) = P dM N w
 //! ```
 //!
-//! up to higher orders. The mean of its square over the lobe, in units of the square of the fit's own error there, is
-//! `dN^T W dN`. A sliced Wasserstein distance is a mean of absolute displacements, so that one of `r` errors adds about
-//! `sqrt(1 + r^2) - 1` of the error: rounds of least squares, each weighed by the last one's `r`, take this into
-//! account.
+//! up to higher orders. The mean square of the displacement over the lobe, divided by the square of the fit's error at
+//! that point, is `dN^T W dN`. A sliced Wasserstein distance is a mean of absolute displacements. A displacement of `r`
+//! errors therefore adds about `sqrt(1 + r^2) - 1` of the error. Repeated rounds of least squares account for this:
+//! each round weighs by the `r` of the previous round.
 
 mod distance;
 mod five;
@@ -39,23 +40,23 @@ use super::{
     shard::Plan,
 };
 
-/// Tables with more entries are stored as fitted: between nodes so near to each other no error is left to lower.
+/// Larger tables are stored as fitted. Their nodes are so dense that no error remains to reduce.
 const MOST_ENTRIES: usize = 65_536;
-/// Rounds of least squares. A third changes nothing that can be measured.
+/// Rounds of least squares. A third round has no measurable effect.
 const ROUNDS: usize = 2;
-/// Where a cell is observed along either side.
+/// Observed positions along each side of a cell.
 const POINTS: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
-/// How much an entry is held where it is, as a part of its weight: an entry that its neighbours hardly determine stays
-/// as fitted.
-const HOLD: f64 = 1e-3;
-/// Views beyond this part of a right angle hardly count: most of the lobe is below the horizon, and a picture shows
-/// nothing of the lobe.
+/// The weight that draws an entry to its fitted value, relative to its other weight. Entries that their neighbours
+/// hardly determine remain as fitted.
+const REGULARISATION: f64 = 1e-3;
+/// Views beyond this part of a right angle hardly count. Most of their lobe is below the horizon, and a picture shows
+/// nothing of it.
 const STEEPEST: f64 = 0.99;
-/// The weight of such a view.
-const UNSEEN: f64 = 0.02;
+/// The weight of a view beyond [`STEEPEST`].
+const STEEP_WEIGHT: f64 = 0.02;
 
-/// The stored numbers of each entry, before rounding, given those that fit its own lobe; `None` for a layout whose
-/// entries are stored as fitted, and for a table that gains nothing.
+/// The stored numbers of each entry, before rounding. `own` are the numbers that fit each entry's own lobe. `None` for
+/// a layout whose entries are stored as fitted, and for a table with too many entries or axes.
 pub(super) fn chosen(plan: &Plan, entries: &[FittedEntry], own: &[LobeNumbers]) -> Option<Vec<LobeNumbers>> {
     let recipe = plan.recipe();
     let rules = recipe.layout.rules();
@@ -72,14 +73,14 @@ pub(super) fn chosen(plan: &Plan, entries: &[FittedEntry], own: &[LobeNumbers]) 
     Some(matrices.into_iter().zip(terms).map(limited).collect())
 }
 
-/// Numbers of an entry that stay where they are put.
+/// Values to which numbers of an entry are pinned.
 type Pins = [Option<f64>; 5];
-/// Places of the diagonal among the numbers.
+/// Indices of the diagonal among the five numbers.
 const DIAGONAL: [usize; 3] = [0, 2, 4];
-/// Places of the other two.
+/// Indices of the two off-diagonal numbers.
 const ASIDE: [usize; 2] = [1, 3];
-/// A number on the diagonal is at least this part of the one that fits the entry's own lobe: least squares would let it
-/// fall below zero next to the mirror, where it bends most.
+/// The smallest part of a fitted diagonal number that least squares may choose. Without this limit, a number would fall
+/// below zero next to the mirror, where it curves most.
 const LEAST_PART: f64 = 0.25;
 
 fn matrices(plan: &Plan, grid: Grid, lobes: &Lobes, own: &[LobeNumbers], free: FreeNumbers) -> Vec<DMat3> {
@@ -103,13 +104,13 @@ fn matrices(plan: &Plan, grid: Grid, lobes: &Lobes, own: &[LobeNumbers], free: F
                 corners(at).map(of).iter().sum::<f64>() - target[k]
             });
             let moved2: f64 = (0..25).map(|i| off[i / 5] * weight[i / 5][i % 5] * off[i % 5]).sum();
-            // Projections of a displacement are half as long as it is.
+            // Projections of a displacement have half its mean length.
             let errors2 = 0.25 * moved2.max(0.0) / (error * error);
-            let factor = seen(place.theta) * lobes.angle(cell[1]) / (error * error * (1.0 + errors2).sqrt());
+            let factor = view_weight(place.theta) * lobes.angle(cell[1]) / (error * error * (1.0 + errors2).sqrt());
             weight.iter_mut().flatten().for_each(|weight| *weight *= factor);
             normal.observe(cell, at, &weight, &target);
         }
-        normal.hold(&own, HOLD, &pins);
+        normal.regularise(&own, REGULARISATION, &pins);
         found = normal.solve(found);
         for ((found, own), pins) in found.iter_mut().zip(&own).zip(&mut pins) {
             for k in DIAGONAL {
@@ -120,15 +121,15 @@ fn matrices(plan: &Plan, grid: Grid, lobes: &Lobes, own: &[LobeNumbers], free: F
             }
         }
     }
-    let kept = |(node, (found, own))| upright(grid, node, found, own);
-    let found: Vec<DMat3> = found.iter().zip(&own).enumerate().map(kept).collect();
+    let upright_or_own = |(node, (found, own))| upright(grid, node, found, own);
+    let found: Vec<DMat3> = found.iter().zip(&own).enumerate().map(upright_or_own).collect();
     let errors = |stored: &[DMat3]| errors_between(grid, lobes, stored, free, &displacement);
     if errors(&found) < errors(&fitted) { found } else { fitted }
 }
 
-/// The errors that stored matrices leave between the nodes, added up over the cells with the weights of the fit. The
-/// form above holds for small displacements. On a coarse grid they are not small, and its minimum can be worse
-/// than the fitted entries.
+/// The sum over the cells of the errors between the nodes, with the weights of the fit. The quadratic form holds for
+/// small displacements. On a coarse grid displacements are large, and the minimum of the form can be worse than the
+/// fitted entries.
 fn errors_between(grid: Grid, lobes: &Lobes, stored: &[DMat3], free: FreeNumbers, displacement: &Displacement) -> f64 {
     let error = |(cell, at): ([usize; 2], [f64; 2])| {
         let InterpolatedLobe { place, lobe, error } = lobes.between(cell, at);
@@ -137,23 +138,22 @@ fn errors_between(grid: Grid, lobes: &Lobes, stored: &[DMat3], free: FreeNumbers
         let found = corners(at).into_iter().map(of).fold(DMat3::ZERO, |sum, part| sum + part);
         let found = if free.is_inverse { found.inverse() } else { found };
         let errors2 = 0.25 * displacement.mean_square(&found, &lobe.matrix) / (error * error);
-        seen(place.theta) * lobes.angle(cell[1]) * (1.0 + errors2).sqrt()
+        view_weight(place.theta) * lobes.angle(cell[1]) * (1.0 + errors2).sqrt()
     };
     observed(grid).map(error).sum()
 }
 
 /// The weight of a view.
-fn seen(theta: f64) -> f64 {
-    if theta > STEEPEST * THETA_CEILING { UNSEEN } else { 1.0 }
+fn view_weight(theta: f64) -> f64 {
+    if theta > STEEPEST * THETA_CEILING { STEEP_WEIGHT } else { 1.0 }
 }
 
-/// Whether a node is a view from above.
 fn is_from_above(grid: Grid, node: usize) -> bool {
     node.is_multiple_of(grid.columns)
 }
 
-/// The constraints of the round lobe of a view from above: the numbers beside the diagonal are zero, and the first two
-/// on it are equal, one if either is.
+/// The constraints of the round lobe of a view from above. The off-diagonal numbers are zero. The first two diagonal
+/// numbers are equal; if the layout fixes either, both keep their fitted value.
 fn from_above(grid: Grid, node: usize, own: &[f64; 5], free: FreeNumbers) -> Pins {
     let mut pins = [None; 5];
     if is_from_above(grid, node) {
@@ -169,8 +169,8 @@ fn from_above(grid: Grid, node: usize, own: &[f64; 5], free: FreeNumbers) -> Pin
     pins
 }
 
-/// The matrix of an entry: round for a view from above, and the entry's own if the chosen one would be turned over or
-/// nearly flat.
+/// The matrix of an entry. It is round for a view from above. It is the fitted matrix if the chosen matrix is mirrored
+/// or nearly flat.
 fn upright(grid: Grid, node: usize, found: &[f64; 5], own: &[f64; 5]) -> DMat3 {
     let mut found = *found;
     if is_from_above(grid, node) {
@@ -181,21 +181,21 @@ fn upright(grid: Grid, node: usize, found: &[f64; 5], own: &[f64; 5]) -> DMat3 {
     if area(&found) > LEAST_PART * LEAST_PART * area(own) { matrix(&found) } else { matrix(own) }
 }
 
-/// Amplitude and Fresnel term, whose errors count alike everywhere.
+/// Amplitude and Fresnel term. Their errors have the same weight everywhere.
 fn terms(grid: Grid, lobes: &Lobes, own: &[LobeNumbers]) -> Vec<LobeTerms> {
     let own: Vec<[f64; 2]> = own.iter().map(|stored| [stored.terms.amplitude, stored.terms.fresnel]).collect();
     let mut normal = Normal::new(grid);
     for (cell, at) in observed(grid) {
         let InterpolatedLobe { place, lobe, .. } = lobes.between(cell, at);
-        let weight = seen(place.theta) * lobes.angle(cell[1]);
+        let weight = view_weight(place.theta) * lobes.angle(cell[1]);
         normal.observe(cell, at, &[[weight, 0.0], [0.0, weight]], &[lobe.terms.amplitude, lobe.terms.fresnel]);
     }
-    normal.hold(&own, HOLD, &vec![[None; 2]; own.len()]);
+    normal.regularise(&own, REGULARISATION, &vec![[None; 2]; own.len()]);
     let found = normal.solve(own).into_iter();
     found.map(|[amplitude, fresnel]| LobeTerms { amplitude: amplitude.max(0.0), fresnel: fresnel.max(0.0) }).collect()
 }
 
-/// The points of all cells: the node before the cell, and the parts of its sides.
+/// The points of all cells: the node before the cell, and the position in the cell.
 fn observed(grid: Grid) -> impl Iterator<Item = ([usize; 2], [f64; 2])> {
     (1..grid.rows).flat_map(move |row| {
         (1..grid.columns).flat_map(move |column| {

@@ -41,7 +41,7 @@ fn fitted(layout: Layout, nodes: u32, precision: Precision) -> (Plan, Vec<Fitted
     (plan, entries)
 }
 
-/// The stored numbers of entries that fit their own lobes best.
+/// The stored numbers of entries fitted to their own lobes.
 fn own_numbers(plan: &Plan, entries: &[FittedEntry]) -> Vec<LobeNumbers> {
     let rules = plan.recipe().layout.rules();
     let own = |(index, entry): (u64, &FittedEntry)| {
@@ -53,7 +53,7 @@ fn own_numbers(plan: &Plan, entries: &[FittedEntry]) -> Vec<LobeNumbers> {
     (0..).zip(entries).map(own).collect()
 }
 
-/// The table of those.
+/// The table of the numbers that `own_numbers` returns.
 fn as_fitted(plan: &Plan, entries: &[FittedEntry], chosen: &Table) -> Table {
     let own = own_numbers(plan, entries);
     let matrix = own.iter().map(|own| row_major(&own.matrix).map(|x| x as f32)).collect();
@@ -62,7 +62,7 @@ fn as_fitted(plan: &Plan, entries: &[FittedEntry], chosen: &Table) -> Table {
     Table { matrix, terms: Some(terms), ..chosen.clone() }
 }
 
-/// Mean error of lobes and of amplitudes in the middles of the cells, each as a part of that of a fit there.
+/// Mean errors of lobes and of amplitudes in the middles of the cells, relative to the error of a fit at that point.
 fn errors(table: &Table) -> [f64; 2] {
     let mut judge = Fitter::new(&SETTINGS);
     let mut sums = [0.0; 2];
@@ -83,7 +83,7 @@ fn errors(table: &Table) -> [f64; 2] {
 
 #[test]
 fn chosen_entries_are_nearer_between_nodes_than_those_that_fit_best() {
-    // With 16 nodes `inverse` stays as it is fitted, and of `matrix33` little is left to gain.
+    // With 16 nodes `inverse` remains as fitted, and `matrix33` has little to gain.
     for layout in OF_ENGINES {
         let (plan, entries) = fitted(layout, 16, Precision::F32);
         let chosen = assemble(&plan, &entries);
@@ -94,7 +94,7 @@ fn chosen_entries_are_nearer_between_nodes_than_those_that_fit_best() {
     }
 }
 
-/// Where nodes are few, the quadratic form is far from the displacement.
+/// On a grid with few nodes, the quadratic form is far from the displacement.
 #[test]
 fn coarse_tables_are_no_worse_than_as_fitted() {
     let mut kept = 0;
@@ -111,7 +111,7 @@ fn coarse_tables_are_no_worse_than_as_fitted() {
     assert!((1..24).contains(&kept), "{kept} of 24 tables are stored as fitted");
 }
 
-/// At the nodes and between them, for the mirror and at the horizon, in either precision.
+/// Tests nodes and points between them, including the mirror and the horizon, in either precision.
 #[test]
 fn every_interpolated_matrix_is_upright_and_every_number_finite() {
     for (layout, precision) in ISOTROPIC.iter().flat_map(|layout| Precision::ALL.iter().map(|p| (*layout, *p))) {

@@ -7,11 +7,11 @@ use glam::{DVec2, DVec3};
 use super::scattering::{Brdf, BrdfRules, BrdfSample, PredictionFactors};
 use crate::math::{erfc, exp, ln};
 
-/// Microfacets whose slopes have a normal distribution [Beckmann and Spizzichino 1963; Heitz 2014, section 5.3], with a
-/// Fresnel factor of one.
+/// Microfacets with normally distributed slopes [Beckmann and Spizzichino 1963; Heitz 2014, section 5.3]. The Fresnel
+/// factor is one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beckmann {
-    /// Roughness along x, in (0, 1]: the root of twice the variance of the slopes.
+    /// Roughness along x, in (0, 1]: the square root of twice the variance of the slopes.
     pub alpha_x: f64,
     /// Roughness along y, in (0, 1].
     pub alpha_y: f64,
@@ -30,7 +30,7 @@ impl BrdfRules for BeckmannRules {
     }
 }
 
-/// Past this exponent `exp(-x)` is zero for every purpose, and the factor beside it may be infinite.
+/// Above this exponent `exp(-x)` is set to zero, because its factor can be infinite.
 const MOST_EXPONENT: f64 = 700.0;
 
 impl Beckmann {
@@ -43,7 +43,7 @@ impl Beckmann {
         }
         let (x, y, z2) = (wm.x / self.alpha_x, wm.y / self.alpha_y, wm.z * wm.z);
         let exponent = (x * x + y * y) / z2;
-        // Also where z^2 is zero.
+        // The exponent is NaN or infinite if z^2 is zero.
         if exponent.is_nan() || exponent > MOST_EXPONENT {
             return 0.0;
         }
@@ -51,7 +51,7 @@ impl Beckmann {
     }
 
     /// Smith's `G1(w) = 1 / (1 + Lambda)`, `Lambda = exp(-a^2) / (2 a sqrt(pi)) - erfc(a) / 2` with
-    /// `a = z / |(ax x, ay y)|` [Heitz 2014, equation 73]. In [0, 1]: zero at the horizon.
+    /// `a = z / |(ax x, ay y)|` [Heitz 2014, equation 73]. In [0, 1]; zero at the horizon.
     #[must_use]
     pub fn smith_g1(&self, w: DVec3) -> f64 {
         let (x, y) = (self.alpha_x * w.x, self.alpha_y * w.y);
@@ -63,8 +63,8 @@ impl Beckmann {
         a / (a + lambda_a)
     }
 
-    /// `G2 / G1(wo)` of heights that are correlated: `1 / G2 = 1 / G1(wo) + 1 / G1(wi) - 1`. In [0, 1]; zero when `wi`
-    /// is not above the horizon.
+    /// `G2 / G1(wo)` for correlated heights: `1 / G2 = 1 / G1(wo) + 1 / G1(wi) - 1`. In [0, 1]; zero if `wi` is not
+    /// above the horizon.
     fn g2_over_g1(&self, wo: DVec3, wi: DVec3) -> f64 {
         if wi.z <= 0.0 {
             return 0.0;
@@ -73,48 +73,48 @@ impl Beckmann {
         i / (o + i * (1.0 - o))
     }
 
-    /// A normal visible from `wo`. In the space where both roughnesses are one, the slopes along and across the view
-    /// are independent [Heitz and d'Eon 2014].
+    /// A normal visible from `wo`. If both roughnesses are stretched to one, the slopes along and across the view are
+    /// independent [Heitz and d'Eon 2014].
     fn visible_normal(&self, wo: DVec3, u: [f64; 2]) -> DVec3 {
         let stretched = DVec3::new(self.alpha_x * wo.x, self.alpha_y * wo.y, wo.z).normalize();
         let flat = stretched.truncate();
         let sin = flat.length();
         let along = if sin > 0.0 { flat / sin } else { DVec2::X };
-        let slope = SeenSlope { cos: stretched.z, sin }.invert(u[0]) * along
-            + SeenSlope { cos: 1.0, sin: 0.0 }.invert(u[1]) * along.perp();
+        let slope = VisibleSlope { cos: stretched.z, sin }.invert(u[0]) * along
+            + VisibleSlope { cos: 1.0, sin: 0.0 }.invert(u[1]) * along.perp();
         DVec3::new(-self.alpha_x * slope.x, -self.alpha_y * slope.y, 1.0).normalize()
     }
 }
 
-/// The distribution of slopes `x` along the view that are seen from a direction, on a surface of roughness one: the
-/// density `max(0, cos - x sin) exp(-x^2) / sqrt(pi)`, which is not normalised. For a view along the normal, or for
-/// slopes across the view, it is the normal distribution itself.
-struct SeenSlope {
+/// The distribution of visible slopes `x` along the view, on a surface of roughness one. Its density is
+/// `max(0, cos - x sin) exp(-x^2) / sqrt(pi)`, not normalised. For a view along the normal, and for slopes across the
+/// view, it is the normal distribution.
+struct VisibleSlope {
     cos: f64,
     sin: f64,
 }
 
-impl SeenSlope {
-    /// Slopes farther out are rarer than 1e-16.
+impl VisibleSlope {
+    /// Steeper slopes have a probability below 1e-16.
     const STEEPEST: f64 = 6.0;
-    /// Halley's method leaves about the cube of its last step, over the square of the distance to the steepest slope
-    /// seen: far less than 1e-8 of the lobe's width.
+    /// Halley's method has an error of about the cube of its last step, divided by the squared distance to the steepest
+    /// visible slope. This is far less than 1e-8 of the lobe's width.
     const LAST_STEP: f64 = 1e-5;
-    /// Steps at most: halving alone finds a slope in so many. Halley's method takes three or four.
+    /// The largest number of steps; bisection alone needs this many. Halley's method takes three or four.
     const STEPS: usize = 64;
 
-    /// The integral of the density up to `x`: `cos erfc(-x) / 2 + sin exp(-x^2) / (2 sqrt(pi))`, and
+    /// The integral of the density up to `x`, `cos erfc(-x) / 2 + sin exp(-x^2) / (2 sqrt(pi))`, and the value of
     /// `exp(-x^2) / sqrt(pi)`.
     fn below(&self, x: f64) -> (f64, f64) {
         let bell = 0.5 * FRAC_2_SQRT_PI * exp(-x * x);
         (0.5 * (self.cos * erfc(-x) + self.sin * bell), bell)
     }
 
-    /// The slope below which a part `u` of all is. Domain: `u` in [0, 1].
+    /// The quantile function: the slope whose cumulative probability is `u`. Domain: `u` in [0, 1].
     fn invert(&self, u: f64) -> f64 {
         let top = if self.cos < Self::STEEPEST * self.sin { self.cos / self.sin } else { Self::STEEPEST };
         let wanted = u * self.below(top).0;
-        // The slope of a view along the normal and that of a grazing one, blended.
+        // The initial guess blends the quantiles of a view along the normal and of a grazing view.
         let grazing = -(-ln(u.max(f64::EPSILON))).sqrt();
         let (mut low, mut high) = (-Self::STEEPEST, top);
         let mut x = (self.cos * normal_slope(u) + self.sin * grazing).clamp(low, high);
@@ -122,10 +122,10 @@ impl SeenSlope {
             let (below, bell) = self.below(x);
             let off = below - wanted;
             (low, high) = if off > 0.0 { (low, x) } else { (x, high) };
-            // Halley: f = off, f' = seen bell, f'' = -(sin + 2 x seen) bell.
-            let seen = self.cos - x * self.sin;
-            let step = off / (seen * bell);
-            let next = x - step / (1.0 + 0.5 * step * (self.sin + 2.0 * x * seen) / seen);
+            // Halley: f = off, f' = visible bell, f'' = -(sin + 2 x visible) bell.
+            let visible = self.cos - x * self.sin;
+            let step = off / (visible * bell);
+            let next = x - step / (1.0 + 0.5 * step * (self.sin + 2.0 * x * visible) / visible);
             if next >= low && next <= high {
                 if (next - x).abs() < Self::LAST_STEP {
                     return next;
@@ -139,7 +139,7 @@ impl SeenSlope {
     }
 }
 
-/// The slope below which a part `u` of all is where their density is `exp(-x^2) / sqrt(pi)`, to six digits:
+/// The slope whose cumulative probability is `u` for the density `exp(-x^2) / sqrt(pi)`, to six digits:
 /// `erf^-1(2 u - 1)` [Giles 2012, "Approximating the erfinv function"].
 fn normal_slope(u: f64) -> f64 {
     const MIDDLE: [f64; 9] = [
@@ -192,7 +192,8 @@ impl Brdf for Beckmann {
         BrdfSample { wi, weight: self.g2_over_g1(wo, wi), cos_theta_d }
     }
 
-    /// `D(wm) G1(wo) / (4 cos(theta_o))`, also for directions below the horizon, which the sampler can draw.
+    /// `D(wm) G1(wo) / (4 cos(theta_o))`. Directions below the horizon have a density too, because the sampler draws
+    /// them.
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let sum = wo + wi;
         if wo.z <= 0.0 || sum.z <= 0.0 {
@@ -206,16 +207,16 @@ impl Brdf for Beckmann {
 mod tests {
     use super::*;
 
-    /// From above to the horizon, and from the rarest slopes to the last that are seen.
+    /// Tests views from the normal to the horizon, and slopes from the rarest to the steepest visible.
     #[test]
     fn slopes_are_inverted() {
         assert!((normal_slope(0.975) - 1.385_903_824).abs() < 1e-5, "1.96 standard deviations");
         let views = [(1.0, 0.0), (1.0, 1e-9), (0.9, 0.435_889_894), (0.5, 0.866_025_404), (0.01, 0.999_95), (0.0, 1.0)];
         for (cos, sin) in views {
-            let seen = SeenSlope { cos, sin };
-            let whole = seen.below(if sin > 0.0 { (cos / sin).min(6.0) } else { 6.0 }).0;
+            let visible = VisibleSlope { cos, sin };
+            let whole = visible.below(if sin > 0.0 { (cos / sin).min(6.0) } else { 6.0 }).0;
             for u in [1e-12, 1e-6, 0.01, 0.2, 0.5, 0.7, 0.99, 1.0 - 1e-6] {
-                let found = seen.below(seen.invert(u)).0 / whole;
+                let found = visible.below(visible.invert(u)).0 / whole;
                 assert!((found - u).abs() < 1e-8 && (found / u - 1.0).abs() < 1e-4, "{cos} {u}: {found}");
             }
         }

@@ -16,8 +16,8 @@ use crate::math::SquarePoint;
 /// f = (1 + (F - 1) (1 - cos i)^5) (1 + (F - 1) (1 - cos o)^5) / pi,    F = 1/2 + 2 r cos^2 d
 /// ```
 ///
-/// with the angle `d` between light and half vector. It is reciprocal and does not conserve energy: rough surfaces seen
-/// at grazing angles reflect up to 1.6 times the light that they receive.
+/// where `d` is the angle between the light direction and the half vector. The BRDF is reciprocal but does not conserve
+/// energy: rough surfaces at grazing views reflect up to 1.6 times the incident light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BurleyDiffuse {
     /// Perceptual roughness `r`, the square root of a table's alpha, in [0, 1].
@@ -45,7 +45,7 @@ impl BrdfRules for BurleyDiffuseRules {
     }
 }
 
-/// Light gathers near the horizon on rough surfaces, but never more than a few times the cosine's.
+/// Rough surfaces reflect more light near the horizon than the cosine does, but never more than a few times as much.
 const SAMPLER: Hemisphere = Hemisphere { uniform: 0.25 };
 
 impl Brdf for BurleyDiffuse {

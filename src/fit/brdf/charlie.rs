@@ -8,8 +8,8 @@ use super::scattering::{Bends, Brdf, BrdfRules, BrdfSample, PredictionFactors};
 use crate::math::{SquarePoint, exp, pow};
 
 /// The sheen of Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", with a Fresnel factor of one:
-/// `f = D / (4 cos o cos i (1 + Lambda(o) + Lambda(i)))`. Their softening of the terminator, which makes the model
-/// depend on which direction is the light's, is left out: this one is reciprocal.
+/// `f = D / (4 cos o cos i (1 + Lambda(o) + Lambda(i)))`. Their softening of the terminator is left out. It would treat
+/// view and light differently, and this BRDF is reciprocal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Charlie {
     fibres: Fibres,
@@ -43,7 +43,7 @@ const SHAPES: [[f64; 5]; 2] =
     [[25.3245, 3.32435, 0.16801, -1.27393, -4.85967], [21.5473, 3.82987, 0.19823, -1.97760, -4.32054]];
 
 impl Charlie {
-    /// The sheen of a roughness, see `Fibres::new`.
+    /// The sheen of a roughness; see `Fibres::new`.
     #[must_use]
     pub fn new(alpha: f64) -> Self {
         let fibres = Fibres::new(alpha);
@@ -58,7 +58,7 @@ impl Charlie {
         a / (1.0 + b * pow(x, c)) + d * x + e
     }
 
-    /// `Lambda = exp(L(cos))` where the cosine is below one half, else `exp(2 L(1/2) - L(1 - cos))`.
+    /// `Lambda = exp(L(cos))` for cosines below one half, else `exp(2 L(1/2) - L(1 - cos))`.
     fn smith_lambda(&self, cosine: f64) -> f64 {
         exp(if cosine < 0.5 {
             self.log_lambda(cosine)
@@ -77,7 +77,7 @@ impl Brdf for Charlie {
         self.fibres.distribution(wo, wi) / (4.0 * wo.z * shadowed)
     }
 
-    /// `Lambda` has two branches.
+    /// `Lambda` has two branches, which join where the cosine is one half.
     fn bends(&self, _: DVec3) -> Bends {
         Bends { theta_i: vec![FRAC_PI_3], phi: Vec::new() }
     }
@@ -91,8 +91,8 @@ impl Brdf for Charlie {
     }
 }
 
-/// The Charlie distribution of normals, which stand off the surface's own normal like fibres, and a sampler for the
-/// light that they reflect.
+/// The Charlie distribution of normals, with a sampler for the light that it reflects. Most normals are far from the
+/// surface normal, like fibres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Fibres {
     /// Roughness, from [`Fibres::SMOOTHEST_ALPHA`] to 1.
@@ -100,13 +100,15 @@ pub(super) struct Fibres {
 }
 
 impl Fibres {
-    /// Smoother fibres are those of this roughness, 0.07 of perceptual roughness, as renderers limit it: seen from
-    /// above, such a surface reflects 1e-30 of the light already, and a little further no number that is not zero.
+    /// The roughness of the smoothest fibres; smaller roughness is raised to it. It is 0.07 of perceptual roughness, a
+    /// limit that renderers use. Seen from above, this surface reflects only 1e-30 of the light. Below it, the
+    /// reflected light soon underflows to zero.
     pub(super) const SMOOTHEST_ALPHA: f64 = 0.0049;
-    /// The width of the sampler over that of the exponent alone, since shadowing removes the lowest light.
+    /// The width of the sampler relative to the width of the exponent alone, because shadowing removes the lowest
+    /// light.
     const WIDER: f64 = 2.0;
 
-    /// Fibres of a roughness, the square of the sheen roughness of glTF: `alpha` in [0, 1], raised to
+    /// Fibres of roughness `alpha` in [0, 1], the square of the sheen roughness of glTF. It is raised to
     /// [`Fibres::SMOOTHEST_ALPHA`].
     pub(super) fn new(alpha: f64) -> Self {
         Self { alpha: alpha.max(Self::SMOOTHEST_ALPHA) }
@@ -120,11 +122,11 @@ impl Fibres {
         (2.0 + exponent) * pow(wm.x * wm.x + wm.y * wm.y, 0.5 * exponent) / (2.0 * PI)
     }
 
-    /// How the light lies around a view.
+    /// The parameters of the sampler for a view.
     ///
-    /// With `b = 1 / (2 alpha)` and `s` the sine of the view's angle, the logarithm of `D` falls off by
-    /// `b (z cos(o) / (1 + s) + z^2 / 4)` with the height of light from the view's azimuth, to second order, and at the
-    /// horizon by `b s (1 - s) / (1 + s)^2 p^2 / 2` with the azimuth `p` from there.
+    /// Let `b = 1 / (2 alpha)`, and `s` the sine of the view's angle. To second order, the logarithm of `D` falls by
+    /// `b (z cos(o) / (1 + s) + z^2 / 4)` with the height `z` of light at the view's azimuth. At the horizon it falls
+    /// by `b s (1 - s) / (1 + s)^2 p^2 / 2` with the azimuth `p` relative to the view.
     fn around(self, wo: DVec3) -> Around {
         let flat = wo.truncate();
         let sin = flat.length();
@@ -150,9 +152,9 @@ impl Fibres {
     }
 }
 
-/// Directions low above the horizon, more of them where the view comes from: the height has the density
-/// `h (1 + h) / (z + h)^2`, the azimuth a wrapped Cauchy distribution of focus `q`,
-/// `(1 - q^2) / (2 pi (1 + q^2 - 2 q cos p))`. Both have heavier tails than the lobe, so that weights are bounded.
+/// Directions low above the horizon, mostly towards the view's azimuth. The height has the density
+/// `h (1 + h) / (z + h)^2`. The azimuth has a wrapped Cauchy distribution of focus `q`,
+/// `(1 - q^2) / (2 pi (1 + q^2 - 2 q cos p))`. Both have heavier tails than the lobe, so weights are bounded.
 struct Around {
     azimuth: DVec2,
     height: f64,
@@ -160,7 +162,7 @@ struct Around {
 }
 
 impl Around {
-    /// The azimuth is the Moebius map `(e^(i a) + q) / (1 + q e^(i a))` of an even one.
+    /// Maps a uniform azimuth with the Moebius map `(e^(i a) + q) / (1 + q e^(i a))`.
     fn sample(&self, point: &SquarePoint) -> DVec3 {
         let (h, q) = (self.height, self.focus);
         let z = (point.u[1] * h / (1.0 + h - point.u[1])).min(1.0);

@@ -8,9 +8,9 @@ use super::{
 };
 use crate::math::SquarePoint;
 
-/// The sheen of game engines and of glTF: Charlie's distribution, and the smooth visibility of the cloth of Neubelt and
-/// Pettineo 2013 in place of a masking function, with a Fresnel factor of one:
-/// `f = D / (4 (cos o + cos i - cos o cos i))`. It is reciprocal and does not conserve energy at grazing angles.
+/// The sheen of game engines and of glTF, with a Fresnel factor of one: `f = D / (4 (cos o + cos i - cos o cos i))`. It
+/// combines Charlie's distribution with the smooth visibility term of Neubelt and Pettineo 2013. It is reciprocal but
+/// does not conserve energy at grazing angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CharlieNeubelt {
     fibres: Fibres,
@@ -38,8 +38,8 @@ impl BrdfRules for CharlieNeubeltRules {
 }
 
 impl CharlieNeubelt {
-    /// The sheen of a roughness `alpha` in [0, 1], the square of the sheen roughness of glTF; below 0.0049 that of
-    /// 0.0049.
+    /// The sheen of a roughness `alpha` in [0, 1], the square of the sheen roughness of glTF. Values below 0.0049 are
+    /// raised to 0.0049.
     #[must_use]
     pub fn new(alpha: f64) -> Self {
         Self { fibres: Fibres::new(alpha) }

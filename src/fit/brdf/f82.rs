@@ -1,15 +1,15 @@
-//! The Fresnel factor of metals by two reflectances, seen from above and at 82 degrees.
+//! The Fresnel factor of metals from two reflectances, at normal incidence and at 82 degrees.
 
 use glam::DVec3;
 
 use super::Brdf;
 use crate::math::{SquarePoint, pow};
 
-/// The cosine at which the second reflectance is told: 1/7, of 82 degrees.
+/// The cosine of the second reflectance: 1/7, at about 82 degrees.
 pub const EDGE_COSINE: f64 = 1.0 / 7.0;
 
-/// The weight by which F82 differs from Schlick's factor, for the cosine `x` between view and half vector:
-/// `x (1 - x)^6`, at its greatest, 0.0567, where `x` is 1/7.
+/// The shape of the difference between F82 and Schlick's factor: `x (1 - x)^6`, with the cosine `x` between view and
+/// half vector. Its maximum is 0.0567 at `x` = 1/7.
 #[must_use]
 pub fn edge_weight(x: f64) -> f64 {
     let (x, away) = (x.clamp(0.0, 1.0), (1.0 - x).clamp(0.0, 1.0));
@@ -17,14 +17,14 @@ pub fn edge_weight(x: f64) -> f64 {
     x * away2 * away2 * away2
 }
 
-/// `b`, the factor of [`edge_weight`] that is subtracted from Schlick's factor `S = F0 + (F90 - F0) (1 - x)^5`:
+/// The factor `b` of [`edge_weight`], which is subtracted from Schlick's factor `S = F0 + (F90 - F0) (1 - x)^5`:
 ///
 /// ```text
 /// F82(x) = S(x) - b x (1 - x)^6,    b = (1 - tint) S(1/7) / ((1/7) (6/7)^6)
 /// ```
 ///
-/// so that `F82(1/7) = tint S(1/7)` [Kutz, Hasan and Edmondson 2021; OpenPBR 1.1, metal]. Of a dark
-/// F0 with a low tint it is below zero around 75 degrees, down to -0.13. Domain: all in [0, 1].
+/// It follows that `F82(1/7) = tint S(1/7)` [Kutz, Hasan and Edmondson 2021; OpenPBR 1.1, metal]. For a dark F0 with a
+/// low tint, F82 is negative around 75 degrees, down to -0.13. Domain: all in [0, 1].
 #[must_use]
 pub fn edge_factor(f0: f64, f90: f64, tint: f64) -> f64 {
     let away = 1.0 - EDGE_COSINE;
@@ -32,19 +32,21 @@ pub fn edge_factor(f0: f64, f90: f64, tint: f64) -> f64 {
     (1.0 - tint) * schlick / edge_weight(EDGE_COSINE)
 }
 
-/// The light weighed by [`edge_weight`] where all of it has one incidence, that whose Schlick's factor is the part of it
-/// that `fresnel` is: `energy x (1 - x)^6` with `1 - x = (fresnel / energy)^(1/5)`.
+/// The light weighted by [`edge_weight`], if all light has one incidence. This incidence follows from the ratio of
+/// `fresnel` to `energy`: `energy x (1 - x)^6` with `1 - x = (fresnel / energy)^(1/5)`.
 #[must_use]
 pub fn edge_of_parts([energy, fresnel]: [f64; 2]) -> f64 {
     if energy > 0.0 { energy * edge_weight(1.0 - pow(fresnel / energy, 0.2)) } else { 0.0 }
 }
 
-/// The most that [`edge_spread`] tells. Seen from above, where the whole term is nearly zero, sharp lobes have more.
+/// The largest value of [`edge_spread`]. Sharp lobes seen from above would exceed it, but their whole edge term is
+/// nearly zero.
 const MOST_SPREAD: f64 = 2.0;
 
-/// The edge term of the lobe for `wo`, its albedo weighted by [`edge_weight`], as a part of what [`edge_of_parts`] tells of its
-/// other two terms: one for a lobe of one incidence, and smooth over all lobes, which the term itself is not. In [0, 2].
-/// Means over the reflections drawn from `points`, one at least.
+/// The edge term of the lobe for `wo`, divided by the value of [`edge_of_parts`] for its other two terms. The edge term
+/// is the albedo weighted by [`edge_weight`]. The ratio is one for a lobe with a single incidence and, unlike the term,
+/// varies smoothly over all lobes. In [0, 2]. Both are means over reflections drawn from `points`, which must not be
+/// empty.
 #[must_use]
 pub fn edge_spread(brdf: &dyn Brdf, wo: DVec3, points: &[SquarePoint]) -> f64 {
     let mut drawn = Vec::with_capacity(points.len());
@@ -55,16 +57,16 @@ pub fn edge_spread(brdf: &dyn Brdf, wo: DVec3, points: &[SquarePoint]) -> f64 {
         away * away * (away * away) * away
     };
     let whole = [sum(|_| 1.0), sum(schlick)];
-    let told = edge_of_parts(whole);
-    if told > 0.0 { (sum(edge_weight) / told).min(MOST_SPREAD) } else { 1.0 }
+    let one_incidence = edge_of_parts(whole);
+    if one_incidence > 0.0 { (sum(edge_weight) / one_incidence).min(MOST_SPREAD) } else { 1.0 }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// The factor has the published values: F0 face on, the tinted one at 82 degrees, F90 at grazing incidence; with a
-    /// tint of one it is Schlick's.
+    /// The factor has the published values: F0 at normal incidence, the tinted value at 82 degrees, F90 at grazing
+    /// incidence. With a tint of one it equals Schlick's factor.
     #[test]
     fn it_goes_through_three_reflectances() {
         let f82 = |x: f64, [f0, f90, tint]: [f64; 3]| {

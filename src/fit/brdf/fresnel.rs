@@ -1,4 +1,4 @@
-//! The Fresnel factor of the lobe that a table is fitted to.
+//! The Fresnel factor of the lobe to which a table is fitted.
 
 use std::fmt;
 
@@ -8,52 +8,52 @@ use serde::{Serialize, Serializer};
 use super::{Bends, Brdf, BrdfSample, LobeTerms, cos_theta_d};
 use crate::math::{Lattice, SquarePoint};
 
-/// Samples of a lobe that tell how much each material reflects: weights need no more.
+/// Samples of a lobe for the reflected light of each material. Weights need no more.
 const SAMPLES: usize = 256;
 
-/// A material counts nothing below this part of the greatest weight.
+/// Materials with a smaller part of the greatest weight are left out.
 const LEAST_SHARE: f64 = 1e-6;
 
-/// A reflectance seen from above, and how much it counts.
+/// A material: its reflectance at normal incidence and its weight.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct WeightedF0 {
-    /// Reflectance seen from above, in [0, 1].
+    /// Reflectance at normal incidence, in [0, 1].
     pub f0: f64,
-    /// Its weight, finite and not negative.
+    /// Weight, finite and not negative.
     pub weight: f64,
 }
 
-/// The materials whose lobe a table is fitted to.
+/// The materials to whose lobe a table is fitted.
 ///
-/// A renderer scales one lobe by `F0 (amplitude - fresnel) + F90 fresnel`, whatever the material. Schlick's factor favours
-/// light from near the surface, so the lobe of plastic lies lower than that of metal. This field says whose lobe the
-/// stored one is; amplitude and Fresnel term are the same for all.
+/// A renderer scales one lobe by `F0 (amplitude - fresnel) + F90 fresnel` for every material. Schlick's factor favours
+/// light near the horizon, so the lobe of plastic is lower than the lobe of metal. This type selects the fitted lobe.
+/// Amplitude and Fresnel term are the same for all variants.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum LobeFresnel {
-    /// A factor of one: a perfect mirror's.
+    /// A Fresnel factor of one: a perfect mirror.
     #[default]
     One,
-    /// The lobe between those of some materials, each of F90 = 1, by which the light of all is off least; see
-    /// [`LobeFresnel::mix`].
+    /// One lobe between the lobes of several materials, each with F90 = 1. It minimises the error of their reflected
+    /// light; see [`LobeFresnel::mix`].
     Mix(Vec<WeightedF0>),
-    /// Two lobes an entry, for materials of any F0: that of a factor of one, and a second for the part of it that Schlick's
-    /// fifth power weighs.
+    /// Two lobes an entry, for materials of any F0. The first is for a Fresnel factor of one, the second for Schlick's
+    /// fifth power.
     Two(SecondLobe),
 }
 
-/// How the two lobes of an entry are used, and so what the second is fitted to.
+/// The use of the two lobes of an entry. It determines the target of the second lobe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SecondLobe {
-    /// Each is integrated by itself, `F0 amplitude LTC(M) + (F90 - F0) fresnel LTC(M_2)`: the second is the lobe of Schlick's
+    /// Two integrals, `F0 amplitude LTC(M) + (F90 - F0) fresnel LTC(M_2)`. The second lobe is the lobe of Schlick's
     /// fifth power.
     Integrated,
-    /// One integral, of their blend (see [`blended`](crate::blended)): the second is where the blend of a dielectric is its own
-    /// best lobe.
+    /// One integral of the blended lobe; see [`blended`](crate::blended). The second lobe is chosen such that the blend
+    /// for a dielectric is the best lobe of that dielectric.
     Blended,
 }
 
 impl SecondLobe {
-    /// Both.
+    /// All variants.
     pub const ALL: [Self; 2] = [Self::Integrated, Self::Blended];
 
     /// The name in recipes.
@@ -65,11 +65,11 @@ impl SecondLobe {
         }
     }
 
-    /// The F0 of the lobe that is fitted beside that of a factor of one, with F90 = 1.
+    /// The F0 of the material to which the second lobe is fitted, with F90 = 1.
     ///
-    /// Seen from above, a smooth surface has next to nothing that the fifth power weighs, and a little of the whole lobe
-    /// stands for it. A blend that is right at 0.02 is off by 2.5 % of the light for 0.04, a fit of that alone by
-    /// 2.2 % (default table); one that is right at 0.01 or 0.06 is off by more for 0.04.
+    /// Schlick's fifth power alone cannot be fitted: a smooth surface seen from above has almost no such light. A small
+    /// F0 adds a little of the whole lobe. Fitted at 0.02, a blend for F0 = 0.04 has an error of 2.5 % of the light
+    /// (default table). A lobe fitted to 0.04 alone has 2.2 %. Fitted at 0.01 or 0.06, the blend is worse for 0.04.
     #[must_use]
     pub fn fitted_f0(self) -> f64 {
         match self {
@@ -80,9 +80,9 @@ impl SecondLobe {
 }
 
 impl LobeFresnel {
-    /// A mix in its one form: by ascending F0, each once, the greatest weight 1. Materials of less than a millionth of that
-    /// are left out, and of F0 = 1 alone it is [`LobeFresnel::One`]. `None` if none is left. Domain: finite numbers, none
-    /// below zero.
+    /// The canonical form of a mix: sorted by F0, each F0 once, greatest weight 1. Materials with less than a millionth
+    /// of the greatest weight are left out. A mix of F0 = 1 alone becomes [`LobeFresnel::One`]. `None` if no material
+    /// remains. Domain: finite numbers, not negative.
     #[must_use]
     pub fn mix(mut parts: Vec<WeightedF0>) -> Option<Self> {
         parts.sort_by(|a, b| a.f0.total_cmp(&b.f0));
@@ -105,13 +105,13 @@ impl LobeFresnel {
         }
     }
 
-    /// Whether the factor is one and no second lobe is there.
+    /// True for a factor of one without a second lobe.
     #[must_use]
     pub fn is_one(&self) -> bool {
         *self == Self::One
     }
 
-    /// How the second lobe is used, if there are two.
+    /// The use of the second lobe, if there are two lobes.
     #[must_use]
     pub fn second(&self) -> Option<SecondLobe> {
         match self {
@@ -120,11 +120,13 @@ impl LobeFresnel {
         }
     }
 
-    /// The F0 whose lobe stands for all materials in one view, whose terms for a Fresnel factor of one are `terms`.
+    /// The F0 whose lobe represents all materials in one view. `terms` are the terms of the view for a Fresnel factor
+    /// of one.
     ///
-    /// Material i reflects `E_i = f0_i (amplitude - fresnel) + fresnel`. A lobe that lies a part `x_i` of the way off is wrong
-    /// by `E_i x_i`, and the mean of lobes weighted by `w_i E_i^2` makes the sum of `w_i (E_i x_i)^2` least. Lobes of their
-    /// factors `f0_i + (1 - f0_i) s` weigh `E_i` already, and a mean of factors is one again up to scale:
+    /// Material i reflects `E_i = f0_i (amplitude - fresnel) + fresnel`. A lobe at a relative distance `x_i` has an
+    /// error of `E_i x_i`. The mean of the lobes with weights `w_i E_i^2` minimises the sum of `w_i (E_i x_i)^2`. Lobes
+    /// with the factors `f0_i + (1 - f0_i) s` already contain `E_i`, and a mean of factors is such a factor, up to
+    /// scale:
     ///
     /// ```text
     /// f0 = sum(w_i E_i f0_i) / sum(w_i E_i)
@@ -139,17 +141,17 @@ impl LobeFresnel {
             let counts = weight * reflected(*f0);
             [level + counts * f0, all + counts]
         });
-        // A view of which nothing is left but what a factor of one reflects.
+        // No material of the mix reflects light in this view.
         if all > 0.0 { level / all } else { 1.0 }
     }
 
-    /// The surface with the second lobe; `None` if there is one lobe.
+    /// The surface of the second lobe; `None` if entries have one lobe.
     pub(super) fn second_applied(&self, surface: Box<dyn Brdf>) -> Option<Box<dyn Brdf>> {
         let f0 = self.second()?.fitted_f0();
         Some(Box::new(Schlick { surface, f0 }))
     }
 
-    /// The surface with the lobe for `wo`, the first of two.
+    /// The surface of the lobe for `wo`, which is the first lobe if there are two.
     pub(super) fn applied(&self, surface: Box<dyn Brdf>, wo: DVec3) -> Box<dyn Brdf> {
         if !matches!(self, Self::Mix(_)) {
             return surface;
@@ -168,9 +170,9 @@ impl fmt::Display for LobeFresnel {
             Self::Two(SecondLobe::Blended) => return f.write_str("two lobes, blended into one integral"),
             Self::Mix(parts) => parts,
         };
-        let told: Vec<String> =
+        let materials: Vec<String> =
             parts.iter().map(|part| format!("f0 {} with weight {}", part.f0, part.weight)).collect();
-        f.write_str(&told.join(", "))
+        f.write_str(&materials.join(", "))
     }
 }
 
@@ -184,8 +186,8 @@ impl Serialize for LobeFresnel {
     }
 }
 
-/// A surface whose light is scaled by Schlick's Fresnel factor of an F0 and F90 = 1. Its terms are those for a factor of
-/// one, as tables have them.
+/// A surface with Schlick's Fresnel factor for an F0, with F90 = 1. Its terms remain the terms for a factor of one, as
+/// in tables.
 struct Schlick {
     surface: Box<dyn Brdf>,
     f0: f64,
@@ -268,7 +270,7 @@ mod tests {
         assert!((mix(&[(1.0, 2.0), (0.04, 2.0), (0.7, 0.0)]).f0(&terms) - wanted).abs() < 1e-15);
     }
 
-    /// The samples' mean is the reflected light of that material, as the terms for a factor of one tell it.
+    /// The mean of the samples is the reflected light of the material, as computed from the terms for a factor of one.
     #[test]
     fn light_is_scaled_by_schlick_s_factor_and_terms_are_not() {
         let plain = BrdfModel::from(BrdfKind::Ggx);

@@ -1,4 +1,4 @@
-//! Fuzz: sheen of a volume of fibres, which is a linearly transformed cosine itself.
+//! Fuzz: sheen of a volume of fibres. Its lobe is a linearly transformed cosine.
 
 use std::f64::consts::PI;
 
@@ -7,17 +7,18 @@ use glam::{DMat3, DVec3};
 use super::scattering::{Brdf, BrdfRules, BrdfSample};
 use crate::math::{SquarePoint, cosine_hemisphere, exp};
 
-/// The multiple-scattering sheen of Zeltner, Burley and Chiang 2022, the fuzz of OpenPBR: light that a layer of upright
-/// fibres reflects after any number of bounces, the rest of which passes through.
+/// The multiple-scattering sheen of Zeltner, Burley and Chiang 2022, which is the fuzz of OpenPBR. A layer of upright
+/// fibres reflects light after any number of bounces. The remaining light passes through.
 ///
 /// ```text
 /// f cos i = R D(c) a^2 / |c|^3,    c = M^-1 wi = (a x + b z, a y, z),    D(c) = max(z, 0) / (pi |c|)
 /// ```
 ///
-/// with `x` along the view's azimuth. `R`, the albedo, and `a`, `b` are numbers of the view's cosine and the roughness, here by
-/// rational functions in place of the authors' table: those of MaterialX 1.39, `mx_microfacet_sheen.glsl` (Copyright
-/// Contributors to the MaterialX Project, Apache-2.0), after <https://github.com/tizian/ltc-sheen> (Apache-2.0). The lobe is
-/// fitted for each view alone, so that the model is reciprocal only about.
+/// with `x` along the view's azimuth. The albedo `R` and the numbers `a` and `b` are functions of the view's cosine and
+/// the roughness. Here they are rational functions instead of the authors' table. The functions are from MaterialX
+/// 1.39, `mx_microfacet_sheen.glsl` (Copyright Contributors to the MaterialX Project, Apache-2.0), after
+/// <https://github.com/tizian/ltc-sheen> (Apache-2.0). The authors fitted each view separately, so the BRDF is only
+/// approximately reciprocal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fuzz {
     roughness: f64,
@@ -44,19 +45,20 @@ impl BrdfRules for FuzzRules {
     }
 }
 
-/// Roughnesses below this were not fitted.
+/// The authors did not fit smaller roughnesses.
 const LEAST_ROUGHNESS: f64 = 0.01;
-/// The function of the albedo falls below zero, down to -2e-5, for roughnesses from 0.04 to 0.13 seen from above.
+/// The smallest albedo. The rational function is negative for roughnesses from 0.04 to 0.13 seen from above, down to
+/// -2e-5.
 const LEAST_ALBEDO: f64 = 1e-6;
 
 impl Fuzz {
-    /// The fuzz of a roughness in [0, 1], the square root of a table's alpha; below 0.01 that of 0.01.
+    /// The fuzz of a roughness in [0, 1], the square root of a table's alpha. Values below 0.01 are raised to 0.01.
     #[must_use]
     pub fn new(roughness: f64) -> Self {
         Self { roughness: roughness.max(LEAST_ROUGHNESS) }
     }
 
-    /// `R`: the part of the light that is reflected towards a view of cosine `x`. In [1e-6, 0.75].
+    /// The albedo `R` for a view of cosine `x`. In [1e-6, 0.75].
     #[must_use]
     pub fn albedo(&self, x: f64) -> f64 {
         let y = self.roughness;
@@ -67,7 +69,7 @@ impl Fuzz {
         (exp(-0.5 * away * away) / (width * (2.0 * PI).sqrt()) + offset).max(LEAST_ALBEDO)
     }
 
-    /// `a` and `b` for a view of cosine `x`: a positive number, and one of (-0.19, 0].
+    /// The numbers `a` and `b` for a view of cosine `x`: `a` is positive, `b` is in (-0.19, 0].
     fn inverse_numbers(self, x: f64) -> [f64; 2] {
         let y = self.roughness;
         let a = (2.581_26 * x + 0.813_703 * y) * y / (1.0 + 0.310_327 * x * x + 2.609_94 * x * y);
@@ -85,7 +87,7 @@ impl Fuzz {
     }
 }
 
-/// Cosine and sine of a direction's azimuth; of the pole's, x.
+/// Cosine and sine of a direction's azimuth. The azimuth of the pole is zero.
 fn azimuth(w: DVec3) -> [f64; 2] {
     let sin_theta = (w.x * w.x + w.y * w.y).sqrt();
     if sin_theta > 0.0 { [w.x / sin_theta, w.y / sin_theta] } else { [1.0, 0.0] }
@@ -127,8 +129,8 @@ mod tests {
     use super::*;
     use crate::math::{Lattice, direction};
 
-    /// Places of the authors' table of the fibre volume, `ltc_table_sheen_volume` (Apache-2.0): roughness and cosine in
-    /// steps of a 31st, then `a`, `b` and `R`.
+    /// Samples of the authors' table of the fibre volume, `ltc_table_sheen_volume` (Apache-2.0): indices of roughness
+    /// and cosine in steps of 1/31, then `a`, `b` and `R`.
     const PUBLISHED: [([u32; 2], [f64; 3]); 12] = [
         ([8, 1], [0.10394, -0.13135, 0.60100]),
         ([8, 8], [0.21199, -0.01460, 0.10220]),
@@ -158,7 +160,7 @@ mod tests {
         }
     }
 
-    /// Exactly only where light and view are one; elsewhere by some part.
+    /// Reciprocity is exact only if light and view are equal.
     #[test]
     fn it_is_reciprocal_only_about() {
         let (fuzz, wo) = (Fuzz::new(0.6), direction(0.9, 0.3));

@@ -38,8 +38,8 @@ impl Ggx {
         1.0 / (PI * self.alpha_x * self.alpha_y * q * q)
     }
 
-    /// Smith's `Lambda(w) = (sqrt(1 + (ax^2 x^2 + ay^2 y^2) / z^2) - 1) / 2` [KT et al. 2022, equation 5].
-    /// Domain: `w.z != 0`; it grows without bound towards the horizon.
+    /// Smith's `Lambda(w) = (sqrt(1 + (ax^2 x^2 + ay^2 y^2) / z^2) - 1) / 2` [KT et al. 2022, equation 5]. Domain:
+    /// `w.z != 0`; unbounded towards the horizon.
     #[must_use]
     pub fn smith_lambda(&self, w: DVec3) -> f64 {
         let (x, y) = (self.alpha_x * w.x / w.z, self.alpha_y * w.y / w.z);
@@ -53,14 +53,14 @@ impl Ggx {
         if wi.z <= 0.0 {
             return 0.0;
         }
-        let seen = 1.0 + self.smith_lambda(wo);
-        seen / (seen + self.smith_lambda(wi))
+        let one_plus_lambda = 1.0 + self.smith_lambda(wo);
+        one_plus_lambda / (one_plus_lambda + self.smith_lambda(wi))
     }
 
-    /// The quantities of a view direction that sampling needs.
-    fn seen_from(&self, wo: DVec3) -> Seen {
+    /// Precomputes the quantities of a view direction that the sampler uses.
+    fn view(&self, wo: DVec3) -> GgxView {
         let stretched = DVec3::new(self.alpha_x * wo.x, self.alpha_y * wo.y, wo.z);
-        Seen {
+        GgxView {
             alpha: DVec2::new(self.alpha_x, self.alpha_y),
             wo,
             wo_std: stretched.normalize(),
@@ -69,20 +69,20 @@ impl Ggx {
     }
 }
 
-/// A surface and a view direction.
-struct Seen {
+/// A surface with a view direction.
+struct GgxView {
     alpha: DVec2,
     wo: DVec3,
-    /// `wo` where the surface is a hemisphere.
+    /// `wo` in the space where the surface is a hemisphere.
     wo_std: DVec3,
     /// `wo.z / |A wo|`.
     mu: f64,
 }
 
-impl Seen {
-    /// A normal visible from `wo`, by spherical caps [Dupuy and Benyoub 2023].
+impl GgxView {
+    /// A normal visible from `wo`, drawn by spherical caps [Dupuy and Benyoub 2023].
     ///
-    /// In the space where the surface is a hemisphere, normals seen from `wo_std` reflect to directions that are
+    /// If the surface is stretched to a hemisphere, normals visible from `wo_std` reflect to directions that are
     /// uniform on the cap `z > -wo_std.z`.
     #[inline]
     fn visible_normal(&self, point: &SquarePoint) -> DVec3 {
@@ -93,8 +93,8 @@ impl Seen {
         DVec3::new(alpha.x * wm_std.x, alpha.y * wm_std.y, wm_std.z.max(0.0)).normalize()
     }
 
-    /// With `mu = z / |A w|`, `Lambda = (1 / mu - 1) / 2`, and `G2 / G1 = (1 + mu_o) mu_i / (mu_i + mu_o)`, here times
-    /// `|A wi|` above and below.
+    /// With `mu = z / |A w|`, `Lambda = (1 / mu - 1) / 2`, and `G2 / G1 = (1 + mu_o) mu_i / (mu_i + mu_o)`. The code
+    /// multiplies numerator and denominator by `|A wi|`.
     #[inline]
     fn sample(&self, point: &SquarePoint) -> BrdfSample {
         let wm = self.visible_normal(point);
@@ -107,18 +107,18 @@ impl Seen {
     }
 }
 
-/// Reflections that are computed side by side: the same whatever vectors the processor has.
+/// Reflections computed together. The number is fixed, so results do not depend on the processor's vector width.
 const LANES: usize = 8;
 
-impl Seen {
-    /// The terms by [`Seen::sample`] at `points`, in f32 and without a direction of length one: `wi` and its weight
-    /// only matter in proportion. Means keep the digits that a table stores.
+impl GgxView {
+    /// The terms over the samples of [`GgxView::sample`] at `points`, computed in f32. Directions are not normalised,
+    /// because the weight depends only on their proportions. The means keep all digits that a table stores.
     fn terms(&self, points: &[SquarePoint]) -> LobeTerms {
         let [alpha_x, alpha_y, mu] = [self.alpha.x, self.alpha.y, self.mu].map(|x| x as f32);
         let (wo, wo_std) = (self.wo.as_vec3(), self.wo_std.as_vec3());
         let mut sums = [[0.0_f64; LANES]; 2];
         for chunk in points.chunks(LANES) {
-            // The padding of the last chunk counts nothing.
+            // Padding of the last chunk has a count of zero.
             let [mut cap, mut sin, mut cos, mut counts] = [[0.0_f32; LANES]; 4];
             for (k, point) in chunk.iter().enumerate() {
                 (cap[k], sin[k], cos[k], counts[k]) =
@@ -136,7 +136,7 @@ impl Seen {
                 let (sx, sy) = (alpha_x * wx, alpha_y * wy);
                 let stretched = (sx * sx + sy * sy + wz * wz).sqrt();
                 let weight = (1.0 + mu) * wz / (wz + mu * stretched);
-                // Rounding may take a mirror's above one.
+                // Rounding can raise the weight of a mirror above one.
                 let weight = if wz > 0.0 { weight.min(1.0) } else { 0.0 };
                 let grazing = (1.0 - cosine / length2.sqrt()).max(0.0);
                 let grazing2 = grazing * grazing;
@@ -164,19 +164,20 @@ impl Brdf for Ggx {
     }
 
     fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample {
-        self.seen_from(wo).sample(&SquarePoint::new(u))
+        self.view(wo).sample(&SquarePoint::new(u))
     }
 
     fn sample_all(&self, wo: DVec3, points: &[SquarePoint], drawn: &mut Vec<BrdfSample>) {
-        let seen = self.seen_from(wo);
-        drawn.extend(points.iter().map(|point| seen.sample(point)));
+        let view = self.view(wo);
+        drawn.extend(points.iter().map(|point| view.sample(point)));
     }
 
     fn terms(&self, wo: DVec3, points: &[SquarePoint]) -> LobeTerms {
-        self.seen_from(wo).terms(points)
+        self.view(wo).terms(points)
     }
 
-    /// `D(wm) G1(wo) / (4 cos(theta_o))`, also for directions below the horizon, which the sampler can draw.
+    /// `D(wm) G1(wo) / (4 cos(theta_o))`. Directions below the horizon have a density too, because the sampler draws
+    /// them.
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let sum = wo + wi;
         if wo.z <= 0.0 || sum.z <= 0.0 {
@@ -191,7 +192,7 @@ mod tests {
     use super::*;
     use crate::math::{Lattice, direction};
 
-    /// Configurations from broad to needle, from above and grazing: `(alpha_x, alpha_y, theta, phi)`.
+    /// Lobes from broad to needle-shaped, seen from above and at grazing angles: `(alpha_x, alpha_y, theta, phi)`.
     const CONFIGURATIONS: [(f64, f64, f64, f64); 5] = [
         (1.0, 1.0, 0.0, 0.0),
         (0.5, 0.5, 0.8, 0.3),
@@ -200,7 +201,7 @@ mod tests {
         (0.25, 0.15, 0.4, 4.0),
     ];
 
-    /// Side by side in f32 or one after the other in f64, from broad to needle, whatever is left of the last eight.
+    /// Compares the terms in f32 lanes with a loop in f64, for broad and narrow lobes and for incomplete last chunks.
     #[test]
     fn the_terms_are_means_over_samples() {
         let sharp = [(1e-3, 1e-3, 1.55, 0.2), (1e-5, 1e-5, 0.3, 1.0), (0.8, 1e-4, 1.57, 1.2), (1e-8, 1e-8, 1.2, 2.0)];

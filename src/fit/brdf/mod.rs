@@ -1,4 +1,4 @@
-//! Scattering models that tables are fitted to, one file each.
+//! The scattering models to which tables are fitted, one file each.
 //!
 //! A new model needs a file and a line in [`BrdfKind`].
 
@@ -39,7 +39,7 @@ pub use tabulated::{Asymmetry, MOST_ALBEDO, MOST_VALUES, TabulatedAxes, Tabulate
 use super::{axes::PerAxis, named_list};
 
 named_list! {
-    /// The scattering model that is fitted.
+    /// The scattering model to which a table is fitted.
     pub enum BrdfKind: BrdfRules {
         /// Anisotropic GGX with height-correlated Smith masking.
         Ggx = "ggx" => ggx::GgxRules,
@@ -53,58 +53,59 @@ named_list! {
         BurleyDiffuse = "burley_diffuse" => burley_diffuse::BurleyDiffuseRules,
         /// Energy-preserving Oren-Nayar [Portsmouth, Kutz and Hill 2024].
         OrenNayar = "oren_nayar" => oren_nayar::OrenNayarRules,
-        /// Sheen of a volume of fibres [Zeltner, Burley and Chiang 2022], which is an LTC itself.
+        /// Sheen of a volume of fibres [Zeltner, Burley and Chiang 2022]. Its lobes are LTCs.
         Fuzz = "fuzz" => fuzz::FuzzRules,
-        /// A BRDF given as numbers in a file.
+        /// A BRDF whose values are in a file.
         Tabulated = "tabulated" => tabulated::TabulatedRules,
     }
 }
 
 impl BrdfKind {
-    /// The models of formulas, which need no file.
+    /// The models that are formulas and need no file.
     pub fn formulas() -> impl Iterator<Item = Self> {
         Self::ALL.iter().copied().filter(|kind| !kind.needs_file())
     }
 
-    /// The surface of these roughnesses along x and y. Domain: both in (0, 1], and a model of formulas;
-    /// [`BrdfModel::surface`] has those of files.
+    /// The surface with these roughnesses along x and y. Domain: both in (0, 1], and the model is a formula. For models
+    /// with a file see [`BrdfModel::surface`].
     #[must_use]
     pub fn surface(self, roughness: [f64; 2]) -> Box<dyn Brdf> {
         self.rules().surface(roughness)
     }
 
-    /// The surface at a place of a table, x along its larger roughness. Domain: as [`BrdfKind::surface`].
+    /// The surface at a point of a table. Its x axis is the axis of the larger roughness. Domain: as
+    /// [`BrdfKind::surface`].
     #[must_use]
     pub fn surface_at(self, place: &PerAxis<f64>) -> Box<dyn Brdf> {
         self.surface(place.roughness())
     }
 
-    /// Whether its numbers are in a file that a recipe names.
+    /// True if the values are in a file that the recipe names.
     #[must_use]
     pub fn needs_file(self) -> bool {
         self.rules().needs_file()
     }
 
-    /// Whether its surfaces are the same in all azimuths, so that a table has a ratio of one only. Files may have others:
-    /// see [`BrdfModel::is_isotropic`].
+    /// True if surfaces look the same from all azimuths. A table of such surfaces has a ratio of one only. Files can
+    /// have anisotropic surfaces: see [`BrdfModel::is_isotropic`].
     #[must_use]
     pub fn is_isotropic(self) -> bool {
         self.rules().is_isotropic()
     }
 
-    /// Whether its light is scaled by a Fresnel factor, which a recipe may name: that of microfacets that reflect.
+    /// True if the light is scaled by a Fresnel factor, which a recipe can name. This holds for reflecting microfacets.
     #[must_use]
     pub fn has_fresnel(self) -> bool {
         self.follows_reflection() && !self.needs_file()
     }
 
-    /// Whether its lobes are LTCs, so that the entries of a table of those are the model's own and nothing is fitted.
+    /// True if the lobes are LTCs. The entries of a table are then the model's own lobes, and nothing is fitted.
     #[must_use]
     pub fn is_ltc(self) -> bool {
         self.rules().is_ltc()
     }
 
-    /// Whether its lobes lie around the reflection of GGX, as layout `reflected` needs.
+    /// True if lobes lie around the reflection of GGX, as layout `reflected` requires.
     #[must_use]
     pub fn follows_reflection(self) -> bool {
         self.rules().follows_reflection()

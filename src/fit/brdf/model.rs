@@ -1,4 +1,5 @@
-//! The scattering model of a recipe or table: an item of the list, and the file that one of them needs.
+//! The scattering model of a recipe or table: an item of the list, the file of a tabulated BRDF, and the Fresnel
+//! factor.
 
 use std::{fmt, sync::Arc};
 
@@ -8,7 +9,7 @@ use serde::{Serialize, Serializer, ser::SerializeMap};
 use super::{Brdf, BrdfKind, TabulatedBrdf, fresnel::LobeFresnel};
 use crate::axes::PerAxis;
 
-/// The scattering model that is fitted. Two are equal if their surfaces and the lobes of these are.
+/// The scattering model to which a table is fitted. Two models are equal if their surfaces and their lobes are equal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BrdfModel {
     kind: BrdfKind,
@@ -17,31 +18,32 @@ pub struct BrdfModel {
 }
 
 impl BrdfModel {
-    /// The model of a file.
+    /// The tabulated model of a file.
     #[must_use]
     pub fn tabulated(file: TabulatedFile) -> Self {
         Self { kind: BrdfKind::Tabulated, file: Some(file), fresnel: LobeFresnel::One }
     }
 
-    /// The same model with lobes of other materials. Domain: one that [has a Fresnel factor](BrdfKind::has_fresnel).
+    /// The same model with the lobes of other materials. Domain: a model that [has a Fresnel
+    /// factor](BrdfKind::has_fresnel).
     #[must_use]
     pub fn with_fresnel(self, fresnel: LobeFresnel) -> Self {
         Self { fresnel, ..self }
     }
 
-    /// The materials whose lobe a table is fitted to.
+    /// The materials to whose lobe a table is fitted.
     #[must_use]
     pub fn fresnel(&self) -> &LobeFresnel {
         &self.fresnel
     }
 
-    /// Whether two models have the same surfaces, whatever the materials whose lobes are fitted.
+    /// True if two models have the same surfaces. The materials of their lobes may differ.
     #[must_use]
     pub fn is_surface_of(&self, other: &Self) -> bool {
         (self.kind, &self.file) == (other.kind, &other.file)
     }
 
-    /// Its item in the list.
+    /// The model's item in the list.
     #[must_use]
     pub fn kind(&self) -> BrdfKind {
         self.kind
@@ -53,7 +55,7 @@ impl BrdfModel {
         self.file.as_ref()
     }
 
-    /// Whether its surfaces can be had: a tabulated model has its file's numbers.
+    /// True if surfaces can be evaluated. A tabulated model needs the values of its file.
     #[must_use]
     pub fn is_complete(&self) -> bool {
         !self.kind.needs_file() || self.data().is_some()
@@ -63,11 +65,10 @@ impl BrdfModel {
         self.file.as_ref().and_then(|file| file.data.as_ref())
     }
 
-    /// The surface of these roughnesses along x and y. Domain: both in (0, 1].
+    /// The surface with these roughnesses along x and y. Domain: both in (0, 1].
     ///
     /// # Panics
-    /// Where [`BrdfModel::is_complete`] does not hold. What reads recipes and tables attaches files, or refuses to go
-    /// on.
+    /// If [`BrdfModel::is_complete`] is false. Callers that read recipes and tables attach the file or return an error.
     #[must_use]
     pub fn surface(&self, roughness: [f64; 2]) -> Box<dyn Brdf> {
         if !self.kind.needs_file() {
@@ -77,7 +78,7 @@ impl BrdfModel {
         Box::new(data.surface(roughness))
     }
 
-    /// The surface whose lobe for `wo` is fitted: with the Fresnel factor of [`BrdfModel::fresnel`]. Domain: as
+    /// The surface whose lobe for `wo` is fitted. It has the Fresnel factor of [`BrdfModel::fresnel`]. Domain: as
     /// [`BrdfModel::surface`], and `wo` of unit length above the horizon.
     ///
     /// # Panics
@@ -87,7 +88,7 @@ impl BrdfModel {
         self.fresnel.applied(self.surface(roughness), wo)
     }
 
-    /// The same at a place of a table, x along its larger roughness.
+    /// The surface whose lobe is fitted at a point of a table. Its x axis is the axis of the larger roughness.
     ///
     /// # Panics
     /// As [`BrdfModel::surface`].
@@ -96,7 +97,7 @@ impl BrdfModel {
         self.lobe_surface(place.roughness(), place.view())
     }
 
-    /// The surface whose lobe is the second of an entry, at a place of a table; `None` where entries have one lobe.
+    /// The surface of the second lobe of an entry, at a point of a table; `None` if entries have one lobe.
     ///
     /// # Panics
     /// As [`BrdfModel::surface`].
@@ -105,7 +106,7 @@ impl BrdfModel {
         self.fresnel.second_applied(self.surface_at(place))
     }
 
-    /// The surface at a place of a table, x along its larger roughness.
+    /// The surface at a point of a table. Its x axis is the axis of the larger roughness.
     ///
     /// # Panics
     /// As [`BrdfModel::surface`].
@@ -114,7 +115,8 @@ impl BrdfModel {
         self.surface(place.roughness())
     }
 
-    /// As [`BrdfKind::is_isotropic`]; a file tells itself, and one that was not read may be of either.
+    /// Like [`BrdfKind::is_isotropic`]. A tabulated model is isotropic if its file is. Without the values of the file
+    /// this is unknown, and the result is false.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
         match &self.file {
@@ -123,14 +125,14 @@ impl BrdfModel {
         }
     }
 
-    /// Whether its surfaces differ in azimuths whatever their ratio of roughnesses: those of a file with azimuths of the view,
-    /// where that was read.
+    /// True if surfaces of ratio one also change with the azimuth of the view. This holds for a file with azimuths of
+    /// the view, if its values were read.
     #[must_use]
     pub fn has_azimuths(&self) -> bool {
         self.data().is_some_and(|data| !data.axes().is_isotropic())
     }
 
-    /// As [`BrdfKind::follows_reflection`].
+    /// Like [`BrdfKind::follows_reflection`].
     #[must_use]
     pub fn follows_reflection(&self) -> bool {
         self.kind.follows_reflection()
@@ -138,7 +140,7 @@ impl BrdfModel {
 }
 
 impl From<BrdfKind> for BrdfModel {
-    /// The model of formulas. [`BrdfKind::Tabulated`] is not complete without a file: see [`BrdfModel::tabulated`].
+    /// A model without a file. [`BrdfKind::Tabulated`] is incomplete without a file: see [`BrdfModel::tabulated`].
     fn from(kind: BrdfKind) -> Self {
         Self { kind, file: None, fresnel: LobeFresnel::One }
     }
@@ -156,8 +158,8 @@ impl fmt::Display for BrdfModel {
     }
 }
 
-/// The fields of a canonical recipe: `brdf`, for a tabulated one `tabulated`, and `fresnel` where it is not the default, so
-/// that recipes keep their digests.
+/// The fields of a canonical recipe: `brdf`, then `tabulated` for a tabulated BRDF, then `fresnel` if it is not the
+/// default. The default is left out, which keeps the digests of older recipes.
 impl Serialize for BrdfModel {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
@@ -172,7 +174,7 @@ impl Serialize for BrdfModel {
     }
 }
 
-/// The file of a tabulated BRDF as a recipe names it, with its numbers where they are at hand.
+/// The file of a tabulated BRDF, as a recipe names it. Its values are optional.
 #[derive(Clone)]
 pub struct TabulatedFile {
     digest: [u8; 32],
@@ -180,13 +182,13 @@ pub struct TabulatedFile {
 }
 
 impl TabulatedFile {
-    /// The file with this SHA-256, and its contents.
+    /// A file by its SHA-256, with its values.
     #[must_use]
     pub fn new(digest: [u8; 32], data: Arc<TabulatedBrdf>) -> Self {
         Self { digest, data: Some(data) }
     }
 
-    /// The file with this SHA-256, which was not read.
+    /// A file by its SHA-256, whose values were not read.
     #[must_use]
     pub fn unread(digest: [u8; 32]) -> Self {
         Self { digest, data: None }
@@ -198,7 +200,7 @@ impl TabulatedFile {
         &self.digest
     }
 
-    /// The contents of the file, if it was read.
+    /// The values of the file, if it was read.
     #[must_use]
     pub fn data(&self) -> Option<&Arc<TabulatedBrdf>> {
         self.data.as_ref()

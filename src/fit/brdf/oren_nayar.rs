@@ -10,8 +10,8 @@ use super::{
 };
 use crate::math::{SquarePoint, atan2};
 
-/// The EON model of Portsmouth, Kutz and Hill 2024 with an albedo of one: Fujii's Oren-Nayar, and the light that it
-/// loses returned as that of further bounces.
+/// The EON model of Portsmouth, Kutz and Hill 2024 with an albedo of one. It is Fujii's Oren-Nayar, plus the light that
+/// this model loses, added as further bounces.
 ///
 /// ```text
 /// f = A (1 + r s / t) / pi + (1 - E(o)) (1 - E(i)) / (pi (1 - E')),    A = 1 / (1 + c r),   c = 1/2 - 2 / (3 pi)
@@ -21,10 +21,10 @@ use crate::math::{SquarePoint, atan2};
 /// E' = A (1 + d r),   d = 2/3 - 28 / (15 pi),   1 - E' = A r (c - d)
 /// ```
 ///
-/// It is reciprocal and reflects all light, `E = 1` for every view.
+/// It is reciprocal and reflects all light: `E = 1` for every view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OrenNayar {
-    /// The model's roughness `r`, the square root of a table's alpha, in [0, 1]. Zero is Lambert's reflection.
+    /// The model's roughness `r`, the square root of a table's alpha, in [0, 1]. Zero is Lambertian reflection.
     pub roughness: f64,
 }
 
@@ -49,15 +49,15 @@ impl BrdfRules for OrenNayarRules {
     }
 }
 
-/// Seen at grazing angles a rough surface reflects `f cos(theta_i)` evenly down to the view's own height.
+/// At grazing views, `f cos(theta_i)` of a rough surface is nearly constant down to the height of the view.
 const SAMPLER: Hemisphere = Hemisphere { uniform: 0.5 };
-/// `c`: the largest loss of a single bounce, for `r = 1` and over `A`.
+/// `c`: the largest loss of a single bounce, for `r = 1` and divided by `A`.
 const LOST: f64 = 0.5 - 2.0 / (3.0 * PI);
-/// `c - d`: the mean loss of a single bounce, likewise.
+/// `c - d`: the mean loss of a single bounce, for `r = 1` and divided by `A`.
 const LOST_ON_AVERAGE: f64 = LOST - (2.0 / 3.0 - 28.0 / (15.0 * PI));
 
-/// `c - G / pi`: the loss of a single bounce from a direction, for `r = 1` and over `A`. In [0, c]; zero at the
-/// horizon. `tan (1 - sin^3)` is `sin cos (1 + sin + sin^2) / (1 + sin)`, which has no pole there.
+/// `c - G / pi`: the loss of a single bounce from a direction, for `r = 1` and divided by `A`. In [0, c]; zero at the
+/// horizon. `tan (1 - sin^3)` is written as `sin cos (1 + sin + sin^2) / (1 + sin)`, which has no pole at the horizon.
 fn lost(w: DVec3) -> f64 {
     let (cos, sin) = (w.z, (w.x * w.x + w.y * w.y).sqrt());
     let tangent = sin * cos * (1.0 + sin + sin * sin) / (1.0 + sin);
@@ -71,7 +71,7 @@ impl Brdf for OrenNayar {
             return 0.0;
         }
         let r = self.roughness;
-        // wo . wi - cos o cos i, without cancellation.
+        // Equals wo . wi - cos o cos i, without cancellation.
         let s = wo.x * wi.x + wo.y * wi.y;
         let s_over_t = if s > 0.0 { s / wo.z.max(wi.z) } else { s };
         let single = 1.0 + r * s_over_t;
@@ -79,7 +79,7 @@ impl Brdf for OrenNayar {
         (single + multiple) * wi.z / (PI * (1.0 + LOST * r))
     }
 
-    /// `s` changes its sign a quarter turn from the view, and `t` is the larger cosine.
+    /// `s` changes its sign at a right angle to the view's azimuth. `t` is the larger cosine.
     fn bends(&self, wo: DVec3) -> Bends {
         Bends { theta_i: vec![atan2((wo.x * wo.x + wo.y * wo.y).sqrt(), wo.z)], phi: vec![FRAC_PI_2] }
     }

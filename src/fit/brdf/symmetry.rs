@@ -1,13 +1,13 @@
-//! Symmetries that the lobes of axis-aligned surfaces have.
+//! Symmetries of the lobes of axis-aligned surfaces.
 
 use glam::DVec3;
 
-/// Mirror symmetries of a lobe, which its distribution shares.
+/// Mirror symmetries of a lobe and of its distribution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Mirrors {
-    /// Unchanged by x -> -x: the view direction lies in the yz plane.
+    /// Symmetric under x -> -x: the view direction lies in the yz plane.
     pub x: bool,
-    /// Unchanged by y -> -y: the view direction lies in the xz plane.
+    /// Symmetric under y -> -y: the view direction lies in the xz plane.
     pub y: bool,
 }
 

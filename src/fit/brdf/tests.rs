@@ -1,4 +1,4 @@
-//! Tests of the promises that every scattering model makes.
+//! Tests of properties that all scattering models share.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -10,7 +10,7 @@ use super::{Brdf, BrdfKind, BrdfModel, BrdfSample, MOST_ALBEDO, planted_anisotro
 use crate::lobe::ltc::Ltc;
 use crate::math::{Lattice, atan2, cosine_hemisphere, direction, sin_cos};
 
-/// Configurations from broad to narrow, from above and grazing: `(alpha_x, alpha_y, theta, phi)`.
+/// Lobes from broad to narrow, seen from above and at grazing angles: `(alpha_x, alpha_y, theta, phi)`.
 const CONFIGURATIONS: [(f64, f64, f64, f64); 6] = [
     (1.0, 1.0, 0.0, 0.0),
     (0.5, 0.5, 0.8, 0.3),
@@ -20,7 +20,7 @@ const CONFIGURATIONS: [(f64, f64, f64, f64); 6] = [
     (0.1, 0.1, 1.2, -1.0),
 ];
 
-/// Every model, planted files among them: an isotropic and an anisotropic one.
+/// Every model, including an isotropic and an anisotropic file.
 fn models() -> impl Iterator<Item = BrdfModel> {
     BrdfKind::formulas().map(BrdfModel::from).chain([planted_tabulated(), planted_anisotropic()])
 }
@@ -43,8 +43,8 @@ fn every_item_of_the_list_is_tested() {
     assert_eq!(tested, BrdfKind::ALL);
 }
 
-/// Directions of the midpoint rule in height and azimuth, `n` by `2 n`, over the sphere; each stands for
-/// `2 pi / n^2` steradians.
+/// Directions of the midpoint rule in height and azimuth, `n` by `2 n`, over the sphere. Each has `2 pi / n^2`
+/// steradians.
 fn sphere(n: usize) -> impl Iterator<Item = DVec3> {
     let azimuths: Vec<(f64, f64)> = (0..2 * n).map(|j| sin_cos(PI * (j as f64 + 0.5) / n as f64)).collect();
     (0..n).flat_map(move |i| {
@@ -54,13 +54,13 @@ fn sphere(n: usize) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Integral over the sphere of directions by [`sphere`].
+/// The integral over the directions of [`sphere`].
 fn integrate(n: usize, f: impl FnMut(DVec3) -> f64) -> f64 {
     sphere(n).map(f).sum::<f64>() * TAU / (n * n) as f64
 }
 
-/// `E(wo)`, the albedo under uniform light. Heights are squares, so that the pole of diffuse models at the horizon is
-/// resolved.
+/// `E(wo)`, the albedo under uniform light. The integration variable is the root of the height, which resolves the
+/// singularity of diffuse models at the horizon.
 fn albedo(brdf: &dyn Brdf, wo: DVec3) -> f64 {
     const N: usize = 400;
     let part = |k: usize| (k as f64 + 0.5) / N as f64;
@@ -71,7 +71,7 @@ fn albedo(brdf: &dyn Brdf, wo: DVec3) -> f64 {
     (0..N).map(ring).sum()
 }
 
-/// For visible normals this is the weak white furnace.
+/// For samplers of visible normals this is the weak white furnace test.
 #[test]
 fn every_density_integrates_to_one() {
     for (_, brdf, wo, name) in all() {
@@ -91,9 +91,9 @@ fn the_mean_weight_is_the_albedo() {
     }
 }
 
-/// The most that a model reflects of even light, over roughness and view to 89 degrees. Masked microfacets lose light,
-/// and Oren-Nayar's further bounces return all of it. Smooth sheen and Burley's diffuse reflection gain light at
-/// grazing angles: docs/recipe.md has these figures.
+/// Tests the largest part of uniform light that a model reflects, over roughness and views to 89 degrees. Masked
+/// microfacets lose light, and Oren-Nayar's further bounces return all of it. Smooth sheen and Burley's diffuse
+/// reflection gain light at grazing angles: docs/recipe.md has these figures.
 #[test]
 fn no_furnace_glows_more_than_its_model_says() {
     let most = |model: &BrdfModel| {
@@ -112,8 +112,8 @@ fn no_furnace_glows_more_than_its_model_says() {
             BrdfKind::BurleyDiffuse => (1.5, 1.6),
             BrdfKind::OrenNayar => (1.0 - 1e-3, 1.0 + 1e-3),
             BrdfKind::Fuzz => (0.7, 0.75),
-            // The planted files are Oren-Nayar's reflection between nodes, and GGX's of alpha 0.4 and more. No file may
-            // reflect more.
+            // One file is Oren-Nayar's reflection, interpolated between nodes. The other is GGX with alpha of at least
+            // 0.4. No file may reflect more.
             BrdfKind::Tabulated if model.is_isotropic() => (0.99, MOST_ALBEDO + 1e-3),
             BrdfKind::Tabulated => (0.85, MOST_ALBEDO + 1e-3),
         };
@@ -122,7 +122,7 @@ fn no_furnace_glows_more_than_its_model_says() {
     }
 }
 
-/// Energy-preserving means for every view.
+/// A model that preserves energy reflects all light for every view.
 #[test]
 fn oren_nayar_reflects_all_light() {
     for (alpha, theta) in [(0.0, 0.7), (0.04, 0.0), (0.3, 1.0), (1.0, 0.0), (1.0, 0.9), (1.0, 1.4), (0.5, 1.55)] {
@@ -148,13 +148,13 @@ fn values_are_density_times_weight_and_reciprocal() {
             above += 1;
             let value = brdf.eval_cos(wo, wi);
             assert!((value / (brdf.pdf(wo, wi) * weight) - 1.0).abs() < 1e-8, "{name}: {value}");
-            // A file has no views beyond its last one, to exchange such lights with, and the lobes of fuzz are fitted for
-            // each view alone.
+            // A file has no views beyond its last view, so these lights cannot be exchanged. The lobes of fuzz are
+            // fitted for each view separately, and are not reciprocal.
             if kind == BrdfKind::Fuzz {
                 exchanged += 1;
             } else if kind != BrdfKind::Tabulated || wi.z > 0.11 && wo.z > 0.11 {
                 let swapped = brdf.eval_cos(wi, wo) / wo.z * wi.z;
-                // The azimuths of exchanged lights lie between those of a file.
+                // The azimuths of exchanged lights lie between the azimuths of a file.
                 let allowed = if model.has_azimuths() { 0.05 * most } else { 1e-9 * swapped };
                 assert!((value - swapped).abs() < allowed, "{name}: {value} {swapped}");
                 exchanged += 1;
@@ -165,7 +165,7 @@ fn values_are_density_times_weight_and_reciprocal() {
     }
 }
 
-/// A model that gives an LTC has the density of that LTC.
+/// A model that returns an LTC has the density of this LTC.
 #[test]
 fn lobes_that_are_ltcs_have_their_density() {
     let mut ltcs = 0;
@@ -182,8 +182,9 @@ fn lobes_that_are_ltcs_have_their_density() {
     assert_eq!(ltcs, CONFIGURATIONS.len());
 }
 
-/// Unity's HDRP lights by these formulas, in its names (`BSDF.hlsl`, `Fabric.hlsl`): Burley's diffuse reflection but for a
-/// constant, which no LTC has, and Charlie by two visibilities. Its Oren-Nayar, of 1994, is another model than ours.
+/// Compares with the formulas of Unity's HDRP, in its names (`BSDF.hlsl`, `Fabric.hlsl`). Burley's diffuse reflection
+/// differs by a constant, which LTCs do not contain. Charlie has two visibility terms. HDRP's Oren-Nayar, of 1994, is a
+/// different model.
 #[test]
 fn hdrps_formulas_are_ours_but_oren_nayars() {
     const DISNEY_NORMALISATION: f64 = 1.035_71;
@@ -226,7 +227,7 @@ fn hdrps_formulas_are_ours_but_oren_nayars() {
     assert!(same < 1e-9 && apart > 0.3, "{same} {apart}");
 }
 
-/// An isotropic model takes the larger roughness and turns with the view; others tell their axes apart.
+/// An isotropic model uses the larger roughness and turns with the view. Other models distinguish their axes.
 #[test]
 fn isotropic_models_know_no_azimuth() {
     let [wo, wi] = [direction(0.8, 0.3), direction(0.5, 2.0)];
@@ -242,8 +243,8 @@ fn isotropic_models_know_no_azimuth() {
     }
 }
 
-/// From mirrors to the roughest surface, from above to the horizon, at the ends of the square: no NaN, nothing
-/// negative.
+/// Tests from mirrors to the largest roughness, from above to the horizon, and at the ends of the unit square. No value
+/// is NaN or negative.
 #[test]
 fn extremes_are_finite() {
     let ends = [0.0, f64::EPSILON, 0.3, 0.5, 1.0 - f64::EPSILON / 2.0];
@@ -267,7 +268,7 @@ fn extremes_are_finite() {
     }
 }
 
-/// Few samples carry most of a lobe if its sampler does not follow it. A fit draws some hundred.
+/// If a sampler does not follow its lobe, few samples carry most of the light. A fit draws some hundred samples.
 #[test]
 fn samplers_follow_their_lobes() {
     for kind in models() {
@@ -283,7 +284,7 @@ fn samplers_follow_their_lobes() {
     }
 }
 
-/// Pearson's chi-square of random samples against the integrated density, over cells of equal solid angle.
+/// Pearson's chi-square test of random samples against the integrated density, over cells of equal solid angle.
 #[test]
 fn samples_follow_the_density() {
     const ROWS: usize = 24;
@@ -294,7 +295,7 @@ fn samples_follow_the_density() {
         let row = ((w.z + 1.0) * 0.5 * ROWS as f64) as usize;
         row.min(ROWS - 1) * COLUMNS + ((azimuth * COLUMNS as f64) as usize).min(COLUMNS - 1)
     };
-    // 480 divides evenly into rows and columns, so that no quadrature cell straddles two.
+    // 480 is a multiple of the numbers of rows and columns, so each quadrature cell lies in one test cell.
     let cells: Vec<(DVec3, usize)> = sphere(480).map(|wi| (wi, cell(wi))).collect();
     for (k, (_, brdf, wo, name)) in all().enumerate() {
         let mut expected = vec![0.0; ROWS * COLUMNS];
@@ -319,8 +320,8 @@ fn samples_follow_the_density() {
             cells += 1.0;
         }
         assert!(cells > 10.0, "{name}");
-        // Chi-square with n degrees of freedom has mean n and variance 2 n. A value five standard deviations above the
-        // mean does not occur.
+        // Chi-square with n degrees of freedom has mean n and variance 2 n. A correct sampler practically never exceeds
+        // the mean by five standard deviations.
         let limit = cells + 5.0 * f64::sqrt(2.0 * cells);
         assert!(chi2 < limit, "{name}: {chi2} over {cells} cells");
         assert!((rare.0 - rare.1).abs() < 5.0 * f64::sqrt(rare.1 + 1.0), "{name}: {rare:?}");

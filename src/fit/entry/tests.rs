@@ -20,7 +20,7 @@ fn settings(solver: Solver, samples: u32, directions: u32, steps: u32) -> FitSet
     FitSettings { metric: Metric::Sw1, solver, samples, directions, steps, seed: 0, simplex: None }
 }
 
-/// One of the values where fits are hardest, moved by a few ulps, or any value from `low` to `high`.
+/// A value where fits are hardest, moved by a few ulps, or any value from `low` to `high`.
 fn hard(values: &'static [f64], low: f64, high: f64) -> impl Strategy<Value = f64> {
     let near = (prop::sample::select(values), -3_i64..=3)
         .prop_map(move |(x, ulps)| f64::from_bits(x.to_bits().saturating_add_signed(ulps)).clamp(low, high));
@@ -47,7 +47,7 @@ proptest! {
     }
 }
 
-/// The sharpest and the broadest isotropic lobes, from above and at the horizon.
+/// Tests the sharpest and the broadest isotropic lobes, from above and at the horizon.
 #[test]
 fn every_metric_and_solver_fits_the_hardest_isotropic_lobes() {
     let pairs = Solver::ALL.iter().flat_map(|solver| Metric::ALL.iter().map(move |metric| (*solver, *metric)));
@@ -63,7 +63,7 @@ fn every_metric_and_solver_fits_the_hardest_isotropic_lobes() {
     }
 }
 
-/// Seen from above, a sharp lobe is an LTC: `M = diag(2 alpha_x, 2 alpha_y, 1)`.
+/// A sharp lobe seen from above is an LTC: `M = diag(2 alpha_x, 2 alpha_y, 1)`.
 #[test]
 fn a_sharp_lobe_from_above_has_the_limit_s_matrix() {
     let ggx = Ggx { alpha_x: 1e-3, alpha_y: 4e-4 };
@@ -83,7 +83,7 @@ fn more_samples_fit_better() {
     assert!(fine < coarse, "{fine} {coarse}");
 }
 
-/// Algorithm 3 approaches the same fit, only slower: after a few hundred steps a broad lobe is near its best fit.
+/// Algorithm 3 converges to the same fit, but more slowly. After a few hundred steps a broad lobe is near its best fit.
 #[test]
 fn the_paper_s_descent_comes_near_the_same_error() {
     let ggx = Ggx { alpha_x: 0.8, alpha_y: 0.5 };
@@ -101,7 +101,8 @@ fn the_paper_s_descent_comes_near_the_same_error() {
     assert_ne!(descended(0), descended(1));
 }
 
-/// By the L3 norm too, from the identity, if the lobe is as broad: a sharp one has no slope there.
+/// With the L3 norm, the descent from the identity finds broad lobes. For sharp lobes the gradient at the identity
+/// vanishes.
 #[test]
 fn the_descent_by_l3_finds_broad_lobes_and_stays_finite_at_sharp_ones() {
     let descended = |alpha: f64| {
@@ -110,11 +111,11 @@ fn the_descent_by_l3_finds_broad_lobes_and_stays_finite_at_sharp_ones() {
         let wo = direction(0.5, 0.4);
         let found = fit(settings, &ggx, wo, 7).matrix;
         let mut judge = Fitter::new(&FitSettings { metric: Metric::L3, ..self::settings(Solver::Bfgs, 1024, 32, 60) });
-        let target = judge.seen.target(&ggx, wo);
+        let target = judge.training.target(&ggx, wo);
         let lobe = Lobe { brdf: &ggx, wo, target: &target };
         let mut go_on = unstopped;
         let mut stop_check = StopCheck::new(&mut go_on);
-        let mut loss = judge.seen.distance.to(&lobe, &mut stop_check).expect("nothing stops it");
+        let mut loss = judge.training.distance.to(&lobe, &mut stop_check).expect("nothing stops it");
         let mut of = |m: DMat3| loss.value(&(target.frame.transpose() * m), &mut stop_check).expect("nothing stops it");
         [of(from_row_major(&found)), of(DMat3::IDENTITY)]
     };
@@ -126,14 +127,13 @@ fn the_descent_by_l3_finds_broad_lobes_and_stays_finite_at_sharp_ones() {
     }
 }
 
-/// The largest settings that a recipe may have take minutes an entry. Every call can stop them, and a call comes for
-/// each 2^23 projections of a sample on a direction: while the lobe is tabulated, within an evaluation and within a
-/// step.
+/// The largest settings of a recipe take minutes an entry. Each call can stop the fit. A call follows every 2^23
+/// projections of a sample on a direction, during the tabulation of the lobe, within an evaluation and within a step.
 #[test]
 fn an_entry_of_any_size_is_stopped_within_a_moment() {
     let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
     let (samples, directions) = (16_384, 256);
-    // The tabulation of both sample sets, and one evaluation; of `sgd` the sorts of its one step, if it sorts.
+    // The calls for the tabulation of both sample sets and one evaluation; for `sgd`, for the sorts of its one step.
     let least = |solver: Solver, metric: Metric| {
         let sorts = match (solver, metric) {
             (Solver::Sgd, Metric::Sw1) => 16,
@@ -163,7 +163,7 @@ fn an_entry_of_any_size_is_stopped_within_a_moment() {
     }
 }
 
-/// Whatever the solver and its settings: the entry of a model that is an LTC is the model's own, and so are the terms.
+/// If the model is an LTC, the entry has the matrix and terms of the model, for every solver and setting.
 #[test]
 fn what_is_an_ltc_itself_is_not_fitted() {
     let searches = Solver::ALL.iter().map(|solver| settings(*solver, 64, 6, 1));
@@ -182,7 +182,7 @@ fn what_is_an_ltc_itself_is_not_fitted() {
     }
 }
 
-/// A layout whose entries are otherwise chosen for the error between nodes stores the model's own, too.
+/// Layouts that choose entries for the error between nodes store the model's own lobes too.
 #[test]
 fn tables_of_an_ltc_have_its_matrices_at_their_nodes() {
     for layout in [Layout::Kt2022, Layout::Ltc2017] {

@@ -1,22 +1,22 @@
-//! The layouts of isotropic tables: `ltc2017`, `ltc2016`, `godot` and `hdrp`, which engines read, and `inverse` and
-//! `matrix33`, the forms that no engine has, to compare; one description each.
+//! The layouts of isotropic tables. Engines read `ltc2017`, `ltc2016`, `godot` and `hdrp`. No engine reads `inverse`
+//! and `matrix33`; they serve for comparison.
 //!
-//! All are tables of perceptual roughness `u = sqrt(alpha)` and of the view's polar angle, evenly divided from 0 to 1
-//! and from the normal to the horizon. Ratio and phi have one node. The lobe is symmetric in the plane of incidence, so
-//! that five numbers of a matrix differ from zero:
+//! All are tables of perceptual roughness `u = sqrt(alpha)` and of the view's polar angle. The axes are divided evenly,
+//! from 0 to 1 and from the normal to the horizon. Ratio and phi have one node. The lobe is symmetric about the plane
+//! of incidence, so five numbers of a matrix are not zero:
 //!
 //! ```text
 //!     | m00  0  m02 |
-//! M = |  0  m11  0  |,   likewise M^-1
+//! M = |  0  m11  0  |,   and M^-1 alike
 //!     | m20  0  m22 |
 //! ```
 //!
-//! A lookup interpolates what is stored between the four nodes around a place, as an engine's sampler does, and inverts
-//! the result where `M^-1` is stored.
+//! A lookup interpolates the stored numbers between the four nodes around a point, as an engine's sampler does. It
+//! inverts the result if `M^-1` is stored.
 //!
-//! Nodes stand where the engines' texel centres are, those of `inverse` and `matrix33` where those of `ltc2017` are:
-//! the first at a roughness of 0, the last at the horizon. The lobes there are those of the least roughness and the
-//! most grazing view that are fitted.
+//! Nodes are at the texel centres of the engines; `inverse` and `matrix33` have the nodes of `ltc2017`. The first
+//! roughness is 0, the last view is at the horizon. Their lobes are fitted at the smallest roughness and the most
+//! grazing view.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -35,7 +35,7 @@ use crate::{
     math::quadrant,
 };
 
-/// `sqrt(1 - cos theta)`; `M^-1` over its middle element.
+/// `sqrt(1 - cos theta)`; `M^-1` divided by its middle element.
 pub(super) const LTC2017: Isotropic = Isotropic {
     stored: Stored::InverseOver { divisor: [1, 1] },
     side: 64,
@@ -43,7 +43,7 @@ pub(super) const LTC2017: Isotropic = Isotropic {
     number: 2,
     interpolation: [0.045, 6.0, 17.0],
 };
-/// theta; `M^-1` over its first element.
+/// theta; `M^-1` divided by its first element.
 pub(super) const LTC2016: Isotropic = Isotropic {
     stored: Stored::InverseOver { divisor: [0, 0] },
     side: 32,
@@ -54,7 +54,7 @@ pub(super) const LTC2016: Isotropic = Isotropic {
 /// theta; `M` with a third column of unit length.
 pub(super) const GODOT: Isotropic =
     Isotropic { stored: Stored::Matrix, side: 64, theta: Spacing::Even, number: 4, interpolation: [0.039, 5.4, 2.1] };
-/// `sqrt(1 - cos theta)`; `M^-1` over its last element.
+/// `sqrt(1 - cos theta)`; `M^-1` divided by its last element.
 pub(super) const HDRP: Isotropic = Isotropic {
     stored: Stored::InverseOver { divisor: [2, 2] },
     side: 64,
@@ -62,9 +62,9 @@ pub(super) const HDRP: Isotropic = Isotropic {
     number: 5,
     interpolation: [0.05, 14.0, 4.0],
 };
-/// `sqrt(1 - cos theta)`; `M^-1` of the `M` with a third column of unit length.
+/// `sqrt(1 - cos theta)`; the inverse of `M`, whose third column has unit length.
 ///
-/// How its error depends on the nodes is taken to be as with [`HDRP`]: with 64 x 64 nodes it is two thirds of that.
+/// The error is assumed to depend on the nodes as in [`HDRP`]. With 64 x 64 nodes it is two thirds of the prediction.
 pub(super) const INVERSE: Isotropic = Isotropic {
     stored: Stored::Inverse,
     side: 64,
@@ -72,10 +72,10 @@ pub(super) const INVERSE: Isotropic = Isotropic {
     number: 6,
     interpolation: [0.05, 14.0, 4.0],
 };
-/// `sqrt(1 - cos theta)`; `M` over its last element.
+/// `sqrt(1 - cos theta)`; `M` divided by its last element.
 ///
-/// How its error depends on the nodes is taken to be as with [`HDRP`], which is right with 64 x 64 nodes and too little
-/// with fewer.
+/// The error is assumed to depend on the nodes as in [`HDRP`]. The prediction is right for 64 x 64 nodes and too small
+/// for fewer nodes.
 pub(super) const MATRIX33: Isotropic = Isotropic {
     stored: Stored::MatrixOverLast,
     side: 64,
@@ -84,14 +84,14 @@ pub(super) const MATRIX33: Isotropic = Isotropic {
     interpolation: [0.05, 14.0, 4.0],
 };
 
-/// The form in which an entry holds `M`.
+/// The form in which an entry stores `M`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stored {
     /// `M` with a third column of unit length.
     Matrix,
-    /// `M` over its last element.
+    /// `M` divided by its last element.
     MatrixOverLast,
-    /// The inverse of the `M` with a third column of unit length.
+    /// The inverse of `M`, whose third column has unit length.
     Inverse,
     /// `M^-1`, divided by its element at this column and row.
     InverseOver { divisor: [usize; 2] },
@@ -111,19 +111,19 @@ pub(super) struct Isotropic {
     stored: Stored,
     /// Texels along each side of the engines' tables.
     side: u32,
-    /// How theta is spaced, and how its weights are.
+    /// The spacing of the nodes of theta and of its interpolation weights.
     theta: Spacing,
     number: u32,
-    /// The limit, and what steps of alpha and theta add: see [`Interpolation`].
+    /// The limit, and the added error of steps of alpha and theta: see [`Interpolation`].
     interpolation: [f64; 3],
 }
 
-/// The largest number that is stored: within half floats. Sharp lobes near the horizon have larger ones in some
-/// layouts.
+/// The largest stored number, within the range of half floats. In some layouts sharp lobes near the horizon have larger
+/// numbers.
 const MOST: f64 = 60_000.0;
 
 impl Isotropic {
-    /// The least number on a stored diagonal: a normal one of the format.
+    /// The smallest number on a stored diagonal. It is a normal number of the format.
     fn least(precision: Precision) -> f64 {
         match precision {
             Precision::F32 => 1e-30,
@@ -133,7 +133,7 @@ impl Isotropic {
 }
 
 impl LayoutRules for Isotropic {
-    /// The engines' tables.
+    /// The size of the engines' tables.
     fn default_resolution(&self) -> PerAxis<u32> {
         PerAxis { alpha: self.side, ratio: 1, theta: self.side, phi: 1 }
     }
@@ -205,7 +205,7 @@ impl LayoutRules for Isotropic {
         match self.stored {
             Stored::Matrix => stored.z_axis.length(),
             Stored::MatrixOverLast => stored.z_axis.z,
-            // One over the length of the third column of the inverse, (-b, 0, a) / (a d - b e).
+            // The reciprocal of the length of the inverse's third column, (-b, 0, a) / (a d - b e).
             Stored::Inverse => {
                 let (a, e, b, d) = (stored.x_axis.x, stored.x_axis.z, stored.z_axis.x, stored.z_axis.z);
                 (a * d - b * e).abs() / (a * a + b * b).sqrt()
@@ -225,15 +225,14 @@ impl LayoutRules for Isotropic {
 
     fn restore_in_shader(&self, stored: &ShaderNumbers, _: f32, _: f32, _: Vec3) -> ShaderNumbers {
         let Mat3 { x_axis: x, y_axis: y, z_axis: z } = stored.matrix;
-        // Those of the plane of incidence, and the one across it.
+        // The numbers in the plane of incidence, and the number across it.
         let plane = Mat3::from_cols(Vec3::new(x.x, 0.0, x.z), Vec3::Y * y.y, Vec3::new(z.x, 0.0, z.z));
         let matrix = if self.stored.is_inverse() { inverse_in_shader(&plane) } else { plane };
         ShaderNumbers { matrix, ..*stored }
     }
 
-    // The numbers are read off tables of 12 to 64 nodes an axis, fitted with 64 samples and 8 directions. A few lobes
-    // next to the mirror and the horizon make most of the error of coarse tables, so that they are good to a factor of
-    // two.
+    // Measured on tables of 12 to 64 nodes an axis, fitted with 64 samples and 8 directions. A few lobes next to the
+    // mirror and the horizon cause most of the error of coarse tables, so predictions are good to a factor of two.
     fn interpolation(&self) -> Interpolation {
         let [limit, alpha, theta] = self.interpolation;
         Interpolation { limit, step: PerAxis { alpha, ratio: 0.0, theta, phi: 0.0 } }
@@ -253,7 +252,7 @@ impl LayoutRules for Isotropic {
     }
 }
 
-/// The inverse of a matrix that is symmetric in the plane of incidence, with a third column of unit length:
+/// The inverse of a matrix that is symmetric about the plane of incidence, with a third column of unit length:
 ///
 /// ```text
 /// | d   0   -b |
@@ -267,7 +266,7 @@ fn inverse(n: &DMat3) -> DMat3 {
     DMat3::from_cols_array(&[d, 0.0, -e, 0.0, (a * d - b * e) / c, 0.0, -b, 0.0, a]) * scale
 }
 
-/// [`inverse`] in 32 bits.
+/// [`inverse`] in f32.
 fn inverse_in_shader(n: &Mat3) -> Mat3 {
     let (a, e, b, c, d) = (n.x_axis.x, n.x_axis.z, n.z_axis.x, n.y_axis.y, n.z_axis.z);
     let scale = 1.0 / (a * a + b * b).sqrt();

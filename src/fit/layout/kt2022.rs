@@ -1,7 +1,7 @@
-//! Layout `kt2022`: uniform axes, and `M` itself [KT et al. 2022, sections 6 to 8].
+//! Layout `kt2022`: uniform axes, and `M` without a change [KT et al. 2022, sections 6 to 8].
 //!
-//! Nodes are uniform in alpha, ratio, theta and phi; a node below a floor is moved onto it. The range of theta ends at
-//! its ceiling before it is divided.
+//! Nodes are uniform in alpha, ratio, theta and phi. A node below a floor is moved onto it. The range of theta is cut
+//! at its ceiling before it is divided.
 
 use glam::Vec3;
 
@@ -41,8 +41,8 @@ impl LayoutRules for Kt2022 {
         }
     }
 
-    /// The block is that of the lobe itself. The limit is ten times wider than numbers of 24 bits need, so that a
-    /// shader's inverse of a needle at the horizon stays within 1e-3.
+    /// Limits the block of the lobe's own matrix. The limit is ten times wider than f32 needs. With it, a shader's
+    /// inverse of a needle at the horizon has an error below 1e-3.
     fn flattest(&self, precision: Precision) -> f64 {
         match precision {
             Precision::F32 => 1e-4,
@@ -80,8 +80,8 @@ impl LayoutRules for Kt2022 {
         *stored
     }
 
-    // The numbers are read off a full run of docs/tradeoff.md, at preset `draft` with one axis changed at a time. Those
-    // of the steps are the added error over the difference of the squared steps.
+    // Measured on a full run of docs/tradeoff.md, at preset `draft` with one axis changed at a time. The number of a
+    // step is the added error divided by the difference of the squared steps.
     fn interpolation(&self) -> Interpolation {
         Interpolation { limit: 0.0652, step: PerAxis { alpha: 0.5, ratio: 0.04, theta: 1.25, phi: 3.25 } }
     }

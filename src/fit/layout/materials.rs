@@ -1,11 +1,12 @@
-//! Layout `materials`: what [`reflected`](super::reflected) stores, for a few surfaces of given roughness.
+//! Layout `materials`: the numbers of layout [`reflected`](super::reflected) for a few surfaces of given roughness.
 //!
-//! Alpha and ratio are one axis: its nodes are pairs, the materials, in the order of the recipe. Between materials nothing is
-//! interpolated: a lookup reads the entries of the one that is nearest in `(sqrt(alpha), ratio)`. Theta and phi are as in
-//! layout `reflected`.
+//! Alpha and ratio form one axis. Its nodes are pairs, the materials, in the order of the recipe. Nothing is
+//! interpolated between materials: a lookup reads the entries of the nearest material in `(sqrt(alpha), ratio)`. Theta
+//! and phi are as in layout `reflected`.
 //!
-//! Textures have the pairs as well, for shaders that look a material up by its number: alpha stands in the unused channel of
-//! the terms at the first theta, the ratio at the second. So tables have at least [`LEAST_THETAS`] of them.
+//! Textures contain the pairs as well, for shaders that look a material up by its index. The unused channel of the
+//! terms stores alpha at the first theta and the ratio at the second. Tables therefore have at least [`LEAST_THETAS`]
+//! thetas.
 
 use glam::Vec3;
 
@@ -22,13 +23,13 @@ use crate::{
     math::quadrant,
 };
 
-/// Most materials of a table.
+/// The largest number of materials of a table.
 pub const MOST_MATERIALS: usize = 256;
-/// Least nodes of theta.
+/// The smallest number of nodes of theta.
 pub const LEAST_THETAS: u32 = 2;
 
-/// The material that is nearest to a roughness in `(sqrt(alpha), ratio)`, the first of several. Domain: at least one pair
-/// of alpha and ratio.
+/// The index of the material nearest to a roughness in `(sqrt(alpha), ratio)`; the first if several are nearest.
+/// Domain: at least one pair of alpha and ratio.
 #[must_use]
 pub(crate) fn nearest_material(pairs: impl IntoIterator<Item = [f64; 2]>, alpha: f64, ratio: f64) -> usize {
     let away = |[a, r]: [f64; 2]| {
@@ -54,7 +55,7 @@ impl LayoutRules for Materials {
         PerAxis { alpha: Spacing::Even, ratio: Spacing::Even, ..Reflected.spacing() }
     }
 
-    /// Materials from one corner of the range to the other, where a recipe names none.
+    /// Materials along the diagonal of the range, for recipes that list none.
     fn nodes(&self, range: &PerAxis<[f64; 2]>, n: &PerAxis<u32>) -> PerAxis<Vec<f64>> {
         Reflected.nodes(range, &PerAxis { ratio: n.alpha, ..*n })
     }
@@ -79,7 +80,7 @@ impl LayoutRules for Materials {
         Reflected.restore(place, stored)
     }
 
-    /// `alpha` is the number of the material.
+    /// `alpha` is the index of the material.
     fn place_in_shader(&self, axes: &ShaderAxes, alpha: f32, _: f32, wo: Vec3) -> ShaderPlace {
         let theta = quadrant(wo.truncate().length(), wo.z) / THETA_CEILING as f32;
         let u = 1.0 - (1.0 - theta).max(0.0).sqrt();
@@ -93,7 +94,7 @@ impl LayoutRules for Materials {
         Reflected.restore_in_shader(stored, alpha, ratio, wo)
     }
 
-    /// That of layout `reflected`, without the error between surfaces.
+    /// The prediction of layout `reflected`, without the error between surfaces.
     fn interpolation(&self) -> Interpolation {
         let Interpolation { limit, step } = Reflected.interpolation();
         Interpolation { limit, step: PerAxis { alpha: 0.0, ratio: 0.0, ..step } }
@@ -152,7 +153,7 @@ mod tests {
         fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
     }
 
-    /// The entries of a material are those that layout `reflected` has for its roughness alone.
+    /// The entries of a material equal the entries of layout `reflected` for its roughness alone.
     #[test]
     fn each_material_has_the_entries_of_its_own_table() {
         let table = fitted(Layout::Materials, &PAIRS);
@@ -167,7 +168,7 @@ mod tests {
             for (theta, phi) in [(0.0, 0.0), (0.7, 4.0), (1.2, 2.0)] {
                 let wanted = own.lookup(&Configuration { alpha_x: pair[0], alpha_y: pair[0] * pair[1], theta, phi });
                 assert_eq!(table.lookup_material(material, theta, phi), Some(wanted));
-                // The material turned by a quarter, and one that is nearly it.
+                // Tests the material turned by a right angle, and a roughness close to the material.
                 let [alpha_x, alpha_y] = [pair[0] * pair[1], pair[0]];
                 let turned = Configuration { alpha_x, alpha_y, theta, phi };
                 assert_eq!(table.lookup(&turned), own.lookup(&turned));

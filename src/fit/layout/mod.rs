@@ -1,4 +1,4 @@
-//! Layouts, one file each: where a table's nodes lie, what an entry stores of its lobe, and how a lookup undoes that.
+//! Layouts, one file each: the nodes of a table, the numbers that an entry stores, and the lookup.
 //!
 //! A new layout needs a file, a part of the shader, and a line in [`Layout`].
 //!
@@ -31,26 +31,28 @@ use glam::Vec3;
 use super::{axes::PerAxis, brdf::BrdfModel, lobe::LobeModel, named_list};
 
 named_list! {
-    /// How configurations map to entries, and how a stored matrix maps to `M`.
+    /// The layout: the mapping from configurations to entries, and from a stored matrix to `M`.
     pub enum Layout: LayoutRules {
-        /// Nodes denser where lobes change faster; the matrix between the lobe and its [`Reflection`], with a third
-        /// column of unit length, and terms in proportion to the reflection's.
+        /// Nodes are denser where lobes change faster. Stores the matrix between the [`Reflection`] and the lobe, with
+        /// a third column of unit length, and terms relative to the reflection.
         Reflected = "reflected" => reflected::Reflected,
         /// Uniform axes; `M` with a third column of unit length [KT et al. 2022, sections 6 to 8].
         Kt2022 = "kt2022" => kt2022::Kt2022,
-        /// Isotropic: `M^-1` over its middle element, by roughness and `sqrt(1 - cos theta)` [Hill and Heitz 2017].
+        /// Isotropic: `M^-1` divided by its middle element, by roughness and `sqrt(1 - cos theta)` [Hill and Heitz
+        /// 2017].
         Ltc2017 = "ltc2017" => isotropic::LTC2017,
-        /// Isotropic: `M^-1` over its first element, by roughness and theta [Heitz et al. 2016].
+        /// Isotropic: `M^-1` divided by its first element, by roughness and theta [Heitz et al. 2016].
         Ltc2016 = "ltc2016" => isotropic::LTC2016,
         /// Isotropic: `M` with a third column of unit length, by roughness and theta, as Godot reads it.
         Godot = "godot" => isotropic::GODOT,
-        /// Isotropic: `M^-1` over its last element, by roughness and `sqrt(1 - cos theta)`, as Unity's HDRP reads it.
+        /// Isotropic: `M^-1` divided by its last element, by roughness and `sqrt(1 - cos theta)`, as Unity's HDRP reads
+        /// it.
         Hdrp = "hdrp" => isotropic::HDRP,
-        /// Isotropic: the inverse of the `M` with a third column of unit length, on the nodes of `ltc2017`.
+        /// Isotropic: the inverse of `M`, whose third column has unit length, on the nodes of `ltc2017`.
         Inverse = "inverse" => isotropic::INVERSE,
-        /// Isotropic: `M` over its last element, on the nodes of `ltc2017`.
+        /// Isotropic: `M` divided by its last element, on the nodes of `ltc2017`.
         Matrix33 = "matrix33" => isotropic::MATRIX33,
-        /// The numbers of `reflected` for a list of pairs of alpha and ratio, with nothing interpolated between them.
+        /// The numbers of `reflected` for a list of pairs of alpha and ratio. Lookups do not interpolate between pairs.
         Materials = "materials" => materials::Materials,
     }
 }
@@ -62,20 +64,21 @@ impl Layout {
         self.rules().nodes(range, resolution)
     }
 
-    /// Whether alpha and ratio are one axis, whose nodes are pairs: the materials that a recipe lists. A table then has as many
+    /// True if alpha and ratio form one axis, whose nodes are the materials of the recipe. A table then has as many
     /// ratios as alphas, in the order of the list.
     #[must_use]
     pub fn is_of_materials(self) -> bool {
         self.rules().is_of_materials()
     }
 
-    /// Whether matrices are stored relative to the [`Reflection`] at their place.
+    /// True if matrices are stored relative to the [`Reflection`] at their point.
     #[must_use]
     pub fn is_relative(self) -> bool {
         self.rules().is_relative()
     }
 
-    /// Nodes on each axis of a table: of [materials](Layout::is_of_materials) as many as alpha has, each with one ratio.
+    /// The number of nodes on each axis of a table. For [materials](Layout::is_of_materials) alpha counts the
+    /// materials, and ratio is 1.
     #[must_use]
     pub fn lengths(self, axes: &PerAxis<Vec<f64>>) -> PerAxis<usize> {
         let lengths = axes.lengths();
@@ -98,40 +101,41 @@ impl Layout {
         }
     }
 
-    /// The only ranges that the layout has, if its readers take no others.
+    /// The fixed ranges of the layout; `None` if ranges are free.
     #[must_use]
     pub fn only_ranges(self) -> Option<PerAxis<[f64; 2]>> {
         self.rules().only_ranges()
     }
 
-    /// Whether the layout can store the lobes of a scattering model: those that lie around a reflection, if it stores
-    /// them relative to one, and no others than isotropic ones, if it has no other surfaces.
+    /// True if the layout can store the lobes of a scattering model. A layout relative to the reflection needs lobes
+    /// around a reflection. A layout of isotropic tables needs isotropic surfaces.
     #[must_use]
     pub fn takes(self, brdf: &BrdfModel) -> bool {
         (brdf.follows_reflection() || !self.rules().is_relative())
             && (self.only_ranges().is_none() || !brdf.has_azimuths())
     }
 
-    /// Whether the layout can store a lobe model: those of isotropic tables have matrices of LTCs.
+    /// True if the layout can store a lobe model. Layouts of isotropic tables store LTCs only.
     #[must_use]
     pub fn stores(self, lobe: LobeModel) -> bool {
         lobe.gaussian().is_none() || self.only_ranges().is_none()
     }
 
-    /// Nodes on each axis unless a recipe says otherwise.
+    /// The number of nodes on each axis if the recipe does not set it.
     #[must_use]
     pub fn default_resolution(self) -> PerAxis<u32> {
         self.rules().default_resolution()
     }
 
-    /// The numbers that are chosen for the least error between nodes, where a layout's readers leave nothing else to
-    /// choose: isotropic tables of one domain. `None` where entries are stored as they fit their own lobes.
+    /// The numbers that the fit chooses to minimise the error between nodes. Layouts of isotropic tables have them.
+    /// `None` if entries are stored as fitted.
     #[must_use]
     pub fn free_numbers(self) -> Option<FreeNumbers> {
         self.rules().free_numbers()
     }
 
-    /// The axes of a table of one lobe as shaders read them. Domain: nodes of this layout, as [`Layout::nodes`] has them.
+    /// The axes of a table of one lobe as shaders read them. Domain: nodes of this layout, as [`Layout::nodes`] returns
+    /// them.
     #[must_use]
     pub fn shader_axes(self, axes: &PerAxis<Vec<f64>>) -> ShaderAxes {
         let number = self.shader().number;
@@ -143,8 +147,9 @@ impl Layout {
         ShaderAxes::new(number, self.rules().spacing(), &numbered).of_materials(axes)
     }
 
-    /// Whether nodes are evenly spaced as [`Layout::shader_axes`] takes them to be. Where values themselves are evenly
-    /// spaced, the first alpha and ratio may stand above their place, as on a floor: shaders know where they are. Nodes that a recipe gives one by one need not be.
+    /// True if nodes are evenly spaced, as [`Layout::shader_axes`] assumes. The first alpha and ratio may be above
+    /// their even position, as at a floor, if the axis is spaced evenly by value: shaders know their position. Explicit
+    /// nodes of a recipe need not be even.
     #[must_use]
     pub fn is_even(self, axes: &PerAxis<Vec<f64>>) -> bool {
         let PerAxis { alpha, ratio, theta, phi } = self.rules().spacing();
@@ -155,29 +160,29 @@ impl Layout {
             && of_view.into_iter().all(|(nodes, spacing)| spacing.is_even(nodes, false))
     }
 
-    /// The layout's part of the shader.
+    /// The shader code of the layout.
     #[must_use]
     pub fn shader(self) -> LayoutShader {
         self.rules().shader()
     }
 
-    /// Twin of the layout's part of the shader: where a configuration lies among a table's nodes, for larger roughness,
-    /// ratio and view direction within the table's ranges, `wo` in the first quadrant. Of [materials](Layout::is_of_materials)
-    /// `alpha` is the number of one.
+    /// The shader's position of a configuration among a table's nodes (CPU twin). Domain: larger roughness, ratio and
+    /// view direction within the table's ranges, `wo` in the first quadrant. For [materials](Layout::is_of_materials)
+    /// `alpha` is the index of a material.
     #[must_use]
     pub fn place_in_shader(self, axes: &ShaderAxes, alpha: f32, ratio: f32, wo: Vec3) -> ShaderPlace {
         self.rules().place_in_shader(axes, alpha, ratio, wo)
     }
 
-    /// Twin of the layout's part of the shader: the lobe of stored numbers in 32 bits, for larger roughness, ratio and
-    /// view direction.
+    /// The shader's conversion of stored numbers to a lobe (CPU twin), in f32, for larger roughness, ratio and view
+    /// direction.
     #[must_use]
     pub fn restore_in_shader(self, stored: &ShaderNumbers, alpha: f32, ratio: f32, wo: Vec3) -> ShaderNumbers {
         self.rules().restore_in_shader(stored, alpha, ratio, wo)
     }
 
-    /// The step between neighbouring nodes of each axis, in the variable in which they are evenly spaced, as a part of
-    /// the whole domain: 1 for two nodes at the domain's ends, 0 for a single node.
+    /// The step between neighbouring nodes of each axis, in the variable in which they are evenly spaced. It is
+    /// relative to the whole domain: 1 for two nodes at the domain's ends, 0 for a single node.
     #[must_use]
     pub fn steps(self, range: &PerAxis<[f64; 2]>, resolution: &PerAxis<u32>) -> PerAxis<f64> {
         spacing::steps(&self.rules().spacing(), range, resolution)

@@ -1,8 +1,9 @@
-//! Layout `reflected`, the default: nodes denser where lobes change faster, and `K^-1 M` with the [`Reflection`] `K`.
+//! Layout `reflected`, the default. Nodes are denser where lobes change faster. Entries are `K^-1 M` with the
+//! [`Reflection`] `K`.
 //!
-//! Nodes are uniform in `u`, with alpha = `u^1.6`, ratio = `u^1.3`, theta = `1 - (1 - u)^2` of the way to its ceiling
-//! and phi = `u pi/2`. They reach from one end of the range, or the floor, to the other end. A part of the domain is
-//! divided as the whole domain is.
+//! Nodes are uniform in `u`, with alpha = `u^1.6`, ratio = `u^1.3`, theta = `1 - (1 - u)^2` of the way to its ceiling,
+//! and phi = `u pi/2`. They reach from one end of the range, or from the floor, to the other end. A part of the domain
+//! is divided like the whole domain.
 
 use glam::{Mat3, Vec3};
 
@@ -23,7 +24,7 @@ use crate::{
 pub(super) struct Reflected;
 
 impl LayoutRules for Reflected {
-    /// At most as many entries as the paper's 8^4, spread where they lower the error most.
+    /// Has at most as many entries as the paper's 8^4, on the axes where they reduce the error most.
     fn default_resolution(&self) -> PerAxis<u32> {
         PerAxis { alpha: 10, ratio: 6, theta: 9, phi: 7 }
     }
@@ -86,9 +87,9 @@ impl LayoutRules for Reflected {
 
     fn restore_in_shader(&self, stored: &ShaderNumbers, alpha_x: f32, ratio: f32, wo: Vec3) -> ShaderNumbers {
         let alpha = Vec3::new(alpha_x, (alpha_x * ratio).max(LEAST_ALPHA as f32), 1.0);
-        let seen = alpha * wo;
-        let size = seen.length();
-        let wm = (alpha * (seen / size + Vec3::Z)).normalize();
+        let stretched = alpha * wo;
+        let size = stretched.length();
+        let wm = (alpha * (stretched / size + Vec3::Z)).normalize();
         let d = wo.dot(wm);
         let r = 2.0 * d * wm - wo;
         let column = |s: Vec3| {
@@ -105,8 +106,8 @@ impl LayoutRules for Reflected {
         ShaderNumbers { matrix, amplitude, fresnel: amplitude * (grazing2 * grazing2 * grazing) }
     }
 
-    // The numbers are read off a full run of docs/tradeoff.md, at preset `draft` with one axis changed at a time. Those
-    // of the steps are the added error over the difference of the squared steps.
+    // Measured on a full run of docs/tradeoff.md, at preset `draft` with one axis changed at a time. The number of a
+    // step is the added error divided by the difference of the squared steps.
     fn interpolation(&self) -> Interpolation {
         Interpolation { limit: 0.0463, step: PerAxis { alpha: 0.02, ratio: 0.018, theta: 0.137, phi: 0.01 } }
     }
@@ -123,8 +124,8 @@ impl LayoutRules for Reflected {
 }
 
 impl Reflection {
-    /// The inverse of [`Reflection::terms`]. Domain: an amplitude above zero, which every lobe of a view above the
-    /// horizon has.
+    /// The inverse of [`Reflection::terms`]. Domain: an amplitude above zero. Every lobe of a view above the horizon
+    /// has it.
     fn relative_terms(&self, terms: LobeTerms) -> LobeTerms {
         let grazing = pow(terms.fresnel / terms.amplitude, 0.2);
         LobeTerms { amplitude: terms.amplitude / self.amplitude, fresnel: grazing - self.grazing }

@@ -1,5 +1,5 @@
-//! An approximation of a lobe that is known before anything is fitted. Layout `reflected` stores how the fitted lobe
-//! differs from it.
+//! A first-order approximation of a lobe, known before the fit. Layout `reflected` stores the difference of the fitted
+//! lobe.
 
 use glam::{DMat3, DVec3};
 
@@ -8,30 +8,29 @@ use crate::{
     brdf::{Ggx, LobeTerms},
 };
 
-/// A lobe to first order: the reflection at the middle one of the visible normals, and how the reflected direction
-/// moves with the normal.
+/// A lobe to first order: the reflection at the central visible normal, and the movement of the reflected direction
+/// with the normal.
 ///
-/// In the space where the surface is a hemisphere, normals seen from `wo_std = (ax x, ay y, z) / |..|` lie around the
-/// one halfway between `wo_std` and +z [after Dupuy and Benyoub 2023]. On the surface itself this normal is `wm`. With
-/// `d = wo.wm` it reflects light from `r = 2 d wm - wo`. A normal that tilts along a tangent `t` moves the reflected
-/// direction along
+/// Stretch the surface to a hemisphere. Normals visible from `wo_std = (ax x, ay y, z) / |..|` then lie around the
+/// normal halfway between `wo_std` and +z [after Dupuy and Benyoub 2023]. On the original surface this normal is `wm`.
+/// It reflects light from `r = 2 d wm - wo`, where `d = wo.wm`. A normal that tilts along a tangent `t` moves the
+/// reflected direction along
 ///
 /// ```text
 /// J t = 2 ((wo.t') wm + d t'),    t' = t - (wm.t) wm
 /// ```
 ///
 /// Normals tilt by about `ax`, so the lobe is near the LTC of `K = [ax J x, ax J y, r]`. For a sharp lobe away from the
-/// horizon `K diag(1, ay/ax, 1)` is its LTC. For other lobes the matrix between `K` and that of the LTC is a smooth
-/// function of roughness and view. Both columns have the factor `ax`. With `ay` in the second column, the sideways bend
-/// of a needle would be stored in units of its vanishing width.
+/// horizon the LTC is `K diag(1, ay/ax, 1)`. For other lobes the matrix between `K` and the LTC is a smooth function of
+/// roughness and view. Both columns have the factor `ax`. With `ay` in the second column, the sideways curvature of a
+/// needle would be stored in units of its vanishing width.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reflection {
     /// `K`.
     pub matrix: DMat3,
-    /// `(G2/G1)^2` of `r`: near the amplitude of a sharp lobe, whose tails lose about as much light again as its
-    /// middle.
+    /// `(G2/G1)^2` of `r`, near the amplitude of a sharp lobe. Its tails lose about as much light again as its centre.
     pub amplitude: f64,
-    /// `1 - d`: its fifth power is Schlick's weight of `r`.
+    /// `1 - d`. Its fifth power is Schlick's weight for `r`.
     pub grazing: f64,
 }
 
@@ -57,7 +56,7 @@ impl Reflection {
         }
     }
 
-    /// The reflection of a GGX surface at a place of a table. Lobes of every scattering model are stored relative to
+    /// The reflection of a GGX surface at a point of a table. Lobes of every scattering model are stored relative to
     /// it.
     #[must_use]
     pub fn at(place: &PerAxis<f64>) -> Self {
@@ -91,7 +90,7 @@ mod tests {
     }
 
     proptest! {
-        /// Compares the columns with central differences of the reflection itself.
+        /// Compares the columns with central differences of the reflected direction.
         #[test]
         fn columns_are_derivatives_of_the_reflection(
             alpha_x in 0.01..1.0, ratio in 0.0..1.0, theta in 0.0..1.55, phi in 0.0..FRAC_PI_2,
@@ -121,7 +120,7 @@ mod tests {
         }
     }
 
-    /// The limit of a mirror: `M = [2 ax (v_z x + v_x z), 2 ay (v_z y + v_y z), r]`.
+    /// The limit of a mirror is `M = [2 ax (v_z x + v_x z), 2 ay (v_z y + v_y z), r]`.
     #[test]
     fn a_sharp_lobe_s_matrix_is_that_of_the_limit() {
         let (ggx, wo) = (Ggx { alpha_x: 1e-6, alpha_y: 1e-6 }, view(0.9, 0.6));

@@ -5,34 +5,35 @@ use std::array::from_fn;
 use super::spacing::Spacing;
 use crate::{axes::PerAxis, math::sin_cos};
 
-/// A table's axes as shaders read them: `LtcTable` of `shaders/ltc_table.wgsl`, whose fields say more.
+/// The axes of a table as shaders read them. The struct `LtcTable` of `shaders/ltc_table.wgsl` documents its fields.
 ///
-/// Nodes are evenly spaced in a variable that the layout has, so that a lookup needs no search for them.
+/// Nodes are evenly spaced in a variable of the layout, so a lookup finds them without a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShaderAxes {
-    /// How many nodes each axis has.
+    /// The number of nodes on each axis.
     pub nodes: [u32; 4],
-    /// The layout's number; 1 for a table of isotropic surfaces with one phi; from the layers of the first lobe to those of a
-    /// second one, 0 where there is none.
+    /// The layout's number; 1 for a table of isotropic surfaces with one phi, else 0; the distance in layers from the
+    /// first lobe to the second, 0 for one lobe.
     pub reading: [u32; 4],
     /// The first node of each axis in the variable in which nodes are evenly spaced.
     pub start: [f32; 4],
     /// The step between nodes; 1 for a single node.
     pub step: [f32; 4],
-    /// One over it.
+    /// The reciprocal of the step.
     pub per_step: [f32; 4],
-    /// One over the layers of alpha, which are its nodes for each lobe; one over those of ratio and theta, those of theta, one over those of phi.
+    /// The reciprocal of the number of alphas times lobes; of the number of ratios times thetas; the number of thetas;
+    /// the reciprocal of the number of phis.
     pub texel: [f32; 4],
     /// The first and the last alpha, the first and the last ratio.
     pub roughness: [f32; 4],
-    /// The cosines of the last and of the first theta.
+    /// The cosines of the last and the first theta.
     pub cosines: [f32; 4],
-    /// Cosine and sine of the first phi and of the last.
+    /// Cosine and sine of the first phi, then of the last phi.
     pub azimuths: [f32; 4],
 }
 
 impl ShaderAxes {
-    /// Those of a layout with a number, whose nodes are spaced so. Domain: nodes of this layout.
+    /// The axes of a layout with this number and spacing. Domain: nodes of this layout.
     pub(super) fn new(number: u32, spacing: PerAxis<Spacing>, axes: &PerAxis<Vec<f64>>) -> Self {
         let spaced = [
             (&axes.alpha, spacing.alpha),
@@ -40,7 +41,7 @@ impl ShaderAxes {
             (&axes.theta, spacing.theta),
             (&axes.phi, spacing.phi),
         ];
-        // From the end: the first node may have been moved onto a floor.
+        // Start and step come from the last nodes, because the first node may be moved onto a floor.
         let spaced = spaced.map(|(nodes, spacing)| match nodes[..] {
             [.., before, last] => {
                 let [before, last] = [before, last].map(|node| spacing.invert(node));
@@ -72,14 +73,14 @@ impl ShaderAxes {
         }
     }
 
-    /// The same for a table of two lobes an entry, whose second ones stand after all first ones.
+    /// These axes for a table with two lobes an entry. All second lobes follow all first lobes.
     pub(crate) fn with_second(self) -> Self {
         let [number, turns, ..] = self.reading;
         let [per_layer, x, y, z] = self.texel;
         Self { reading: [number, turns, self.nodes[0], 0], texel: [0.5 * per_layer, x, y, z], ..self }
     }
 
-    /// The same, of a numbered axis of materials, with the extents of their roughnesses in these axes.
+    /// These axes for materials, where alpha is an index. The ranges of roughness come from `axes`.
     pub(super) fn of_materials(self, axes: &PerAxis<Vec<f64>>) -> Self {
         let [number, _, z, w] = self.reading;
         let extent = |nodes: &[f64]| {
@@ -94,7 +95,7 @@ impl ShaderAxes {
         }
     }
 
-    /// The words of the uniform, in its order.
+    /// The words of the uniform buffer, in order.
     #[must_use]
     pub fn words(&self) -> [u32; 36] {
         let Self { start, step, per_step, texel, roughness, cosines, azimuths, .. } = *self;
@@ -105,24 +106,24 @@ impl ShaderAxes {
         all
     }
 
-    /// The place of variables in which nodes are evenly spaced: twin of `ltc_place`.
+    /// The position of a point, given in the variables of even spacing: twin of `ltc_place`.
     pub(super) fn place(&self, steps: [f32; 4]) -> ShaderPlace {
         let at: [f32; 4] = from_fn(|i| (steps[i] - self.start[i]) * self.per_step[i]);
         let lower = from_fn(|i| at[i].floor().max(0.0).min((self.nodes[i] as f32 - 2.0).max(0.0)));
         ShaderPlace { lower, weight: from_fn(|i| (at[i] - lower[i]).clamp(0.0, 1.0)) }
     }
 
-    /// The places of the nodes below and above in the variable in which nodes are evenly spaced.
+    /// The nodes below and above, in the variables of even spacing.
     pub(super) fn around(&self, lower: [f32; 4]) -> [[f32; 4]; 2] {
         let below: [f32; 4] = from_fn(|i| self.start[i] + lower[i] * self.step[i]);
         [below, from_fn(|i| below[i] + self.step[i])]
     }
 }
 
-/// A place between the nodes `lower` and `lower + 1` of each axis; the latter's weight. Twin of `LtcPlace`.
+/// A position between the nodes `lower` and `lower + 1` of each axis. Twin of `LtcPlace`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShaderPlace {
-    /// Number of the node below.
+    /// Index of the node below.
     pub lower: [f32; 4],
     /// Weight of the node above; 0 beyond the last node.
     pub weight: [f32; 4],

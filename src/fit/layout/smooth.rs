@@ -1,7 +1,7 @@
-//! Nine numbers of an entry that vary smoothly over a table of any layout, and of which any make a lobe.
+//! Nine numbers of an entry that vary smoothly over a table, for all layouts. Any nine numbers give a valid lobe.
 //!
-//! Let `S` be the matrix between a lobe and its [`Reflection`], as layout `reflected` stores it, and
-//! `R` the smallest rotation that takes +z to its third column, of unit length `(x, y, z)`. The distribution is that of
+//! Let `S` be the matrix between a lobe and its [`Reflection`], as layout `reflected` stores it. Let `R` be the
+//! smallest rotation from +z to the third column of `S`, `(x, y, z)`, of unit length. `S` has the same distribution as
 //!
 //! ```text
 //! S = R | a b 0 |        | a b |   | p |
@@ -9,16 +9,18 @@
 //!       | f g 1 |
 //! ```
 //!
-//! The numbers are `p`, `l` and `q`; `x / (1 + z)` and `y / (1 + z)`, the stereographic projection of the third column;
-//! `h f - x a - y b` and `h g - x b - y d` with `h = max(z, 0.05)`, which is the last row of `S` unless its third
-//! column is level; and the two terms that layout `reflected` stores. In layouts that store the lobe itself, the
-//! numbers of the last row are divided by `alpha / (alpha + 0.002)`: between two views their readers blend matrices of
-//! lobes that lie many widths apart, where the last row counts as many times more, so that it has to be the finer the
-//! sharper the surface is. All factors being products, quotients and square roots, a decoder needs no other function.
-//! The determinant is `p^2 q^2` and stays positive whatever becomes of the numbers.
+//! Numbers 1 to 3 are `p`, `l` and `q`. Numbers 4 and 5 are `x / (1 + z)` and `y / (1 + z)`, the stereographic
+//! projection of the third column. Numbers 6 and 7 are `h f - x a - y b` and `h g - x b - y d` with `h = max(z, 0.05)`.
+//! Unless the third column is level, these are the last row of `S`. Numbers 8 and 9 are the two terms as layout
+//! `reflected` stores them.
 //!
-//! A change of any of them by a small part of 1 moves the lobe by about that part of its width, wherever in the table
-//! it lies: therefore one step of rounding is right for all entries.
+//! Layouts that store the lobe itself divide the last row by `alpha / (alpha + 0.002)`. Between two views, their
+//! readers blend matrices of lobes that lie many widths apart. The effect of the last row grows with this distance, so
+//! sharper surfaces need a finer last row. All factors are products, quotients and square roots, so a decoder needs no
+//! other function. The determinant is `p^2 q^2` and stays positive for all numbers.
+//!
+//! A change of any number by a small part of 1 moves the lobe by about this part of its width, everywhere in the table.
+//! Therefore one rounding step suits all entries.
 
 use glam::{DMat3, DVec3};
 
@@ -30,24 +32,24 @@ use crate::{
     math::rotation_from_z,
 };
 
-/// How many numbers an entry has.
+/// The number of smooth numbers of an entry.
 pub(crate) const SMOOTH_NUMBERS: usize = 9;
-/// The least `p` and `q`, so that no determinant vanishes: a lobe narrower than this times its reflection, squared, is
-/// far narrower than any that is fitted.
+/// The smallest `p` and `q`, which keeps determinants positive. No fitted lobe is narrower than its reflection times
+/// the square of this factor.
 const LEAST_ROOT: f64 = 0.004;
-/// The least height of the third column by which the last row is divided.
+/// The smallest height of the third column as a divisor of the last row.
 const LEAST_HEIGHT: f64 = 0.05;
-/// The roughness below which the last row vanishes in layouts that store the lobe itself.
+/// The roughness below which the last row vanishes, in layouts that store the lobe itself.
 const SHARP: f64 = 0.002;
 
 impl Layout {
-    /// The factor on the last row of a lobe at a roughness.
+    /// The factor of the last row of a lobe at a roughness.
     fn row_scale(self, alpha: f64) -> f64 {
         if self.is_relative() { 1.0 } else { alpha / (alpha + SHARP) }
     }
 
-    /// The smooth numbers of an entry that this layout stores at a node. They are not finite where the stored matrix
-    /// has no inverse or the amplitude is zero.
+    /// The smooth numbers of an entry that this layout stores at a node. They are not finite if the stored matrix is
+    /// singular or the amplitude is zero.
     pub(crate) fn to_smooth(self, node: &PerAxis<f64>, stored: &LobeNumbers) -> [f64; SMOOTH_NUMBERS] {
         let place = within_limits(*node);
         let LobeNumbers { matrix, terms } = if self.is_relative() {
@@ -79,7 +81,7 @@ impl Layout {
     }
 
     /// The numbers that this layout stores at a node: the inverse of [`Self::to_smooth`]. Up to rounding, finite
-    /// numbers give a matrix with a positive determinant that has the zeros of the node's mirrors.
+    /// numbers give a matrix with a positive determinant and with the zeros of the node's symmetries.
     pub(crate) fn of_smooth(self, node: &PerAxis<f64>, numbers: &[f64; SMOOTH_NUMBERS]) -> LobeNumbers {
         let place = within_limits(*node);
         let mirrors = Mirrors::of(place.view());
@@ -130,7 +132,7 @@ mod tests {
     }
 
     proptest! {
-        /// Numbers of a lobe give what the layout stores, and that gives the numbers.
+        /// The smooth numbers of a lobe give the stored numbers, and these give the smooth numbers again.
         #[test]
         fn numbers_round_trip(
             mut place in places(), layout in prop::sample::select(Layout::ALL),
@@ -139,12 +141,12 @@ mod tests {
             let (p, l, q, across, along, row_x, row_y, amplitude, fresnel) = numbers;
             let mut numbers = [p, l, q, across, along, row_x, row_y, amplitude, fresnel];
             if layout != Layout::Reflected {
-                // The other layouts bound their numbers where the horizon and the least roughness meet.
+                // The other layouts clamp their numbers near the horizon and the smallest roughness.
                 (place.alpha, place.theta) = (place.alpha.max(0.01), place.theta.min(1.2));
             }
             if layout.only_ranges().is_some() {
                 (place.ratio, place.phi) = (1.0, 0.0);
-                // They store positive diagonals, as lobes have them.
+                // The other layouts store positive diagonals, as lobes have them.
                 numbers[5] *= 0.1 * place.alpha;
             }
             let mirrors = Mirrors::of(within_limits(place).view());

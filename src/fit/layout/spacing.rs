@@ -1,4 +1,4 @@
-//! How nodes are spaced along an axis, and how far they reach.
+//! The spacing of nodes along an axis, and the limits of their range.
 
 use std::f64::consts::{FRAC_PI_2, SQRT_2};
 
@@ -7,33 +7,33 @@ use crate::{
     math::{atan2, pow, sin},
 };
 
-/// The least roughness that is fitted. Below it the lobe is that of a mirror for every light that a scene can hold.
+/// The smallest fitted roughness. Below it a lobe looks like a mirror for all practical lights.
 pub const ALPHA_FLOOR: f64 = 1e-4;
-/// The smallest ratio that is fitted: a needle ten thousand times longer than wide.
+/// The smallest fitted ratio: a needle ten thousand times longer than wide.
 pub const RATIO_FLOOR: f64 = 1e-4;
-/// The most grazing view that is fitted; at the horizon itself no light is reflected [KT et al. 2022, published table].
+/// The most grazing fitted view. At the horizon no light is reflected [KT et al. 2022, published table].
 pub const THETA_CEILING: f64 = 0.9999 * FRAC_PI_2;
 
-/// Steps of evenly spaced nodes differ by less, as a part of a step: nodes of a file are decimals.
+/// The tolerance of even spacing, relative to a step. Nodes of a file are decimals.
 const EVEN: f64 = 1e-6;
 
-/// Where nodes lie, as an ascending function of even steps.
+/// The values of nodes, as an ascending function of even steps.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Spacing {
-    /// The steps themselves.
+    /// `u`.
     Even,
     /// `u^p`.
     Power(f64),
     /// `(1 - (1 - u)^2)` of the way to [`THETA_CEILING`].
     Grazing,
-    /// `u^2`: alpha by perceptual roughness.
+    /// `u^2`, which is alpha as a function of perceptual roughness.
     Squared,
     /// The angle whose `sqrt(1 - cos)` is `u`: `2 asin(u / sqrt 2)`. Domain: `u` in [0, 1].
     Versine,
 }
 
 impl Spacing {
-    /// The value at an even step.
+    /// The value of an even step `u`.
     pub(crate) fn value(self, u: f64) -> f64 {
         match self {
             Self::Even => u,
@@ -44,7 +44,7 @@ impl Spacing {
         }
     }
 
-    /// The even steps at which a value lies.
+    /// The even step `u` of a value.
     pub(crate) fn invert(self, x: f64) -> f64 {
         match self {
             Self::Even => x,
@@ -55,13 +55,13 @@ impl Spacing {
         }
     }
 
-    /// The step between `n` values over a range, in the variable in which they are evenly spaced, as a part of the
-    /// interval from 0 to `whole`.
+    /// The step between `n` values over a range, in the variable of even spacing, relative to the interval from 0 to
+    /// `whole`.
     pub(super) fn step(self, [low, high]: [f64; 2], n: u32, whole: f64) -> f64 {
         (self.invert(high) - self.invert(low)) / self.invert(whole) / f64::from(n.saturating_sub(1).max(1))
     }
 
-    /// Whether nodes are at even steps; the first may stand above its place where `is_first_free`.
+    /// True if nodes are evenly spaced. With `is_first_free`, the first node may be above its even position.
     pub(super) fn is_even(self, nodes: &[f64], is_first_free: bool) -> bool {
         let [.., before, last] = *nodes else { return true };
         let [before, last] = [before, last].map(|node| self.invert(node));
@@ -85,12 +85,12 @@ impl Spacing {
     }
 }
 
-/// The place whose lobe stands at a node: the node, moved into the limits of the fit.
+/// The point whose lobe is stored at a node: the node, clamped to the limits of the fit.
 pub(crate) fn within_limits(node: PerAxis<f64>) -> PerAxis<f64> {
     PerAxis { alpha: node.alpha.max(ALPHA_FLOOR), theta: node.theta.min(THETA_CEILING), ..node }
 }
 
-/// The range of theta that is divided: it ends at the ceiling.
+/// The range of theta, cut at the ceiling.
 pub(super) fn below_ceiling(theta: [f64; 2]) -> [f64; 2] {
     theta.map(|theta| theta.min(THETA_CEILING))
 }

@@ -1,4 +1,4 @@
-//! Lobe models: the distributions that stand for a lobe in a table, one folder each.
+//! Lobe models, one folder each. A lobe model is the distribution that represents a lobe in a table.
 //!
 //! A new model needs a folder and a line in [`LobeModel`].
 
@@ -11,7 +11,7 @@ pub(crate) use rules::{LobeDistribution, LobeModelRules};
 use super::named_list;
 
 named_list! {
-    /// The distribution that stands for a lobe in a table.
+    /// The distribution that represents a lobe in a table.
     pub enum LobeModel: LobeModelRules {
         /// A linearly transformed cosine [Heitz et al. 2016].
         Ltc = "ltc" => ltc::LtcLobeModel,
@@ -23,18 +23,18 @@ named_list! {
 }
 
 impl LobeModel {
-    /// The distribution of the nine numbers of a lookup; `None` where they make none.
+    /// The distribution of the nine numbers of a lookup; `None` if they are invalid.
     pub(crate) fn distribution(self, numbers: &[f64; 9]) -> Option<Box<dyn LobeDistribution>> {
         self.rules().distribution(numbers)
     }
 
-    /// The Gaussian that stands for a lobe; `None` for models that are no Gaussians.
+    /// The kind of Gaussian; `None` for models that are not Gaussians.
     #[must_use]
     pub fn gaussian(self) -> Option<gaussian::Gaussian> {
         self.rules().gaussian()
     }
 
-    /// Whether a recipe that does not name a model means this one.
+    /// True for the model of a recipe that names none.
     #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a field by reference")]
     pub(crate) fn is_default(&self) -> bool {
         *self == Self::ALL[0]

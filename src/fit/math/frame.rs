@@ -4,17 +4,18 @@ use glam::{DMat2, DMat3, DVec2, DVec3};
 
 use super::sin_cos;
 
-/// The unit vector at polar angle `theta` and azimuth `phi`, exactly in a coordinate plane at quarter turns of `phi`.
+/// The unit vector at polar angle `theta` and azimuth `phi`. It lies exactly in a coordinate plane at quarter turns of
+/// `phi`.
 #[must_use]
 pub fn direction(theta: f64, phi: f64) -> DVec3 {
     let ((sin_theta, cos_theta), (sin_phi, cos_phi)) = (sin_cos(theta), sin_cos(phi));
     DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
 }
 
-/// The smallest rotation that takes +z to the unit vector `axis`.
+/// The smallest rotation from +z to the unit vector `axis`.
 ///
-/// With `c = axis.z`: columns `(1 - x^2/(1+c), -xy/(1+c), -x)`, `(-xy/(1+c), 1 - y^2/(1+c), -y)`, `axis`. Where
-/// `axis` has a zero x or y, so has the matrix, exactly. Domain: `axis.z > -1`.
+/// With `c = axis.z`, the columns are `(1 - x^2/(1+c), -xy/(1+c), -x)`, `(-xy/(1+c), 1 - y^2/(1+c), -y)`, `axis`. If x
+/// or y of `axis` is zero, the related elements of the matrix are exactly zero. Domain: `axis.z > -1`.
 #[must_use]
 pub fn rotation_from_z(axis: DVec3) -> DMat3 {
     let DVec3 { x, y, z } = axis;
@@ -22,7 +23,7 @@ pub fn rotation_from_z(axis: DVec3) -> DMat3 {
     DMat3::from_cols(DVec3::new(1.0 - x * x * k, -x * y * k, -x), DVec3::new(-x * y * k, 1.0 - y * y * k, -y), axis)
 }
 
-/// `R_z(angle) M R_z(-angle)`: the matrix of a lobe after surface and view have turned about z together.
+/// `R_z(angle) M R_z(-angle)`: the matrix of a lobe after surface and view turn about z together.
 #[must_use]
 pub fn turned_about_z(m: DMat3, angle: f64) -> DMat3 {
     let (sin, cos) = sin_cos(angle);
@@ -32,7 +33,7 @@ pub fn turned_about_z(m: DMat3, angle: f64) -> DMat3 {
 
 /// The square root of a symmetric positive semi-definite 2 x 2 matrix.
 ///
-/// `sqrt(A) = (A + sqrt(det A) I) / sqrt(tr A + 2 sqrt(det A))` (Cayley-Hamilton). Zero gives zero.
+/// `sqrt(A) = (A + sqrt(det A) I) / sqrt(tr A + 2 sqrt(det A))` (Cayley-Hamilton). Zero for the zero matrix.
 #[must_use]
 pub fn symmetric_sqrt(a: DMat2) -> DMat2 {
     let root_det = a.determinant().max(0.0).sqrt();
@@ -40,13 +41,13 @@ pub fn symmetric_sqrt(a: DMat2) -> DMat2 {
     if scale > 0.0 { (a + DMat2::from_diagonal(DVec2::splat(root_det))) * (1.0 / scale) } else { DMat2::ZERO }
 }
 
-/// The nine numbers of a matrix, row by row.
+/// The nine numbers of a matrix, row-major.
 #[must_use]
 pub fn row_major(m: &DMat3) -> [f64; 9] {
     m.transpose().to_cols_array()
 }
 
-/// The matrix of nine numbers, row by row.
+/// The matrix of nine numbers, row-major.
 #[must_use]
 pub fn from_row_major(numbers: &[f64; 9]) -> DMat3 {
     DMat3::from_cols_array(numbers).transpose()

@@ -1,12 +1,12 @@
-//! Numbers of 16 bits, IEEE 754 binary16.
+//! Half floats, IEEE 754 binary16.
 
-/// The bits of the nearest number of 16 bits, ties to the even one. What is larger than 65,519 is infinite.
+/// The bits of the nearest half float, ties to even. Values above 65,519 become infinite.
 #[must_use]
 pub fn half_bits(x: f32) -> u16 {
     const INFINITE: u32 = 0x7f80_0000;
     const TWO_TO_16: u32 = 0x4780_0000;
     const LEAST_NORMAL: u32 = 0x3880_0000;
-    // Exponents are biased by 127 in 32 bits and by 15 in 16.
+    // Exponents have a bias of 127 in f32 and of 15 in f16.
     const BIAS: u32 = (127 - 15) << 23;
     let magnitude = x.to_bits() & 0x7fff_ffff;
     let bits = if magnitude > INFINITE {
@@ -16,22 +16,22 @@ pub fn half_bits(x: f32) -> u16 {
     } else if magnitude >= LEAST_NORMAL {
         (magnitude - BIAS + 0xfff + ((magnitude >> 13) & 1)) >> 13
     } else {
-        // Steps of 2^-24. The sum has no bits for less than one of them, so that it is rounded.
+        // Subnormal numbers are multiples of 2^-24. The addition rounds, because the sum has no bits below one step.
         let rounded = f32::from_bits(magnitude) * 16_777_216.0 + 8_388_608.0;
         rounded.to_bits() & 0x7f_ffff
     };
     bits as u16 | (x.to_bits() >> 16) as u16 & 0x8000
 }
 
-/// The bits of the nearest number of 16 bits to one of 64, of which the lower half of the mantissa is cut off first. So
-/// numbers just beyond the middle between two count as the middle.
+/// The bits of the nearest half float. The lower half of the mantissa is cut off first, so numbers just beyond a
+/// midpoint count as the midpoint.
 #[must_use]
 pub fn half_bits_f64(x: f64) -> u16 {
     let cut = if x.is_nan() { x } else { f64::from_bits(x.to_bits() & !0xffff_ffff) };
     half_bits(cut as f32)
 }
 
-/// The number of these bits.
+/// The value of a half float.
 #[must_use]
 pub fn from_half_bits(bits: u16) -> f32 {
     let magnitude = u32::from(bits) & 0x7fff;

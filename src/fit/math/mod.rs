@@ -1,7 +1,7 @@
 //! Portable functions, low-discrepancy sequences and frames.
 //!
-//! Invariant: equal input bits give equal output bits on every machine. Only `+ - * / sqrt` of the hardware are
-//! used, which IEEE 754 defines exactly; everything else comes from `libm` in portable code.
+//! Invariant: equal input bits give equal output bits on every machine. The hardware computes only `+ - * / sqrt`,
+//! which IEEE 754 defines exactly. Everything else comes from `libm`, which is portable code.
 
 mod frame;
 mod half;

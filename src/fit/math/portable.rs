@@ -2,14 +2,14 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Angles that stand for a whole number of quarter turns, with their exact sine and cosine.
+/// Angles that count as quarter turns, with their exact sine and cosine.
 const QUARTER_TURNS: [(f64, f64, f64); 5] =
     [(0.0, 0.0, 1.0), (FRAC_PI_2, 1.0, 0.0), (PI, 0.0, -1.0), (3.0 * FRAC_PI_2, -1.0, 0.0), (2.0 * PI, 0.0, 1.0)];
 
 /// Sine and cosine of an angle in radians.
 ///
-/// The f64 nearest to pi/2 stands for pi/2: its cosine is exactly zero here, not 6e-17, and likewise for the other
-/// quarter turns up to a full one. The zeros that symmetry demands of a matrix then hold exactly.
+/// The f64 nearest to pi/2 counts as pi/2: its cosine is exactly zero, not 6e-17. The other quarter turns up to a full
+/// turn are exact too. The zeros that symmetry demands of a matrix are then exact.
 #[must_use]
 pub fn sin_cos(angle: f64) -> (f64, f64) {
     for (quarter, sin, cos) in QUARTER_TURNS {
@@ -74,7 +74,7 @@ mod tests {
         assert_eq!(sin_cos(2.0 * PI), (0.0, 1.0));
     }
 
-    /// Compares bits, without a tolerance: a change of `libm` that moves a last bit changes tables.
+    /// Compares bits, without a tolerance. If `libm` changes a last bit, tables change.
     #[test]
     fn bits_are_pinned() {
         assert_eq!(sin(1.0).to_bits(), 0x3fea_ed54_8f09_0cee);

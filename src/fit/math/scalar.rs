@@ -1,6 +1,7 @@
-//! The number types of light integrals: f64, and f32 as the shaders compute.
+//! The number types of light integrals: f64 for the library, f32 as in the shaders.
 //!
-//! A light integral is written once for both. In f64 it is the library's, in f32 it is the shader's twin.
+//! A light integral is written once for both types. The f64 version belongs to the library, the f32 version is the
+//! shader's CPU twin.
 
 use std::{
     fmt::Debug,
@@ -24,17 +25,17 @@ pub trait Scalar:
     const ZERO: Self;
     /// One.
     const ONE: Self;
-    /// One turn.
+    /// 2 pi, a full turn in radians.
     const TAU: Self;
-    /// The shortest length of a vector that has a direction.
+    /// The smallest length at which a vector has a direction.
     const SHORTEST: Self;
-    /// Directions that are this near to each other, squared, are one up to rounding.
+    /// Two directions are equal up to rounding if their squared distance is below this.
     const SAME2: Self;
-    /// Steps of Newton's method that make three digits as many as the type has.
+    /// The number of Newton steps from three digits to the precision of the type.
     const NEWTON_STEPS: u32;
-    /// The rounding error of numbers of about one after some operations.
+    /// The rounding error of numbers near one after a few operations.
     const UNCERTAINTY: Self;
-    /// The nearest number of this type.
+    /// The nearest value of this type.
     #[must_use]
     fn of(x: f64) -> Self;
     /// The square root.
@@ -43,7 +44,7 @@ pub trait Scalar:
     /// The natural logarithm. Domain: `self > 0`, normal.
     #[must_use]
     fn ln(self) -> Self;
-    /// e to the power of the number; zero far below.
+    /// e to the power of the number; zero for very negative numbers.
     #[must_use]
     fn exp(self) -> Self;
     /// The angle of `(x, y)` from +x, in [0, pi]. Domain: `y >= 0`.
@@ -56,17 +57,17 @@ pub trait Scalar:
         let upper = Self::atan2_upper(y.abs(), x);
         if y < Self::ZERO { -upper } else { upper }
     }
-    /// The number without its sign.
+    /// The absolute value.
     #[must_use]
     fn abs(self) -> Self {
         if self < Self::ZERO { -self } else { self }
     }
-    /// The larger of two numbers; `other` where `self` is NaN.
+    /// The larger of two numbers; `other` if `self` is NaN.
     #[must_use]
     fn max(self, other: Self) -> Self {
         if self > other { self } else { other }
     }
-    /// The smaller of two numbers; `other` where `self` is NaN.
+    /// The smaller of two numbers; `other` if `self` is NaN.
     #[must_use]
     fn min(self, other: Self) -> Self {
         if self < other { self } else { other }

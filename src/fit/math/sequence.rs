@@ -6,17 +6,16 @@ use glam::DVec3;
 
 use super::sin_cos;
 
-/// 1 / golden ratio: the most irrational step on a circle.
+/// 1 / golden ratio. Multiples of this step cover a circle most evenly.
 const GOLDEN_STEP: f64 = 0.618_033_988_749_894_9;
 
-/// A lattice of points spread evenly over the unit square, which repeats without a seam when either side is joined to
-/// its opposite.
+/// A lattice of points that covers the unit square evenly. It also covers the torus evenly, with opposite sides joined.
 ///
-/// Point `i` of `n` is `((i + 1/2) / n + shift_0 mod 1, ((g i mod n) + 1/2) / n + shift_1 mod 1)`: both numbers are
-/// stratified exactly. `g` has no common factor with `n` and is near `n` over the golden ratio. Of such numbers it is
-/// the one for which the continued fraction of `g / n` has the smallest sum of quotients, which bounds the discrepancy
-/// [Niederreiter 1992, theorem 5.17]. For a Fibonacci number `n`, `g` is the Fibonacci number before it, and the
-/// lattice is Fibonacci's.
+/// Point `i` of `n` is `((i + 1/2) / n + shift_0 mod 1, ((g i mod n) + 1/2) / n + shift_1 mod 1)`. Both numbers are
+/// stratified exactly. The generator `g` has no common factor with `n` and is near `n` divided by the golden ratio.
+/// Among these numbers, the continued fraction of `g / n` has the smallest sum of quotients, which bounds the
+/// discrepancy [Niederreiter 1992, theorem 5.17]. If `n` is a Fibonacci number, `g` is the Fibonacci number before it,
+/// and the lattice is the Fibonacci lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lattice {
     count: usize,
@@ -25,7 +24,7 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// Candidates for the generator on each side of `n` over the golden ratio.
+    /// Candidates for the generator on each side of `n` divided by the golden ratio.
     const SEARCH: usize = 32;
 
     /// `count` points, shifted cyclically. Domain: `1 <= count < 2^32`, shifts in [0, 1).
@@ -44,14 +43,14 @@ impl Lattice {
         self.count
     }
 
-    /// The points, in the order of their first number before the shift.
+    /// The points, ordered by their first coordinate before the shift.
     pub fn points(self) -> impl Iterator<Item = [f64; 2]> {
         let at = move |i: usize, shift: f64| fract((i as f64 + 0.5) / self.count as f64 + shift);
         (0..self.count).map(move |i| [at(i, self.shift[0]), at(i * self.generator % self.count, self.shift[1])])
     }
 }
 
-/// Sum of the quotients of the continued fraction of `g / n`; `None` where the two have a common factor.
+/// The sum of the quotients of the continued fraction of `g / n`; `None` if the two have a common factor.
 fn quotient_sum(g: usize, n: usize) -> Option<usize> {
     let (mut larger, mut smaller, mut sum) = (n, g, 0);
     while smaller > 0 {
@@ -66,7 +65,7 @@ fn quotient_sum(g: usize, n: usize) -> Option<usize> {
 const RECURRENCE4_STEPS: [f64; 4] =
     [0.856_674_883_854_502_9, 0.733_891_856_627_126_2, 0.628_706_721_037_808_6, 0.538_597_257_223_61];
 
-/// Point `i` of an endless sequence that fills the unit hypercube evenly from its first points on, shifted cyclically.
+/// Point `i` of an infinite sequence, shifted cyclically. Its first points already cover the unit hypercube evenly.
 ///
 /// Domain: shifts in [0, 1).
 #[must_use]
@@ -74,11 +73,11 @@ pub fn recurrence4(i: usize, shift: [f64; 4]) -> [f64; 4] {
     std::array::from_fn(|k| fract((i as f64 + 0.5) * RECURRENCE4_STEPS[k] + shift[k]))
 }
 
-/// A point of the unit square, with the sine and cosine of its first number as a part of a turn: what samplers take of
-/// it for every lobe anew.
+/// A point of the unit square with the sine and cosine of its first coordinate, taken as a part of a turn. Samplers use
+/// them for every lobe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SquarePoint {
-    /// The point, both numbers in [0, 1).
+    /// The point, both coordinates in [0, 1).
     pub u: [f64; 2],
     /// `sin(2 pi u_0)`.
     pub sin: f64,
@@ -103,7 +102,7 @@ pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
     DVec3::new(radius * cos, radius * sin, (1.0 - u[0]).max(0.0).sqrt())
 }
 
-/// A direction with density `cos(theta) / pi` from a point of the unit square, by the concentric map of the square onto
+/// A direction with density `cos(theta) / pi` from a point of the unit square, by the concentric map from the square to
 /// the disk below the hemisphere [Shirley and Chiu 1997].
 #[must_use]
 pub fn concentric_cosine([u, v]: [f64; 2]) -> DVec3 {
@@ -119,10 +118,10 @@ pub fn concentric_cosine([u, v]: [f64; 2]) -> DVec3 {
     DVec3::new(radius * cos, radius * sin, (1.0 - radius * radius).max(0.0).sqrt())
 }
 
-/// Direction `i` of `n` spread evenly over the upper hemisphere on a Fibonacci spiral turned by `shift` turns.
+/// Direction `i` of `n` on a Fibonacci spiral that covers the upper hemisphere evenly, turned by `shift` turns.
 ///
-/// Each direction stands for itself and its opposite: a distance measured along an axis does not depend on the axis's
-/// sign.
+/// Each direction represents its opposite too, because a distance along an axis does not depend on the sign of the
+/// axis.
 #[must_use]
 pub fn fibonacci_hemisphere(i: usize, n: usize, shift: f64) -> DVec3 {
     let z = (i as f64 + 0.5) / n as f64;
@@ -140,7 +139,7 @@ fn fract(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Each strip and each square holds about its share of the 144 points.
+    /// Each strip and each square contains about its share of the 144 points.
     #[test]
     fn the_lattice_is_even_in_strips_and_in_squares() {
         let n = 144;
@@ -177,7 +176,7 @@ mod tests {
         }
     }
 
-    /// Four dimensions: each half of each axis, and each quadrant of each pair of axes, holds its share.
+    /// In four dimensions, each half of each axis and each quadrant of each pair of axes contains its share.
     #[test]
     fn the_recurrence_fills_its_hypercube_evenly() {
         let n = 256;
@@ -210,7 +209,7 @@ mod tests {
         }
     }
 
-    /// The mean of `d d^T` over directions spread evenly over the hemisphere is a third of the identity.
+    /// The mean of `d d^T` over evenly spaced directions of the hemisphere is a third of the identity.
     #[test]
     fn directions_weigh_all_axes_alike() {
         let n = 256;

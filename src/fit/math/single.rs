@@ -1,11 +1,11 @@
-//! Angles in f32 by plain arithmetic, as a shader computes them, with the same bits on any processor.
+//! Angles in f32 by plain arithmetic, as in the shaders. Every processor computes the same bits.
 //!
-//! Graphics drivers may be off by thousands of ulps in `atan2`, and in `sin` by 2^-11. The shaders contain these
-//! polynomials instead; this is their copy for the CPU. Coefficients: Cephes, `atanf`, `sinf` and `cosf`.
+//! Graphics drivers can have errors of thousands of ulps in `atan2`, and of 2^-11 in `sin`. The shaders contain these
+//! polynomials instead, and this is their CPU copy. Coefficients: Cephes, `atanf`, `sinf` and `cosf`.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
-/// tan(pi / 8). Beyond it the polynomial is evaluated for the angle's difference from pi/4.
+/// tan(pi / 8). Above it the polynomial is evaluated for the difference from pi/4.
 const TAN_EIGHTH: f32 = 0.414_213_56;
 /// Replaces the length of the zero vector, so that its angle is zero.
 const TINY: f32 = 1e-37;
@@ -24,8 +24,8 @@ pub fn atan2_upper(y: f32, x: f32) -> f32 {
     if x < 0.0 { PI - quarter } else { quarter }
 }
 
-/// The angle of a vector in the first quadrant from +x. Error below 4e-7. Twin of `ltc_quadrant`. Domain: vectors that
-/// are not zero.
+/// The angle from +x of a vector in the first quadrant. Error below 4e-7. Twin of `ltc_quadrant`. Domain: vectors other
+/// than zero.
 #[must_use]
 pub fn quadrant(y: f32, x: f32) -> f32 {
     let t = (y - x) / (y + x);
@@ -50,13 +50,13 @@ pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
     }
 }
 
-/// The natural logarithm, relative error below 3e-7 beside 1 and absolute error below 3e-7 times its size elsewhere.
-/// Domain: `x > 0`, normal.
+/// The natural logarithm. Near 1 the relative error is below 3e-7. Elsewhere the absolute error is below 3e-7 times the
+/// logarithm's size. Domain: `x > 0`, normal.
 ///
 /// `x = m 2^e` with `m` in [sqrt(1/2), sqrt 2): `ln x = e ln 2 + 2 artanh((m - 1) / (m + 1))`, by the series of artanh.
 #[must_use]
 pub(super) fn ln(x: f32) -> f32 {
-    // The bits of sqrt(1/2): what is above them in the exponent's place is e.
+    // Subtracts the bits of sqrt(1/2), so the exponent bits become e.
     let bits = x.to_bits().wrapping_sub(0x3f35_04f3);
     let exponent = bits.cast_signed() >> 23;
     let m = f32::from_bits((bits & 0x007f_ffff).wrapping_add(0x3f35_04f3));
@@ -66,7 +66,7 @@ pub(super) fn ln(x: f32) -> f32 {
     exponent as f32 * std::f32::consts::LN_2 + series
 }
 
-/// e to the power `x`. Shaders have their own, within `3 + 2 |x|` ulps.
+/// e to the power `x`. Shaders use their own `exp`, which is within `3 + 2 |x|` ulps.
 #[must_use]
 pub(super) fn exp(x: f32) -> f32 {
     libm::expf(x)

@@ -1,4 +1,4 @@
-//! Vectors of three numbers of either type.
+//! Vectors of three numbers, for f32 and f64.
 
 use super::Scalar;
 

@@ -1,28 +1,29 @@
-//! Many measurements in a few numbers.
+//! Summarises many measurements in a few numbers.
 
 use serde::Serialize;
 
 use super::figures::Figures;
 
-/// The number of worst configurations that are named.
+/// The number of worst configurations in a report.
 const WORST: usize = 5;
 
-/// How far a table is from the lobes over a set of configurations.
+/// The errors of a table over a set of configurations.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Accuracy {
-    /// Configurations measured.
+    /// The number of measured configurations.
     pub points: usize,
     /// Sliced Wasserstein-1 distance between lobe and LTC, radians of small angles.
     pub sw1: Spread,
-    /// The same as a part of the lobe's own width, the mean absolute deviation of its projections from their median.
+    /// The distance `sw1` relative to the lobe's width. The width is the mean absolute deviation of its projections
+    /// from their median.
     pub width: Spread,
-    /// Mean absolute error, for each configuration, of the part of the lobe's energy in a few square lights.
+    /// Mean absolute error of the part of the lobe's energy in a few square lights, for each configuration.
     pub light: Spread,
-    /// Absolute error of the amplitude; none in a table without terms.
+    /// Absolute error of the amplitude; `None` for a table without terms.
     pub amplitude: Option<TermError>,
-    /// Absolute error of the Fresnel term; none in a table without terms.
+    /// Absolute error of the Fresnel term; `None` for a table without terms.
     pub fresnel: Option<TermError>,
-    /// The worst configurations by `width`, worst first.
+    /// The configurations with the largest `width`, worst first.
     pub worst: Vec<Worst>,
 }
 
@@ -59,15 +60,15 @@ pub struct Worst {
     pub phi: f64,
     /// Sliced Wasserstein-1 distance.
     pub sw1: f64,
-    /// The same as a part of the lobe's width.
+    /// The distance `sw1` relative to the lobe's width.
     pub width: f64,
 }
 
 impl Accuracy {
-    /// Domain: at least one measurement.
+    /// Summarises the figures of all configurations. Domain: at least one measurement.
     pub(super) fn of(figures: &[Figures]) -> Self {
         let mut by_width: Vec<&Figures> = figures.iter().collect();
-        // Stable: equal errors stay in the order in which they were measured.
+        // The sort is stable: equal errors keep the order of measurement.
         by_width.sort_by(|a, b| b.width.total_cmp(&a.width));
         let term = |k: usize| {
             let errors: Option<Vec<f64>> = figures.iter().map(|f| f.terms.map(|terms| terms[k])).collect();
@@ -95,7 +96,7 @@ impl Spread {
     fn of(mut values: Vec<f64>) -> Self {
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         values.sort_by(|a, b| b.total_cmp(a));
-        // The nearest rank from below is ceil(0.95 n); counted from the largest, that leaves floor(0.05 n) above it.
+        // The nearest rank from below is ceil(0.95 n). Counted from the largest, floor(0.05 n) values are above it.
         Self { mean, p95: values[values.len() / 20], max: values[0] }
     }
 }

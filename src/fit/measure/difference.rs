@@ -1,4 +1,4 @@
-//! How far apart the lookups of two tables are.
+//! Compares the lookups of two tables.
 
 use glam::DMat3;
 use serde::Serialize;
@@ -6,43 +6,44 @@ use serde::Serialize;
 use super::places;
 use crate::{Configuration, PerAxis, Table, math::from_row_major};
 
-/// How far apart the lookups of two tables are, over all places that were compared.
+/// The differences between the lookups of two tables, over all compared points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Difference {
-    /// Places that both tables were looked up at.
+    /// The number of points at which both tables were looked up.
     pub places: usize,
-    /// Elements of the matrices, absolute; see [`difference`] for what is compared.
+    /// Absolute difference of the elements of the matrices; [`difference`] says how they are compared.
     pub matrix: Gap,
-    /// Amplitudes, absolute, where both tables have terms.
+    /// Absolute difference of the amplitudes, if both tables have terms.
     pub amplitude: Option<Gap>,
-    /// Fresnel terms, absolute, where both tables have terms.
+    /// Absolute difference of the Fresnel terms, if both tables have terms.
     pub fresnel: Option<Gap>,
 }
 
 /// Differences of one quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Gap {
-    /// Mean over all places.
+    /// Mean over all points.
     pub mean: f64,
-    /// The largest.
+    /// Largest difference.
     pub max: f64,
-    /// Where the largest is: GGX roughness along x.
+    /// The configuration of the largest difference: GGX roughness along x.
     pub alpha_x: f64,
     /// GGX roughness along y.
     pub alpha_y: f64,
     /// Polar angle of the view direction, radians.
     pub theta: f64,
-    /// Its azimuth, radians.
+    /// Azimuth of the view direction, radians.
     pub phi: f64,
 }
 
-/// Looks two tables up at up to `points` nodes of each and at `points` configurations between, within what the axes of
-/// both cover. `None` where they cover nothing in common.
+/// Looks up two tables at up to `points` nodes of each, and at `points` configurations between nodes, in the ranges
+/// that both tables cover. `None` if the tables have no range in common.
 ///
-/// Matrices are compared by the distribution that they stand for: a positive factor does not change it, nor does
-/// turning or mirroring the clamped cosine about its axis. So each matrix is divided by its Frobenius norm, the first
-/// two columns of the second are turned or mirrored to be nearest to the first's (least squares), and the largest
-/// difference of an element counts, which is at most 2. Where both tables have second lobes, the larger difference counts.
+/// Matrices are compared by their distributions. A positive factor does not change the distribution, and neither does a
+/// turn or mirror of the clamped cosine about its axis. So each matrix is divided by its Frobenius norm. The first two
+/// columns of the second matrix are then turned or mirrored to be nearest to the first matrix (least squares). The
+/// result is the largest difference of an element, at most 2. If both tables have second lobes, the larger difference
+/// of the two lobes counts.
 #[must_use]
 pub fn difference(a: &Table, b: &Table, points: usize) -> Option<Difference> {
     let common = common(a, b)?;
@@ -55,7 +56,7 @@ pub fn difference(a: &Table, b: &Table, points: usize) -> Option<Difference> {
         is_in_ranges && of_materials.iter().all(|table| has_material(table, &folded))
     };
     let nodes = [a, b].map(|table| places::nodes(table.layout, &table.axes, points)).into_iter().flatten();
-    // Tables of materials are compared at those alone.
+    // Tables of materials are compared only at their materials.
     let between = if of_materials.is_empty() {
         places::between(&common, points)
     } else {
@@ -79,13 +80,13 @@ pub fn difference(a: &Table, b: &Table, points: usize) -> Option<Difference> {
     Some(Difference { places, matrix: matrix.gap()?, amplitude, fresnel })
 }
 
-/// Whether a place is of one of a table's materials, up to rounding.
+/// True if a point has the roughness of a material of the table, up to rounding.
 fn has_material(table: &Table, place: &PerAxis<f64>) -> bool {
     let is_it = |[alpha, ratio]: [f64; 2]| (alpha - place.alpha).abs() + (ratio - place.ratio).abs() < 1e-9;
     table.materials().any(is_it)
 }
 
-/// The ranges that the axes of both tables cover. One phi that serves every phi is no bound.
+/// The ranges that the axes of both tables cover. A table whose only phi serves every phi does not limit phi.
 fn common(a: &Table, b: &Table) -> Option<PerAxis<Vec<f64>>> {
     let ends = |a: &[f64], b: &[f64]| {
         let [[a_low, a_high], [b_low, b_high]] = [a, b].map(places::extent);
@@ -101,11 +102,11 @@ fn common(a: &Table, b: &Table) -> Option<PerAxis<Vec<f64>>> {
     Some(PerAxis { alpha, ratio, theta: ends(&a.axes.theta, &b.axes.theta)?, phi })
 }
 
-/// The largest difference of an element, once neither factor nor turn tells them apart.
+/// The largest difference of an element, after the best turn or mirror.
 ///
-/// `|A - B Q|` is least for the turn or mirror `Q` of the first two columns that makes the sum of `a_i . (B Q)_i`
-/// greatest. With `g_ij = a_i . b_j` that sum is `c (g00 + g11) + s (g01 - g10)` for a turn by an angle of cosine c and
-/// sine s, and `c (g00 - g11) + s (g01 + g10)` for a mirror.
+/// `|A - B Q|` is least for the turn or mirror `Q` of the first two columns that maximises the sum of `a_i . (B Q)_i`.
+/// With `g_ij = a_i . b_j` this sum is `c (g00 + g11) + s (g01 - g10)` for a turn by an angle of cosine c and sine s,
+/// and `c (g00 - g11) + s (g01 + g10)` for a mirror.
 fn apart(a: &DMat3, b: &DMat3) -> f64 {
     let norm = |m: &DMat3| (0..3).map(|i| m.col(i).length_squared()).sum::<f64>().sqrt();
     let (a, b) = (*a * norm(a).recip(), *b * norm(b).recip());
@@ -121,7 +122,7 @@ fn apart(a: &DMat3, b: &DMat3) -> f64 {
     gap.to_cols_array().into_iter().map(f64::abs).fold(0.0, |most, x| if is_worse(x, most) { x } else { most })
 }
 
-/// Whether a difference is worse than the worst so far. A NaN must not pass for no difference.
+/// True if a difference is worse than the worst so far. NaN is worse than every number.
 fn is_worse(gap: f64, worst: f64) -> bool {
     gap > worst || gap.is_nan()
 }
@@ -189,7 +190,7 @@ mod tests {
         let same = difference(&a, &a, 64).expect("a common range");
         assert!(same.matrix.max < 1e-15 && same.amplitude.is_some_and(|gap| gap.max == 0.0), "{same:?}");
 
-        // A factor, a turn and a mirror change no distribution.
+        // A factor, a turn and a mirror do not change a distribution.
         let turned = |m: &[f32; 9]| {
             let (c, s) = (0.6, 0.8);
             let mut turned = *m;
@@ -203,7 +204,7 @@ mod tests {
         let gap = difference(&a, &b, 64).expect("a common range").matrix;
         assert!(gap.max < 1e-5, "{gap:?}");
 
-        // Another direction does, at that node alone: the one of the roughest surface seen at the horizon.
+        // Another direction changes it, at this node alone: the roughest surface at the horizon.
         let mut b = a.clone();
         let last = b.matrix.len() - 1;
         b.matrix[last][2] += 1.0;

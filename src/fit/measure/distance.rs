@@ -1,10 +1,10 @@
-//! The sliced Wasserstein-1 distance between a lobe and the LTC of any matrix, good or bad.
+//! The sliced Wasserstein-1 distance between a lobe and the LTC of a matrix, near or far.
 //!
 //! `SW1 = mean_d integral |F_d(x) - G_d(x)| dx` over directions `d`, where `F_d` and `G_d` are the cumulative
-//! distributions of lobe and LTC projected on `d` [KT et al. 2022, equation 9]. Both are those of weighted samples, so
-//! they are step functions, and the integral is a sum over the sorted projections: it is exact for the samples.
+//! distributions of lobe and LTC projected on `d` [KT et al. 2022, equation 9]. Both come from weighted samples, so
+//! they are step functions. The integral is a sum over the sorted projections, and exact for the samples.
 //!
-//! Invariant: nothing here comes from the loss that fits minimise, neither code nor samples.
+//! Invariant: this file shares neither code nor samples with the loss that fits minimise.
 
 use glam::DVec3;
 
@@ -19,14 +19,13 @@ use crate::{lobe::LobeDistribution, math::rotation_from_z};
 const LOG2_SAMPLES: u32 = 11;
 /// Digital shift of the points of the LTC's samples.
 const SCRAMBLE: [u32; 2] = [0x1b87_3593, 0x7f4a_7c15];
-/// Directions that both are projected on: `2^5`.
+/// Directions of the projections: `2^5`.
 pub(super) const LOG2_DIRECTIONS: u32 = 5;
 
-/// The farthest that two distributions of directions can be from each other. Numbers that make no distribution count as
-/// that far.
+/// The largest possible distance between two distributions of directions. It is also the distance to invalid numbers.
 pub(super) const FARTHEST: f64 = 2.0;
 
-/// How far a distribution is from the lobe that it stands for.
+/// The distance of a distribution from the lobe that it represents.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LobeDistance {
     /// Sliced Wasserstein-1 distance.
@@ -35,7 +34,7 @@ pub(super) struct LobeDistance {
     pub(super) spread: f64,
 }
 
-/// Buffers that are kept between measurements.
+/// Buffers that measurements reuse.
 #[derive(Debug, Default)]
 pub(super) struct Workspace {
     lobe: Offsets,
@@ -59,20 +58,20 @@ impl Probe {
     pub(super) fn of_directions(log2_directions: u32) -> Self {
         Self {
             points: net(LOG2_SAMPLES, SCRAMBLE).collect(),
-            // A projection on -d mirrors that on d, so half of the sphere stands for all of it.
+            // A projection on -d mirrors the projection on d, so the half sphere suffices.
             directions: net(log2_directions, [0, 0]).map(uniform).collect(),
         }
     }
 
-    /// The distance between `lobe` and the distribution that stands for it; [`FARTHEST`] where there is none.
+    /// The distance between `lobe` and the distribution that represents it; [`FARTHEST`] without a distribution.
     pub(super) fn distance(
         &self,
         lobe: &Lobe,
         model: Option<&dyn LobeDistribution>,
         work: &mut Workspace,
     ) -> LobeDistance {
-        // The directions lie evenly around the lobe. Offsets from its axis, unlike directions, keep the digits of a
-        // sharp lobe in f32.
+        // The directions are evenly spaced around the lobe. Offsets from its axis keep the digits of a sharp lobe in
+        // f32; directions would lose them.
         let frame = rotation_from_z(lobe.axis);
         work.lobe.fill(lobe.directions.iter().map(|w| *w - lobe.axis));
         let samples = model.iter().flat_map(|model| self.points.iter().map(|u| model.sample(*u)));
@@ -94,7 +93,7 @@ impl Probe {
     }
 }
 
-/// Offsets from a lobe's axis, one array a coordinate.
+/// Offsets from a lobe's axis, with one array for each coordinate.
 #[derive(Debug, Default)]
 struct Offsets {
     x: Vec<f32>,
@@ -145,7 +144,7 @@ mod tests {
     }
 
     /// Along the normal the cumulative distributions of cosine and uniform hemisphere are `z^2` and `z`. Along a
-    /// direction in the plane they are that of a semicircle and `(x + 1) / 2`.
+    /// direction in the plane they are the distribution of a semicircle and `(x + 1) / 2`.
     #[test]
     fn cosine_and_uniform_hemisphere_are_as_far_apart_as_their_integrals_say() {
         let hemisphere: Vec<_> = net(12, [3, 9]).map(|u| (uniform(u), 1.0)).collect();
@@ -174,8 +173,8 @@ mod tests {
         }
     }
 
-    /// A sharp LTC is a distribution in a plane. If it is wider by a fifth, each of its quantiles lies a fifth farther
-    /// out. The samples in its tails leave an error of a hundredth or two.
+    /// A sharp LTC is a distribution in a plane. If it is wider by a fifth, each of its quantiles is a fifth farther
+    /// out. The samples in its tails cause an error of one or two hundredths.
     #[test]
     fn a_highlight_that_is_too_wide_by_a_part_is_that_part_of_its_width_away() {
         let lobe = lobes::planted(DMat3::from_diagonal(DVec3::new(1e-2, 0.5e-2, 1.0)));
@@ -194,8 +193,8 @@ mod tests {
         assert_eq!(found, LobeDistance { sw1: FARTHEST, ..distance(&target, &lobe(0.1)) });
     }
 
-    /// Equation 10 of KT et al. 2022: sorted projections, compared quantile by quantile. It is exact where all samples
-    /// of a side have the same weight. Also the mean deviation from the median.
+    /// Equation 10 of KT et al. 2022: sorted projections, compared quantile by quantile. It is exact if all samples of
+    /// a distribution have the same weight. Also returns the mean deviation from the median.
     fn by_quantiles(probe: &Probe, lobe: &Lobe, m: &DMat3) -> LobeDistance {
         const QUANTILES: usize = 1 << 12;
         let quantiles = |mut samples: Vec<(f64, f64)>| -> Vec<f64> {
@@ -226,7 +225,8 @@ mod tests {
         LobeDistance { sw1: sw1 / count, spread: spread / count }
     }
 
-    /// Near misses, a lobe thousands of its widths away, one much too wide, one turned inside out.
+    /// Tests matrices close to the lobe, a lobe thousands of its widths away, a lobe much too wide, and a mirrored
+    /// lobe.
     #[test]
     fn equals_the_distance_by_quantiles_for_good_and_bad_matrices() {
         let probe = Probe { directions: Probe::new().directions.into_iter().step_by(4).collect(), ..Probe::new() };
@@ -245,8 +245,8 @@ mod tests {
         }
     }
 
-    /// The distance that is left comes from sampling. The tails of a sharp lobe fall with the square of the distance,
-    /// so the few samples in the tails carry a part of the mean that grows and shrinks with their number.
+    /// The remaining distance is sampling error. The tails of a sharp lobe fall with the square of the distance, so the
+    /// few samples in the tails contribute a part of the mean that varies with their number.
     #[test]
     fn the_lobe_s_own_matrix_is_nearest() {
         for (scale, left) in [(1.0, 0.01), (1e-4, 0.08)] {

@@ -1,4 +1,4 @@
-//! The answers of a table at the corners of its domain, where lobes degenerate and renderers divide by zero.
+//! Measures a table at the corners of its domain, where lobes degenerate and renderers divide by zero.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -16,49 +16,49 @@ use crate::{
     math::{concentric_cosine, direction, from_row_major, row_major},
 };
 
-/// Roughness along the rougher axis: a mirror, values below and around the floor, and the roughest surface.
+/// Larger roughness: a mirror, values below and around the floor, and the roughest surface.
 const ALPHAS: [f64; 6] = [0.0, 1e-8, 1e-5, 1e-4, 1e-3, 1.0];
-/// Smaller over larger roughness: a line, needles, isotropic.
+/// Smaller divided by larger roughness: a line, needles, isotropic.
 const RATIOS: [f64; 4] = [0.0, 1e-6, 1e-3, 1.0];
-/// Polar angles of the view: from above, and down to the horizon.
+/// Polar angles of the view, from the normal to the horizon.
 const THETAS: [f64; 5] = [0.0, 1e-9, FRAC_PI_2 - 1e-3, FRAC_PI_2 - 1e-9, FRAC_PI_2];
-/// Where a lookup mirrors or swaps, and where it does not.
+/// Azimuths at which a lookup mirrors or swaps axes. [`BETWEEN`] has azimuths without a fold.
 const FOLDS: [f64; 5] = [0.0, FRAC_PI_2, PI, 1.5 * PI, 2.0 * PI];
 const BETWEEN: [f64; 2] = [0.4, 2.5];
-/// Units in the last place around a fold that are looked up as well.
+/// Lookups also at these distances from a fold, in units in the last place.
 const ULPS: std::ops::RangeInclusive<i64> = -2..=2;
-/// A step of a configuration, radians: across a fold it may move a lobe no farther than beside it.
+/// A step of a configuration, radians. Across a fold it must not move a lobe farther than next to the fold.
 const STEP: f64 = 1e-6;
-/// Samples on which two LTCs are compared, each with the same sample of the other: `2^8`.
+/// Samples for the comparison of two LTCs: `2^8`. Both use the same samples.
 const LOG2_SAMPLES: u32 = 8;
-/// The sharpest lobe that can be sampled. A sharper one differs from it by less than the precision of the distance.
+/// The sharpest lobe that can be sampled. Sharper lobes differ from it by less than the precision of the distance.
 const SHARPEST: f64 = 1e-8;
 
-/// The answers of a table at one corner, over all azimuths of the view on and around the folds.
+/// The results of a table at one corner, over all azimuths of the view on and around the folds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Corner {
     /// Larger roughness.
     pub alpha: f64,
-    /// Smaller over larger roughness.
+    /// Smaller divided by larger roughness.
     pub ratio: f64,
     /// Polar angle of the view, radians.
     pub theta: f64,
-    /// Lookups.
+    /// The number of lookups.
     pub lookups: usize,
-    /// Lookups whose matrix is not finite or has no positive determinant.
+    /// Lookups whose matrix is not finite or whose determinant is not positive.
     pub broken: usize,
-    /// Largest sliced Wasserstein-1 distance to the lobe of this very configuration, not of the floor's.
+    /// Largest sliced Wasserstein-1 distance to the lobe of the exact configuration, without the floor.
     pub sw1: f64,
-    /// How much farther a step of 1e-6 moves the LTC across a fold than the same step beside the fold, at most, in
-    /// widths of the LTC.
+    /// The jump at a fold, in widths of the LTC: the largest excess by which a step of 1e-6 across a fold moves the LTC
+    /// farther than the same step next to the fold.
     pub jump: f64,
     /// Largest distance by which inverting a matrix in f32 moves its LTC, radians.
     pub inversion: f64,
-    /// The same in widths of the LTC.
+    /// The distance `inversion` in widths of the LTC.
     pub inversion_width: f64,
 }
 
-/// The answers of a table at every corner. Runs on the current rayon pool; its size changes nothing.
+/// Measures a table at every corner. Runs on the current rayon pool. Its size does not change the result.
 #[must_use]
 pub fn extremes(table: &Table) -> Vec<Corner> {
     let probe = Probe::new();
@@ -118,7 +118,7 @@ fn corner(
         corner.jump = corner.jump.max(jump(&walk, cosines));
     }
     if ratio == 1.0 {
-        // Across equal roughness, where the axes swap.
+        // This walk crosses equal roughness, where the axes swap.
         let walk = [-1.5, -0.5, 0.5, 1.5].map(|steps: f64| {
             let by = steps * STEP;
             let (x, y) = (alpha * (1.0 + by.min(0.0)), alpha * (1.0 - by.max(0.0)));
@@ -129,12 +129,12 @@ fn corner(
     corner
 }
 
-/// The configuration whose surface is turned by a quarter turn. Its lobe is the same lobe, turned.
+/// The configuration of the surface turned by a right angle. Its lobe is the same lobe, turned.
 fn swapped(c: Configuration) -> Configuration {
     Configuration { alpha_x: c.alpha_y, alpha_y: c.alpha_x, phi: c.phi + FRAC_PI_2, ..c }
 }
 
-/// The number `ulps` steps after `x`. At zero, steps back are negative numbers.
+/// The number `ulps` steps after `x`. Steps back from zero give negative numbers.
 fn next(x: f64, ulps: i64) -> f64 {
     if x == 0.0 {
         return f64::from_bits(ulps.unsigned_abs()) * if ulps < 0 { -1.0 } else { 1.0 };
@@ -142,8 +142,8 @@ fn next(x: f64, ulps: i64) -> f64 {
     f64::from_bits(x.to_bits().saturating_add_signed(ulps))
 }
 
-/// Distance between an LTC and the lobe it stands for. At the horizon itself no light is reflected, so the lobe at the
-/// ceiling takes its place.
+/// Distance between an LTC and the lobe that it represents. At the horizon no light is reflected, so the lobe at the
+/// ceiling is used there.
 fn error(table: &Table, at: &Configuration, m: &DMat3, probe: &Probe, work: &mut Workspace) -> f64 {
     let wo = direction(at.theta.min(THETA_CEILING), at.phi);
     let surface = table.brdf.lobe_surface([at.alpha_x.max(SHARPEST), at.alpha_y.max(SHARPEST)], wo);
@@ -152,21 +152,21 @@ fn error(table: &Table, at: &Configuration, m: &DMat3, probe: &Probe, work: &mut
     probe.distance(&lobe, model.as_deref(), work).sw1
 }
 
-/// How much farther the middle one of three steps goes than the farther one of its neighbours, in widths.
+/// The excess of the middle step over the longer of its neighbours, in widths.
 fn jump(walk: &[DMat3; 4], cosines: &[DVec3]) -> f64 {
     let [before, across, after] = [0, 1, 2].map(|k| distance(&walk[k], &walk[k + 1], cosines));
     (across - before.max(after)).max(0.0) / width(&walk[1], cosines)
 }
 
-/// Mean distance between the directions that two matrices make of the same samples: an upper bound of the Wasserstein
-/// distance between their LTCs. [`FARTHEST`] for a matrix that makes no directions.
+/// Mean distance between the directions of two matrices for the same samples. It is an upper bound of the Wasserstein
+/// distance between their LTCs. [`FARTHEST`] for a matrix without directions.
 fn distance(a: &DMat3, b: &DMat3, cosines: &[DVec3]) -> f64 {
     let sum: f64 = cosines.iter().map(|c| ((*a * *c).normalize() - (*b * *c).normalize()).length()).sum();
     let mean = sum / cosines.len() as f64;
     if mean.is_finite() { mean } else { FARTHEST }
 }
 
-/// Mean distance of an LTC's directions from their mean: a positive number.
+/// Mean distance of an LTC's directions from their mean; a positive number.
 fn width(m: &DMat3, cosines: &[DVec3]) -> f64 {
     let directions = || cosines.iter().map(|c| (*m * *c).normalize());
     let mean = directions().sum::<DVec3>() / cosines.len() as f64;
@@ -174,7 +174,7 @@ fn width(m: &DMat3, cosines: &[DVec3]) -> f64 {
     width.max(f64::MIN_POSITIVE)
 }
 
-/// The matrix whose inverse is the one that a shader computes: from the nearest f32 matrix, by cofactors, in f32.
+/// The matrix after an inversion in a shader: rounded to f32, inverted in f32 by cofactors, and inverted back.
 fn inverted_in_f32(m: &DMat3) -> DMat3 {
     let inverse: Mat3 = m.as_mat3().inverse();
     inverse.as_dmat3().inverse()
@@ -203,7 +203,7 @@ mod tests {
         let good = extremes(&table([0.1, 0.0, 0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 1.0]));
         assert_eq!(good.len(), ALPHAS.len() * RATIOS.len() * THETAS.len());
         assert!(good.iter().all(|c| c.broken == 0 && c.inversion < 1e-6), "{good:?}");
-        // A lobe that leans along x: a fold at phi = pi/2 throws it to the other side.
+        // A lobe that leans along x. A fold at phi = pi/2 moves it to the other side.
         let leaning = extremes(&table([0.1, 0.0, 0.5, 0.0, 0.1, 0.0, 0.0, 0.0, 1.0]));
         assert!(leaning.iter().all(|c| c.broken == 0 && c.jump > 1.0), "{leaning:?}");
         let turned_over = extremes(&table([0.1, 0.0, 0.0, 0.0, -0.1, 0.0, 0.0, 0.0, 1.0]));

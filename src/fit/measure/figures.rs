@@ -1,4 +1,4 @@
-//! The errors of a table at a configuration, compared with the lobe that it stands for.
+//! The errors of a table at a configuration, relative to the exact lobe.
 
 use rayon::prelude::*;
 
@@ -12,26 +12,26 @@ use crate::{
     math::direction,
 };
 
-/// Asked whether a measurement is to go on. Several threads ask.
+/// Returns true if a measurement should continue. Several threads call it.
 pub type GoOn<'a> = dyn Fn() -> bool + Sync + 'a;
 
-/// The figures of one configuration.
+/// The errors of one configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
     /// The configuration.
     pub at: Configuration,
-    /// Sliced Wasserstein-1 distance between the lobe and the distribution that stands for it.
+    /// Sliced Wasserstein-1 distance between the lobe and the distribution that represents it.
     pub sw1: f64,
-    /// The same as a part of the lobe's width.
+    /// The distance `sw1` relative to the lobe's width.
     pub width: f64,
     /// Mean absolute error of the energy in a few square lights.
     pub light: f64,
-    /// Absolute errors of amplitude and Fresnel term, where they are known.
+    /// Absolute errors of amplitude and Fresnel term, if they are known.
     pub terms: Option<[f64; 2]>,
 }
 
-/// The figures of numbers that stand for lobes, whether they come from a table or not, in order. Runs on the current
-/// rayon pool; its size changes nothing.
+/// The errors of numbers that represent lobes, in order. The numbers need not come from a table. Runs on the current
+/// rayon pool. Its size does not change the result.
 #[must_use]
 pub fn figures_of(brdf: &BrdfModel, lobe: LobeModel, found: &[(Configuration, LookedUp)]) -> Vec<Figures> {
     let probe = Probe::new();
@@ -40,19 +40,19 @@ pub fn figures_of(brdf: &BrdfModel, lobe: LobeModel, found: &[(Configuration, Lo
     found.par_iter().with_max_len(4).map_init(Workspace::default, measure).collect()
 }
 
-/// The figures at each place, in order.
+/// The errors at each configuration, in order.
 pub(super) fn all(table: &Table, places: &[Configuration]) -> Vec<Figures> {
     let probe = Probe::new();
     let measure = |work: &mut Workspace, at: &Configuration| one(table, at, &probe, work);
     places.par_iter().with_max_len(4).map_init(Workspace::default, measure).collect()
 }
 
-/// The figures at each place, in order; `None` when `go_on`, which is asked before each place, says no.
+/// The errors at each configuration, in order; `None` if `go_on`, called before each configuration, returns false.
 pub(super) fn all_while(go_on: &GoOn, table: &Table, places: &[Configuration]) -> Option<Vec<Figures>> {
     found_while(go_on, &table.brdf, table.lobe, places, |at| table.lookup(at))
 }
 
-/// The same of numbers that are found at each place.
+/// Like [`all_while`], for numbers that a function returns for each configuration.
 pub(super) fn found_while(
     go_on: &GoOn,
     brdf: &BrdfModel,
@@ -88,7 +88,7 @@ fn of_numbers(
     let terms = found.amplitude.zip(found.fresnel);
     let above = model.map_or(1.0, LobeDistribution::above_horizon);
     let terms = terms.map(|(amplitude, fresnel)| (above * amplitude, above * fresnel));
-    // They are for a Fresnel factor of one, whatever the lobe's.
+    // The terms are for a Fresnel factor of one, also if the lobe has another factor.
     let plain = (!brdf.fresnel().is_one() && terms.is_some()).then(|| Lobe::sample(&*brdf.surface(roughness), wo));
     let of_one = plain.as_ref().unwrap_or(&lobe);
     let terms =

@@ -1,47 +1,47 @@
-//! Nodes that a recipe asks for beyond the limits of the fit, which lie on the limit instead.
+//! Nodes that a recipe requests beyond the limits of the fit. They are moved onto the limit.
 
 use serde::Serialize;
 
 use crate::{ALPHA_FLOOR, LEAST_ALPHA, Layout, PerAxis, RATIO_FLOOR, THETA_CEILING};
 
-/// The limits of a table's axes and the nodes that they moved.
+/// The limits of a table's axes, with the number of moved nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Floors {
     /// [`ALPHA_FLOOR`].
     pub alpha: Moved,
     /// [`RATIO_FLOOR`].
     pub ratio: Moved,
-    /// [`LEAST_ALPHA`]: pairs of an alpha and a ratio node whose product is below it; their lobe is that of the limit.
+    /// [`LEAST_ALPHA`]: pairs of nodes of alpha and ratio whose product is below it. They have the lobe of the limit.
     pub alpha_y: Moved,
     /// [`THETA_CEILING`], radians.
     pub theta: Moved,
 }
 
-/// The nodes and entries that a floor moved.
+/// The nodes and entries that a limit moved.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Moved {
-    /// The floor's value.
+    /// The value of the limit.
     pub floor: f64,
-    /// Nodes of the axis that lie on it and were asked for beyond it.
+    /// Nodes of the axis that were requested beyond the limit.
     pub nodes: usize,
     /// Entries at these nodes.
     pub entries: usize,
 }
 
 impl Floors {
-    /// The floors of a table with these axes, of a recipe that asked for `range`. Each material counts as a node of alpha
-    /// and of ratio.
+    /// The limits of a table with these axes, whose recipe requested `range`. Each material counts as a node of alpha
+    /// and as a node of ratio.
     pub(super) fn of(layout: Layout, axes: &PerAxis<Vec<f64>>, range: &PerAxis<[f64; 2]>) -> Self {
         let PerAxis { alpha, ratio, theta, phi } = layout.lengths(axes);
         let is_of_materials = layout.is_of_materials();
         let moved =
             |floor: f64, nodes: usize, entries_each: usize| Moved { floor, nodes, entries: nodes * entries_each };
-        // A range that reaches past the limit has its last node on it, or past it where a layout's readers need it
-        // there.
+        // If a range reaches past the limit, its last node is on the limit. It can also be past the limit, if the
+        // readers of the layout need it there.
         let at_limit = |nodes: &[f64], is_at: &dyn Fn(f64) -> bool, reaches_past: bool| {
             if reaches_past { nodes.iter().filter(|node| is_at(**node)).count() } else { 0 }
         };
-        // Along theta and phi, the first entries of each surface are its node.
+        // The first entry along theta and phi has the node of its surface.
         let surfaces = (0..alpha * ratio).map(|surface| layout.node(axes, surface * theta * phi));
         let pairs = surfaces.map(|node| node.alpha * node.ratio);
         Self {
@@ -84,11 +84,11 @@ mod tests {
         let counts = |moved: Moved| (moved.nodes, moved.entries);
         assert_eq!(counts(found.alpha), (1, 40));
         assert_eq!(counts(found.ratio), (1, 60));
-        // Only 1e-4 times 1e-4 is below 1e-5.
+        // Only the product of 1e-4 and 1e-4 is below 1e-5.
         assert_eq!(counts(found.alpha_y), (1, 20));
         assert_eq!(counts(found.theta), (1, 30));
 
-        // Nodes that were asked for exactly on the limits have not moved.
+        // Nodes requested exactly on the limits are not moved.
         let exact = PerAxis {
             alpha: [ALPHA_FLOOR, 1.0],
             ratio: [RATIO_FLOOR, 1.0],

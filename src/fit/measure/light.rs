@@ -1,4 +1,4 @@
-//! The energy of a lobe, and of the distribution that stands for it, in square lights.
+//! The energy in square lights, of a lobe and of the distribution that represents it.
 
 use std::f64::consts::PI;
 
@@ -10,15 +10,15 @@ use crate::{
     math::{rotation_from_z, sin_cos},
 };
 
-/// Lights that a lobe is measured with: `2^3`.
+/// The number of lights for each lobe: `2^3`.
 const LOG2_LIGHTS: u32 = 3;
-/// Least and most half-width of a light, radians: from a lamp across a room to a window beside the surface.
+/// Smallest and largest half-width of a light, radians: from a lamp across a room to a window next to the surface.
 const HALF_WIDTH: [f64; 2] = [0.05, 0.45];
-/// The centre of a light is at least this high above the horizon.
+/// The smallest height of a light's centre above the horizon.
 const LEAST_HEIGHT: f64 = 0.05;
 
-/// A square light as seen from the surface: the directions `v` with `|v.x|, |v.y| < tan v.z` in its own frame, above
-/// the surface's horizon.
+/// A square light as seen from the surface: the directions `v` above the surface's horizon with
+/// `|v.x|, |v.y| < tan v.z` in the frame of the light.
 #[derive(Debug, Clone, Copy)]
 struct SquareLight {
     x: DVec3,
@@ -27,8 +27,8 @@ struct SquareLight {
     tan: f64,
 }
 
-/// Mean absolute difference, over a few lights around directions of the lobe, between the part of the lobe's energy in
-/// a light and the part of the energy of `model` there, the distribution that stands for the lobe. In [0, 1].
+/// Mean absolute difference between the energy of the lobe and the energy of `model` in a light, both as parts of the
+/// whole. The mean is over a few lights around directions of the lobe. In [0, 1].
 pub(super) fn light_error(lobe: &Lobe, model: &dyn LobeDistribution) -> f64 {
     let errors =
         SquareLight::around(lobe).map(|light| (light.energy_of_lobe(lobe) - light.energy_of_model(model)).abs());
@@ -36,7 +36,7 @@ pub(super) fn light_error(lobe: &Lobe, model: &dyn LobeDistribution) -> f64 {
 }
 
 impl SquareLight {
-    /// The lights around directions of the lobe, whose widths and rotations come from nets.
+    /// Lights around directions of the lobe. Their widths and rotations come from nets.
     fn around(lobe: &Lobe) -> impl Iterator<Item = Self> {
         let turns = net(LOG2_LIGHTS, [0, 5]).map(|[_, turn]| turn);
         net(LOG2_LIGHTS, [0, 0]).zip(turns).map(|(at, turn)| Self::new(lobe, at, turn))
@@ -57,19 +57,19 @@ impl SquareLight {
         }
     }
 
-    /// Whether the light covers a direction.
+    /// True if the light covers a direction.
     fn covers(&self, w: DVec3) -> bool {
         let reach = self.tan * w.dot(self.centre);
         w.dot(self.x).abs() < reach && w.dot(self.y).abs() < reach && w.z > 0.0
     }
 
-    /// The part of the lobe's samples inside the light.
+    /// The part of the lobe's samples in the light.
     fn energy_of_lobe(&self, lobe: &Lobe) -> f64 {
         let samples = lobe.directions.iter().zip(&lobe.weights);
         samples.map(|(w, weight)| if self.covers(*w) { *weight } else { 0.0 }).sum()
     }
 
-    /// The part of the distribution over the part of the light above the surface's horizon.
+    /// The part of the distribution in the part of the light above the surface's horizon.
     fn energy_of_model(&self, model: &dyn LobeDistribution) -> f64 {
         let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
         let corner = |(x, y): (f64, f64)| self.centre + self.tan * (x * self.x + y * self.y);
@@ -77,18 +77,18 @@ impl SquareLight {
     }
 }
 
-/// The part of a convex polygon of rays that is above the horizon.
+/// The part of a convex polygon of rays above the horizon.
 fn clipped(polygon: &[DVec3]) -> Vec<DVec3> {
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    let mut clipped_vertices = Vec::with_capacity(polygon.len() + 1);
     for (from, to) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
         if from.z > 0.0 {
-            kept.push(*from);
+            clipped_vertices.push(*from);
         }
         if (from.z > 0.0) != (to.z > 0.0) {
-            kept.push((*from * to.z - *to * from.z) / (to.z - from.z));
+            clipped_vertices.push((*from * to.z - *to * from.z) / (to.z - from.z));
         }
     }
-    kept
+    clipped_vertices
 }
 
 #[cfg(test)]
@@ -107,9 +107,9 @@ mod tests {
         for m in [DMat3::IDENTITY, skewed(), skewed() * DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0))] {
             let lobe = planted(m);
             let ltc = Ltc::new(m).expect("regular");
-            let mut seen = 0.0;
-            // Besides the lights of the report, two lights that lie half behind the lobe, across the horizon of cosine
-            // space.
+            let mut total = 0.0;
+            // In addition to the lights of the report, two lights lie half behind the lobe, across the horizon of
+            // cosine space.
             let across = [DVec3::X, DVec3::Y].map(|edge| SquareLight {
                 x: rotation_from_z((m * edge).normalize()).x_axis,
                 y: rotation_from_z((m * edge).normalize()).y_axis,
@@ -120,13 +120,13 @@ mod tests {
                 let inside = net(16, [3, 5]).map(|u| ltc.sample(u)).filter(|w| light.covers(*w));
                 let (counted, found) = (inside.count() as f64 / f64::from(1 << 16), light.energy_of_model(&ltc));
                 assert!((counted - found).abs() < 5e-4, "{k}: {counted} {found}");
-                seen += found;
+                total += found;
             }
-            assert!(seen > 0.2, "{seen}");
+            assert!(total > 0.2, "{total}");
         }
     }
 
-    /// A lobe and its own matrix agree. A matrix whose lobe points elsewhere loses about all the energy.
+    /// A lobe and its own matrix agree. A matrix whose lobe points elsewhere loses nearly all energy.
     #[test]
     fn the_error_tells_right_from_wrong() {
         let m = DMat3::from_cols(DVec3::new(0.02, 0.0, 0.0), DVec3::new(0.0, 0.02, 0.0), DVec3::new(0.6, 0.0, 0.8));

@@ -1,4 +1,4 @@
-//! The lobe that a matrix stands for, as weighted directions.
+//! The lobe of a BRDF as weighted directions.
 
 use glam::DVec3;
 
@@ -17,11 +17,11 @@ pub(super) struct Lobe {
     pub(super) axis: DVec3,
     /// Unit vectors.
     pub(super) directions: Vec<DVec3>,
-    /// Weight of each direction; their sum is one.
+    /// Weight of each direction. The weights add up to one.
     pub(super) weights: Vec<f64>,
     /// Reflectance for a Fresnel factor of one.
     pub(super) amplitude: f64,
-    /// The same for a Fresnel factor of `(1 - wo.wm)^5`.
+    /// Reflectance for a Fresnel factor of `(1 - wo.wm)^5`.
     pub(super) fresnel: f64,
 }
 
@@ -62,7 +62,7 @@ pub(super) mod tests {
     use super::*;
     use crate::{Ltc, brdf::Ggx, math::direction};
 
-    /// A lobe that is itself the LTC of `matrix`.
+    /// The LTC of `matrix` as a lobe.
     pub(in super::super) fn planted(matrix: DMat3) -> Lobe {
         let ltc = Ltc::new(matrix).expect("a regular matrix");
         let directions: Vec<DVec3> = net(LOG2_SAMPLES, SCRAMBLE).map(|u| ltc.sample(u)).collect();
@@ -76,7 +76,7 @@ pub(super) mod tests {
         Lobe::of(directions, weights)
     }
 
-    /// Compares with the integral of the BRDF itself over the hemisphere, by the midpoint rule.
+    /// Compares with the integral of the BRDF over the hemisphere, by the midpoint rule.
     #[test]
     fn mean_and_reflectance_are_those_of_the_brdf() {
         for (alpha_x, alpha_y, theta, phi) in [(1.0, 1.0, 0.0, 0.0), (0.6, 0.2, 1.1, 0.9), (0.3, 0.9, 1.4, 2.5)] {

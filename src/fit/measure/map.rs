@@ -1,4 +1,4 @@
-//! Errors over roughness and view angle, between nodes and at them.
+//! Maps of errors over roughness and view angle.
 
 use std::f64::consts::PI;
 
@@ -8,28 +8,28 @@ use super::{
 };
 use crate::{Configuration, Table};
 
-/// Errors over a square of configurations, at the middles of its cells.
+/// Errors over a square of configurations, at the centres of its cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorMap {
-    /// Smaller over larger roughness of all configurations.
+    /// Smaller divided by larger roughness, for all configurations.
     pub ratio: f64,
-    /// Azimuth of the view direction of all configurations, radians, in [0, pi/2].
+    /// Azimuth of the view direction, for all configurations, radians, in [0, pi/2].
     pub phi: f64,
-    /// Cells a side.
+    /// The number of cells on each side.
     pub cells: usize,
-    /// The range of the rows, upwards: the square root of alpha.
+    /// The range of the rows: the square root of alpha, ascending.
     pub roughness: [f64; 2],
-    /// The range of the columns: polar angle of the view direction, radians.
+    /// The range of the columns: the polar angle of the view direction, radians.
     pub theta: [f64; 2],
-    /// Distance between lobe and LTC as a part of the lobe's width, row by row from the smoothest.
+    /// Distance between lobe and LTC relative to the lobe's width, row by row from the smoothest.
     pub width: Vec<f64>,
-    /// Mean absolute error of the part of the lobe's energy in a few square lights, likewise.
+    /// Mean absolute error of the part of the lobe's energy in a few square lights, row by row from the smoothest.
     pub light: Vec<f64>,
 }
 
-/// Measures a table over `cells` by `cells` configurations of one `ratio` and `phi`, which are moved into the ranges of
-/// the table's axes. Runs on the current rayon pool; its size changes nothing. `None` when `go_on`, which is asked before each
-/// configuration, says no.
+/// Measures a table at `cells` by `cells` configurations of one `ratio` and `phi`. Both are clamped to the ranges of
+/// the table's axes. Runs on the current rayon pool. Its size does not change the result. Returns `None` if `go_on`,
+/// called before each configuration, returns false.
 ///
 /// Domain: a table with at least one node on each axis, finite numbers.
 #[must_use]
@@ -40,7 +40,7 @@ pub fn error_map_while(go_on: &GoOn, table: &Table, ratio: f64, phi: f64, cells:
         x.clamp(low, high)
     };
     let ratio = within(ratio, &axes.ratio);
-    // Lobes of phi, -phi and pi - phi are mirror images of each other.
+    // Lobes of phi, -phi and pi - phi mirror each other.
     let turned = phi.rem_euclid(PI);
     let phi = within(turned.min(PI - turned), &axes.phi);
     let (roughness, theta) = places::roughness_and_theta(axes);

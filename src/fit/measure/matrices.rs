@@ -1,4 +1,4 @@
-//! Whether a shader can invert the stored matrices.
+//! Measures how well a shader can invert the stored matrices.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -6,27 +6,27 @@ use serde::Serialize;
 use super::places;
 use crate::{Table, math::from_row_major};
 
-/// Determinant and condition over all entries of a table, of the whole `M` as a lookup at the node gives it, scaled
-/// so that its third column has unit length.
+/// Determinant and condition number over all entries of a table. They are for the matrix `M` of a lookup at the node,
+/// scaled such that its third column has unit length.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Matrices {
     /// Entries of the table.
     pub entries: usize,
-    /// Entries whose determinant is negative: their distribution is right, but a light's winding is reversed.
+    /// Entries with a negative determinant. Their distribution is correct, but a light's winding is reversed.
     pub negative_determinants: usize,
-    /// Entries whose matrix has no inverse: they make no distribution. They are left out of the extents.
+    /// Entries whose matrix is singular and has no distribution. They are left out of the extents.
     pub singular: usize,
-    /// Least and largest determinant.
+    /// Smallest and largest determinant.
     pub determinant: Extent,
-    /// Least and largest condition number `|M| |M^-1|` in the Frobenius norm: 3 for a rotation, at most 3 times that of
-    /// the spectral norm.
+    /// Smallest and largest condition number `|M| |M^-1|` in the Frobenius norm. It is 3 for a rotation, and at most 3
+    /// times the condition number of the spectral norm.
     pub condition: Extent,
 }
 
-/// Least and largest of some numbers; both zero where there are none.
+/// Smallest and largest of some numbers; both zero if there are no numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Extent {
-    /// Least.
+    /// Smallest.
     pub min: f64,
     /// Largest.
     pub max: f64,

@@ -1,7 +1,7 @@
-//! How good a table is: measured as a renderer meets it, through its lookup, on samples that no fit saw.
+//! Measures the accuracy of a table. It uses the lookup, as a renderer does, and samples that are not in the fit.
 //!
-//! Invariant: the report depends only on the table, the ranges that were asked for and a number of points. It shares
-//! no code and no samples with the loss that fits minimise, so a fault in the loss shows here.
+//! Invariant: the report depends only on the table, the requested ranges and a number of points. It shares no code and
+//! no samples with the loss that fits minimise, so an error in the loss is visible here.
 
 mod accuracy;
 mod difference;
@@ -37,43 +37,43 @@ pub use second::SecondReport;
 
 use crate::{Configuration, PerAxis, Table};
 
-/// Version of the report. Raised whenever the same table gets another report.
+/// Version of the report. It increases whenever the report of the same table changes.
 pub const REPORT_VERSION: u32 = 7;
 
-/// How good a table is.
+/// The accuracy of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
     /// [`REPORT_VERSION`].
     pub version: u32,
-    /// Errors at nodes, which the fit and the number format leave.
+    /// Errors at nodes, due to the fit and the number format.
     pub nodes: Accuracy,
-    /// Errors between nodes, which a renderer meets, interpolation included.
+    /// Errors between nodes, including interpolation.
     pub between: Accuracy,
-    /// Nodes where an LTC is a poor model of the lobe.
+    /// Nodes where an LTC is a poor approximation of the lobe.
     pub poor: Poor,
     /// Determinants and condition numbers of the stored matrices.
     pub matrices: Matrices,
-    /// Nodes that were asked for beyond the limits of the fit.
+    /// Nodes requested beyond the limits of the fit.
     pub floors: Floors,
-    /// The second lobes, where entries have two.
+    /// The errors of the second lobes, if entries have two lobes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub second: Option<SecondReport>,
 }
 
-/// Measures a table at up to as many nodes, and at as many configurations between them, as `points` says.
+/// Measures a table at nodes and at configurations between nodes. `points` sets their numbers.
 ///
-/// `range` is the range that was asked for on each axis; floors may have moved the table's nodes. Runs on the current
-/// rayon pool; its size changes nothing. Domain: a table with at least one node on each axis, finite numbers.
+/// `range` is the requested range of each axis; limits may have moved the table's nodes. Runs on the current rayon
+/// pool. Its size does not change the result. Domain: a table with at least one node on each axis, finite numbers.
 ///
 /// # Panics
-/// Never: nothing stops the measurement.
+/// Never: the measurement always completes.
 #[must_use]
 pub fn report(table: &Table, range: &PerAxis<[f64; 2]>, points: impl Into<ReportPoints>) -> Report {
     let report = report_while(&|| true, table, range, points);
-    report.expect("a measurement that nothing stops comes to its end")
+    report.expect("the measurement is never stopped")
 }
 
-/// As [`report`]; `None` as soon as `go_on`, which is asked every few milliseconds, says no.
+/// Like [`report`], but returns `None` as soon as `go_on` returns false. `go_on` is called every few milliseconds.
 #[must_use]
 pub fn report_while(
     go_on: &GoOn,
@@ -90,15 +90,14 @@ pub fn report_while(
     Some(places.report(&measured, second, table, range))
 }
 
-/// The errors at `points` configurations between nodes alone, as parts of the lobe's width: `between.width` of a
-/// [`report`] with as many. Domain: as of [`report`], and at least one point.
+/// The errors at `points` configurations between nodes, relative to the lobe's width. They equal `between.width` of a
+/// [`report`] with the same number. Domain: as for [`report`], and at least one point.
 #[must_use]
 pub fn width_between(table: &Table, points: usize) -> Spread {
     Accuracy::of(&figures::all(table, &places::within(table, points))).width
 }
 
-/// Nodes, and after them configurations between nodes: both are measured in one run, so that threads are busy to the
-/// end.
+/// Nodes followed by configurations between nodes. One run measures both, which keeps threads busy until the end.
 struct Places {
     all: Vec<Configuration>,
     nodes: usize,

@@ -1,21 +1,21 @@
-//! Where a table is measured.
+//! The configurations at which a table is measured.
 
 use std::f64::consts::FRAC_PI_2;
 
 use crate::{ALPHA_FLOOR, Configuration, LEAST_ALPHA, Layout, PerAxis, THETA_CEILING, Table, math::recurrence4};
 
-/// How far towards the horizon a table is measured between its nodes: 89 degrees. Beyond that angle most of a lobe lies
-/// below the horizon, and a picture shows nothing of the lobe.
+/// The largest angle of views between nodes, 89 degrees. Beyond it most of a lobe is below the horizon, and a picture
+/// shows nothing of it.
 const STEEPEST: f64 = 0.99 * FRAC_PI_2;
-/// Where the sequence between the nodes begins.
+/// The start of the sequence between the nodes.
 const SHIFT: [f64; 4] = [0.449_489_742_783_178, 0.316_624_790_355_4, 0.872_983_346_207_417, 0.123_105_625_617_661];
-/// 1 / golden ratio: multiples of it fill a circle most evenly.
+/// 1 / golden ratio. Multiples of this step cover a circle most evenly.
 const GOLDEN_STEP: f64 = 0.618_033_988_749_894_9;
 
-/// Up to `most` nodes that a lookup can reach: all of them, or as many spread evenly.
+/// Up to `most` nodes that a lookup can reach: all of them, or `most` of them, evenly spread.
 ///
-/// The indices are `k stride mod n`, for a stride near n / golden ratio that shares no divisor with n. No node comes
-/// twice, and every node of each axis is among them.
+/// The indices are `k stride mod n`. The stride is near n / golden ratio and has no common divisor with n. So no node
+/// occurs twice, and the nodes of each axis are evenly covered.
 pub(super) fn nodes(layout: Layout, axes: &PerAxis<Vec<f64>>, most: usize) -> Vec<Configuration> {
     let reached = reached(layout, axes);
     let n = reached.len();
@@ -29,8 +29,8 @@ pub(super) fn nodes(layout: Layout, axes: &PerAxis<Vec<f64>>, most: usize) -> Ve
     (1..=most).map(|k| reached[k * stride % n]).collect()
 }
 
-/// The nodes in storage order, without those whose smaller roughness is below [`LEAST_ALPHA`]: a lookup raises it, and
-/// with it the ratio, so that it lands between other nodes. All nodes where there are no others.
+/// The nodes in storage order, without nodes whose smaller roughness is below [`LEAST_ALPHA`]. A lookup there raises
+/// this roughness and its ratio, and reads between other nodes. All nodes if no other nodes exist.
 fn reached(layout: Layout, axes: &PerAxis<Vec<f64>>) -> Vec<Configuration> {
     let entries = layout.lengths(axes).named().iter().map(|(_, n)| **n).product::<usize>();
     let nodes = || (0..entries).map(|index| node(layout, axes, index));
@@ -42,15 +42,15 @@ fn common_divisor(a: usize, b: usize) -> usize {
     if b == 0 { a } else { common_divisor(b, a % b) }
 }
 
-/// The configuration of the entry `index` in storage order: phi varies fastest. A node at the horizon, where no light
-/// is reflected, stands for the most grazing view that is fitted.
+/// The configuration of the entry `index` in storage order: phi varies fastest. At the horizon no light is reflected,
+/// so a node there has the lobe of the most grazing fitted view.
 pub(super) fn node(layout: Layout, axes: &PerAxis<Vec<f64>>, index: usize) -> Configuration {
     let PerAxis { alpha, ratio, theta, phi } = layout.node(axes, index);
     configuration(alpha, ratio, theta.min(THETA_CEILING), phi)
 }
 
-/// `count` configurations within the axes as artists set them: evenly in perceptual roughness, the square root of
-/// alpha, and in ratio, theta and phi.
+/// `count` configurations within the axes, distributed as artists set them: evenly in perceptual roughness (the square
+/// root of alpha), ratio, theta and phi.
 pub(super) fn between(axes: &PerAxis<Vec<f64>>, count: usize) -> Vec<Configuration> {
     let (roughness, theta) = roughness_and_theta(axes);
     let (ratio, phi) = (ends(&axes.ratio), ends(&axes.phi));
@@ -64,8 +64,8 @@ pub(super) fn between(axes: &PerAxis<Vec<f64>>, count: usize) -> Vec<Configurati
         .collect()
 }
 
-/// `count` configurations of a table: of [materials](crate::Layout::is_of_materials) all alike, and between the nodes of the view; of others [`between`]
-/// their nodes.
+/// `count` configurations of a table. Tables of [materials](crate::Layout::is_of_materials) use each material equally,
+/// at views between the nodes. Other tables use [`between`].
 pub(super) fn within(table: &Table, count: usize) -> Vec<Configuration> {
     let pairs: Vec<[f64; 2]> = table.materials().collect();
     let mut places = between(&table.axes, count);
@@ -79,7 +79,7 @@ pub(super) fn within(table: &Table, count: usize) -> Vec<Configuration> {
     places
 }
 
-/// Lowest and highest perceptual roughness and theta at which a table is measured between its nodes.
+/// The ranges of perceptual roughness and theta in which a table is measured between its nodes.
 pub(super) fn roughness_and_theta(axes: &PerAxis<Vec<f64>>) -> ([f64; 2], [f64; 2]) {
     let [low, high] = ends(&axes.theta);
     (extent(&axes.alpha).map(|alpha| alpha.max(ALPHA_FLOOR).sqrt()), [low, high.min(STEEPEST).max(low)])
@@ -89,7 +89,7 @@ fn ends(nodes: &[f64]) -> [f64; 2] {
     [nodes[0], nodes[nodes.len() - 1]]
 }
 
-/// The least and the greatest of some nodes.
+/// The smallest and the largest of some nodes.
 pub(super) fn extent(nodes: &[f64]) -> [f64; 2] {
     nodes.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
 }
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn nodes_that_no_lookup_reaches_are_left_out_unless_there_are_no_others() {
-        // Only 1e-4 times 0.01 is below 1e-5: 15 of 180 nodes.
+        // Only the product of 1e-4 and 0.01 is below 1e-5: 15 of 180 nodes.
         let sharp = PerAxis { alpha: vec![1e-4, 0.1, 0.5, 1.0], ratio: vec![0.01, 0.5, 1.0], ..axes() };
         let found = nodes(Layout::Kt2022, &sharp, 180);
         assert_eq!(found.len(), 165);
@@ -147,7 +147,7 @@ mod tests {
             assert!((0.04..=1.0).contains(&place.alpha_x) && (0.25..=1.0).contains(&(place.alpha_y / place.alpha_x)));
             assert!((0.0..=STEEPEST).contains(&place.theta) && (0.0..=FRAC_PI_2).contains(&place.phi));
         }
-        // Perceptual roughness runs from 0.2 to 1; its middle is 0.6.
+        // Perceptual roughness goes from 0.2 to 1; its midpoint is 0.6.
         let smoother = places.iter().filter(|place| place.alpha_x < 0.36).count();
         assert!((246..=266).contains(&smoother), "{smoother}");
     }

@@ -1,28 +1,28 @@
-//! Where even the best LTC, or Gaussian, is a poor model of a lobe.
+//! Finds lobes of which the best LTC or Gaussian is a poor approximation.
 
 use serde::Serialize;
 
 use super::figures::Figures;
 
-/// The error, as a part of the lobe's width, beyond which a highlight is visibly another one.
+/// The error relative to the lobe's width above which a highlight looks visibly different.
 pub const POOR_WIDTH: f64 = 0.15;
 
-/// Nodes whose stored lobe is farther from the true one than [`POOR_WIDTH`]. No table of more nodes helps there:
-/// interpolation has no part in it.
+/// Nodes whose stored lobe has an error above [`POOR_WIDTH`]. A table with more nodes has the same error there, because
+/// it does not come from interpolation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Poor {
     /// [`POOR_WIDTH`].
     pub limit: f64,
-    /// How many of the measured nodes.
+    /// The number of poor nodes among the measured nodes.
     pub nodes: usize,
-    /// Least and largest roughness among them, alpha; `None` where there are none.
+    /// Smallest and largest roughness of these nodes, alpha; `None` without poor nodes.
     pub alpha: Option<[f64; 2]>,
-    /// Least and largest polar angle of the view among them, radians.
+    /// Smallest and largest polar angle of the view of these nodes, radians.
     pub theta: Option<[f64; 2]>,
 }
 
 impl Poor {
-    /// Those among measured nodes.
+    /// The poor nodes among the measured nodes.
     pub(super) fn of(at_nodes: &[Figures]) -> Self {
         let poor: Vec<&Figures> = at_nodes.iter().filter(|figures| figures.width > POOR_WIDTH).collect();
         let extent = |value: fn(&Figures) -> f64| {

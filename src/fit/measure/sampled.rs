@@ -1,4 +1,4 @@
-//! Lobes that are sampled once, to hold any number of tables to them.
+//! Lobes that are sampled once and compared with any number of tables.
 
 use rayon::prelude::*;
 
@@ -8,23 +8,25 @@ use super::{
 };
 use crate::{ALPHA_FLOOR, BrdfModel, Configuration, LEAST_ALPHA, LobeModel, LookedUp, math::direction};
 
-/// How closely numbers are held to lobes.
+/// The precision of the comparison of numbers with lobes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Closeness {
-    /// Over as many directions as a report has: [`Figures::width`](crate::Figures::width).
+    /// The directions of a report: [`Figures::width`](crate::Figures::width).
     Report,
-    /// Over a quarter of them, in a quarter of the time: enough for the difference of two tables at the same lobes.
+    /// A quarter of the directions, in a quarter of the time. It suffices for the difference of two tables at the same
+    /// lobes.
     Coarse,
 }
 
-/// The lobes of configurations.
+/// The lobes of some configurations.
 #[derive(Debug, Clone)]
 pub struct SampledLobes {
     lobes: Vec<Lobe>,
 }
 
 impl SampledLobes {
-    /// Samples the lobe of each model at its configuration. Runs on the current rayon pool; its size changes nothing.
+    /// Samples the lobe of each model at its configuration. Runs on the current rayon pool. Its size does not change
+    /// the result.
     #[must_use]
     pub fn new(at: &[(BrdfModel, Configuration)]) -> Self {
         let sampled = |(brdf, at): &(BrdfModel, Configuration)| {
@@ -35,8 +37,8 @@ impl SampledLobes {
         Self { lobes: at.par_iter().with_max_len(4).map(sampled).collect() }
     }
 
-    /// The distance of the first lobes from the numbers that stand for each of them, as a part of the lobe's width, in order.
-    /// Runs on the current rayon pool; its size changes nothing.
+    /// The distance of each lobe from the numbers that represent it, relative to the lobe's width, in order. Surplus
+    /// lobes are ignored. Runs on the current rayon pool. Its size does not change the result.
     #[must_use]
     pub fn widths(&self, model: LobeModel, found: &[LookedUp], closeness: Closeness) -> Vec<f64> {
         let probe = Probe::of_directions(match closeness {
@@ -87,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn fewer_directions_tell_nearly_the_same() {
+    fn fewer_directions_give_nearly_the_same() {
         let lobes = SampledLobes::new(&places());
         for spread in [0.1, 0.3, 0.6] {
             let of = |closeness| lobes.widths(LobeModel::Ltc, &[found(spread); 3], closeness);

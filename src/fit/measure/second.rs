@@ -1,25 +1,25 @@
-//! How good the second lobes of a table are, measured as they are used.
+//! Measures the second lobes of a table in the way renderers use them.
 
 use serde::Serialize;
 
 use super::{Accuracy, GoOn, figures};
 use crate::{Configuration, LobeFresnel, LookedUp, SecondLobe, Table, WeightedF0};
 
-/// Plastic, whose blend is measured.
+/// The F0 of plastic, the measured material for blended lobes.
 const PLASTIC: f64 = 0.04;
 
-/// How good the second lobes of a table are.
+/// The errors of the second lobes of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SecondReport {
-    /// The reflectance, seen from above, of the material that was measured: next to 0 where second lobes are integrated by
-    /// themselves, so that Schlick's fifth power is all of it; that of plastic where lobes are blended.
+    /// The reflectance at normal incidence of the measured material. It is close to 0 for integrated second lobes,
+    /// which leaves only Schlick's fifth power. For blended lobes it is the reflectance of plastic.
     pub f0: f64,
-    /// Errors between nodes, at the places of the report's own. Terms are the first lobe's.
+    /// Errors between nodes, at the configurations of the report. Terms belong to the first lobe and are not measured.
     pub between: Accuracy,
 }
 
 impl SecondReport {
-    /// `None` as soon as `go_on` says no.
+    /// Measures the second lobes; `None` as soon as `go_on` returns false.
     pub(super) fn of(go_on: &GoOn, table: &Table, second: SecondLobe, places: &[Configuration]) -> Option<Self> {
         let f0 = match second {
             SecondLobe::Integrated => second.fitted_f0(),
@@ -33,7 +33,7 @@ impl SecondReport {
     }
 }
 
-/// The lobe of a material by what a lookup tells.
+/// The lobe of a material, computed from a lookup.
 fn of_material(second: SecondLobe, f0: f64, found: LookedUp) -> LookedUp {
     let matrix = match second {
         SecondLobe::Blended => found.blended_for(f0).matrix,

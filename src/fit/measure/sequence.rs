@@ -1,4 +1,4 @@
-//! The sample points of the report: digital nets, which the fit does not use.
+//! The sample points of the report. They are digital nets, which the fit does not use.
 
 use std::f64::consts::PI;
 
@@ -6,20 +6,20 @@ use glam::DVec3;
 
 use crate::math::sin_cos;
 
-/// `2^log2_count` points that are spread evenly over the unit square: the net of Larcher and Pillichshammer
-/// [Kollig and Keller 2002, section 2.3].
+/// `2^log2_count` points that cover the unit square evenly: the net of Larcher and Pillichshammer [Kollig and Keller
+/// 2002, section 2.3].
 ///
-/// The first number of point `i` of `n = 2^m` is `i / n`. In the second, bit `k` of `i` flips the binary digits `2^-1`
-/// to `2^-(k + 1)`. Every box of size `2^-a` by `2^-(m - a)` on the grid of such boxes holds exactly one point.
-/// Flipping the digits of `scramble` in all points keeps that. Points lie in the middle of their cell of the `n` by `n`
-/// grid.
+/// The first coordinate of point `i` of `n = 2^m` is `i / n`. In the second coordinate, bit `k` of `i` flips the binary
+/// digits `2^-1` to `2^-(k + 1)`. On a grid of boxes of size `2^-a` by `2^-(m - a)`, each box contains exactly one
+/// point. The digits of `scramble` are flipped in all points, which preserves this property. Each point is at the
+/// centre of its cell of the `n` by `n` grid.
 ///
 /// Domain: `1 <= log2_count <= 31`.
 pub(super) fn net(log2_count: u32, scramble: [u32; 2]) -> impl Iterator<Item = [f64; 2]> {
     let count = 1_u32 << log2_count;
     let place = move |digits: u32| (f64::from(digits) + 0.5) / f64::from(count);
     (0..count).map(move |i| {
-        // `flipped` has the digits 2^-1 to 2^-(k + 1) set, as an integer over n.
+        // `flipped` has the digits 2^-1 to 2^-(k + 1) set, as an integer divided by n.
         let (mut second, mut flipped, mut rest) = (0, count >> 1, i);
         while rest > 0 {
             if rest & 1 == 1 {
@@ -32,8 +32,8 @@ pub(super) fn net(log2_count: u32, scramble: [u32; 2]) -> impl Iterator<Item = [
     })
 }
 
-/// A direction of the upper hemisphere with uniform density from a point of the unit square: its height is the first
-/// number (Archimedes), its azimuth the second.
+/// A direction of the upper hemisphere with uniform density from a point of the unit square. The first coordinate is
+/// its height (Archimedes), the second its azimuth.
 pub(super) fn uniform([u, v]: [f64; 2]) -> DVec3 {
     let (sin, cos) = sin_cos(2.0 * PI * v);
     let radius = (1.0 - u * u).sqrt();
@@ -53,17 +53,17 @@ mod tests {
             assert_eq!(points.len(), 1 << m);
             for a in 0..=m {
                 let (columns, rows) = (1_usize << a, 1_usize << (m - a));
-                let mut seen = vec![0; 1 << m];
+                let mut counts = vec![0; 1 << m];
                 for [u, v] in &points {
-                    seen[(u * columns as f64) as usize * rows + (v * rows as f64) as usize] += 1;
+                    counts[(u * columns as f64) as usize * rows + (v * rows as f64) as usize] += 1;
                 }
-                assert!(seen.iter().all(|count| *count == 1), "{columns} x {rows}: {seen:?}");
+                assert!(counts.iter().all(|count| *count == 1), "{columns} x {rows}: {counts:?}");
             }
         }
     }
 
-    /// Means of the heights and of their squares in closed form: 2/3 and 1/2 for the cosine, 1/2 and 1/3 uniformly;
-    /// no direction in the plane is preferred.
+    /// Compares the means of heights and of squared heights with closed forms: 2/3 and 1/2 for the cosine, 1/2 and 1/3
+    /// for uniform directions. No direction in the plane is preferred.
     #[test]
     fn both_maps_have_the_moments_of_their_densities() {
         for (map, first, second) in

@@ -1,27 +1,27 @@
 //! The difference of two cumulative distributions of weighted samples on a line.
 
-/// The steps of `F - G` along a line: up by its weight at each sample of F, down at each of G.
+/// The steps of `F - G` along a line: up by the weight at each sample of F, down at each sample of G.
 ///
-/// Each step is one word. Its upper half has the bits of the position, changed so that they sort as the number does.
-/// Its lower half has the bits of the weight.
+/// Each step is one word. Its upper half has the bits of the position, changed to sort like the number. Its lower half
+/// has the bits of the weight.
 #[derive(Debug, Default)]
 pub(super) struct Steps {
     steps: Vec<u64>,
     spare: Vec<u64>,
 }
 
-/// The integrals that [`Steps::areas`] gives.
+/// The integrals that [`Steps::areas`] returns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Areas {
-    /// The integral of `|F - G|`: the Wasserstein-1 distance of the two.
+    /// The integral of `|F - G|`, the Wasserstein-1 distance.
     pub(super) between: f64,
     /// The integral of `min(F, 1 - F)`: the mean absolute deviation of F's samples from their median.
     pub(super) deviation: f64,
 }
 
-/// Digits in which steps are sorted, by their lowest bit.
+/// Digits of the radix sort, by their lowest bit.
 const DIGITS: [u32; 3] = [32, 43, 54];
-/// Bits of a digit; the last digit has ten.
+/// Bits of a digit. The last digit has ten bits.
 const DIGIT_BITS: u32 = 11;
 const SIGN: u32 = 1 << 31;
 
@@ -30,7 +30,7 @@ impl Steps {
         self.steps.clear();
     }
 
-    /// Adds steps: position and weight, which is positive for F and negative for G. Domain: finite numbers.
+    /// Adds steps with position and weight. Weights of F are positive, weights of G negative. Domain: finite numbers.
     pub(super) fn extend(&mut self, steps: impl Iterator<Item = (f32, f32)>) {
         self.steps
             .extend(steps.map(|(position, weight)| u64::from(ordered(position)) << 32 | u64::from(weight.to_bits())));
@@ -54,7 +54,7 @@ impl Steps {
         areas
     }
 
-    /// Sorts by position: radix sort from the lowest digit up.
+    /// Sorts by position. This is a radix sort from the lowest digit up.
     fn sort(&mut self) {
         let digit = |step: u64, lowest: u32| (step >> lowest) as usize & ((1 << DIGIT_BITS) - 1);
         let mut starts = vec![[0_u32; 1 << DIGIT_BITS]; DIGITS.len()];
@@ -79,8 +79,8 @@ impl Steps {
     }
 }
 
-/// The bits of a number, changed so that they sort as the number does: all bits of a negative number are inverted, and
-/// only the sign of any other number.
+/// The bits of a number, changed to sort like the number. All bits of a negative number are inverted. For other numbers
+/// only the sign bit is inverted.
 fn ordered(x: f32) -> u32 {
     let bits = x.to_bits();
     if bits & SIGN == 0 { bits | SIGN } else { !bits }
@@ -97,7 +97,7 @@ mod tests {
 
     fn areas(f: &[(f32, f32)], g: &[(f32, f32)]) -> Areas {
         let mut steps = Steps::default();
-        // Steps of an earlier call do not count.
+        // Steps of an earlier call are discarded.
         steps.extend([(7.0, 1.0), (-7.0, -1.0)].into_iter());
         steps.areas();
         steps.clear();
@@ -108,17 +108,17 @@ mod tests {
 
     #[test]
     fn a_few_planted_samples_have_their_closed_form() {
-        // A quarter moves up by a half, three quarters down by a half; the median is 1.
+        // A quarter moves up by a half, three quarters move down by a half. The median is 1.
         let found = areas(&[(1.0, 0.75), (0.0, 0.25)], &[(0.5, 1.0)]);
         assert_eq!(found, Areas { between: 0.5, deviation: 0.25 });
         // Samples on both sides of zero: 0.5 moves to -3, 0.25 to -1 and 0.25 to 1.
         let found = areas(&[(-2.0, 0.5), (2.0, 0.5)], &[(1.0, 0.25), (-1.0, 0.25), (-3.0, 0.5)]);
         assert_eq!(found, Areas { between: 0.5 + 0.75 + 0.25, deviation: 2.0 });
-        // Both signs of zero are one place, and equal distributions have no distance.
+        // Both signs of zero are the same position, and equal distributions have no distance.
         assert_eq!(areas(&[(-0.0, 0.5), (0.0, 0.5)], &[(0.0, 1.0)]), Areas { between: 0.0, deviation: 0.0 });
     }
 
-    /// Compares with cumulative distributions that are counted anew at each place, for numbers of all sizes.
+    /// Compares with cumulative distributions that are counted separately at each position, for numbers of all sizes.
     #[test]
     fn many_samples_have_the_areas_that_counting_gives() {
         let fraction = |i: u32, step: f64| (f64::from(i) * step).fract();

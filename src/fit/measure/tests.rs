@@ -64,7 +64,7 @@ fn a_good_table_is_good_at_its_nodes_and_worse_between() {
     assert_eq!(nodes.worst.len(), 5);
 }
 
-/// The report and the fit measure distances by different code on different samples. They agree on a fitted table.
+/// Report and fit measure distances with different code and different samples. They agree on a fitted table.
 #[test]
 fn the_error_at_nodes_is_that_of_a_finer_fitter() {
     let (recipe, table) = small();
@@ -83,7 +83,7 @@ fn the_error_at_nodes_is_that_of_a_finer_fitter() {
 #[test]
 fn a_spoiled_entry_is_named_as_the_worst() {
     let (recipe, mut table) = small();
-    // Alpha 0.2, ratio 0.3, theta 0.7, phi pi/2.
+    // The entry at alpha 0.2, ratio 0.3, theta 0.7, phi pi/2.
     let spoiled = 3;
     let at = places::node(table.layout, &table.axes, spoiled);
     assert_eq!(at, Configuration { alpha_x: 0.2, alpha_y: 0.06, theta: 0.7, phi: FRAC_PI_2 });
@@ -93,7 +93,7 @@ fn a_spoiled_entry_is_named_as_the_worst() {
         let worst = found.nodes.worst[0];
         assert_eq!((worst.alpha_x, worst.alpha_y, worst.theta, worst.phi), (0.2, 0.06, 0.7, FRAC_PI_2));
         assert!(worst.width > 1.0 && worst.sw1 > 0.3, "{worst:?}");
-        // A matrix that makes no distribution counts as the farthest distance, not as a number that JSON lacks.
+        // A matrix without a distribution has the farthest distance, which is a number that JSON can represent.
         assert_eq!((worst.sw1 == 2.0, found.matrices.singular), (farthest, usize::from(farthest)));
         assert!(worst.width.is_finite() && found.nodes.light.max > 0.1);
     }
@@ -106,8 +106,8 @@ fn a_table_without_terms_has_no_error_of_terms() {
     assert_eq!((found.nodes.amplitude, found.between.fresnel), (None, None));
 }
 
-/// The second lobe by itself is measured as a table of it would be, the blend as the lobe of plastic, which the first lobe
-/// alone is not.
+/// An integrated second lobe is measured like a table of it. A blend is measured as the lobe of plastic, from which the
+/// first lobe alone is farther.
 #[test]
 fn second_lobes_are_measured_as_they_are_used() {
     let of = |second| of_brdf(BrdfModel::from(BrdfKind::Ggx).with_fresnel(LobeFresnel::Two(second)));
@@ -133,7 +133,7 @@ fn points_grow_with_the_fit_between_their_bounds() {
     assert_eq!(points([64, 64, 64, 7], 2048, 48), MOST_POINTS);
     let (draft, paper) = (points([8; 4], 128, 8), points([8; 4], 512, 24));
     assert!(8 < draft && draft < paper && paper < MOST_POINTS, "{draft} {paper}");
-    // Solver sgd takes every step.
+    // Solver sgd always takes all steps.
     let sgd = report_points(&Recipe {
         fit: FitSettings { steps: 10_000, ..recipe([8; 4], 128, 8, Solver::Sgd).fit },
         ..recipe([8; 4], 128, 8, Solver::Sgd)
@@ -148,7 +148,8 @@ fn points_grow_with_the_fit_between_their_bounds() {
     assert!(shared.abs_diff(points([64, 2, 32, 1], 512, 24)) <= shared / 20, "{shared}");
 }
 
-/// A few bad places must not make the figure that files state, and a fit of milliseconds does not wait for it.
+/// A fit of milliseconds must not wait for its report. In longer fits, a few bad configurations must not dominate the
+/// mean.
 #[test]
 fn between_nodes_there_are_more_places_the_longer_the_fit_takes() {
     let points = |side: u32, samples, directions| {
@@ -168,7 +169,7 @@ fn between_nodes_there_are_more_places_the_longer_the_fit_takes() {
 }
 
 #[test]
-fn a_report_stops_as_soon_as_it_is_told_to() {
+fn a_report_stops_as_soon_as_it_may_not_go_on() {
     let (recipe, table) = small();
     let asked = AtomicUsize::new(0);
     let go_on = |most: usize| {
@@ -179,6 +180,6 @@ fn a_report_stops_as_soon_as_it_is_told_to() {
     let places = asked.load(Ordering::Relaxed);
     assert!(places > 40, "it was asked {places} times");
     assert_eq!(go_on(3), None);
-    // After the answer no place is begun; other threads may have asked at the same time.
+    // No new configuration starts after `go_on` returns false. Other threads may have called it at the same time.
     assert!(asked.load(Ordering::Relaxed) < places, "it went on to the end");
 }

@@ -1,5 +1,4 @@
-//! Distances between a lobe and an LTC that a fit can minimise, one file each, and the samples of the lobe that they
-//! compare.
+//! Distances between a lobe and an LTC that a fit can minimise, one file each, and the samples of the lobe.
 //!
 //! A new metric needs a file and a line in [`Metric`].
 
@@ -26,7 +25,7 @@ named_list! {
 }
 
 impl Metric {
-    /// Whether the metric compares samples alone, so that it measures models other than LTCs too.
+    /// True if the metric compares only samples. It then also measures models other than LTCs.
     #[must_use]
     pub fn compares_images(self) -> bool {
         self.rules().compares_images()

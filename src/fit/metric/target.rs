@@ -1,5 +1,4 @@
-//! The lobe that one entry is fitted to: weighted samples in a frame of its own, and the quantities that are computed
-//! from them once.
+//! The lobe to which an entry is fitted: weighted samples in its own frame, and quantities computed once from them.
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
@@ -10,8 +9,8 @@ use crate::{
 
 /// Samples of the cosine-weighted lobe, normalised to a distribution.
 ///
-/// Sample `i` is the direction `frame * (p_i + z)`, so that `p` is small where the lobe is sharp and keeps all its
-/// digits in f32: `p.z = -(p.x^2 + p.y^2) / (1 + z)` instead of `z - 1`.
+/// Sample `i` is the direction `frame * (p_i + z)`. So `p` is small if the lobe is sharp, and keeps all its digits in
+/// f32. Its height is computed as `p.z = -(p.x^2 + p.y^2) / (1 + z)` instead of `z - 1`.
 #[derive(Debug, Clone)]
 pub(crate) struct Target {
     /// Rotation from the lobe's frame, whose +z is the mean direction, to the tangent frame.
@@ -20,23 +19,23 @@ pub(crate) struct Target {
     pub(crate) mirrors: Mirrors,
     /// Offsets from the mean direction, in the lobe's frame.
     pub(crate) points: Vec<DVec3>,
-    /// Weights; their sum is one.
+    /// Weights, which add up to one.
     pub(crate) weights: Vec<f64>,
     /// Location and width of the lobe in the tangential plane.
     pub(crate) core: LobeCore,
-    /// Samples that were drawn, those of no weight too.
+    /// The number of drawn samples, including samples of zero weight.
     pub(crate) drawn: usize,
 }
 
 impl Target {
-    /// Samples the lobe of `brdf` for `wo` at some points.
+    /// Samples the lobe of `brdf` for `wo` at the given points.
     ///
-    /// Domain: `wo.z > 0`, so that some light is reflected above the horizon.
+    /// Domain: `wo.z > 0`. Some light is then reflected above the horizon.
     pub(crate) fn sample(brdf: &dyn Brdf, wo: DVec3, mirrors: Mirrors, points: &[SquarePoint]) -> Self {
         Drawn::of(brdf, wo, points).target(mirrors)
     }
 
-    /// The same lobe by samples at other points, in the same frame and with the same core.
+    /// The same lobe, sampled at other points, in the same frame and with the same core.
     pub(crate) fn again(&self, brdf: &dyn Brdf, wo: DVec3, points: &[SquarePoint]) -> Self {
         Drawn::of(brdf, wo, points).in_frame(self.frame, self.mirrors, Some(self.core))
     }
@@ -64,15 +63,15 @@ impl Drawn {
         Self { directions, weights, count: points.len() }
     }
 
-    /// The target around the mean direction, which is above the horizon.
+    /// The target in the frame of its mean direction, which is above the horizon.
     fn target(self, mirrors: Mirrors) -> Target {
         let sum = self.directions.iter().zip(&self.weights).fold(DVec3::ZERO, |sum, (wi, weight)| sum + *weight * *wi);
-        // The samples of a symmetric lobe are not quite symmetric; their mean direction is made so.
+        // The samples of a symmetric lobe are slightly asymmetric. This makes their mean direction symmetric.
         let axis = DVec3::new(if mirrors.x { 0.0 } else { sum.x }, if mirrors.y { 0.0 } else { sum.y }, sum.z);
         self.in_frame(rotation_from_z(axis.normalize()), mirrors, None)
     }
 
-    /// The target in a frame, with a core that is known or its own.
+    /// The target in a frame. Without a given `core` it gets its own core.
     fn in_frame(self, frame: DMat3, mirrors: Mirrors, core: Option<LobeCore>) -> Target {
         let Self { directions, mut weights, count } = self;
         let to_lobe = frame.transpose();
@@ -89,9 +88,9 @@ impl Drawn {
 /// Location and scatter of a lobe's core in its tangential plane, by maximum likelihood for Student's t with two
 /// degrees of freedom.
 ///
-/// That is the distribution which a sharp GGX lobe and a sharp LTC both have there: for `M = diag(a, a, 1)`, `p` has
-/// density proportional to `(1 + |p|^2 / a^2)^-2`, scatter `a^2 / 2`. Its variance is infinite, so moments measure how
-/// far the samples reach into the tails. The estimate by maximum likelihood measures how wide the lobe is.
+/// A sharp GGX lobe and a sharp LTC both have this distribution in the plane. For `M = diag(a, a, 1)`, the density of
+/// `p` is proportional to `(1 + |p|^2 / a^2)^-2`, and the scatter is `a^2 / 2`. The variance is infinite, so moments
+/// would measure how far the samples reach into the tails. The maximum likelihood estimate measures the lobe's width.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LobeCore {
     /// Centre.
@@ -101,11 +100,11 @@ pub(crate) struct LobeCore {
 }
 
 impl LobeCore {
-    /// Samples that the estimate uses. Its error is far below the correction that the fit makes.
+    /// The number of samples of the estimate. Its error is far below the correction by the fit.
     const SAMPLES: usize = 512;
-    /// Reweightings; each removes about half of the remaining error.
+    /// The number of reweightings. Each removes about half of the remaining error.
     const ROUNDS: usize = 12;
-    /// Least scatter along any axis: the square of a width in which f32 still resolves a lobe at distance one.
+    /// The smallest scatter along any axis: the square of the smallest lobe width that f32 resolves at distance one.
     const LEAST: f64 = 1e-18;
 
     fn of(points: &[DVec3], weights: &[f64], mirrors: Mirrors) -> Self {
@@ -119,7 +118,7 @@ impl LobeCore {
             let (mut weight_sum, mut sum, mut outer) = (0.0, DVec2::ZERO, DMat2::ZERO);
             for (p, w) in chosen.iter().copied() {
                 let d = p - core.centre;
-                // (nu + 2) / (nu + d^T S^-1 d) for nu = 2. The first round has no scatter and takes plain moments.
+                // (nu + 2) / (nu + d^T S^-1 d) for nu = 2. The first round has no scatter and computes plain moments.
                 let w = w * 4.0 / (2.0 + d.dot(inverse * d));
                 weight_sum += w;
                 sum += w * p;
@@ -141,8 +140,8 @@ impl LobeCore {
 
     /// Centre and width of the projections on a direction `d` in the lobe's frame.
     ///
-    /// Perpendicular to the tangential plane, `p.z` is `-|p|^2 / 2` to leading order. The median and the spread of
-    /// `|p|^2 / 2` are half the trace of the scatter.
+    /// Perpendicular to the tangential plane, `p.z` is `-|p|^2 / 2` to leading order. Median and spread of `|p|^2 / 2`
+    /// are half the trace of the scatter.
     pub(crate) fn project(&self, d: DVec3) -> (f64, f64) {
         let half_trace = 0.5 * (self.scatter.x_axis.x + self.scatter.y_axis.y);
         let tangential = d.truncate();
@@ -151,7 +150,7 @@ impl LobeCore {
     }
 }
 
-/// `direction - z` for a unit vector, without cancellation where the two are close.
+/// `direction - z` for a unit vector, without cancellation for directions close to z.
 fn offset_from_z(direction: DVec3) -> DVec3 {
     let DVec3 { x, y, z } = direction;
     DVec3::new(x, y, if z > 0.0 { -(x * x + y * y) / (1.0 + z) } else { z - 1.0 })
@@ -162,7 +161,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::{brdf::BrdfSample, lobe::ltc::Ltc, math::Lattice};
 
-    /// A surface whose lobe for every view is the LTC of a matrix, which is above the horizon but for a trifle.
+    /// A surface whose lobe for every view is the LTC of a matrix. Almost all of it is above the horizon.
     pub(crate) struct PlantedBrdf(Ltc);
 
     impl PlantedBrdf {
@@ -189,7 +188,7 @@ pub(crate) mod tests {
         }
     }
 
-    /// The target of a lobe that is itself the LTC of `matrix`. A fit should find this matrix again.
+    /// The target of a lobe that is the LTC of `matrix`. A fit should find this matrix again.
     pub(crate) fn planted(matrix: DMat3, mirrors: Mirrors) -> Target {
         let ltc = Ltc::new(matrix).expect("a regular matrix");
         let n = 8192;

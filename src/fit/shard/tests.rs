@@ -6,7 +6,7 @@ use crate::{
     Solver, StoredTerms, Table, assemble,
 };
 
-/// The plan of the whole domain at a resolution, fitted coarsely.
+/// The plan of the whole domain at a resolution, with a coarse fit.
 fn plan(resolution: [u32; 4]) -> Plan {
     plan_of(Layout::Kt2022, resolution)
 }
@@ -83,14 +83,14 @@ fn shards_are_a_partition_of_the_entries_in_whole_rows() {
 }
 
 #[test]
-fn a_fit_tells_of_every_entry_and_stops_when_it_is_told_to() {
+fn a_fit_reports_every_entry_and_can_be_stopped() {
     let plan = plan(SMALL);
-    let mut heard = Vec::new();
+    let mut calls = Vec::new();
     let stopped = fit_shard(&plan, 0, &mut |done| {
-        heard.push(done);
+        calls.push(done);
         if done >= 6 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
-    assert_eq!((stopped, heard), (None, vec![1, 2, 3, 4, 5, 6]));
+    assert_eq!((stopped, calls), (None, vec![1, 2, 3, 4, 5, 6]));
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn stored_matrices_are_upright_and_normalised_as_the_layout_says() {
         let small = if layout.is_of_materials() { [3, 1, 4, 3] } else { SMALL };
         for m in &table(layout, small).matrix {
             let m = from_row_major(&m.map(f64::from));
-            // Where no number is fixed, the scale of entries is chosen between nodes with the other numbers.
+            // If no number is fixed, the scale of entries is chosen between nodes with the other numbers.
             let has_free_scale = [Layout::Godot, Layout::Inverse].contains(&layout);
             let is_normalised = has_free_scale || (layout.rules().norm(&m) - 1.0).abs() < 1e-6;
             assert!(m.determinant() > 0.0 && is_normalised, "{layout:?} {m}");
@@ -124,8 +124,8 @@ fn stored_matrices_are_upright_and_normalised_as_the_layout_says() {
     }
 }
 
-/// Mirror-like lobes down to the horizon. Some of them are lines, which fit best without any width; their f32 matrices
-/// are still upright.
+/// Mirror-like lobes down to the horizon. Some of them are lines, whose best fit has no width. Their f32 matrices still
+/// have a positive determinant.
 #[test]
 fn f32_matrices_of_the_sharpest_lobes_are_upright() {
     for (seed, layout) in (0..3).flat_map(|seed| ANISOTROPIC.iter().map(move |layout| (seed, *layout))) {
@@ -168,8 +168,8 @@ fn check_zeros(table: &Table) {
     assert_eq!(xx, yy, "a round lobe");
 }
 
-/// Aligned matrices change little between neighbours along any axis. If the gauge jumped between two of them, the
-/// matrix halfway would collapse.
+/// Aligned matrices change little between neighbours along any axis. If the alignment jumped between two neighbours,
+/// the matrix halfway between them would collapse.
 #[test]
 fn halfway_between_neighbours_no_determinant_collapses() {
     for &layout in ANISOTROPIC {
@@ -197,8 +197,8 @@ fn check_halfway(table: &Table) {
     assert!(pairs > 2000);
 }
 
-/// Many steps of few samples, or few steps of many: whatever makes an entry long, progress is called after a fixed
-/// amount of work, and the call that stops the fit is the last.
+/// Tests many steps of few samples, and few steps of many. In every long entry, progress is called after a fixed amount
+/// of work. The call that stops the fit is the last call.
 #[test]
 fn every_solver_stops_in_the_middle_of_a_long_entry() {
     let plan = plan([2; 4]);
@@ -207,20 +207,20 @@ fn every_solver_stops_in_the_middle_of_a_long_entry() {
             let fit = FitSettings { solver, samples, directions, steps, ..plan.recipe().fit };
             let long = Plan::new(&Recipe { fit, ..plan.recipe().clone() });
             for last in [1, 3] {
-                let mut heard = Vec::new();
+                let mut calls = Vec::new();
                 let stopped = fit_shard(&long, 0, &mut |done| {
-                    heard.push(done);
-                    if heard.len() == last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                    calls.push(done);
+                    if calls.len() == last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
                 });
-                assert_eq!((stopped, heard.len()), (None, last), "{solver} {samples} {steps}");
-                // Only the descent takes so many steps; the others end long before.
-                assert!(heard == vec![0; last] || (solver != Solver::Sgd && samples == 64), "{solver}: {heard:?}");
+                assert_eq!((stopped, calls.len()), (None, last), "{solver} {samples} {steps}");
+                // Only the descent takes this many steps. The other solvers end much earlier.
+                assert!(calls == vec![0; last] || (solver != Solver::Sgd && samples == 64), "{solver}: {calls:?}");
             }
         }
     }
 }
 
-/// An isotropic plan by the simplex with warm starts.
+/// An isotropic plan for the simplex with warm starts.
 fn warm_plan(layout: Layout, [alpha, theta]: [u32; 2]) -> Plan {
     let mut recipe = plan_of(layout, [alpha, 1, theta, 1]).recipe;
     recipe.range = PerAxis { ratio: [1.0, 1.0], phi: [0.0, 0.0], ..recipe.range };
@@ -235,7 +235,7 @@ fn warm_plan(layout: Layout, [alpha, theta]: [u32; 2]) -> Plan {
     Plan::new(&recipe)
 }
 
-/// A view starts from the last, so that all views of a roughness are one row, however few or many they are.
+/// A view starts from the previous view, so all views of a roughness are one row, for any number of views.
 #[test]
 fn rows_with_warm_starts_are_whole_and_do_not_depend_on_other_rows() {
     for resolution in [[9, 5], [2, 100]] {
@@ -245,7 +245,7 @@ fn rows_with_warm_starts_are_whole_and_do_not_depend_on_other_rows() {
         assert_eq!(by_shard.len() as u64, plan.entries());
         let mut fitter = Fitter::new(&plan.recipe.fit);
         let mut row = |row: u64| fit_rows(&plan, row..row + 1, &mut fitter, &mut |_| ControlFlow::Continue(()));
-        // From the last to the first, with one fitter.
+        // Fits the rows from the last to the first, with one fitter.
         let mut by_row: Vec<Vec<FittedEntry>> =
             (0..plan.rows()).rev().map(|r| row(r).expect("nothing stops it")).collect();
         by_row.reverse();
@@ -253,7 +253,7 @@ fn rows_with_warm_starts_are_whole_and_do_not_depend_on_other_rows() {
     }
 }
 
-/// Where a search starts changes where it ends, by less than the uncertainty of the samples.
+/// The start of a search changes its result by less than the uncertainty of the samples.
 #[test]
 fn either_start_ends_at_about_the_same_errors() {
     let errors = |start: Start| {

@@ -16,32 +16,32 @@ pub use simplex::{Shear, Simplex, Start};
 use super::{lobe::LobeModel, named_list};
 
 named_list! {
-    /// How a distance is minimised.
+    /// The method that minimises the distance.
     pub enum Solver: SolverRules {
         /// BFGS on the seven free numbers, over fixed low-discrepancy samples.
         Bfgs = "bfgs" => bfgs::Bfgs,
         /// Stochastic gradient descent on all nine numbers, over random samples [KT et al. 2022, Algorithm 3].
         Sgd = "sgd" => sgd::Sgd,
-        /// Nelder and Mead's simplex on three numbers in the frame of the mean direction, for isotropic surfaces
-        /// [Heitz et al. 2016].
+        /// Nelder and Mead's simplex on three numbers in the frame of the mean direction, for isotropic surfaces [Heitz
+        /// et al. 2016].
         NelderMead = "nelder_mead" => nelder_mead::NelderMead,
     }
 }
 
 impl Solver {
-    /// Whether it fits lobes of isotropic surfaces only, so that a table has a ratio of one.
+    /// True if it fits only isotropic surfaces. Tables then have a ratio of one.
     #[must_use]
     pub fn is_isotropic(self) -> bool {
         self.rules().is_isotropic()
     }
 
-    /// Whether a recipe chooses a shear and a start for it.
+    /// True if a recipe sets a shear and a start for it.
     #[must_use]
     pub fn has_simplex(self) -> bool {
         self.rules().has_simplex()
     }
 
-    /// Whether the solver finds the numbers of a lobe model.
+    /// True if the solver can fit a lobe model.
     #[must_use]
     pub fn finds(self, lobe: LobeModel) -> bool {
         self == Self::Bfgs || lobe.gaussian().is_none()

@@ -10,24 +10,24 @@ use crate::{
     stop_check::StopCheck,
 };
 
-/// How long and how finely to search.
+/// The effort of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Effort {
-    /// The distance that is minimised.
+    /// The distance that the search minimises.
     pub(crate) metric: Metric,
     /// Samples of lobe and LTC in each step.
     pub(crate) samples: usize,
-    /// Directions that the samples are projected on.
+    /// Directions of the projections.
     pub(crate) directions: usize,
-    /// Most steps.
+    /// The largest number of steps.
     pub(crate) steps: u32,
     /// Seed of random numbers.
     pub(crate) seed: u64,
 }
 
-/// A lobe whose matrix is sought.
+/// The lobe of a search.
 pub(crate) struct Objective<'a> {
-    /// The model whose numbers are sought: one that the solver finds, see [`super::Solver::finds`].
+    /// The model of the lobe. The solver must be able to fit it, see [`super::Solver::finds`].
     pub(crate) model: LobeModel,
     /// The surface.
     pub(crate) brdf: &'a dyn Brdf,
@@ -37,31 +37,31 @@ pub(crate) struct Objective<'a> {
     pub(crate) target: &'a Target,
     /// The distance to the target.
     pub(crate) loss: &'a mut dyn Loss,
-    /// How hard to try.
+    /// The effort of the search.
     pub(crate) effort: Effort,
-    /// Chooses the random numbers of solvers that draw any.
+    /// Selects the random numbers of solvers that draw any.
     pub(crate) stream: u64,
-    /// The choices of a solver with a simplex.
+    /// The settings of a solver with a simplex.
     pub(crate) simplex: Simplex,
-    /// The matrix of a lobe next to this one, each in the frame of its own lobe, for solvers that start from one.
+    /// The matrix of a neighbouring lobe, in the frame of that lobe, for solvers that start from a matrix.
     pub(crate) near: Option<DMat3>,
 }
 
 /// A solver as an item of [`super::Solver`].
 pub(crate) trait SolverRules: Sync {
-    /// The matrix of the lobe in the tangent frame; `None` when `stop_check` stops the search.
+    /// The matrix of the lobe in the tangent frame; `None` if `stop_check` stops the search.
     fn solve(&self, objective: Objective<'_>, stop_check: &mut StopCheck) -> Option<DMat3>;
 
-    /// Seconds that an entry takes to project its lobe, to search, and to measure the error, with at most
-    /// `effort.steps` steps. Of one thread, on the machine of `fit_seconds`.
+    /// Seconds that an entry takes for the projections of its lobe, the search with at most `effort.steps` steps, and
+    /// the measured error. One thread, on the machine of `fit_seconds`.
     fn seconds(&self, lobe: LobeModel, effort: &Effort) -> f64;
 
-    /// Whether it fits lobes of isotropic surfaces only.
+    /// True if it fits only isotropic surfaces.
     fn is_isotropic(&self) -> bool {
         false
     }
 
-    /// Whether it has a simplex, for which a recipe may choose shear and start.
+    /// True if it has a simplex, for which a recipe can set shear and start.
     fn has_simplex(&self) -> bool {
         false
     }

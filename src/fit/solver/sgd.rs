@@ -1,8 +1,8 @@
-//! The fitter of KT et al. 2022, Algorithm 3, as the paper states it: the yardstick for speed and accuracy.
+//! The published fitter of KT et al. 2022, Algorithm 3. It is the reference for speed and accuracy.
 //!
-//! Every step draws fresh samples of the lobe (Algorithm 1, by rejection) and of the LTC (Algorithm 2) and fresh
-//! directions, sorts the projections, and moves all nine numbers of `M` down the gradient by a constant rate. So it
-//! does with another metric, whose gradient it estimates from the same samples.
+//! Every step draws new samples of the lobe (Algorithm 1, by rejection), of the LTC (Algorithm 2) and of directions. It
+//! sorts the projections, and moves all nine numbers of `M` down the gradient at a constant rate. With another metric
+//! it estimates the gradient of this metric from the same samples.
 
 use std::f64::consts::{LN_2, PI};
 
@@ -19,18 +19,19 @@ use crate::{
     stop_check::StopCheck,
 };
 
-/// Length of a step in units of the gradient. The paper gives none; at 0.1 a broad lobe is within three times its best
-/// fit's error after some hundred steps.
+/// Length of a step in units of the gradient. The paper gives no value. With 0.1 a broad lobe reaches three times the
+/// error of its best fit after some hundred steps.
 const RATE: f64 = 0.1;
 
-/// Seconds of a step for each sample, whatever the number of directions: a sample of the lobe and one of the LTC.
+/// Seconds of a step for each sample, independent of the number of directions. They cover a sample of the lobe and a
+/// sample of the LTC.
 const DRAW_SECONDS: f64 = 0.25e-6;
-/// Seconds of a step for each sample and direction, most of them of two sorts: `a + b log2 samples`. From 128 to
-/// 65,536 samples, measured steps take 0.75 to 1.25 times as long.
+/// Seconds of a step for each sample and direction, mostly for two sorts: `a + b log2 samples`. From 128 to 65,536
+/// samples, measured steps take 0.75 to 1.25 times as long.
 const SORT_SECONDS: [f64; 2] = [12e-9, 4.5e-9];
-/// Seconds of a step for each sample by metric `l3`: the densities of lobe and LTC at two samples.
+/// Seconds of a step for each sample with metric `l3`: the densities of lobe and LTC at two samples.
 const DENSITY_SECONDS: f64 = 0.1e-6;
-/// Seconds for each sample and direction outside of the steps: the lobe's projections and the measured error.
+/// Seconds for each sample and direction outside of the steps, for the lobe's projections and the measured error.
 const REST_SECONDS: f64 = 20e-9;
 
 /// The published descent as an item of [`super::Solver`].
@@ -53,7 +54,7 @@ impl SolverRules for Sgd {
     }
 }
 
-/// Random numbers in [0, 1): the upper 53 bits of each draw.
+/// Random numbers in [0, 1), from the upper 53 bits of each draw.
 struct Uniform(Xoshiro256PlusPlus);
 
 impl Uniform {
@@ -65,7 +66,7 @@ impl Uniform {
         [self.next(), self.next()]
     }
 
-    /// Uniform on the sphere.
+    /// A direction with uniform density on the sphere.
     fn direction(&mut self) -> DVec3 {
         let z = 2.0 * self.next() - 1.0;
         let radius = (1.0 - z * z).max(0.0).sqrt();
@@ -73,8 +74,8 @@ impl Uniform {
         DVec3::new(radius * cos, radius * sin, z)
     }
 
-    /// Algorithm 1: a direction drawn from the density proportional to the cosine-weighted lobe, whose samples weigh
-    /// `heaviest` at most.
+    /// Algorithm 1: a direction drawn in proportion to the cosine-weighted lobe. `heaviest` is an upper bound of the
+    /// samples' weights.
     fn lobe(&mut self, brdf: &dyn Brdf, wo: DVec3, heaviest: f64, stop_check: &mut StopCheck) -> Option<DVec3> {
         loop {
             stop_check.worked(DRAW)?;
@@ -87,26 +88,26 @@ impl Uniform {
     }
 }
 
-/// Work of a draw from the lobe, in projections of a sample on a direction.
+/// Work of a draw from the lobe, in units of a projection of a sample on a direction.
 const DRAW: usize = 16;
-/// Samples that are looked at for the heaviest.
+/// The number of samples in the search for the largest weight.
 const LOOKED_AT: usize = 1024;
-/// Where samples weigh less than this, most would be rejected.
+/// If all weights are smaller, most samples would be rejected.
 const LIGHT: f64 = 0.125;
 
-/// The weight that no sample of a lobe exceeds: one, or for lobes that reflect little, such as those of smooth sheen,
-/// twice the most of a lattice of samples.
+/// An upper bound of the weights of a lobe's samples. It is one, except for lobes that reflect little, such as smooth
+/// sheen. For these it is twice the largest weight in a lattice of samples.
 fn heaviest(brdf: &dyn Brdf, wo: DVec3) -> f64 {
     let points = Lattice::new(LOOKED_AT, [0.0; 2]).points();
     let most = 2.0 * points.map(|u| brdf.sample(wo, u).weight).fold(0.0, f64::max);
     if most > 0.0 && most < LIGHT { most } else { 1.0 }
 }
 
-/// The matrix after all steps, from the identity, in the tangent frame; `None` when `stop_check` stops the descent. Its
-/// determinant may have either sign.
+/// The matrix after all steps from the identity, in the tangent frame; `None` if `stop_check` stops the descent. Its
+/// determinant can have either sign.
 fn descend(objective: &Objective<'_>, stop_check: &mut StopCheck) -> Option<DMat3> {
     let Objective { brdf, wo, loss, effort, stream, .. } = objective;
-    // A multiplier that mixes every bit of the entry's number separates the streams of one seed.
+    // The multiplier mixes all bits of the entry's index, which separates the streams of a seed.
     let seed = effort.seed ^ stream.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mut random = Uniform(Xoshiro256PlusPlus::seed_from_u64(seed));
     let heaviest = heaviest(*brdf, *wo);
@@ -131,7 +132,7 @@ mod tests {
         stop_check::work_of,
     };
 
-    /// Smooth sheen seen from above reflects a millionth of the light: its samples weigh as little.
+    /// Smooth sheen seen from above reflects a millionth of the light, and its samples have small weights.
     #[test]
     fn lobes_that_reflect_little_are_drawn_as_quickly() {
         let wo = direction(0.3, 0.0);
@@ -150,7 +151,7 @@ mod tests {
         assert!(sheen < 100 && metal < 2, "{sheen} {metal} draws a sample");
     }
 
-    /// All that a lobe's samples can weigh is counted, or a search would wait for one for ever.
+    /// Rejected samples count as work, so a search that rejects all samples can be stopped.
     #[test]
     fn a_lobe_that_reflects_nothing_can_be_stopped() {
         #[derive(Debug)]

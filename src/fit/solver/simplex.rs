@@ -1,37 +1,38 @@
-//! The settings of a solver with a simplex that a recipe chooses.
+//! The settings of a solver with a simplex in a recipe.
 
 use serde::Serialize;
 
 use crate::named_list;
 
 named_list! {
-    /// Which number of the matrix skews a lobe in its plane of incidence, in the frame of the lobe's mean direction.
+    /// The element of the matrix that skews a lobe in its plane of incidence, in the frame of the lobe's mean
+    /// direction.
     pub enum Shear {
-        /// The third column's: it shifts the lobe along x, and leaves nothing behind it [Heitz et al. 2016].
+        /// An element of the third column. It shifts the lobe along x, and moves no part behind it [Heitz et al. 2016].
         X = "x",
-        /// The third row's: it tilts the lobe, and leaves a part of it behind.
+        /// An element of the third row. It tilts the lobe, and moves a part behind it.
         Z = "z",
     }
 }
 
 named_list! {
-    /// Where the search for a lobe's matrix starts.
+    /// The start of the search for a lobe's matrix.
     pub enum Start {
-        /// From the matrix of the lobe next to it: from the roughest lobe seen from above down to the roughness, then
-        /// down to the horizon.
+        /// The matrix of the neighbouring lobe. The sequence goes from the roughest lobe seen from above to the
+        /// roughness of the row, then to the horizon.
         Warm = "warm",
-        /// From the lobe's own location and scatter, so that entries do not depend on each other.
+        /// The lobe's own location and scatter. Entries then do not depend on each other.
         Independent = "independent",
     }
 }
 
-/// The choices of solver `nelder_mead`, which has a simplex.
+/// The settings of solver `nelder_mead`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Simplex {
-    /// Which number skews a lobe.
+    /// The element that skews a lobe.
     #[doc(hidden)]
     pub shear: Shear,
-    /// Where a search starts.
+    /// The start of a search.
     #[doc(hidden)]
     pub start: Start,
 }
@@ -43,13 +44,13 @@ impl Default for Simplex {
 }
 
 impl Simplex {
-    /// Which number skews a lobe.
+    /// The element that skews a lobe.
     #[must_use]
     pub fn shear(&self) -> Shear {
         self.shear
     }
 
-    /// Where a search starts.
+    /// The start of a search.
     #[must_use]
     pub fn start(&self) -> Start {
         self.start

@@ -1,4 +1,4 @@
-//! One lobe for a material, blended of the two that an entry may have.
+//! One lobe for a material, blended from the two lobes of an entry.
 
 use glam::DMat3;
 
@@ -8,14 +8,15 @@ use crate::{
     math::{from_row_major, row_major},
 };
 
-/// The part of a material's light that Schlick's fifth power weighs, which is the weight of the second lobe in its blend:
+/// The weight of the second lobe in a material's blend. It is the part of the material's light due to Schlick's fifth
+/// power:
 ///
 /// ```text
 /// w = (F90 - F0) fresnel / (F0 amplitude + (F90 - F0) fresnel)
 /// ```
 ///
-/// In \[0, 1\]: 0 for a material that reflects as much at grazing incidence as from above, or less, and for one that reflects
-/// nothing. Domain: F0 and F90 in \[0, 1\], finite terms.
+/// In \[0, 1\]. It is 0 for a material whose F90 is not above F0, and for a material without reflection. Domain: F0 and
+/// F90 in \[0, 1\], finite terms.
 #[must_use]
 pub fn blend_weight(terms: LobeTerms, f0: f64, f90: f64) -> f64 {
     let LobeTerms { amplitude, fresnel } = terms;
@@ -24,15 +25,15 @@ pub fn blend_weight(terms: LobeTerms, f0: f64, f90: f64) -> f64 {
     if reflected > 0.0 { weighed / reflected } else { 0.0 }
 }
 
-/// The matrix of the lobe between two: `(1 - w) M + w M_2`, both as a lookup gives them.
+/// The matrix of the blended lobe, `(1 - w) M + w M_2`. Both matrices are as a lookup returns them.
 #[must_use]
 pub fn blended(first: &DMat3, second: &DMat3, weight: f64) -> DMat3 {
     *first * (1.0 - weight) + *second * weight
 }
 
 impl LookedUp {
-    /// The same numbers with the lobe of a material of this F0, and F90 = 1, for their matrix: the blend of both lobes, where
-    /// there are two and the terms that weigh them. Domain: F0 in \[0, 1\].
+    /// The same numbers with the matrix of a material's lobe, for this F0 and F90 = 1. The matrix is the blend of both
+    /// lobes, if there are two lobes and terms. Domain: F0 in \[0, 1\].
     #[must_use]
     pub fn blended_for(&self, f0: f64) -> Self {
         let Some((second, (amplitude, fresnel))) = self.second.zip(self.amplitude.zip(self.fresnel)) else {

@@ -1,4 +1,4 @@
-//! Maps any configuration to the part of the domain that a table covers, and its matrix back.
+//! Maps any configuration to the domain of a table, and maps its matrix back.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -20,7 +20,7 @@ pub struct Configuration {
 }
 
 impl Configuration {
-    /// The place on a table's axes that serves this configuration, by symmetry: phi in the first quadrant.
+    /// The equivalent configuration on a table's axes, by symmetry: phi is in the first quadrant.
     #[must_use]
     pub fn folded(&self) -> PerAxis<f64> {
         let Folded { alpha, ratio, phi, .. } = Folded::of(self);
@@ -28,11 +28,12 @@ impl Configuration {
     }
 }
 
-/// A configuration with `alpha_x >= alpha_y` and phi in the first quadrant, and how to return to the original.
+/// A configuration with `alpha_x >= alpha_y` and phi in the first quadrant, and the steps back to the original
+/// configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Folded {
     pub(super) alpha: f64,
-    /// Smaller over larger roughness; one for a perfect mirror.
+    /// Smaller divided by larger roughness; one for a perfect mirror.
     pub(super) ratio: f64,
     pub(super) phi: f64,
     mirror_x: bool,
@@ -43,7 +44,7 @@ pub(super) struct Folded {
 impl Folded {
     /// Folds a configuration [KT et al. 2022, equations 13 and 15].
     pub(super) fn of(c: &Configuration) -> Self {
-        // Removes whole turns first. The remainder of a tiny negative angle rounds to a whole turn, which folds to
+        // Whole turns are removed first. The remainder of a tiny negative angle rounds to a whole turn, which folds to
         // zero.
         let turned = c.phi.rem_euclid(2.0 * PI);
         let (phi, mirror_x, mirror_y) = if turned <= FRAC_PI_2 {
@@ -63,10 +64,10 @@ impl Folded {
         Self { alpha, ratio, phi: phi.clamp(0.0, FRAC_PI_2), mirror_x, mirror_y, swap }
     }
 
-    /// The matrix of the configuration, given that of the folded one.
+    /// Converts the matrix of the folded configuration to the matrix of the original configuration.
     ///
-    /// Each mirror or swap `F` is applied on both sides, `F M F`: on the right it does not change the distribution,
-    /// and the determinant keeps its sign, so that light polygons keep their winding.
+    /// Each mirror or swap `F` is applied on both sides, `F M F`. The right side does not change the distribution. It
+    /// preserves the sign of the determinant, and so the winding of light polygons.
     pub(super) fn unfold(&self, mut m: DMat3) -> DMat3 {
         if self.swap {
             (m.x_axis, m.y_axis) = (m.y_axis, m.x_axis);
@@ -98,7 +99,7 @@ mod tests {
         DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
     }
 
-    /// Any phi within a few turns, with the folds and their neighbours among them.
+    /// Any phi within a few turns, including the folds and their neighbours.
     fn any_phi() -> impl Strategy<Value = f64> {
         let fold = (-9_i32..=9, -3_i64..=3).prop_map(|(quarter, ulps)| {
             let angle = f64::from(quarter) * FRAC_PI_2;
@@ -108,7 +109,7 @@ mod tests {
     }
 
     proptest! {
-        /// The lobe of the folded configuration, mapped by `F`, is the lobe of the original one.
+        /// The lobe of the folded configuration, mapped by `F`, is the lobe of the original configuration.
         #[test]
         fn unfolding_maps_the_folded_lobe_onto_the_lobe(
             alpha_x in 0.05..1.0, alpha_y in 0.05..1.0, theta in 0.0..1.5, phi in any_phi(), wi_theta in 0.0..1.5, wi_phi in 0.0..6.0,
@@ -116,7 +117,7 @@ mod tests {
             let c = Configuration { alpha_x, alpha_y, theta, phi };
             let folded = Folded::of(&c);
             prop_assert!((0.0..=FRAC_PI_2).contains(&folded.phi) && (0.0..=1.0).contains(&folded.ratio));
-            // F is the map that unfolding applies to a matrix's last column.
+            // Unfolding applies the map F to a matrix's last column.
             let f = |w: DVec3| folded.unfold(DMat3::from_cols(DVec3::ZERO, DVec3::ZERO, w)).z_axis;
             let (wo, wi) = (view(theta, folded.phi), view(wi_theta, wi_phi));
             prop_assert!((f(wo) - view(theta, phi)).length() < 1e-12);

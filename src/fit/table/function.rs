@@ -1,19 +1,19 @@
-//! A table of isotropic surfaces as a function: polynomials in roughness and view that a shader evaluates without a
+//! A table of isotropic surfaces as a function. A shader evaluates its polynomials in roughness and view without a
 //! texture.
 //!
-//! Six of the nine numbers of [`Table::smooth_numbers`] differ from zero where a surface is isotropic and seen from
-//! phi 0. Each is a polynomial in `x` and `y`,
+//! For an isotropic surface seen from phi 0, six of the nine numbers of [`Table::smooth_numbers`] are not zero. Each is
+//! a polynomial in `x` and `y`,
 //!
 //! ```text
 //! sum over i, j < 10 of c_ij T_i(x) T_j(y)
 //! x = from -1 to 1 over the table's roughness sqrt(alpha),    y = the same over its 1 - sqrt(cos theta)
 //! ```
 //!
-//! with Chebyshev's polynomials `T`. The coefficients are those of least squares at the nodes, weighed by the roughness
-//! and the angle for which a node stands, and rounded to multiples of 1/8192 or 1/16384 that 16 bits hold.
+//! with Chebyshev polynomials `T`. The coefficients are a least-squares fit at the nodes, weighted by the ranges of
+//! roughness and angle around each node. They are rounded to multiples of 1/8192 or 1/16384 that fit 16 bits.
 //!
-//! Fitted lobes scatter a little from one to the next. Least squares average this away, so that the function comes
-//! nearer to the truth than a fine table of layout `reflected`.
+//! Fitted lobes vary slightly from node to node. Least squares average this away, so the function is nearer to the
+//! truth than a fine table of layout `reflected`.
 
 use super::{Configuration, LookedUp, Table};
 use crate::{
@@ -24,53 +24,53 @@ use crate::{
     math::{cos, row_major, turned_about_z},
 };
 
-/// Polynomials along either axis.
+/// The number of polynomials along either axis.
 pub const FUNCTION_SIDE: usize = 10;
-/// The channels that are stored, by their places among the smooth numbers.
+/// The indices of the stored channels among the smooth numbers.
 const CHANNELS: [usize; 6] = [0, 2, 3, 5, 7, 8];
-/// The steps of their coefficients.
+/// The steps of the channels' coefficients.
 const STEPS: [f64; 6] = [1.0 / 8192.0, 1.0 / 8192.0, 1.0 / 8192.0, 1.0 / 16384.0, 1.0 / 16384.0, 1.0 / 16384.0];
-/// Fewest nodes along either axis: between those of a coarser table the polynomials would swing.
+/// The smallest number of nodes along either axis. With fewer nodes the polynomials would oscillate between them.
 const LEAST_NODES: usize = 32;
-/// Nodes along either axis of the table that measures the function.
+/// The number of nodes along either axis of the table that measures the function.
 const MEASURED_NODES: u32 = 128;
 
-/// A recipe of the tables that polynomials are found of.
+/// A recipe of a table that can be converted to a function.
 const RECIPE: &str = r#"{"preset": "paper", "layout": "reflected", "resolution": {"alpha": 64, "ratio": 1, "theta": 64, "phi": 1}, "range": {"ratio": [1, 1], "phi": [0, 0]}}"#;
 
-/// Why a table is no function of this kind.
+/// The reason why a table cannot be converted to a function.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum FunctionError {
     /// A table of anisotropic surfaces.
-    #[error("the table has {ratios} ratios and {phis} phi; allowed: the one ratio 1 and the one phi 0")]
+    #[error("the table has {ratios} ratios and {phis} phi; it must have only ratio 1 and phi 0")]
     Anisotropic {
         /// Nodes of ratio.
         ratios: usize,
         /// Nodes of phi.
         phis: usize,
     },
-    /// A layout whose numbers are not those of the lobes at the nodes.
+    /// A layout whose numbers do not represent the lobes at the nodes.
     #[error(
-        "the table has layout {layout}, whose numbers are chosen for what lies between its nodes; a recipe whose table serves: \
+        "layout {layout} chooses its numbers for the error between nodes, not for the lobes at nodes; a suitable recipe: \
          {RECIPE}"
     )]
     Chosen {
         /// The layout.
         layout: Layout,
     },
-    /// Too few nodes to find the polynomials.
+    /// Too few nodes to fit the polynomials.
     #[error("the table has {nodes} nodes of {axis}; allowed: at least {least}", least = LEAST_NODES)]
     Coarse {
         /// The axis.
         axis: &'static str,
-        /// Its nodes.
+        /// The number of nodes on the axis.
         nodes: usize,
     },
     /// A table without amplitude and Fresnel term.
     #[error("the table has no terms: its recipe needs \"terms\": true")]
     NoTerms,
-    /// A scattering model whose lobes are not near the reflection that the function is relative to.
-    #[error("the function stores lobes relative to a reflection, which those of brdf {brdf} do not follow")]
+    /// A scattering model whose lobes are not near the reflection.
+    #[error("the function stores lobes relative to a reflection, and lobes of brdf {brdf} do not follow it")]
     Reflection {
         /// The scattering model.
         brdf: BrdfKind,
@@ -80,24 +80,24 @@ pub enum FunctionError {
         "the table has two lobes an entry, and the function has one: leave field fresnel out, or name a mix of materials"
     )]
     TwoLobes,
-    /// A lobe model that the function's light is not of.
-    #[error("the function lights by LTCs, and the table has lobe {lobe}: a table of lobe ltc serves")]
+    /// A lobe model other than LTCs.
+    #[error("the function needs a table of lobe ltc; this table has lobe {lobe}")]
     Lobe {
         /// The lobe model.
         lobe: LobeModel,
     },
-    /// An entry without an inverse or with an amplitude of zero.
+    /// An entry with a singular matrix or an amplitude of zero.
     #[error("entry {entry} has a number that is not finite")]
     Entry {
-        /// Its index.
+        /// The index of the entry.
         entry: usize,
     },
-    /// Numbers that vary too much.
-    #[error("a coefficient of channel {channel} is {value}, which 16 bits do not hold")]
+    /// Numbers that vary too strongly.
+    #[error("a coefficient of channel {channel} is {value}, which does not fit 16 bits")]
     Large {
         /// The channel.
         channel: usize,
-        /// The coefficient, in its steps.
+        /// The coefficient in units of its step.
         value: String,
     },
 }
@@ -105,19 +105,19 @@ pub enum FunctionError {
 /// An isotropic table as polynomials.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IsotropicFunction {
-    /// By power of roughness, of view, and channel.
+    /// Coefficients by power of roughness, power of view, and channel.
     coefficients: [[[i16; 6]; FUNCTION_SIDE]; FUNCTION_SIDE],
-    /// Where `sqrt(alpha)` begins and ends.
+    /// The first and last `sqrt(alpha)`.
     roughness: [f64; 2],
-    /// Where `1 - sqrt(cos theta)` begins and ends.
+    /// The first and last `1 - sqrt(cos theta)`.
     view: [f64; 2],
 }
 
 impl IsotropicFunction {
-    /// The function that is nearest to a table.
+    /// Fits the function to a table.
     ///
     /// # Errors
-    /// When the table is not one of isotropic surfaces with terms and enough nodes.
+    /// If the table is not isotropic, or has no terms, too few nodes, or an unsuitable layout or model.
     pub fn of(table: &Table) -> Result<Self, FunctionError> {
         let PerAxis { alpha, ratio, theta, phi } = &table.axes;
         if ratio.as_slice() != [1.0] || phi.as_slice() != [0.0] {
@@ -173,27 +173,28 @@ impl IsotropicFunction {
         Ok(found)
     }
 
-    /// The coefficients in multiples of [`Self::steps`], by power of roughness, of view, and channel: `p`, `q`, the
-    /// slant of the third column, the last row, and the two terms, as `shaders/ltc_function.wgsl` takes them.
+    /// The coefficients in multiples of [`Self::steps`], by power of roughness, power of view, and channel. The
+    /// channels are `p`, `q`, the slant of the third column, the last row, and the two terms, as in
+    /// `shaders/ltc_function.wgsl`.
     #[must_use]
     pub fn coefficients(&self) -> &[[[i16; 6]; FUNCTION_SIDE]; FUNCTION_SIDE] {
         &self.coefficients
     }
 
-    /// The step of each channel: its coefficients are multiples of it.
+    /// The step of each channel. Its coefficients are multiples of the step.
     #[must_use]
     pub fn steps() -> [f64; 6] {
         STEPS
     }
 
-    /// The ends of `sqrt(alpha)` and of `1 - sqrt(cos theta)`; beyond them the function is that of the nearest end.
+    /// The ends of `sqrt(alpha)` and of `1 - sqrt(cos theta)`. Beyond an end the function is constant.
     #[must_use]
     pub fn ends(&self) -> [[f64; 2]; 2] {
         [self.roughness, self.view]
     }
 
-    /// The function as a table of layout `reflected` whose nodes are so near to each other that interpolation adds
-    /// nothing, to be measured.
+    /// Converts the function to a table of layout `reflected`, to measure it. The nodes are so dense that interpolation
+    /// adds no error.
     #[must_use]
     pub fn table(&self, source: &Table) -> Table {
         let range = |nodes: &[f64]| [nodes[0], nodes[nodes.len() - 1]];
@@ -210,7 +211,7 @@ impl IsotropicFunction {
         Table::of_smooth_numbers((source.brdf(), source.lobe, Layout::Reflected), axes, &numbers, true)
     }
 
-    /// The numbers that a shader computes: the lobe of the larger roughness, which is raised to [`ALPHA_FLOOR`], turned
+    /// The numbers that a shader computes. They are for the larger roughness, raised to [`ALPHA_FLOOR`], and turned
     /// with the view.
     #[must_use]
     pub fn lobe(&self, configuration: &Configuration) -> LookedUp {
@@ -250,12 +251,12 @@ fn view_of(theta: f64) -> f64 {
     1.0 - cos(theta.min(THETA_CEILING)).sqrt()
 }
 
-/// The place between two ends, from -1 to 1.
+/// The position between two ends, from -1 to 1.
 fn within(x: f64, [low, high]: [f64; 2]) -> f64 {
     (2.0 * (x - low) / (high - low) - 1.0).clamp(-1.0, 1.0)
 }
 
-/// Chebyshev's polynomials.
+/// The Chebyshev polynomials at `x`.
 fn chebyshev(x: f64) -> [f64; FUNCTION_SIDE] {
     let mut t = [1.0; FUNCTION_SIDE];
     t[1] = x;
@@ -265,7 +266,7 @@ fn chebyshev(x: f64) -> [f64; FUNCTION_SIDE] {
     t
 }
 
-/// The part of the axis for which each of ascending places stands.
+/// The length of the axis around each of the ascending positions.
 fn shares(places: &[f64]) -> Vec<f64> {
     let last = places.len() - 1;
     (0..=last).map(|i| 0.5 * (places[(i + 1).min(last)] - places[i.saturating_sub(1)])).collect()
@@ -275,7 +276,7 @@ fn shares(places: &[f64]) -> Vec<f64> {
 struct Projection(Vec<[f64; FUNCTION_SIDE]>);
 
 impl Projection {
-    /// Domain: at least [`FUNCTION_SIDE`] different places.
+    /// Domain: at least [`FUNCTION_SIDE`] different positions.
     fn new(places: &[f64], ends: [f64; 2], weights: &[f64]) -> Self {
         let basis: Vec<[f64; FUNCTION_SIDE]> = places.iter().map(|x| chebyshev(within(*x, ends))).collect();
         let mut normal = [[0.0; FUNCTION_SIDE]; FUNCTION_SIDE];
@@ -291,7 +292,7 @@ impl Projection {
         Self(basis.iter().zip(weights).map(column).collect())
     }
 
-    /// The coefficients of values at the places.
+    /// The coefficients of values at the positions.
     fn of(&self, value: impl Fn(usize) -> f64) -> [f64; FUNCTION_SIDE] {
         let mut sum = [0.0; FUNCTION_SIDE];
         for (i, column) in self.0.iter().enumerate() {
@@ -304,7 +305,7 @@ impl Projection {
 
 type Square = [[f64; FUNCTION_SIDE]; FUNCTION_SIDE];
 
-/// The lower factor `L` of a positive definite `L L^T`.
+/// The Cholesky factor: the lower triangle `L` of a positive definite `L L^T`.
 fn cholesky(matrix: &Square) -> Square {
     let mut factor = [[0.0; FUNCTION_SIDE]; FUNCTION_SIDE];
     for i in 0..FUNCTION_SIDE {
@@ -316,7 +317,7 @@ fn cholesky(matrix: &Square) -> Square {
     factor
 }
 
-/// `x` of `L L^T x = y`.
+/// Solves `L L^T x = y`.
 fn solved(factor: &Square, mut y: [f64; FUNCTION_SIDE]) -> [f64; FUNCTION_SIDE] {
     for i in 0..FUNCTION_SIDE {
         y[i] = (y[i] - (0..i).map(|k| factor[i][k] * y[k]).sum::<f64>()) / factor[i][i];

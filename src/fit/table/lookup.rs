@@ -1,4 +1,4 @@
-//! Reading a table at any configuration, as a shader would.
+//! Looks up a table at any configuration, like a shader.
 
 use glam::DMat3;
 
@@ -15,27 +15,27 @@ use crate::{
 pub struct LookedUp {
     /// `M` in the surface's tangent frame, row-major.
     pub matrix: [f64; 9],
-    /// The same of the second lobe, where the table's entries have two.
+    /// The matrix of the second lobe, if entries have two lobes.
     pub second: Option<[f64; 9]>,
     /// Directional albedo for a Fresnel factor of one, if the table has terms.
     pub amplitude: Option<f64>,
-    /// The same albedo, weighted by Schlick's fifth power, if the table has terms.
+    /// The albedo weighted by Schlick's fifth power, if the table has terms.
     pub fresnel: Option<f64>,
-    /// The same albedo, weighted by [`edge_weight`](crate::brdf::edge_weight), if the table has that term.
+    /// The albedo weighted by [`edge_weight`](crate::brdf::edge_weight), if the table has the edge term.
     pub edge: Option<f64>,
 }
 
-/// The two nodes of an axis that bracket a value.
+/// The two nodes of an axis around a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Bracket {
     lower: usize,
-    /// Weight of the node after `lower`, in [0, 1]; zero when there is none.
+    /// Weight of the node after `lower`, in [0, 1]; zero if there is no such node.
     weight: f64,
 }
 
 impl Bracket {
-    /// The nodes around `x`, of ascending ones; outside them, the nearest node. The weight is linear in the steps of
-    /// `spacing`.
+    /// The nodes around `x`; outside of the nodes, the nearest node. Nodes are ascending. The weight is linear in the
+    /// steps of `spacing`.
     fn find(nodes: &[f64], x: f64, spacing: Spacing) -> Self {
         let upper = nodes.partition_point(|node| *node <= x);
         if upper == 0 || upper == nodes.len() {
@@ -45,13 +45,13 @@ impl Bracket {
         Self { lower: upper - 1, weight: (x - low) / (high - low) }
     }
 
-    /// The nodes with their weights. A node without weight is left out, because it may not exist.
+    /// The nodes with their weights. Nodes of zero weight are left out, because they may not exist.
     fn corners(self) -> impl Iterator<Item = (usize, f64)> {
         [(self.lower, 1.0 - self.weight), (self.lower + 1, self.weight)].into_iter().filter(|(_, weight)| *weight > 0.0)
     }
 }
 
-/// The value within an axis's nodes that is nearest to `x`. Those of materials do not ascend.
+/// Clamps `x` to the range of an axis's nodes. Nodes of materials are not sorted.
 fn clamped(x: f64, nodes: &[f64]) -> f64 {
     let least = nodes.iter().copied().fold(f64::INFINITY, f64::min);
     let most = nodes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -59,9 +59,9 @@ fn clamped(x: f64, nodes: &[f64]) -> f64 {
 }
 
 impl Table {
-    /// The numbers of the table at a configuration. Phi may lie in any quadrant, and either roughness may be the larger
-    /// one. Outside the table's ranges the nearest configuration inside answers. Between nodes, weights are linear
-    /// along each axis. A table of [materials](crate::Layout::is_of_materials) answers with the nearest one.
+    /// The numbers of the table at a configuration. Phi can be in any quadrant, and either roughness can be larger.
+    /// Configurations outside of the table's ranges are clamped to them. Between nodes, weights are linear along each
+    /// axis. A table of [materials](crate::Layout::is_of_materials) returns its nearest material.
     ///
     /// Domain: finite numbers, and a table with at least one node on each axis.
     #[must_use]
@@ -83,39 +83,38 @@ impl Table {
         let second = self.second.as_deref().map(|matrices| unfolded(restored(matrices).matrix));
         let [amplitude, fresnel] =
             [lobe.terms.amplitude, lobe.terms.fresnel].map(|term| self.terms.as_ref().map(|_| term));
-        let told = edge_of_parts([lobe.terms.amplitude, lobe.terms.fresnel]);
-        let edge = self.edge_spread_at(&nearest).map(|spread| spread * told);
+        let one_incidence = edge_of_parts([lobe.terms.amplitude, lobe.terms.fresnel]);
+        let edge = self.edge_spread_at(&nearest).map(|spread| spread * one_incidence);
         LookedUp { matrix: unfolded(lobe.matrix), second, amplitude, fresnel, edge }
     }
 
-    /// The numbers of a table of [materials](crate::Layout::is_of_materials) for the one of this number, whose larger roughness is along x;
-    /// `None` where there is none.
+    /// The numbers of a table of [materials](crate::Layout::is_of_materials) for the material at this index, with the
+    /// larger roughness along x; `None` for an invalid index.
     #[must_use]
     pub fn lookup_material(&self, material: usize, theta: f64, phi: f64) -> Option<LookedUp> {
         let [alpha, ratio] = self.materials().nth(material)?;
         Some(self.lookup(&Configuration { alpha_x: alpha, alpha_y: alpha * ratio, theta, phi }))
     }
 
-    /// The number of the material that a lookup at a roughness finds; `None` in a table without materials.
+    /// The index of the material that a lookup at a roughness finds; `None` for a table without materials.
     #[must_use]
     pub fn material_near(&self, alpha: f64, ratio: f64) -> Option<usize> {
         self.layout.is_of_materials().then(|| nearest_material(self.materials(), alpha, ratio))
     }
 
-    /// Whether this is a table of isotropic surfaces with one phi, which serves every phi: the lobe turns with the
-    /// view.
+    /// True for a table of isotropic surfaces with one phi. It serves every phi, because the lobe turns with the view.
     #[must_use]
     pub fn serves_every_phi(&self) -> bool {
         self.axes.ratio.iter().all(|ratio| *ratio == 1.0) && self.axes.phi.len() == 1
     }
 
-    /// The edge's spread at a place within the nodes, which every layout stores as it is.
+    /// The edge's spread at a point within the nodes. All layouts store it without a change.
     fn edge_spread_at(&self, place: &PerAxis<f64>) -> Option<f64> {
         let edge = self.terms.as_ref()?.edge.as_ref()?;
         Some(self.corners(&self.brackets(place)).map(|(index, weight)| weight * f64::from(edge[index])).sum())
     }
 
-    /// The nodes around a place within them.
+    /// The nodes around a point within the nodes.
     fn brackets(&self, place: &PerAxis<f64>) -> PerAxis<Bracket> {
         let axes = &self.axes;
         let spacing = self.layout.rules().weights();
@@ -136,8 +135,8 @@ impl Table {
         }
     }
 
-    /// One of the stored matrices and the terms, interpolated between the entries around a place within the nodes. The
-    /// terms are zero in a table without terms.
+    /// Matrix and terms, interpolated between the entries around a point within the nodes. The terms are zero for a
+    /// table without terms.
     fn interpolate(&self, matrices: &[[f32; 9]], place: &PerAxis<f64>) -> LobeNumbers {
         let (mut matrix, mut terms) = ([0.0; 9], [0.0; 2]);
         for (index, weight) in self.corners(&self.brackets(place)) {
@@ -153,7 +152,7 @@ impl Table {
         LobeNumbers { matrix: from_row_major(&matrix), terms: LobeTerms { amplitude, fresnel } }
     }
 
-    /// The entries around a place, with weights whose sum is one.
+    /// The entries around a point, with weights that add up to one.
     fn corners(&self, place: &PerAxis<Bracket>) -> impl Iterator<Item = (usize, f64)> {
         let PerAxis { ratio, theta, phi, .. } = self.lengths();
         let place = *place;

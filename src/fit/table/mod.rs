@@ -1,6 +1,6 @@
-//! A fitted table, and how it is looked up.
+//! A fitted table and its lookup.
 //!
-//! Invariant: `table` knows how a table is read, not how it came to be.
+//! Invariant: `table` reads tables, and does not know how they were fitted.
 
 mod blend;
 mod fold;
@@ -23,28 +23,29 @@ pub use function::planted::planted as planted_isotropic;
 pub use function::{FUNCTION_SIDE, FunctionError, IsotropicFunction};
 pub use lookup::LookedUp;
 
-/// Preintegrated terms of each entry [Hill and Heitz 2016]: reflectance is `F0 (amplitude - fresnel) + F90 fresnel`.
+/// Preintegrated terms of each entry [Hill and Heitz 2016]. The reflectance is
+/// `F0 (amplitude - fresnel) + F90 fresnel`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Terms {
     /// Directional albedo for a Fresnel factor of one.
     pub amplitude: Vec<f32>,
-    /// The same albedo, weighted by Schlick's fifth power.
+    /// The albedo weighted by Schlick's fifth power.
     pub fresnel: Vec<f32>,
-    /// The [`edge_spread`](crate::brdf::edge_spread), where the recipe asks for it: the same albedo, weighted by F82's edge, as
-    /// a part of what the other two tell.
+    /// The [`edge_spread`](crate::brdf::edge_spread), if the recipe requests it: the albedo weighted by F82's edge
+    /// weight, relative to its estimate from the other two terms.
     pub edge: Option<Vec<f32>>,
 }
 
-/// A table as it is stored. Every vector has one element an entry, in the order of [`PerAxis`].
+/// A stored table. Every vector has one element for each entry, in the order of [`PerAxis`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// The scattering model that was fitted.
+    /// The scattering model to which the table was fitted.
     #[doc(hidden)]
     pub brdf: BrdfModel,
-    /// The distribution that stands for a lobe.
+    /// The distribution that represents a lobe.
     #[doc(hidden)]
     pub lobe: LobeModel,
-    /// The layout, which defines what the stored numbers mean.
+    /// The layout, which defines the meaning of the stored numbers.
     #[doc(hidden)]
     pub layout: Layout,
     /// Ascending nodes of each axis.
@@ -53,37 +54,37 @@ pub struct Table {
     /// Stored matrices, row-major.
     #[doc(hidden)]
     pub matrix: Vec<[f32; 9]>,
-    /// Stored matrices of the second lobe, where entries have two.
+    /// Stored matrices of the second lobe, if entries have two lobes.
     #[doc(hidden)]
     pub second: Option<Vec<[f32; 9]>>,
-    /// Terms, where the recipe asks for them.
+    /// Terms, if the recipe requests them.
     #[doc(hidden)]
     pub terms: Option<Terms>,
-    /// Sliced Wasserstein error of each entry on samples and directions that the fit did not see.
+    /// Sliced Wasserstein error of each entry on held-out samples and directions.
     #[doc(hidden)]
     pub node_error: Vec<f32>,
 }
 
 impl Table {
-    /// The scattering model that was fitted.
+    /// The scattering model to which the table was fitted.
     #[must_use]
     pub fn brdf(&self) -> BrdfKind {
         self.brdf.kind()
     }
 
-    /// The scattering model with the file that a tabulated one is of.
+    /// The scattering model, including the file of a tabulated BRDF.
     #[must_use]
     pub fn model(&self) -> &BrdfModel {
         &self.brdf
     }
 
-    /// The distribution that stands for a lobe.
+    /// The distribution that represents a lobe.
     #[must_use]
     pub fn lobe(&self) -> LobeModel {
         self.lobe
     }
 
-    /// The layout, which defines what the stored numbers mean.
+    /// The layout, which defines the meaning of the stored numbers.
     #[must_use]
     pub fn layout(&self) -> Layout {
         self.layout
@@ -95,8 +96,8 @@ impl Table {
         &self.axes
     }
 
-    /// Nodes on each axis, whose product is the number of entries: of [materials](Layout::is_of_materials) as many as alpha
-    /// has, each with one ratio.
+    /// The number of nodes on each axis; their product is the number of entries. For
+    /// [materials](Layout::is_of_materials) alpha counts the materials, and ratio is 1.
     #[must_use]
     pub fn lengths(&self) -> PerAxis<usize> {
         self.layout.lengths(&self.axes)
@@ -108,14 +109,15 @@ impl Table {
         self.layout.node(&self.axes, entry)
     }
 
-    /// The pairs of alpha and ratio of a table of [materials](Layout::is_of_materials), by their numbers; none of others.
+    /// The pairs of alpha and ratio of a table of [materials](Layout::is_of_materials), by index; empty for other
+    /// tables.
     pub fn materials(&self) -> impl Iterator<Item = [f64; 2]> + Clone {
         let pairs = self.axes.alpha.iter().zip(&self.axes.ratio).map(|(alpha, ratio)| [*alpha, *ratio]);
         pairs.take(if self.layout.is_of_materials() { usize::MAX } else { 0 })
     }
 
-    /// The number that textures have beside the terms of an entry: of materials alpha at the first theta, the ratio at the
-    /// second; else zero.
+    /// The number in the unused channel of the terms' texture. For materials it is alpha at the first theta and the
+    /// ratio at the second theta. It is zero otherwise.
     #[must_use]
     pub fn beside_terms(&self, entry: usize) -> f32 {
         if !self.layout.is_of_materials() {
@@ -135,38 +137,38 @@ impl Table {
         &self.matrix
     }
 
-    /// The matrices of the second lobe, where entries have two: see [`LobeFresnel`].
+    /// The matrices of the second lobe, if entries have two lobes: see [`LobeFresnel`].
     #[must_use]
     pub fn second_matrices(&self) -> Option<&[[f32; 9]]> {
         self.second.as_deref()
     }
 
-    /// The table's axes as shaders read them. Domain: nodes of its layout, which those of every file are.
+    /// The table's axes as shaders read them. Domain: nodes of its layout; all table files have them.
     #[must_use]
     pub fn shader_axes(&self) -> ShaderAxes {
         let axes = self.layout.shader_axes(&self.axes);
         if self.second.is_some() { axes.with_second() } else { axes }
     }
 
-    /// How the second lobe is used, where entries have two.
+    /// The use of the second lobe, if entries have two lobes.
     #[must_use]
     pub fn second_lobe(&self) -> Option<SecondLobe> {
         self.brdf.fresnel().second()
     }
 
-    /// The table of the second lobe alone, of the same layout, axes and terms; `None` where entries have one lobe. The lobe
-    /// that it stands for is that of Schlick's fifth power.
+    /// The table of the second lobe alone, with the same layout, axes and terms; `None` if entries have one lobe. It
+    /// represents the lobe of Schlick's fifth power.
     #[must_use]
     pub fn of_second(&self) -> Option<Self> {
         let matrix = self.second.clone()?;
-        // That a blend reaches by way of a dielectric's is next to it.
+        // The second lobe of blended lobes is close to this lobe.
         let of_power = LobeFresnel::mix(vec![WeightedF0 { f0: SecondLobe::Integrated.fitted_f0(), weight: 1.0 }]);
         let brdf = self.brdf.clone().with_fresnel(of_power.unwrap_or_default());
         Some(Self { brdf, matrix, second: None, ..self.clone() })
     }
 
-    /// The determinant of each stored matrix, where entries have two lobes the lesser. Where it is zero or not finite, the
-    /// matrix makes no distribution; where it is negative, a light's winding is reversed.
+    /// The determinant of each stored matrix. If entries have two lobes, it is the smaller determinant. If it is zero
+    /// or not finite, the matrix has no distribution. If it is negative, a light's winding is reversed.
     pub fn determinants(&self) -> impl Iterator<Item = f64> {
         let of = |matrix: &[f32; 9]| from_row_major(&matrix.map(f64::from)).determinant();
         self.matrix.iter().enumerate().map(move |(entry, matrix)| {
@@ -176,19 +178,19 @@ impl Table {
         })
     }
 
-    /// The place of an entry in words, for messages.
+    /// The node of an entry as text, for messages.
     #[must_use]
     pub fn place_of(&self, entry: usize) -> String {
         self.node(entry).named().map(|(axis, x)| format!("{axis} {x:.4}")).join(", ")
     }
 
-    /// Terms, where the table has them.
+    /// Terms, if the table has them.
     #[must_use]
     pub fn terms(&self) -> Option<&Terms> {
         self.terms.as_ref()
     }
 
-    /// Sliced Wasserstein error of each entry on samples and directions that the fit did not see.
+    /// Sliced Wasserstein error of each entry on held-out samples and directions.
     #[must_use]
     pub fn node_error(&self) -> &[f32] {
         &self.node_error
@@ -202,13 +204,14 @@ impl Terms {
         &self.amplitude
     }
 
-    /// The same albedo, weighted by Schlick's fifth power.
+    /// The albedo of each entry, weighted by Schlick's fifth power.
     #[must_use]
     pub fn fresnel(&self) -> &[f32] {
         &self.fresnel
     }
 
-    /// The same albedo, weighted by F82's edge, as a part of what the other two tell, if the table has that term.
+    /// The albedo of each entry weighted by F82's edge weight, relative to its estimate from the other two terms, if
+    /// the table has this term.
     #[must_use]
     pub fn edge(&self) -> Option<&[f32]> {
         self.edge.as_deref()

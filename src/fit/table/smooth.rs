@@ -1,4 +1,4 @@
-//! A table as numbers that vary smoothly, and back.
+//! Converts a table to numbers that vary smoothly, and back.
 
 use super::{Table, Terms};
 use crate::{
@@ -10,7 +10,7 @@ use crate::{
 };
 
 impl Table {
-    /// The [`SMOOTH_NUMBERS`] of each entry, the two of its terms zero in a table without terms.
+    /// The [`SMOOTH_NUMBERS`] of each entry. The two numbers of the terms are zero for a table without terms.
     #[must_use]
     pub fn smooth_numbers(&self) -> Vec<[f64; SMOOTH_NUMBERS]> {
         let entry = |(index, matrix): (usize, &[f32; 9])| {
@@ -27,7 +27,7 @@ impl Table {
         self.matrix.iter().enumerate().map(entry).collect()
     }
 
-    /// The table of these numbers, one row for each entry. What they do not tell, `node_error`, is NaN throughout.
+    /// The table of these numbers, one row for each entry. They do not contain `node_error`, which becomes NaN.
     #[must_use]
     pub fn of_smooth_numbers(
         (brdf, lobe, layout): (BrdfKind, LobeModel, Layout),

@@ -6,7 +6,7 @@ use super::*;
 use crate::{LightModel, Lighting, PolygonLight, TableUse, by_table_as, cases::Draw};
 use ltcforge_fit::{BrdfKind, Sides, Table, math::recurrence4, terms_of};
 
-/// Surfaces and views to 88 degrees.
+/// Surfaces with views to 88 degrees.
 fn places(count: usize) -> impl Iterator<Item = Configuration> {
     (0..count).map(|i| {
         let [root, ratio, theta, phi] = recurrence4(i, [0.3, 0.7, 0.2, 0.9]);
@@ -16,7 +16,7 @@ fn places(count: usize) -> impl Iterator<Item = Configuration> {
     })
 }
 
-/// As docs/energy.md says.
+/// The limits are the figures of docs/materials.md.
 #[test]
 fn the_cubic_is_near_the_mean_of_samples() {
     let errors: Vec<f64> = places(1500)
@@ -32,7 +32,7 @@ fn the_cubic_is_near_the_mean_of_samples() {
     assert!(mean < 0.0055 && most < 0.06, "{mean} {most}");
 }
 
-/// The frame may be turned by a quarter and mirrored, and f32 is near.
+/// The albedo does not change if the frame turns by a right angle or is mirrored. f32 is close to f64.
 #[test]
 fn the_albedo_has_the_surface_s_symmetries() {
     for at in places(300) {
@@ -49,14 +49,14 @@ fn the_albedo_has_the_surface_s_symmetries() {
     assert!((mirror - 1.0).abs() < 1e-3, "{mirror}");
 }
 
-/// A ceiling that fills the sky, all but the horizon.
+/// A ceiling that covers the sky except for the horizon.
 fn sky() -> PolygonLight {
     let corners = [[-1e4, -1e4, 1.0], [1e4, -1e4, 1.0], [1e4, 1e4, 1.0], [-1e4, 1e4, 1.0]];
     PolygonLight::new(corners.map(DVec3::from_array).to_vec(), Sides::Two).expect("a light")
 }
 
-/// White metal under light from everywhere: a table's reflects what it has, so that only its LTC's part below the
-/// surface is missing, and none where it is cut; `normals` is off by its own error and the cubic's.
+/// White metal under uniform light. A table reflects all light, except for the part of its LTC below the surface; if
+/// the LTC is cut, nothing is missing. Model `normals` has its own error and the error of the cubic.
 #[test]
 fn white_metal_reflects_all_of_a_white_sky() {
     let table = crate::cases::cosine(BrdfKind::Ggx.into());

@@ -1,19 +1,20 @@
-//! The light of GGX by one Gaussian on the sphere: the cheapest of the models, and the coarsest. No table.
+//! The light of GGX from one Gaussian on the sphere, without a table. It is the cheapest and the coarsest model.
 //!
-//! The lobe is one spherical Gaussian, round or stretched, times one weight of shadowing and one Fresnel factor
-//! [Wang et al. 2009; Xu et al. 2013; Pettineo 2016, «SG Series Part 4»]:
+//! The lobe is one spherical Gaussian, round or stretched, times one weight for shadowing and one Fresnel factor [Wang
+//! et al. 2009; Xu et al. 2013; Pettineo 2016, «SG Series Part 4»]:
 //!
 //! ```text
 //! f(w) cos w  ~  W / (pi a1 a2) exp(-x^2 - y^2),    (x, y) = d in the basis t1, t2 of the plane,
 //! d = w_p sqrt(2 / (1 + w . r)),   w_p = w - (w . r) r
 //! ```
 //!
-//! `r` is the direction to which a middle normal reflects, `t1` and `t2` are how far the reflection moves when that
-//! normal tilts by a deviation, of lengths `a1` and `a2` where they are perpendicular, and `d` is the equal-area
-//! projection around `r`, of length `2 sin(angle / 2)`. In it a spherical Gaussian `exp(L (w . r - 1))` is a Gaussian
-//! of the plane exactly, with `L = 2 / a^2` (`lobe.rs`, `fit::lobe::gaussian`). A polygon's part of it is an area in
-//! the square that the error function maps the plane to (`fit::lobe::gaussian::covered`); the light of a spherical
-//! Gaussian is a convolution of two (`sg_light.rs`). `docs/gaussians.md` derives all of it and has the errors.
+//! `r` is the reflection of the view at a central normal. `t1` and `t2` are the movements of the reflection if this
+//! normal tilts by a deviation; where they are perpendicular, their lengths are `a1` and `a2`. `d` is the equal-area
+//! projection around `r`, of length `2 sin(angle / 2)`. In it a spherical Gaussian `exp(L (w . r - 1))` is exactly a
+//! Gaussian of the plane, with `L = 2 / a^2` (`lobe.rs`, `fit::lobe::gaussian`). The error function maps the plane to a
+//! square, and a polygon's part of the Gaussian is an area there (`fit::lobe::gaussian::covered`). The light of a
+//! spherical Gaussian is a convolution of two Gaussians (`sg_light.rs`). `studies/gaussians.md` has the derivation and
+//! the errors.
 
 mod lobe;
 mod model;
@@ -34,12 +35,12 @@ use ltcforge_fit::{
     math::{Scalar, Triple},
 };
 
-/// The light of a polygon of radiance one that GGX reflects towards `wo`, by a Gaussian: for a Fresnel factor of one,
-/// and its part weighed by Schlick's `(1 - wo . h)^5`, both in [0, 1].
+/// The light of a polygon of radiance one that GGX reflects towards `wo`, computed with a Gaussian. Returns the light
+/// for a Fresnel factor of one and the light weighted by Schlick's `(1 - wo . h)^5`, both in [0, 1].
 ///
-/// The vertices of the convex polygon are relative to the shaded point in its tangent frame, normal +z; the lit side is
-/// that from which they run clockwise. What lies below the surface is cut off. Domain: `alpha` in [1e-5, 1], `wo` of
-/// length one with `z > 0`, finite vertices.
+/// The vertices of the convex polygon are relative to the shaded point in its tangent frame, normal +z. They run
+/// clockwise as seen from the lit side. The part below the surface is cut off. Domain: `alpha` in [1e-5, 1], `wo` of
+/// unit length with `z > 0`, finite vertices.
 #[must_use]
 pub fn reflected<T: Scalar>(
     gaussian: Gaussian,
@@ -51,7 +52,7 @@ pub fn reflected<T: Scalar>(
     reflected_around(Warp::Visible, gaussian, (alpha, wo), vertices, sides)
 }
 
-/// As [`reflected`], by the Gaussian of a warp.
+/// Like [`reflected`], with the Gaussian of a warp.
 pub(crate) fn reflected_around<T: Scalar>(
     warp: Warp,
     gaussian: Gaussian,
@@ -64,10 +65,10 @@ pub(crate) fn reflected_around<T: Scalar>(
     lobe.parts().map(|part| part * covered)
 }
 
-/// The reflected light of a polygon, as [`reflected`] has it, from a Gaussian and its reflection of all directions of
-/// its plane together, for a Fresnel factor of one and weighed by Schlick's.
+/// The reflected light of a polygon, like [`reflected`], for a given Gaussian. `parts` are the reflections of all
+/// directions of its plane together, for a Fresnel factor of one and weighted by Schlick's factor.
 ///
-/// A table's Gaussian is cut at the horizon, so that the first may be more than one. The reflected light is not.
+/// A table's Gaussian is cut at the horizon, so the first part can exceed one. The reflected light does not.
 #[must_use]
 pub fn reflected_by<T: Scalar>(
     shape: &SphericalGaussian<T>,

@@ -7,12 +7,12 @@ use crate::{
 };
 use ltcforge_fit::{Configuration, LobeModel};
 
-/// A model as an item of [`crate::LightModel`].
+/// A Gaussian as an item of [`crate::LightModel`].
 pub(crate) struct GaussianModel(Gaussian);
 
-/// The round one.
+/// The round Gaussian.
 pub(crate) const SG: GaussianModel = GaussianModel(Gaussian::Sg);
-/// The stretched one.
+/// The stretched Gaussian.
 pub(crate) const ASG: GaussianModel = GaussianModel(Gaussian::Asg);
 
 impl ModelOfLight for GaussianModel {
@@ -43,7 +43,8 @@ impl Formula for GaussianModel {
     }
 }
 
-/// The light that a surface reflects by a Gaussian, in f64. Shapes are lit as by [`by_normals`](crate::by_normals).
+/// The light that a surface reflects, computed with a Gaussian in f64. Shapes are handled as in
+/// [`by_normals`](crate::by_normals).
 ///
 /// # Errors
 /// As [`by_normals`](crate::by_normals).
@@ -55,7 +56,7 @@ pub fn by_gaussian<'a>(
     by_warp(at, light, gaussian, Warp::Visible)
 }
 
-/// As [`by_gaussian`], by the Gaussian of a warp.
+/// Like [`by_gaussian`], with the Gaussian of a warp.
 ///
 /// # Errors
 /// As [`by_gaussian`].

@@ -1,4 +1,4 @@
-//! The Gaussians against quadrature, their limits, and how far they are from GGX.
+//! Compares the Gaussians with quadrature and with their limits, and measures their difference from GGX.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -8,7 +8,7 @@ use super::*;
 use crate::cases::{Draw, Lit, Roughness};
 use ltcforge_fit::math::{cos, direction, exp, sin_cos};
 
-/// Surfaces from the sharpest to the roughest, needles among them.
+/// Surfaces from the sharpest to the roughest, including needles.
 const SURFACES: [[f64; 2]; 6] = [[1e-5, 1e-5], [0.01, 0.01], [0.2, 0.05], [0.5, 0.5], [1.0, 1e-5], [1.0, 1.0]];
 
 fn square(centre: DVec3, half: f64) -> Vec<[f64; 3]> {
@@ -17,7 +17,7 @@ fn square(centre: DVec3, half: f64) -> Vec<[f64; 3]> {
     [centre - x - y, centre + x - y, centre + x + y, centre - x + y].map(|v| v.to_array()).to_vec()
 }
 
-/// The integral of `f` over all directions, on a grid even in azimuth and height.
+/// The integral of `f` over all directions, on a grid that is uniform in azimuth and height.
 fn over_sphere(f: impl Fn([f64; 3]) -> f64) -> f64 {
     const SIDE: u32 = 1200;
     let step = std::f64::consts::TAU / f64::from(SIDE);
@@ -42,13 +42,13 @@ fn seen_face_on_both_warps_are_the_sharpness_of_the_article() {
                 let lobe = Lobe::new(gaussian, warp, [alpha, alpha], wo);
                 let w = direction(0.1, 0.4);
                 let [x, y] = lobe.shape.at(w.to_array());
-                // L (1 - cos), L = 2 / alpha^2 / 4.
+                // The wanted exponent is L (1 - cos) with L = 2 / alpha^2 / 4.
                 let wanted = 0.5 / (alpha * alpha) * (1.0 - cos(0.1));
                 assert!((x * x + y * y - wanted).abs() < 1e-9 * wanted && lobe.shape.axis == wo, "{gaussian} {warp:?}");
             }
         }
     }
-    // Seen from the side the warp around the surface's normal has the two sharpnesses of Xu et al.
+    // Seen from the side, the warp around the surface normal has the two sharpnesses of Xu et al.
     let (theta, alpha) = (0.9, 0.2);
     let wo = direction(theta, 0.0).to_array();
     let lobe = Lobe::new(Gaussian::Asg, Warp::Surface, [alpha, alpha], wo);
@@ -56,7 +56,7 @@ fn seen_face_on_both_warps_are_the_sharpness_of_the_article() {
     let lengths = lobe.shape.rows.map(|row| DVec3::from(row).length());
     let wanted = [0.5 / alpha, 0.5 / (alpha * cos(theta))];
     assert!(lengths.iter().zip(wanted).all(|(found, wanted)| (found - wanted).abs() < 1e-9 * wanted), "{lengths:?}");
-    // And the round one their geometric mean.
+    // The round Gaussian has their geometric mean.
     let round = Lobe::new(Gaussian::Sg, Warp::Surface, [alpha, alpha], wo);
     let sharpness = DVec3::from(round.shape.rows[0]).length_squared();
     assert!((sharpness - wanted[0] * wanted[1]).abs() < 1e-9 * sharpness, "{sharpness}");
@@ -95,7 +95,7 @@ fn narrow_gaussians_have_their_weight_as_integral() {
     }
 }
 
-/// The part that a light covers, by the rule of the polygon and by quadrature of the Gaussian itself.
+/// Compares the part over a light, from the polygon's rule, with a quadrature of the Gaussian.
 #[test]
 fn polygons_cover_about_what_the_gaussian_has_over_them() {
     let (mut sum, mut most, mut count) = (0.0, 0.0_f64, 0);
@@ -129,7 +129,7 @@ fn a_mirror_reflects_all_of_a_light_or_nothing() {
             let wo = direction(theta, 0.3);
             let mirror = DVec3::new(-wo.x, -wo.y, wo.z);
             for (k, half) in (0..40_u32).flat_map(|k| [0.45, 1.2, 7.0].map(|half| (k, half))) {
-                // The largest reach behind the mirror's direction.
+                // The largest extent behind the mirror direction.
                 let light = square(mirror + 1.2 * half * direction(1.1, f64::from(k)), half);
                 let edge = |i: usize| DVec3::from(light[i]).cross(DVec3::from(light[(i + 1) % 4])).dot(mirror);
                 let is_lit = (0..4).all(|i| edge(i) > 0.0);
@@ -151,7 +151,7 @@ fn a_tiny_light_reflects_its_size_times_the_density() {
                 let centre = (DVec3::from(lobe.shape.axis) + DVec3::new(0.7, -0.4, 0.2) * towards).normalize();
                 let [energy, fresnel] = reflected(gaussian, alpha, wo, &square(centre, 5e-4), Sides::One);
                 let wanted = lobe.density(centre.to_array()) * 1e-6;
-                // The derivative of the error function is within a part of its middle's.
+                // The derivative of the error function is approximately its value at the centre.
                 let middle = lobe.weight * lobe.shape.peak() * 1e-6;
                 assert!((energy - wanted).abs() < 0.03 * middle, "{gaussian} {alpha:?} {towards}: {energy} {wanted}");
                 assert!((fresnel - energy * lobe.schlick).abs() < 1e-12);
@@ -192,7 +192,7 @@ fn every_light_on_every_surface_is_finite_and_no_brighter_than_itself() {
         }
     }
     assert!(lit > 100, "{lit}");
-    // Below the surface there is nothing.
+    // The part below the surface is zero.
     let below = square(DVec3::new(0.2, 0.1, -0.9), 0.2);
     assert_eq!(reflected(Gaussian::Asg, [0.5; 2], [0.0, 0.0, 1.0], &below, Sides::Two), [0.0; 2]);
 }
@@ -224,7 +224,7 @@ fn the_light_of_a_gaussian_is_an_inner_product() {
             assert!((fresnel - energy * lobe.schlick).abs() < 1e-12);
         }
     }
-    // A light as sharp as a point, and one as wide as the sky.
+    // Tests a light as sharp as a point and a light as wide as the sky.
     let wo = [0.0, 0.0, 1.0];
     let of = |sharpness| {
         reflected_sg(Gaussian::Sg, [0.5_f64; 2], wo, &SgLight { axis: [0.6, 0.0, 0.8], sharpness, amplitude: 1.0 })[0]
@@ -234,7 +234,8 @@ fn the_light_of_a_gaussian_is_an_inner_product() {
     assert!((of(1e9) - point).abs() < 1e-6 * point && (of(1e-9) - lobe.weight).abs() < 1e-6);
 }
 
-/// Lights that the horizon cuts, on a rough surface seen face on: the horizon is as far from the axis everywhere.
+/// Tests lights that the horizon cuts, on a rough surface seen from above. The horizon has the same distance from the
+/// axis everywhere.
 #[test]
 fn single_and_double_precision_agree_where_the_horizon_is_a_quarter_away() {
     for (gaussian, k) in Gaussian::ALL.iter().flat_map(|gaussian| (0..60_u32).map(move |k| (*gaussian, f64::from(k)))) {
@@ -247,10 +248,10 @@ fn single_and_double_precision_agree_where_the_horizon_is_a_quarter_away() {
     }
 }
 
-/// Places on the cap of visible normals: part of its height, part of a turn.
+/// Positions on the cap of visible normals: part of its height, part of a turn.
 const POINTS: [[f64; 2]; 4] = [[0.1, 0.1], [0.35, 0.7], [0.6, 0.35], [0.85, 0.9]];
 
-/// The reflected light, as the mean over visible normals of `G2 / G1` times the radiance that they reflect.
+/// The reflected light, as the mean over visible normals of `G2 / G1` times the radiance in the reflected direction.
 fn over_normals(alpha: [f64; 2], wo: DVec3, radiance: impl Fn(DVec3) -> f64) -> f64 {
     const SIDE: u32 = 160;
     let stretch = DVec3::new(alpha[0], alpha[1], 1.0);
@@ -265,7 +266,7 @@ fn over_normals(alpha: [f64; 2], wo: DVec3, radiance: impl Fn(DVec3) -> f64) -> 
     sum / f64::from(2 * SIDE * SIDE)
 }
 
-/// The reflection of the visible normal at a part of the cap's height, and of a turn.
+/// The reflection of the visible normal at a part of the cap's height and of a turn.
 fn reflected_at(alpha: [f64; 2], wo: DVec3, [height, turn]: [f64; 2]) -> DVec3 {
     let stretch = DVec3::new(alpha[0], alpha[1], 1.0);
     let s = (stretch * wo).normalize();
@@ -275,7 +276,7 @@ fn reflected_at(alpha: [f64; 2], wo: DVec3, [height, turn]: [f64; 2]) -> DVec3 {
     h * (2.0 * wo.dot(h)) - wo
 }
 
-/// Why the warp is around the middle visible normal.
+/// Shows why the warp is around the central visible normal.
 #[test]
 fn the_warp_around_the_surface_s_normal_is_farther_off() {
     let mut errors = [0.0; 2];
@@ -301,7 +302,7 @@ fn the_warp_around_the_surface_s_normal_is_farther_off() {
     assert!(visible < 0.7 * surface && visible < 0.05, "{visible} {surface}");
 }
 
-/// Lights of spherical Gaussians around the reflections of surfaces, each Gaussian with both warps.
+/// Tests lights of spherical Gaussians around the reflections of surfaces, with Gaussians of both warps.
 #[test]
 fn the_light_of_gaussians_is_as_far_off_as_the_docs_say() {
     let mut errors = [0.0; 4];
@@ -328,20 +329,20 @@ fn the_light_of_gaussians_is_as_far_off_as_the_docs_say() {
     assert!(asg < 0.053 && asg < asg_warp && sg < 0.078 && sg < sg_warp, "{sg} {asg} {sg_warp} {asg_warp}");
 }
 
-/// The largest difference between the tellings of one scene that is lit from both sides, over several scenes, and the
+/// The largest difference between the descriptions of the same scene, over several scenes lit from both sides, and the
 /// sum of the light.
 fn between_tellings(scenes: &[Lit], of: impl Fn(&Lit) -> f64) -> (f64, f64) {
     scenes.iter().fold((0.0, 0.0), |(most, sum), scene| {
         let energy = of(scene);
-        let off = scene.tellings().map(|told| (of(&told) - energy).abs()).fold(most, f64::max);
+        let off = scene.tellings().map(|scene_variant| (of(&scene_variant) - energy).abs()).fold(most, f64::max);
         (off, sum + energy)
     })
 }
 
 #[test]
-fn a_scene_is_lit_equally_however_it_is_told() {
+fn a_scene_is_lit_equally_in_every_description() {
     for roughness in [Roughness::All, Roughness::Anisotropic] {
-        // Half of the lights are as large as the sky, with edges that pass behind the lobe.
+        // Half of the lights are as large as the sky, and their edges pass behind the lobe.
         let mut draw = Draw::new(7);
         let scenes: Vec<Lit> =
             (0..600).map(|k| draw.lit_by(roughness, if k % 2 == 0 { [0.05, 1.2] } else { [1.0, 8.0] })).collect();

@@ -1,13 +1,14 @@
-//! The integral of the clamped cosine over the directions in which an ellipse is seen, in closed form.
+//! The integral of the clamped cosine over the solid angle of an ellipse, in closed form.
 //!
 //! Seen from the origin, the ellipse `c + cos t x + sin t y` is a cone of directions. With `S = x x^T + y y^T - c c^T`,
-//! a plane through the origin with normal `n` cuts the cone just if `n^T S n > 0`. So the eigenvectors of `S` are the
-//! cone's axes: the one of the negative eigenvalue `-l3` points along its middle, and across it the cone has the half
-//! axes `sqrt(l1 / l3)` and `sqrt(l2 / l3)` at distance one: an ellipse that faces the origin [Heitz and Hill 2017, of
-//! the inverse of `S`]. No plane, inverse or vertex of the ellipse is needed.
+//! a plane through the origin with normal `n` cuts the cone if and only if `n^T S n > 0`. So the eigenvectors of `S`
+//! are the cone's axes. The eigenvector of the negative eigenvalue `-l3` points along its middle. Across it the cone
+//! has the half axes `sqrt(l1 / l3)` and `sqrt(l2 / l3)` at distance one: an ellipse that faces the origin [Heitz and
+//! Hill 2017, for the inverse of `S`]. No plane, inverse or vertex of the ellipse is needed.
 //!
-//! By Stokes, the integral is `1/(2 pi)` times that of `(p x dp)_z / |p|^2` along the border. In the frame of the
-//! cone's axes, with `a, b, g = sqrt(l1), sqrt(l2), sqrt(l3)`, the border is `p = (a cos t, b sin t, g)` and
+//! By Stokes' theorem, the integral is `1/(2 pi)` times the integral of `(p x dp)_z / |p|^2` along the border. In the
+//! frame of the cone's axes, with `a, b, g = sqrt(l1), sqrt(l2), sqrt(l3)`, the border is `p = (a cos t, b sin t, g)`
+//! and
 //!
 //! ```text
 //! p x dp/dt = (-b g cos t, -a g sin t, a b),    |p|^2 = g^2 + a^2 cos^2 t + b^2 sin^2 t
@@ -19,9 +20,9 @@
 //! -b g / (A k) artanh(k sin t / A),    a g / (B k) arctan(k cos t / B),    a b / (A B) arctan(B sin t / (A cos t))
 //! ```
 //!
-//! Over a whole turn that is `a b / (A B)` along the middle: the form factor without a horizon. A cone that the horizon
-//! cuts has the arc above it, and the horizon's own arc, which closes the border, adds its angle. So the integral is
-//! elementary and exact in either case; no sphere stands for the part that is cut.
+//! Over a whole turn they give `a b / (A B)` along the middle, which is the form factor without a horizon. If the
+//! horizon cuts the cone, the border is the cone's arc above the horizon, closed by an arc of the horizon, which adds
+//! its angle. So the integral is elementary and exact in both cases. A sphere is not needed as an approximation.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
@@ -30,13 +31,13 @@ use ltcforge_fit::{
     math::{Scalar, Triple, cross, dot, minus, plus, scaled},
 };
 
-/// Steps of Newton's method beyond those that the number of digits asks for: from its start to three digits.
+/// Newton steps from the start to three digits. [`Scalar::NEWTON_STEPS`] follow.
 const FIRST_STEPS: u32 = 3;
 
-/// A place on the border: cosine and sine of `t`.
+/// A position on the border: cosine and sine of `t`.
 pub(super) type Turn<T> = [T; 2];
 
-/// The directions in which an ellipse is seen.
+/// The cone of directions towards an ellipse.
 #[derive(Debug, Clone, Copy)]
 pub struct Cone<T> {
     /// `a >= b` and `g`, up to a common factor.
@@ -44,25 +45,25 @@ pub struct Cone<T> {
     height: T,
     /// Unit vectors, right-handed: along the half axes, and along the middle towards the ellipse.
     axes: [Triple<T>; 3],
-    /// `n^T S n` of the horizon.
+    /// `n^T S n` for the horizon's normal `n`.
     cut2: T,
-    /// The height of the ellipse's middle.
+    /// The height of the ellipse's centre.
     z: T,
 }
 
-/// Where a cone's border is above the horizon.
+/// The part of a cone's border above the horizon.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Horizon<T> {
-    /// Everywhere.
+    /// The whole border.
     Above,
-    /// Nowhere.
+    /// No part of the border.
     Below,
-    /// Up to half an arc on both sides of its top.
+    /// Up to `half_arc` on both sides of its highest point `top`.
     Cuts { top: Turn<T>, half_arc: Turn<T> },
 }
 
-/// An arc of the border: of the sines and of the cosines of its ends the difference and the product, and the sine of
-/// the turn between them.
+/// An arc of the border: difference and product of the sines of its ends, difference and product of the cosines, and
+/// the sine of the angle between the ends.
 struct Arc<T> {
     sines: [T; 2],
     cosines: [T; 2],
@@ -70,8 +71,8 @@ struct Arc<T> {
 }
 
 impl<T: Scalar> Cone<T> {
-    /// That of the ellipse `centre + cos t x + sin t y`, for any two half axes; `None` where nothing is seen of it:
-    /// edge on, or of no size.
+    /// The cone of the ellipse `centre + cos t x + sin t y`, for any two half axes; `None` for an ellipse seen edge-on
+    /// or without a size.
     #[must_use]
     pub fn new(centre: Triple<T>, half_axes: [Triple<T>; 2]) -> Option<Self> {
         let size = half_axes.iter().chain([&centre]).flatten().fold(T::ZERO, |size, x| size.max(x.abs()));
@@ -81,15 +82,15 @@ impl<T: Scalar> Cone<T> {
         let [x, y, c] = [half_axes[0], half_axes[1], centre].map(|v| v.map(|component| component / size));
         let (x_y, y_c, c_x) = (cross(x, y), cross(y, c), cross(c, x));
         let volume = dot(c, x_y).abs();
-        // The characteristic polynomial of -S: l^3 + trace l^2 + minors l - volume^2.
+        // The characteristic polynomial of -S is l^3 + trace l^2 + minors l - volume^2.
         let trace = dot(x, x) + dot(y, y) - dot(c, c);
         let minors = dot(x_y, x_y) - dot(y_c, y_c) - dot(c_x, c_x);
         let l3 = largest_root(trace, minors, volume * volume);
         if !(l3 > T::ZERO && volume > T::ZERO) {
             return None;
         }
-        // S + l3 has the eigenvalue zero along the middle, so its adjugate is a multiple of middle middle^T. By cross
-        // products, since for needles the elements of S + l3 itself have lost the small eigenvalues.
+        // S + l3 has the eigenvalue zero along the middle, so its adjugate is a multiple of middle middle^T. It is
+        // computed from cross products, because for needles the elements of S + l3 lose the small eigenvalues.
         let column = |i: usize| {
             let of_s: Triple<T> = std::array::from_fn(|j| x[i] * x[j] + y[i] * y[j] - c[i] * c[j]);
             let mut column: Triple<T> =
@@ -108,7 +109,7 @@ impl<T: Scalar> Cone<T> {
         let middle = unit_of_any(columns[largest])?;
         let middle = if dot(middle, c) < T::ZERO { scaled(middle, -T::ONE) } else { middle };
         let (e, f) = across(middle);
-        // S in the plane across the middle, and the rotation that makes it diagonal.
+        // S in the plane across the middle, and the rotation that diagonalises it.
         let of_s = |u: Triple<T>, v: Triple<T>| dot(u, x) * dot(v, x) + dot(u, y) * dot(v, y) - dot(u, c) * dot(v, c);
         let (ee, ef, ff) = (of_s(e, e), of_s(e, f), of_s(f, f));
         let half = T::of(0.5);
@@ -129,19 +130,19 @@ impl<T: Scalar> Cone<T> {
         })
     }
 
-    /// The part of the clamped cosine that the cone covers, in [0, 1].
+    /// The part of the clamped cosine inside of the cone, in [0, 1].
     #[must_use]
     pub fn covered(&self) -> T {
-        let seen = match self.horizon() {
+        let part = match self.horizon() {
             Horizon::Above => self.whole() * self.axes[2][2],
             Horizon::Below => T::ZERO,
             Horizon::Cuts { top, half_arc } => self.cut(top, half_arc) / T::TAU,
         };
-        seen.max(T::ZERO).min(T::ONE)
+        part.max(T::ZERO).min(T::ONE)
     }
 
-    /// The length of the cone's vector form factor without a horizon, and the cosine between it and the normal: what
-    /// stands for a light where [`ltcforge_fit::clipped_form_factor`] cuts it at the horizon as if it were a sphere.
+    /// The length of the cone's vector form factor without a horizon, and the cosine between the form factor and the
+    /// normal. With [`ltcforge_fit::clipped_form_factor`] they approximate the light above the horizon by a sphere's.
     #[must_use]
     pub fn form_factor(&self) -> (T, T) {
         (self.whole(), self.axes[2][2])
@@ -152,7 +153,7 @@ impl<T: Scalar> Cone<T> {
         a / (g * g + a * a).sqrt() * (b / (g * g + b * b).sqrt())
     }
 
-    /// Where the border is above the horizon.
+    /// The part of the border above the horizon.
     pub(super) fn horizon(&self) -> Horizon<T> {
         if !(self.cut2 > T::ZERO) {
             return if self.z > T::ZERO { Horizon::Above } else { Horizon::Below };
@@ -162,8 +163,8 @@ impl<T: Scalar> Cone<T> {
         Horizon::Cuts { top: unit_turn([a * n1, b * n2]), half_arc: unit_turn([-g * n3, self.cut2.sqrt()]) }
     }
 
-    /// Twice pi times the integral over a cone that is cut. With the border's arc, which begins and ends half an arc
-    /// from its top, all differences are products.
+    /// Twice pi times the integral over a cone that the horizon cuts. The border's arc begins and ends half an arc from
+    /// its top, so all differences can be written as products.
     fn cut(&self, [top_cos, top_sin]: Turn<T>, [q, h]: Turn<T>) -> T {
         let ([a, b], g, [n1, n2, n3]) = (self.half, self.height, self.heights());
         let two = T::of(2.0);
@@ -173,7 +174,7 @@ impl<T: Scalar> Cone<T> {
             cosines: [-two * h * top_sin, square(top_cos * q) - square(top_sin * h)],
             sine: two * q * h,
         };
-        // The arc of the horizon between the two places, by the sine and cosine of its angle.
+        // The arc of the horizon between the two crossings, from the sine and cosine of its angle.
         let sine = b * g * (n1 * top_cos).abs() + a * g * (n2 * top_sin).abs() + a * b * (n3 * q).abs();
         let cosine = g * g + a * a * arc.cosines[1] + b * b * arc.sines[1];
         self.along(&arc) + T::atan2_upper(two * h * sine, cosine)
@@ -184,20 +185,20 @@ impl<T: Scalar> Cone<T> {
         self.axes.map(|axis| axis[2])
     }
 
-    /// The direction of a place on the border.
+    /// The direction of a position on the border.
     pub(super) fn direction(&self, [cos, sin]: Turn<T>) -> Triple<T> {
         let [first, second, middle] = self.axes;
         plus(plus(scaled(first, self.half[0] * cos), scaled(second, self.half[1] * sin)), scaled(middle, self.height))
     }
 
-    /// The place of a direction on the border.
+    /// The position of a direction on the border.
     pub(super) fn turn_of(&self, direction: Triple<T>) -> Turn<T> {
         let [a, b] = self.half;
         unit_turn([dot(direction, self.axes[0]) * b, dot(direction, self.axes[1]) * a])
     }
 
-    /// The integral of `(p x dp)_z / |p|^2` along the border, anticlockwise from `from` to `to`; from a place to itself
-    /// it is zero.
+    /// The integral of `(p x dp)_z / |p|^2` along the border, anticlockwise from the first position to the second. It
+    /// is zero for equal positions.
     pub(super) fn border(&self, [cos_0, sin_0]: Turn<T>, [cos_1, sin_1]: Turn<T>) -> T {
         self.along(&Arc {
             sines: [sin_1 - sin_0, sin_0 * sin_1],
@@ -220,8 +221,8 @@ impl<T: Scalar> Cone<T> {
 }
 
 impl<T: Scalar> Cone<T> {
-    /// Adds the part of the border that is above the horizon to a clipped outline, anticlockwise from the place of its
-    /// last vertex to that of the next.
+    /// Adds the part of the border above the horizon to a clipped outline. The border goes anticlockwise from the
+    /// outline's last vertex to `vertex`.
     pub(super) fn add_border(&self, clip: &mut Clip<T>, vertex: Triple<T>) {
         let (from, to) = (self.turn_of(clip.previous()), self.turn_of(vertex));
         let (from_is_up, to_is_up) = (clip.previous()[2] > T::ZERO, vertex[2] > T::ZERO);
@@ -238,7 +239,7 @@ impl<T: Scalar> Cone<T> {
                     (true, false) => (true, false),
                     (false, true) => (false, true),
                 };
-                // A border that does both begins above and dips, or rises and dips again.
+                // A border with two crossings either begins above and dips, or rises and then dips.
                 if leaves {
                     clip.leave(self.direction(dip));
                 }
@@ -261,25 +262,26 @@ impl<T: Scalar> Cone<T> {
     }
 }
 
-/// A number that grows with the angle from one turn anticlockwise to another, from 0 to 4.
+/// A monotonic measure of the angle from one position anticlockwise to another, from 0 to 4.
 pub(super) fn round<T: Scalar>(from: Turn<T>, to: Turn<T>) -> T {
     let cos = from[0] * to[0] + from[1] * to[1];
     let sin = from[0] * to[1] - from[1] * to[0];
     if sin < T::ZERO { T::of(3.0) + cos } else { T::ONE - cos }
 }
 
-/// The root above zero of `l^3 + trace l^2 + minors l - last`, whose other roots are real and not above zero.
+/// The positive root of `l^3 + trace l^2 + minors l - last`. The other roots are real and not positive.
 ///
-/// Newton's method from above: the polynomial is convex beyond its largest root, so the steps fall and end at the last
-/// digit. They begin at the least of two bounds, of which one is near wherever the root is simple: `2 r - trace / 3`,
-/// where all roots lie within `2 r` of their mean, and, for a trace above zero, the root without the cube.
+/// Newton's method from above. The polynomial is convex beyond its largest root, so the values decrease and stop at the
+/// last digit. The start is the smaller of two bounds, one of which is close if the root is simple. The first is
+/// `2 r - trace / 3`, because all roots are within `2 r` of their mean. The second, for a positive trace, is the root
+/// without the cubic term.
 fn largest_root<T: Scalar>(trace: T, minors: T, last: T) -> T {
     let third = T::ONE / T::of(3.0);
     let r = (trace * trace - T::of(3.0) * minors).max(T::ZERO).sqrt() * third;
     let mut root = T::of(2.0) * r - trace * third;
     if trace > T::ZERO {
         let discriminant = (minors * minors + T::of(4.0) * trace * last).sqrt();
-        // The form without a difference of two positive numbers.
+        // This form has no difference of two positive numbers.
         let bound = if minors > T::ZERO {
             T::of(2.0) * last / (minors + discriminant)
         } else {
@@ -299,13 +301,13 @@ fn largest_root<T: Scalar>(trace: T, minors: T, last: T) -> T {
     root
 }
 
-/// `artanh(k s_1) - artanh(k s_0)` over `k`, of the difference of `s` and of their product; the difference for `k`
-/// zero. Domain: `k |s|` up to one.
+/// `artanh(k s_1) - artanh(k s_0)` divided by `k`, from the difference and the product of both `s`. For `k` zero it is
+/// the difference. Domain: `k |s|` up to one.
 fn artanh_over<T: Scalar>(k: T, [difference, product]: [T; 2]) -> T {
     let bottom = T::ONE - k * k * product;
     let tangent = (k * difference).abs() / bottom.max(T::SHORTEST);
     let tangent2 = tangent * tangent;
-    // The logarithm of numbers about one has lost digits.
+    // The logarithm of numbers near one loses digits.
     let value = if tangent2 < T::of(0.01) {
         [15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0, 1.0].into_iter().fold(T::ZERO, |sum, n| sum * tangent2 + T::of(1.0 / n))
     } else {
@@ -315,14 +317,14 @@ fn artanh_over<T: Scalar>(k: T, [difference, product]: [T; 2]) -> T {
     difference / bottom.max(T::SHORTEST) * value
 }
 
-/// `arctan(k c_1) - arctan(k c_0)` over `k`, of the difference of `c` and of their product; the difference for `k`
-/// zero.
+/// `arctan(k c_1) - arctan(k c_0)` divided by `k`, from the difference and the product of both `c`. For `k` zero it is
+/// the difference.
 fn arctan_over<T: Scalar>(k: T, [difference, product]: [T; 2]) -> T {
     let bottom = T::ONE + k * k * product;
     if k > T::UNCERTAINTY { T::atan2(k * difference, bottom) / k } else { difference }
 }
 
-/// Cosine and sine of half the angle of `(x, y)`, whose length is `length`; in the right half plane.
+/// Cosine and sine of half of the angle of `(x, y)`, in the right half plane. The vector has the length `length`.
 fn half_angle<T: Scalar>(x: T, y: T, length: T) -> Turn<T> {
     if !(length > T::ZERO) {
         return [T::ONE, T::ZERO];
@@ -331,7 +333,7 @@ fn half_angle<T: Scalar>(x: T, y: T, length: T) -> Turn<T> {
     if x > T::ZERO || y > T::ZERO { [cos, sin] } else { [cos, -sin] }
 }
 
-/// A turn of length one; no turn for one without direction.
+/// A position of unit length; the angle zero for a zero vector.
 fn unit_turn<T: Scalar>([x, y]: Turn<T>) -> Turn<T> {
     let size = x.abs().max(y.abs());
     if !(size > T::ZERO) {
@@ -342,7 +344,7 @@ fn unit_turn<T: Scalar>([x, y]: Turn<T>) -> Turn<T> {
     [x / length, y / length]
 }
 
-/// The vector at length one, however short it is.
+/// The unit vector of a vector of any length, also if its square underflows.
 fn unit_of_any<T: Scalar>(v: Triple<T>) -> Option<Triple<T>> {
     let size = v[0].abs().max(v[1].abs()).max(v[2].abs());
     if !(size > T::ZERO) {
@@ -352,7 +354,7 @@ fn unit_of_any<T: Scalar>(v: Triple<T>) -> Option<Triple<T>> {
     Some(scaled(v, T::ONE / dot(v, v).sqrt()))
 }
 
-/// Two unit vectors across `n` and each other, the first along the horizon where `n` is not straight up or down.
+/// Two unit vectors perpendicular to `n` and each other. The first is horizontal unless `n` is vertical.
 fn across<T: Scalar>(n: Triple<T>) -> (Triple<T>, Triple<T>) {
     let flat = (n[0] * n[0] + n[1] * n[1]).sqrt();
     let e = if flat > T::UNCERTAINTY { [-n[1] / flat, n[0] / flat, T::ZERO] } else { [T::ONE, T::ZERO, T::ZERO] };

@@ -1,17 +1,16 @@
 //! The integral of a distribution over the part of a light above the surface.
 //!
-//! A linearly transformed cosine does not know the surface: where its own horizon dips below, some of it lies there,
-//! and so do lights that it would reflect. Cut at the surface it has the density zero below and above it
-//! `1 / S` times its own, where `S` is its part above: a direction `M c` is above where `c . M^T z > 0`, so
-//!
+//! A linearly transformed cosine ignores the surface. If its own horizon dips below the surface, a part of it lies
+//! there, and it reflects lights below. Cut at the surface, its density is zero below the surface, and above it `1 / S`
+//! times its own density, where `S` is the part above. A direction `M c` is above if `c . M^T z > 0`, so
 //! ```text
 //! S = (1 + cos t) / 2,    cos t = (M^T z)_z / |M^T z|
 //! ```
 //!
-//! is the clamped cosine's integral over a half space whose normal is `t` from its own. The part of a light is that of
-//! what is left of its outline: straight edges and arcs of ellipses, cut at the surface first and at the lobe's own
-//! horizon then, and one more edge along the surface. A part of an ellipse is no ellipse, but its border is an arc of
-//! the same cone's, whose integral is known: every shape stays exact.
+//! is the integral of the clamped cosine over a half space whose normal is at the angle `t` to its own. The part over a
+//! light is the integral over the remaining outline: straight edges and arcs of ellipses, cut first at the surface and
+//! then at the lobe's own horizon, and one more edge along the surface. A part of an ellipse is not an ellipse, but its
+//! border is an arc of the same cone, whose integral is known. So the result is exact for every shape.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
@@ -24,7 +23,7 @@ use ltcforge_fit::{
     math::{Scalar, Triple, cross, dot, plus, scaled},
 };
 
-/// A distribution that ends at the surface, in whose tangent frame lights are.
+/// A distribution that is cut at the surface. Lights are in the tangent frame of the surface.
 #[derive(Debug, Clone, Copy)]
 pub struct AboveSurface<T> {
     space: CosineSpace<T>,
@@ -32,8 +31,8 @@ pub struct AboveSurface<T> {
 }
 
 impl<T: Scalar> CosineSpace<T> {
-    /// The same without what lies below the surface. Domain: that of a distribution in the surface's tangent frame,
-    /// normal +z, some of which lies above.
+    /// The distribution without the part below the surface. Domain: a distribution in the surface's tangent frame,
+    /// normal +z, with a part above.
     #[must_use]
     pub fn above_surface(self) -> AboveSurface<T> {
         AboveSurface { space: self, per_part: T::ONE / self.part_above().max(T::SHORTEST) }
@@ -50,26 +49,26 @@ impl<T: Scalar> CosineSpace<T> {
     }
 }
 
-/// The border of an ellipse `centre + cos t x + sin t y`, and where the surface cuts it.
+/// The border of an ellipse `centre + cos t x + sin t y`, and its crossings with the surface.
 struct Border<T> {
     cone: Cone<T>,
     height: T,
-    /// Where it comes above the surface and where it goes below, anticlockwise around the cone; `None` where it is all
-    /// on one side.
+    /// The directions in which the border crosses the surface upwards and downwards, anticlockwise around the cone;
+    /// `None` if it is all on one side.
     crossings: Option<[Triple<T>; 2]>,
 }
 
-/// The part of an outline above the surface, and the part of that above the horizon.
+/// The part of an outline above the surface, and the integral over its part above the lobe's horizon.
 struct Outline<'a, T> {
     space: &'a CosineSpace<T>,
     clip: Clip<T>,
-    /// Where the outline dips below the surface and where it comes back.
+    /// The directions in which the outline crosses the surface downwards and upwards.
     leaves: Option<Triple<T>>,
     enters: Option<Triple<T>>,
 }
 
 impl<T: Scalar> AboveSurface<T> {
-    /// The part that a convex polygon covers, in [0, 1]. Zero for fewer than three vertices.
+    /// The part over a convex polygon, in [0, 1]. Zero for fewer than three vertices.
     #[must_use]
     pub fn polygon<V: Copy + Into<Triple<T>>>(&self, vertices: &[V], sides: Sides) -> T {
         let Some(last) = vertices.last() else { return T::ZERO };
@@ -81,12 +80,12 @@ impl<T: Scalar> AboveSurface<T> {
             previous = vertex;
         }
         let sum = outline.finish();
-        // A matrix that mirrors reverses the polygon's winding.
+        // A matrix with a negative determinant reverses the polygon's winding.
         let lit = if self.space.determinant < T::ZERO { -sum } else { sum };
         self.scaled(if sides == Sides::Two { sum.abs() } else { lit })
     }
 
-    /// As [`CosineSpace::ellipse`].
+    /// Like [`CosineSpace::ellipse`].
     #[must_use]
     pub fn ellipse<V: Into<Triple<T>>>(&self, centre: V, half_axes: [V; 2], sides: Sides) -> T {
         let (centre, half_axes) = (centre.into(), half_axes.map(V::into));
@@ -96,7 +95,7 @@ impl<T: Scalar> AboveSurface<T> {
         self.border(centre, half_axes)
     }
 
-    /// As [`CosineSpace::sphere`].
+    /// Like [`CosineSpace::sphere`].
     #[must_use]
     pub fn sphere(&self, centre: impl Into<Triple<T>>, radius: T) -> T {
         let centre = centre.into();
@@ -107,7 +106,7 @@ impl<T: Scalar> AboveSurface<T> {
         self.border(centre, half_axes)
     }
 
-    /// As [`CosineSpace::line`].
+    /// Like [`CosineSpace::line`].
     #[must_use]
     pub fn line<V: Into<Triple<T>>>(&self, ends: [V; 2], width: T) -> T {
         let [a, b] = ends.map(V::into);
@@ -115,13 +114,13 @@ impl<T: Scalar> AboveSurface<T> {
         if !a_is_up && !b_is_up {
             return T::ZERO;
         }
-        // A point of the line itself, not a direction: the width does not grow with it.
+        // A point of the line, not only its direction, because the width does not scale with the point.
         let crossing = || scaled(crossing(a, b), T::ONE / (a[2] - b[2]).abs());
         let ends = [if a_is_up { a } else { crossing() }, if b_is_up { b } else { crossing() }];
         self.scaled(self.space.line(ends, width))
     }
 
-    /// As [`CosineSpace::tube`].
+    /// Like [`CosineSpace::tube`].
     #[must_use]
     pub fn tube<V: Into<Triple<T>>>(&self, ends: [V; 2], radius: T) -> T {
         let ends = ends.map(V::into);
@@ -163,10 +162,10 @@ impl<T: Scalar> AboveSurface<T> {
 }
 
 impl<T: Scalar> Border<T> {
-    /// `None` where nothing is seen of the ellipse.
+    /// `None` if the ellipse has no solid angle.
     fn new(space: &CosineSpace<T>, centre: Triple<T>, [x, y]: [Triple<T>; 2]) -> Option<Self> {
         let cone = space.cone(centre, [x, y])?;
-        // Its height is c + m cos(t - top) with m cos top = x_z, m sin top = y_z.
+        // The height of the border is c + m cos(t - top) with m cos top = x_z, m sin top = y_z.
         let (height, most2) = (centre[2], x[2] * x[2] + y[2] * y[2]);
         let cut2 = most2 - height * height;
         let crossings = (cut2 > T::ZERO).then(|| {
@@ -178,7 +177,8 @@ impl<T: Scalar> Border<T> {
                 [point[0], point[1], T::ZERO]
             };
             let (dip, rise) = (at(across), at(-across));
-            // The cone is seen from the shaded point, and goes round the other way where the parameter does.
+            // The direction around the cone depends on the side from which the ellipse is seen, and on the sign of the
+            // determinant.
             let turns = dot(centre, cross(x, y)) * space.determinant;
             if turns < T::ZERO { [dip, rise] } else { [rise, dip] }
         });
@@ -191,7 +191,7 @@ impl<'a, T: Scalar> Outline<'a, T> {
         Self { space, clip: Clip::begin(space.of(start)), leaves: None, enters: None }
     }
 
-    /// An edge.
+    /// Adds an edge.
     fn edge(&mut self, a: Triple<T>, b: Triple<T>) {
         let (mut from, mut to) = (a, b);
         match (a[2] > T::ZERO, b[2] > T::ZERO) {
@@ -214,7 +214,7 @@ impl<'a, T: Scalar> Outline<'a, T> {
         self.clip.edge_to(self.space.of(to));
     }
 
-    /// The border of a cone, anticlockwise from `a` to `b`.
+    /// Adds the border of a cone, anticlockwise from `a` to `b`.
     fn arc(&mut self, border: &Border<T>, a: Triple<T>, b: Triple<T>) {
         let (begins_up, ends_up) = (a[2] > T::ZERO, b[2] > T::ZERO);
         let Some([rise, dip]) = border.crossings else {
@@ -252,7 +252,7 @@ impl<'a, T: Scalar> Outline<'a, T> {
         border.cone.add_border(&mut self.clip, self.space.of(to));
     }
 
-    /// Closes it along the surface.
+    /// Closes the outline along the surface and returns the integral.
     fn finish(mut self) -> T {
         if let (Some(leaves), Some(enters)) = (self.leaves, self.enters) {
             self.edge_above(leaves, enters);
@@ -261,7 +261,7 @@ impl<'a, T: Scalar> Outline<'a, T> {
     }
 }
 
-/// The direction in which an edge from one side of the surface to the other meets it.
+/// The direction in which an edge crosses the surface. Its ends are on either side.
 fn crossing<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
     let (below, above) = (b[2].abs(), a[2].abs());
     [a[0] * below + b[0] * above, a[1] * below + b[1] * above, T::ZERO]

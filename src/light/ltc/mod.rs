@@ -1,4 +1,4 @@
-//! The light of a table of Linearly Transformed Cosines: exact for the lobe that stands for the BRDF's.
+//! The light from a table of Linearly Transformed Cosines. It is exact for the fitted lobes.
 
 mod cone;
 mod cut;

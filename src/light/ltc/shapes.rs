@@ -1,8 +1,8 @@
-//! The integral of a distribution over lights that are no polygons: ellipses, spheres, lines and tubes.
+//! The integral of a distribution over lights other than polygons: ellipses, spheres, lines and tubes.
 //!
-//! Each is the integral of the clamped cosine over the image under `M^-1` of the light as it is seen from the origin:
-//! an ellipse and the outline of a sphere become cones over ellipses, see [`Cone`]; a line stays a line; the outline of
-//! a tube becomes two arcs of such cones and two straight edges.
+//! Each is the integral of the clamped cosine over the light transformed by `M^-1`, seen from the origin. An ellipse
+//! and the outline of a sphere become cones over ellipses, see [`Cone`]. A line stays a line. The outline of a tube
+//! becomes two arcs of such cones and two straight edges.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
@@ -12,7 +12,7 @@ use ltcforge_fit::{
     math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit},
 };
 
-/// The linear map to the space in which a distribution is the clamped cosine.
+/// The linear map to the space where a distribution is the clamped cosine.
 #[derive(Debug, Clone, Copy)]
 pub struct CosineSpace<T> {
     pub(super) rows: [Triple<T>; 3],
@@ -20,19 +20,19 @@ pub struct CosineSpace<T> {
 }
 
 impl<T: Scalar> CosineSpace<T> {
-    /// That of the rows of `M^-1`, up to a factor above zero.
+    /// The map with the rows of `M^-1`, up to a positive factor.
     #[must_use]
     pub fn new(rows: [Triple<T>; 3]) -> Self {
         Self { rows, determinant: dot(rows[2], cross(rows[0], rows[1])) }
     }
 
-    /// Where a vector is there.
+    /// Maps a vector to the space of the clamped cosine.
     #[must_use]
     pub fn of(&self, v: Triple<T>) -> Triple<T> {
         self.rows.map(|row| dot(row, v))
     }
 
-    /// The part that the ellipse `centre + cos t x + sin t y` covers, for any two half axes; its lit side is that of
+    /// The part over the ellipse `centre + cos t x + sin t y`, for any two half axes. The lit side is the side of
     /// `x cross y`.
     #[must_use]
     pub fn ellipse<V: Into<Triple<T>>>(&self, centre: V, half_axes: [V; 2], sides: Sides) -> T {
@@ -48,7 +48,7 @@ impl<T: Scalar> CosineSpace<T> {
         Cone::new(self.of(centre), half_axes.map(|axis| self.of(axis)))
     }
 
-    /// The part that a sphere covers; all from inside it.
+    /// The part over a sphere; one from inside of it.
     #[must_use]
     pub fn sphere(&self, centre: impl Into<Triple<T>>, radius: T) -> T {
         let centre = centre.into();
@@ -58,14 +58,14 @@ impl<T: Scalar> CosineSpace<T> {
         self.outline(centre, radius).map_or(T::ZERO, |cone| cone.covered())
     }
 
-    /// The cone of a sphere. Domain: outside of the sphere.
+    /// The cone of a sphere. Domain: the origin is outside of the sphere.
     fn outline(&self, centre: Triple<T>, radius: T) -> Option<Cone<T>> {
         let (centre, half_axes) = Self::disk_of_sphere(centre, radius);
         self.cone(centre, half_axes)
     }
 
-    /// The centre and half axes of the disk that is seen of a sphere, up to a factor; it faces the origin. Domain:
-    /// outside of the sphere.
+    /// The centre and half axes of the disk with the outline of a sphere, up to a factor. The disk faces the origin.
+    /// Domain: the origin is outside of the sphere.
     pub(super) fn disk_of_sphere(centre: Triple<T>, radius: T) -> (Triple<T>, [Triple<T>; 2]) {
         let towards = unit(centre);
         let sine2 = radius * radius / dot(centre, centre);
@@ -74,14 +74,15 @@ impl<T: Scalar> CosineSpace<T> {
         (scaled(towards, (T::ONE - sine2).max(T::ZERO).sqrt()), half_axes)
     }
 
-    /// The part that a line covers, of a width that faces the origin everywhere, in the limit of a small one: it is
-    /// proportional to the width.
+    /// The part over a line, in the limit of a small width. The line faces the origin everywhere, and the result is
+    /// proportional to its width.
     ///
-    /// The strip around `p(s)` of the half width `h`, across the line and the view, becomes the strip around
-    /// `M^-1 p(s)` of the half width `M^-1 h`. Its integral is `2/pi` times `M^-1 h . (p x dp/ds)`, the same everywhere
-    /// on the line, times that of `max(p_z, 0) / |p|^4 ds` [Heitz and Hill 2017]. With the angle `u` from the line's
-    /// point nearest to the origin, at distance `d` in direction `o`, and the line's direction `t`, the integrand is
-    /// `(o_z cos u + t_z sin u) cos u / d^2 du`, over the angles above the horizon, `u_0` to `u_1`:
+    /// The strip around `p(s)` with the half width `h`, perpendicular to the line and the view, becomes the strip
+    /// around `M^-1 p(s)` with the half width `M^-1 h`. Its integral is `2/pi` times `M^-1 h . (p x dp/ds)`, which is
+    /// constant along the line, times the integral of `max(p_z, 0) / |p|^4 ds` [Heitz and Hill 2017]. Let `u` be the
+    /// angle from the line's point nearest to the origin, which has the distance `d` and the direction `o`, and let `t`
+    /// be the line's direction. The integrand is then `(o_z cos u + t_z sin u) cos u / d^2 du`, over the angles above
+    /// the horizon, `u_0` to `u_1`:
     ///
     /// ```text
     /// 1 / (2 d^2) (o_z D + (o_z cos S + t_z sin S) sin D),    D = u_1 - u_0,  S = u_0 + u_1
@@ -89,8 +90,8 @@ impl<T: Scalar> CosineSpace<T> {
     #[must_use]
     pub fn line<V: Into<Triple<T>>>(&self, ends: [V; 2], width: T) -> T {
         let [a, b] = ends.map(V::into);
-        // Where the line points at the origin, its normal and its distance are rounding errors. They cancel if both come from
-        // the difference of the ends and serve both ends.
+        // For a line that points at the origin, normal and distance are rounding errors. They cancel if both are
+        // computed from the difference of the ends, and if both ends use the same values.
         let (middle, along) = (scaled(plus(a, b), T::of(0.5)), minus(b, a));
         let lit = cross(middle, along);
         let (mut p, mut q) = (self.of(a), self.of(b));
@@ -98,7 +99,7 @@ impl<T: Scalar> CosineSpace<T> {
         let normal = cross(self.of(middle), along);
         let area2 = dot(normal, normal);
         let length = dot(along, along).sqrt();
-        let seen = (dot(lit, lit).sqrt() * self.determinant).abs() * length / area2.max(T::SHORTEST * T::SHORTEST);
+        let factor = (dot(lit, lit).sqrt() * self.determinant).abs() * length / area2.max(T::SHORTEST * T::SHORTEST);
         if !(area2 > T::SHORTEST * T::SHORTEST) || (p[2] <= T::ZERO && q[2] <= T::ZERO) {
             return T::ZERO;
         }
@@ -118,14 +119,14 @@ impl<T: Scalar> CosineSpace<T> {
         let cos_sum = cos_0 * cos_1 - sin_0 * sin_1;
         let sin_sum = sin_0 * cos_1 + cos_0 * sin_1;
         let integral = o[2] * angle + (o[2] * cos_sum + t[2] * sin_sum) * turn[1].abs();
-        (width * seen * integral / T::TAU).max(T::ZERO).min(T::ONE)
+        (width * factor * integral / T::TAU).max(T::ZERO).min(T::ONE)
     }
 
-    /// The part that a tube with round ends covers: all points up to `radius` from the line between `ends`. From inside
-    /// it is all.
+    /// The part over a tube with round ends, which is all points up to `radius` from the line between `ends`. One from
+    /// inside of it.
     ///
-    /// The outline of such a tube is that of two spheres and the two planes that touch both. Where the origin is within
-    /// the radius of the line beyond an end, the sphere at that end hides all the rest.
+    /// The outline of this tube consists of arcs of two spheres and of edges in the two planes that touch both spheres.
+    /// If the origin is within the radius of the extended line, the sphere at the nearer end hides the rest.
     #[must_use]
     pub fn tube<V: Into<Triple<T>>>(&self, ends: [V; 2], radius: T) -> T {
         let ends = ends.map(V::into);
@@ -144,9 +145,8 @@ impl<T: Scalar> CosineSpace<T> {
         clip.finish().max(T::ZERO).min(T::ONE)
     }
 
-    /// The points at which the two planes through the origin that touch both spheres of a tube do so: for each end that
-    /// on the right and that on the left. An error is the point of the line whose sphere hides all the rest, or has the
-    /// origin inside.
+    /// The points where the two planes through the origin touch the spheres of a tube, right and left for each end. An
+    /// error is the centre of the sphere that hides the rest, or that contains the origin.
     pub(super) fn edges_of_tube(&self, ends: [Triple<T>; 2], radius: T) -> Result<[[Triple<T>; 2]; 2], Triple<T>> {
         let along = minus(ends[1], ends[0]);
         let length = dot(along, along).sqrt();
@@ -158,8 +158,8 @@ impl<T: Scalar> CosineSpace<T> {
         if dot(nearest, nearest) <= radius * radius || !(length > T::ZERO) || distance2 <= radius * radius {
             return Err(nearest);
         }
-        // The planes with unit normals (r u +- sqrt(d^2 - r^2) v) / d touch the spheres, for the unit vector u from the
-        // origin to the line, d long, and v across both.
+        // The planes with unit normals (r u +- sqrt(d^2 - r^2) v) / d touch the spheres. u is the unit vector from the
+        // origin to the line, at distance d, and v is perpendicular to both.
         let towards = scaled(beside, radius / distance2);
         let sideways = scaled(cross(axis, beside), (distance2 - radius * radius).sqrt() / distance2);
         let sideways = if self.determinant < T::ZERO { scaled(sideways, -T::ONE) } else { sideways };
@@ -169,13 +169,13 @@ impl<T: Scalar> CosineSpace<T> {
     }
 }
 
-/// A vector's direction.
+/// The unit vector of a vector.
 fn unit2<T: Scalar>([x, y]: [T; 2]) -> [T; 2] {
     let length = (x * x + y * y).sqrt().max(T::SHORTEST);
     [x / length, y / length]
 }
 
-/// Two unit vectors across `n` and each other.
+/// Two unit vectors perpendicular to `n` and each other.
 fn basis<T: Scalar>(n: Triple<T>) -> (Triple<T>, Triple<T>) {
     let is_upright = n[2].abs() > T::of(0.7);
     let axis = if is_upright { [T::ONE, T::ZERO, T::ZERO] } else { [T::ZERO, T::ZERO, T::ONE] };

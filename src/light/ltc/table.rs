@@ -1,4 +1,4 @@
-//! The light that a surface reflects, by a table.
+//! The light that a surface reflects, computed with a table.
 
 use glam::DMat3;
 
@@ -11,16 +11,16 @@ use crate::{
 };
 use ltcforge_fit::{Configuration, Ltc, Table, blend_weight, blended, brdf::LobeTerms, math::from_row_major};
 
-/// The part that the light covers of the LTC or of the Gaussian that stands for the lobe, times the table's amplitude
-/// and its Fresnel term. Where entries have two lobes, the Fresnel term is spread over the second.
+/// Computes the part of the LTC or Gaussian over the light, times the table's amplitude and Fresnel term. If entries
+/// have two lobes, the Fresnel term belongs to the second lobe.
 ///
-/// An LTC is integrated over every shape itself, a Gaussian over the polygon that
-/// [`ShapedLight::outline`](crate::ShapedLight::outline) tells. Fresnel's weight is taken to be the same in every
-/// direction of the lobe, as in the shaders.
+/// An LTC is integrated over every shape exactly. A Gaussian is integrated over the polygon of
+/// [`ShapedLight::outline`](crate::ShapedLight::outline). The Fresnel factor is assumed to be the same in all
+/// directions of the lobe, as in the shaders.
 ///
 /// # Errors
 /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon,
-/// [`LightError::NoTerms`] and [`LightError::Singular`] for a table that does not tell.
+/// [`LightError::NoTerms`] for a table without terms, [`LightError::Singular`] for a singular matrix.
 pub fn by_table<'a>(
     table: &Table,
     at: &Configuration,
@@ -29,17 +29,17 @@ pub fn by_table<'a>(
     by_table_as(table, at, light, TableUse::default())
 }
 
-/// How a table's light is found where there is a choice.
+/// The options of light from a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TableUse {
-    /// An LTC and the light end at the surface: see [`AboveSurface`]. Else an LTC lets some light through from below;
-    /// Gaussians end there in either case.
+    /// Cuts an LTC and the light at the surface: see [`AboveSurface`]. Otherwise an LTC receives some light from below
+    /// the surface. Gaussians are always cut.
     pub cut: bool,
-    /// What a material reflects is one integral, of the blend of the two lobes of an entry; else each lobe has its own.
+    /// Computes one integral, of the blend of an entry's two lobes. Otherwise each lobe has its own integral.
     pub blend: bool,
 }
 
-/// As [`by_table`], with a choice.
+/// Like [`by_table`], with options.
 ///
 /// # Errors
 /// As [`by_table`].
@@ -71,11 +71,11 @@ pub fn by_table_as<'a>(
     Ok(ReflectedLight { energy, fresnel })
 }
 
-/// What a material reflects of a light, by Schlick's Fresnel factor and one integral: of the blend of the two lobes that
-/// entries have.
+/// The light that a material reflects by Schlick's Fresnel factor, from one integral of the blend of an entry's two
+/// lobes.
 ///
 /// # Errors
-/// As [`by_table`]; [`LightError::OneLobe`] for a table of one lobe an entry.
+/// As [`by_table`], and [`LightError::OneLobe`] for a table with one lobe an entry.
 pub fn by_blend<'a>(
     table: &Table,
     at: &Configuration,
@@ -92,10 +92,10 @@ pub fn by_blend<'a>(
     Ok((f0 * (amplitude - fresnel) + f90 * fresnel) * covered(&matrix, light.into(), cut)?)
 }
 
-/// The same light weighed by F82's edge, in proportion to the table's edge term: see [`ReflectedLight::metal`].
+/// The light weighted by F82's edge weight, from the table's edge term: see [`ReflectedLight::metal`].
 ///
 /// # Errors
-/// As [`by_table`], and [`LightError::NoEdge`] for a table without that term, which those of Gaussians are.
+/// As [`by_table`], and [`LightError::NoEdge`] for a table without the edge term. Tables of Gaussians never have it.
 pub fn edge_by_table<'a>(
     table: &Table,
     at: &Configuration,
@@ -108,7 +108,7 @@ pub fn edge_by_table<'a>(
     Ok(if amplitude > 0.0 { edge * (reflected.energy / amplitude) } else { 0.0 })
 }
 
-/// The part that a light covers of an LTC, or of one that ends at the surface.
+/// The part of an LTC over a light. With `cut` the LTC is cut at the surface.
 pub(crate) fn covered(matrix: &DMat3, light: AreaLight<'_>, cut: bool) -> Result<f64, LightError> {
     let ltc = Ltc::new(*matrix).ok_or(LightError::Singular)?;
     let space = CosineSpace::from(&ltc);

@@ -1,11 +1,11 @@
-//! The image of a light's edge as four arcs of great circles.
+//! Approximates the image of a light's edge by four arcs of great circles.
 
 use super::{outline::Corner, view::View};
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
-/// An angle over its sine, by `h = 1 + cosine`, to a straight angle:
-/// `psi = (pi / sqrt 2 + a h + b h^2) / sqrt h + c + d h + e h^2`, whose first term is what it is close to a straight
-/// angle. `cargo run -p ltcforge-studies -- polynomials` finds the numbers.
+/// The angle divided by its sine, as a function of `h = 1 + cosine`, up to an angle of pi:
+/// `psi = (pi / sqrt 2 + a h + b h^2) / sqrt h + c + d h + e h^2`. The first term is the limit near pi.
+/// `cargo run -p ltcforge-studies -- polynomials` finds the numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct AnglePerSine {
     /// a and b.
@@ -14,18 +14,18 @@ pub(super) struct AnglePerSine {
     pub(super) plain: [f64; 3],
 }
 
-/// Off by 8e-4 of itself at most.
+/// A relative error of at most 8e-4.
 pub(super) const ROUGH: AnglePerSine =
     AnglePerSine { over_root: [0.415_202_7, 0.0], plain: [-0.972_074_3, -0.093_373_5, 0.0] };
-/// Off by 2e-5 of itself at most.
+/// A relative error of at most 2e-5.
 pub(super) const CLOSE: AnglePerSine =
     AnglePerSine { over_root: [0.539_704_8, 0.100_045_8], plain: [-0.998_563_7, -0.274_478_2, -0.017_381_5] };
 
-/// Keeps the root of an angle of half a turn finite.
+/// Keeps the square root finite for an angle of pi.
 const STRAIGHT: f64 = 2e-7;
 
 impl AnglePerSine {
-    /// The quotient for the angle between two vectors of length one.
+    /// The quotient for the angle between two unit vectors.
     pub(super) fn between<T: Scalar>(&self, a: Triple<T>, b: Triple<T>) -> T {
         let h = dot(a, b) + T::of(1.0 + STRAIGHT);
         let [a, b] = self.over_root.map(T::of);
@@ -35,18 +35,19 @@ impl AnglePerSine {
     }
 }
 
-/// How far beyond the chord's middle, in multiples of the control point, the two arcs of a half meet: the first number,
-/// and the second times the square of the control point's length. `cargo run -p ltcforge-studies -- arcs` finds them.
+/// The point where the two arcs of a half meet, beyond the midpoint of the chord, in multiples of the control point.
+/// The multiple is the first number plus the second times the squared length of the control point.
+/// `cargo run -p ltcforge-studies -- arcs` finds both.
 pub const BULGE: [f64; 2] = [3.4, 0.6];
-/// Ends that are as near to each other as this, squared, are so in all digits that matter: where between them the image
-/// is halved does not.
+/// The squared distance below which two ends are equal in all relevant digits. The point that halves the image between
+/// them then has no effect.
 const NEAR2: f64 = 1e-8;
 
 /// The integral of `c x dc` along the image of the edge between two corners, by four arcs of great circles.
 ///
-/// The image is a conic with the control points `a`, `b` and `c`, of which the ends have length one
-/// (`docs/normals.md`, section 4). It is halved at the point n that is equally far from both ends, and each half is two
-/// arcs that meet in q, a little outside of it, so that they enclose the same area as the half.
+/// The image is a conic with the control points `a`, `b` and `c`; its ends have unit length (`docs/normals.md`, "The
+/// integral of an edge"). The point n, equally far from both ends, halves it. Each half is approximated by two arcs.
+/// They meet in q, slightly outside of the half, such that they enclose the same area.
 pub(super) fn four_arcs<T: Scalar>(
     psi: &AnglePerSine,
     bulge: [f64; 2],
@@ -56,7 +57,7 @@ pub(super) fn four_arcs<T: Scalar>(
 ) -> Triple<T> {
     let (a, c) = (from.c, to.c);
     let b = control_point(view, from, to);
-    // The curve is a + 2 t b + t^2 c. Its distance from both ends is equal where (a - c) . (a + 2 t b + t^2 c) = 0.
+    // The curve is a + 2 t b + t^2 c. Its distances to both ends are equal where (a - c) . (a + 2 t b + t^2 c) = 0.
     let apart = minus(a, c);
     let bend = dot(b, apart) / (T::of(0.5) * (dot(apart, apart) + T::of(NEAR2)));
     let t = bend + (bend * bend + T::ONE).sqrt();
@@ -74,9 +75,9 @@ pub(super) fn four_arcs<T: Scalar>(
     plus(two_arcs(psi, a, q, n), two_arcs(psi, n, r, c))
 }
 
-/// The control point b of the image of the edge between two corners, scaled so that the ends have length one:
+/// The control point b of the image of the edge between two corners, scaled such that the ends have unit length:
 /// `((y / 2 - 2) A^-1 wo + A^-1 (wo + w_a) + A^-1 (wo + w_c)) / sqrt(y L_a L_c)` with `y = |w_a + w_c|^2` and the
-/// images' lengths L before they were scaled.
+/// lengths L of the images before they are normalised.
 fn control_point<T: Scalar>(view: &View<T>, from: &Corner<T>, to: &Corner<T>) -> Triple<T> {
     let sum = plus(from.w, to.w);
     let y = dot(sum, sum) + T::of(1e-10);
@@ -87,8 +88,8 @@ fn control_point<T: Scalar>(view: &View<T>, from: &Corner<T>, to: &Corner<T>) ->
 
 /// The integral of `c x dc` along the arcs of great circles from a to q and from q to n.
 ///
-/// It is `psi(a, q) a x q + psi(q, n) q x n`, here as the product of q with a sum of differences, which keeps the digits
-/// of short arcs.
+/// It is `psi(a, q) a x q + psi(q, n) q x n`, written as the product of q with a sum of differences. This keeps the
+/// digits of short arcs.
 fn two_arcs<T: Scalar>(psi: &AnglePerSine, a: Triple<T>, q: Triple<T>, n: Triple<T>) -> Triple<T> {
     cross(q, minus(scaled(minus(n, q), psi.between(q, n)), scaled(minus(a, q), psi.between(a, q))))
 }

@@ -1,4 +1,4 @@
-//! The mean weight over a region of normals: numbers of the region, and the mean by a network's outputs.
+//! The mean weight over a region of normals, from numbers of the region and a network's outputs.
 
 use super::{
     arcs::AnglePerSine,
@@ -7,33 +7,34 @@ use super::{
 };
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
-/// How many inputs a network has at most.
+/// The largest number of inputs of a network.
 pub const INPUTS: usize = 12;
-/// How many outputs it has.
+/// The number of outputs of a network.
 pub const OUTPUTS: usize = 4;
 
-/// A region of the visible normals: all those that reflect a light, or a triangle of them.
+/// A region of the visible normals: all normals that reflect a light, or a triangle of them.
 #[derive(Debug, Clone, Copy)]
 pub struct Region<T> {
-    /// Its part of the visible normals; negative for a triangle that others overlap.
+    /// The part of the visible normals in the region; negative for a triangle that overlaps others.
     pub part: T,
-    /// The weight of its mean normal.
+    /// The weight at its mean normal.
     pub at_mean: T,
-    /// Schlick's factor of its mean normal, `(1 - wo . h)^5`.
+    /// Schlick's factor at its mean normal, `(1 - wo . h)^5`.
     pub schlick: T,
-    /// The weight of its corners: of their mean rise.
+    /// The weight at the mean rise of its corners.
     pub at_corners: T,
-    /// The weight of the light's mean normal, which is a corner of a triangle; of the whole region that of its own.
+    /// For a triangle, the weight at the light's mean normal, which is its tip. For the whole region, the weight at its
+    /// own mean normal.
     pub at_tip: T,
-    /// The inputs of its network.
+    /// The inputs of the network.
     pub inputs: [T; INPUTS],
 }
 
 impl<T: Scalar> Region<T> {
-    /// The mean weight over the region, and that times Schlick's factor, by the outputs of a network.
+    /// The mean weight over the region, and the mean weight times Schlick's factor, from the outputs of a network.
     ///
-    /// The mean is that of the mean normal, of the corners and of the tip, by shares that a network tells, and what it
-    /// adds to them times the region's part. A small region has one weight, whatever the network.
+    /// The mean is a blend of the weights at the mean normal, the corners and the tip, with shares from the network,
+    /// plus a correction times the region's part. A small region has a single weight, independent of the network.
     #[must_use]
     pub fn mean(&self, [more, more_schlick, corners, tip]: [T; OUTPUTS]) -> [T; 2] {
         let known = self.at_mean + corners * (self.at_corners - self.at_mean) + tip * (self.at_tip - self.at_mean);
@@ -43,8 +44,8 @@ impl<T: Scalar> Region<T> {
     }
 }
 
-/// The whole region of a light whose integral of `c x dc` around the image is `flux`, turned so that its part V of the
-/// visible normals is positive.
+/// The whole region of a light. `flux` is the integral of `c x dc` around its image, with a sign that makes `visible`,
+/// its part of the visible normals, positive.
 pub(super) fn whole<T: Scalar>(view: &View<T>, vertices: &[Triple<T>], flux: Triple<T>, visible: T) -> Region<T> {
     let at = view.at(flux);
     let per_length = T::ONE / dot(flux, flux).max(T::of(1e-30)).sqrt();
@@ -79,8 +80,8 @@ pub(super) fn whole<T: Scalar>(view: &View<T>, vertices: &[Triple<T>], flux: Tri
     }
 }
 
-/// The triangles between the mean normal of a light's region and the images of its edges, whose integrals are `edges`,
-/// by their parts of the visible normals: `to_part` is the factor from an integral's part along `A wo`.
+/// The triangles between the mean normal of a light's region and the images of its edges. `edges` are the integrals of
+/// the images. `to_part` is the factor from an integral's component along `A wo` to the part of the visible normals.
 pub(super) fn triangles<T: Scalar>(
     view: &View<T>,
     outline: &Outline<T>,
@@ -131,7 +132,7 @@ fn schlick<T: Scalar>(at: &Weighted<T>) -> T {
     m2 * m2 * at.incidence
 }
 
-/// The larger roughness and the smaller.
+/// The larger and the smaller roughness.
 fn roughness<T: Scalar>(view: &View<T>) -> [T; 2] {
     let [x, y] = view.alpha;
     [x.max(y), x.min(y)]

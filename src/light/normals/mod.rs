@@ -1,4 +1,4 @@
-//! The light of a polygon on GGX, in the space of its normals, without a table.
+//! The light of a polygon on GGX, computed in the space of its normals without a table.
 //!
 //! The light reflected from a polygon P of radiance one, for a Fresnel factor of one, is
 //!
@@ -6,21 +6,21 @@
 //! integral over P of D(h) G2 / (4 cos_o) dwi = integral over H(P) of Dv(h) (G2 / G1) dh,   Dv = G1 (wo . h) D / cos_o
 //! ```
 //!
-//! where H(P) are the half vectors `h = normalize(wo + wi)` [Walter et al. 2007]. With `c = normalize(A^-1 h)`,
-//! `A = diag(alpha_x, alpha_y, 1)`, the normals of GGX are a clamped cosine, `D(h) h.z dh = c.z / pi dc`, and the
-//! visible ones the projection of the hemisphere along `A wo` [Heitz 2018]. So the integral of `Dv` over a region is
-//! the form factor of the region's image C(P) for a receiver with the normal `A wo`:
+//! where H(P) are the half vectors `h = normalize(wo + wi)` [Walter et al. 2007]. With `c = normalize(A^-1 h)` and
+//! `A = diag(alpha_x, alpha_y, 1)`, the normals of GGX become a clamped cosine, `D(h) h.z dh = c.z / pi dc`. The
+//! visible normals become the projection of the hemisphere along `A wo` [Heitz 2018]. So the integral of `Dv` over a
+//! region is the form factor of the region's image C(P) for a receiver with the normal `A wo`:
 //!
 //! ```text
 //! V = 2 / (cos_o + |A wo|) (A wo) . F,     F = 1/(2 pi) closed integral of c x dc along the outline of C(P)
 //! ```
 //!
-//! The images of a light's edges are conics, which four arcs of great circles follow (`arcs.rs`); the exact integral
-//! over them has a closed form (`exact/`). The weight `G2 / G1`, and Schlick's fifth power, are smooth; their mean is
-//! that of a few normals, corrected by a small network (`mean.rs`). `docs/normals.md` derives all of it.
+//! The images of a light's edges are conics. Four arcs of great circles approximate each (`arcs.rs`); the exact
+//! integral has a closed form (`exact/`). The weight `G2 / G1` and Schlick's fifth power are smooth. Their mean comes
+//! from a few normals and is corrected by a small network (`mean.rs`). `docs/normals.md` has the derivation.
 //!
-//! Every direction above the surface has its half vector above it and in front of the viewer, so a light is cut at the
-//! surface and nowhere else.
+//! Every direction above the surface has its half vector above the surface and in front of the viewer. So a light is
+//! only cut at the surface.
 
 mod arcs;
 mod exact;
@@ -54,24 +54,25 @@ use ltcforge_fit::{
 };
 
 named_list! {
-    /// How much an answer costs and how near to the truth it is.
+    /// The trade-off between cost and accuracy.
     pub enum NormalsRule {
-        /// Four arcs an edge; the mean weight of the whole light by twelve numbers of it and twelve units.
+        /// Four arcs an edge. A network with twelve inputs and twelve units gives the mean weight of the whole light.
         Balanced = "balanced",
-        /// The arcs by a rougher formula of angles; the mean weight by eight numbers and three units.
+        /// Four arcs an edge with a rougher formula for angles. The network has eight inputs and three units.
         Fast = "fast",
-        /// The mean weight by triangles between the mean normal and each edge, each by twelve numbers and eight units.
+        /// Four arcs an edge. A network with twelve inputs and eight units gives the mean weight of each triangle
+        /// between the mean normal and an edge.
         Fine = "fine",
-        /// As [`Self::Fine`] with the exact integrals of the edges. There is no shader of it.
+        /// Like [`NormalsRule::Fine`], with the exact integrals of the edges. Shaders do not have this rule.
         Exact = "exact",
     }
 }
 
 impl NormalsRule {
-    /// The rules that shaders have, the default first.
+    /// The rules of shaders, the default first.
     pub const SHADED: [Self; 3] = [Self::Balanced, Self::Fast, Self::Fine];
 
-    /// The numbers by which it takes the mean of the weight.
+    /// The network for the mean of the weight.
     #[must_use]
     pub fn network(self) -> Network<'static> {
         match self {
@@ -81,7 +82,7 @@ impl NormalsRule {
         }
     }
 
-    /// How many of a region's numbers its network is given.
+    /// The number of a region's numbers that the network uses as inputs.
     #[must_use]
     pub fn inputs(self) -> usize {
         if self == Self::Fast { 8 } else { INPUTS }
@@ -91,29 +92,29 @@ impl NormalsRule {
         if self == Self::Fast { &arcs::ROUGH } else { &arcs::CLOSE }
     }
 
-    /// Whether the mean is taken over triangles.
+    /// True if the mean is taken over triangles.
     fn has_triangles(self) -> bool {
         matches!(self, Self::Fine | Self::Exact)
     }
 }
 
-/// The visible normals that reflect a light: one region, or the triangles that it falls into.
+/// The visible normals that reflect a light: one region, or its triangles.
 #[derive(Debug, Clone)]
 pub struct Regions<T> {
-    /// V: the part of the visible normals that reflect the light.
+    /// The part V of the visible normals that reflect the light.
     pub visible: T,
-    /// The integral of `c x dc` around the image: along the mean normal of the region.
+    /// The integral of `c x dc` around the image. It points along the mean normal of the region.
     pub flux: Triple<T>,
     /// The regions.
     pub regions: Vec<Region<T>>,
 }
 
-/// Overlapping triangles cancel in the signed sum. The light is at least this part of the mean over all triangles, each
-/// by its size.
+/// Overlapping triangles cancel in the signed sum. The light is at least this part of the mean over all triangles,
+/// weighted by their size.
 pub const LEAST_OF_OVERLAPPING: f64 = 0.5;
 
 impl<T: Scalar> Regions<T> {
-    /// The reflected light, by the outputs of a network for each region.
+    /// The reflected light, from the outputs of a network for each region.
     #[must_use]
     pub fn reflected(&self, outputs: impl Fn(&Region<T>) -> [T; OUTPUTS]) -> [T; 2] {
         let (mut sum, mut all, mut parts) = ([T::ZERO; 2], [T::ZERO; 2], T::ZERO);
@@ -132,8 +133,8 @@ impl<T: Scalar> Regions<T> {
 }
 
 impl Regions<f64> {
-    /// The reflected light weighed by F82's edge, likewise: in each region at the incidence whose Schlick's factor is the
-    /// region's mean, which needs no network of its own.
+    /// The reflected light weighted by F82's edge weight. In each region it is evaluated at the incidence whose Schlick
+    /// factor is the region's mean, so it needs no network of its own.
     #[must_use]
     pub fn edge(&self, outputs: impl Fn(&Region<f64>) -> [f64; OUTPUTS]) -> f64 {
         let of_region = |region: &Region<f64>| region.part * edge_of_parts(region.mean(outputs(region)));
@@ -141,11 +142,12 @@ impl Regions<f64> {
     }
 }
 
-/// The light of a polygon of radiance one that GGX reflects towards `wo`: for a Fresnel factor of one, and its part
-/// weighed by Schlick's `(1 - wo . h)^5`, both in [0, 1].
+/// The light of a polygon of radiance one that GGX reflects towards `wo`. Returns the light for a Fresnel factor of one
+/// and the light weighted by Schlick's `(1 - wo . h)^5`, both in [0, 1].
 ///
-/// The vertices of the convex polygon are relative to the shaded point in its tangent frame, normal +z; the lit side is
-/// that from which they run clockwise. Domain: `alpha` in [1e-5, 1], `wo` of length one with `z > 0`, finite vertices.
+/// The vertices of the convex polygon are relative to the shaded point in its tangent frame, normal +z. They run
+/// clockwise as seen from the lit side. Domain: `alpha` in [1e-5, 1], `wo` of unit length with `z > 0`, finite
+/// vertices.
 #[must_use]
 pub fn reflected<T: Scalar>(
     alpha: [T; 2],
@@ -159,7 +161,7 @@ pub fn reflected<T: Scalar>(
         .map_or([T::ZERO; 2], |regions| regions.reflected(|region| network.at(&region.inputs[..rule.inputs()])))
 }
 
-/// The regions over which a rule takes its mean; `None` where nothing is reflected.
+/// The regions over which a rule takes its mean; `None` if nothing is reflected.
 #[must_use]
 pub fn regions<T: Scalar>(
     alpha: [T; 2],
@@ -180,13 +182,13 @@ pub fn regions<T: Scalar>(
         outline.edges().map(|(from, to)| four_arcs(psi, BULGE, &view, from, to)).collect()
     };
     let flux = edges.iter().fold([T::ZERO; 3], |sum, edge| plus(sum, *edge));
-    let seen = dot(flux, view.stretched);
-    let side = if seen < T::ZERO { -T::ONE } else { T::ONE };
-    if sides == Sides::One && seen < T::ZERO {
+    let along_view = dot(flux, view.stretched);
+    let side = if along_view < T::ZERO { -T::ONE } else { T::ONE };
+    if sides == Sides::One && along_view < T::ZERO {
         return None;
     }
     let to_part = side * to_visible(&view);
-    let visible = (seen * to_part).min(T::ONE);
+    let visible = (along_view * to_part).min(T::ONE);
     let flux = scaled(flux, side);
     let regions = if rule.has_triangles() {
         let tip = scaled(flux, T::ONE / dot(flux, flux).max(T::of(1e-30)).sqrt());
@@ -197,8 +199,8 @@ pub fn regions<T: Scalar>(
     Some(Regions { visible, flux, regions })
 }
 
-/// V: the part of the visible normals at which a polygon's light is reflected, by the exact integrals of its edges;
-/// positive where it is lit, negative where it is seen from behind.
+/// The part V of the visible normals that reflect a polygon's light, from the exact integrals of its edges. It is
+/// positive on the lit side and negative on the back.
 #[must_use]
 pub fn visible<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Triple<T>]) -> T {
     let view = View::new(alpha, wo);
@@ -209,7 +211,7 @@ pub fn visible<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Triple<T>]) 
     dot(exact::flux(&view, &outline.corners), view.stretched) * to_visible(&view)
 }
 
-/// The same by four arcs an edge that meet `bulge` outside of it, as rules `balanced` and `fine` have them with [`BULGE`].
+/// Like [`visible`], from four arcs an edge that meet `bulge` outside of it. Rules `balanced` and `fine` use [`BULGE`].
 #[must_use]
 pub fn visible_by_arcs<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Triple<T>], bulge: [f64; 2]) -> T {
     let view = View::new(alpha, wo);
@@ -219,7 +221,7 @@ pub fn visible_by_arcs<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Trip
     if outline.corners.len() < 3 { T::ZERO } else { dot(flux, view.stretched) * to_visible(&view) }
 }
 
-/// From the integral of `c x dc` along `A wo` to the part of the visible normals.
+/// The factor from the integral of `c x dc` along `A wo` to the part of the visible normals.
 fn to_visible<T: Scalar>(view: &View<T>) -> T {
     T::of(std::f64::consts::FRAC_1_PI) / (view.wo[2] + view.length)
 }

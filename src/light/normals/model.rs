@@ -40,12 +40,12 @@ impl Formula for NormalsModel {
     }
 }
 
-/// The light that a surface reflects by the closed form in the space of normals, in f64. Shapes are lit as the
-/// polygons that [`ShapedLight::outline`](crate::ShapedLight::outline) tells.
+/// The light that a surface reflects, computed by the closed form in the space of normals in f64. Shapes are replaced
+/// by the polygons of [`ShapedLight::outline`](crate::ShapedLight::outline).
 ///
 /// # Errors
-/// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon, and those of the
-/// outline.
+/// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon, and the errors of
+/// the outline.
 pub fn by_normals<'a>(
     at: &Configuration,
     light: impl Into<AreaLight<'a>>,

@@ -2,17 +2,18 @@
 
 use ltcforge_fit::math::Scalar;
 
-/// `outputs = O max(H inputs + h, 0) + o`: one layer of rectified linear units between its inputs and outputs.
+/// A network with one layer of rectified linear units: `outputs = O max(H inputs + h, 0) + o`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Network<'a> {
-    /// Rows of H, each with its number of h behind it: one row a unit.
+    /// The rows of H, one for each unit. The last number of a row is its number of h.
     pub units: &'a [&'a [f64]],
-    /// Rows of O, each with its number of o behind it: one row an output.
+    /// The rows of O, one for each output. The last number of a row is its number of o.
     pub outputs: &'a [&'a [f64]],
 }
 
 impl Network<'_> {
-    /// The outputs. Domain: as many inputs as a row of the units has numbers but one, and OUTPUTS rows of outputs.
+    /// Evaluates the network. Domain: the number of inputs is one less than the numbers of a unit's row, and OUTPUTS
+    /// rows of outputs.
     #[must_use]
     pub fn at<T: Scalar, const OUTPUTS: usize>(&self, inputs: &[T]) -> [T; OUTPUTS] {
         let sum = |row: &[f64], of: &[T]| {

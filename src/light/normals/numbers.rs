@@ -1,4 +1,4 @@
-//! The numbers of the networks. `cargo run --release -p ltcforge-studies -- networks RULE` finds such numbers.
+//! The numbers of the networks. `cargo run --release -p ltcforge-studies -- networks RULE` finds numbers like these.
 
 use super::network::Network;
 

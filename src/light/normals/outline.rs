@@ -23,7 +23,7 @@ impl<T: Scalar> Corner<T> {
         Self { w, c: scaled(c, T::ONE / length), length }
     }
 
-    /// The image before it was scaled to the unit sphere.
+    /// The image before it is normalised.
     pub(super) fn unscaled(&self) -> Triple<T> {
         scaled(self.c, self.length)
     }
@@ -32,8 +32,8 @@ impl<T: Scalar> Corner<T> {
 /// The part of a convex polygon that is above the surface, `z > 0`.
 #[derive(Debug, Clone)]
 pub(super) struct Outline<T> {
-    /// The corners in the polygon's order; none where nothing is above the surface. Where the outline crosses the
-    /// surface, it does so in the first and in the last of them.
+    /// The corners in the polygon's order; empty if nothing is above the surface. If the outline crosses the surface,
+    /// the first and the last corner are the crossings.
     pub(super) corners: Vec<Corner<T>>,
 }
 
@@ -42,13 +42,13 @@ impl<T: Scalar> Outline<T> {
         Self { corners: above(vertices).into_iter().map(|v| Corner::new(view, v)).collect() }
     }
 
-    /// Each edge's two corners.
+    /// The two corners of each edge.
     pub(super) fn edges(&self) -> impl Iterator<Item = (&Corner<T>, &Corner<T>)> {
         self.corners.iter().zip(self.corners.iter().cycle().skip(1))
     }
 }
 
-/// The vertices above the surface, in order; where the outline crosses it, the crossings are first and last.
+/// The vertices above the surface, in order. If the outline crosses the surface, the crossings are first and last.
 fn above<T: Scalar>(vertices: &[Triple<T>]) -> Vec<Triple<T>> {
     let count = vertices.len();
     let is_up = |i: usize| vertices[i % count][2] > T::ZERO;
@@ -64,7 +64,7 @@ fn above<T: Scalar>(vertices: &[Triple<T>]) -> Vec<Triple<T>> {
     ends
 }
 
-/// The direction in which the edge between vertices on either side of the horizon meets it.
+/// The direction in which an edge crosses the horizon. Its vertices are on either side.
 fn crossing<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
     let (a_share, b_share) = (b[2].abs(), a[2].abs());
     [a[0] * a_share + b[0] * b_share, a[1] * a_share + b[1] * b_share, T::ZERO]

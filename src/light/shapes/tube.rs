@@ -1,4 +1,4 @@
-//! Tubes: the outline that a shaded point sees of a cylinder.
+//! Tubes: the outline of a cylinder as seen from a shaded point.
 
 use std::f64::consts::TAU;
 
@@ -8,25 +8,25 @@ use super::flat::{ELLIPSE_VERTICES, check_length};
 use crate::{LightError, PolygonLight};
 use ltcforge_fit::{Sides, math::sin_cos};
 
-/// How a tube ends.
+/// The ends of a tube.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TubeEnds {
-    /// In disks: a cylinder.
+    /// Disks. The tube is a cylinder.
     Flat,
-    /// In half spheres around the two points.
+    /// Half spheres around the two points.
     Round,
 }
 
-/// The polygon that a shaded point sees of a tube of radius `radius` around the line between `ends`, of the same
-/// radiance in every direction. It is seen from every side.
+/// The polygon of a tube's outline as seen from a shaded point. The tube has the radius `radius` around the line
+/// between `ends`, and the same radiance in every direction. It is visible from every side.
 ///
-/// A tube is the convex hull of two circles, as far as its outline goes: the rims of a cylinder, or the circles in
-/// which half spheres are seen to end. So the outline is the hull of points on both: [`ELLIPSE_VERTICES`] each, and
-/// those where the straight sides touch them. The sides are exact, and the outlines of the ends lie inside by up to 0.5
-/// % of the radius. A tube without length and with round ends is a sphere.
+/// The outline of a tube is the convex hull of two circles: the rims of a cylinder, or the outlines of the half
+/// spheres. So the polygon is the hull of points on both circles: [`ELLIPSE_VERTICES`] on each, and the points where
+/// the straight sides touch them. The sides are exact. The outlines of the ends are inside of the circles by up to 0.5
+/// % of the radius. A tube of zero length with round ends is a sphere.
 ///
 /// # Errors
-/// [`LightError::Inside`] for a shaded point in the tube, [`LightError::Length`] for a radius below zero,
+/// [`LightError::Inside`] for a shaded point in the tube, [`LightError::Length`] for a negative radius,
 /// [`LightError::NotFinite`].
 pub fn tube(ends: [DVec3; 2], radius: f64, shape: TubeEnds) -> Result<PolygonLight, LightError> {
     check_length("the radius", radius)?;
@@ -43,13 +43,13 @@ pub fn tube(ends: [DVec3; 2], radius: f64, shape: TubeEnds) -> Result<PolygonLig
         TubeEnds::Round => ends.iter().flat_map(|end| horizon_of_sphere(*end, axis, radius)).collect(),
     };
     let mut outline = hull(&points, nearest);
-    // A tube without a radius is a line, and nothing is seen of it.
+    // A tube of radius zero is a line and has no visible area.
     outline.resize(outline.len().max(3), points[0]);
     PolygonLight::new(outline, Sides::Two)
 }
 
-/// The point of a tube that is nearest to the shaded point; `None` where that is inside or on it. All of the tube lies
-/// beyond the plane through it: a plane that shows all of the tube.
+/// The point of a tube nearest to the shaded point; `None` if the shaded point is inside or on the tube. The whole tube
+/// is beyond the plane through this point, so a projection on this plane shows all of it.
 fn nearest_point(ends: [DVec3; 2], radius: f64, shape: TubeEnds) -> Option<DVec3> {
     let along = ends[1] - ends[0];
     let axis = along.normalize_or_zero();
@@ -68,28 +68,29 @@ fn nearest_point(ends: [DVec3; 2], radius: f64, shape: TubeEnds) -> Option<DVec3
     is_outside.then_some(nearest)
 }
 
-/// Points of the circle around `centre`, with unit normal `axis`; the first two where planes through the origin that
-/// are parallel to `axis` touch it, if there are any.
+/// Points of the circle around `centre` with unit normal `axis`. They include the points where planes through the
+/// origin parallel to `axis` touch it, if there are any.
 fn rim(centre: DVec3, axis: DVec3, radius: f64) -> Vec<DVec3> {
     let (x, y) = axis.any_orthonormal_pair();
-    // The origin beside the axis, seen from it: tangents from there touch at the angle acos(radius / distance).
+    // The origin relative to the axis, in the plane of the circle. Its tangents touch at the angle acos(radius /
+    // distance).
     let beside = DVec2::new(-centre.dot(x), -centre.dot(y));
     circle(centre, [x, y], radius, beside)
 }
 
-/// Points of the circle in which a sphere is seen to end; the first two where planes through the origin that are
-/// parallel to `axis` touch it.
+/// Points of the outline of a sphere. They include the points where planes through the origin parallel to `axis` touch
+/// it.
 fn horizon_of_sphere(centre: DVec3, axis: DVec3, radius: f64) -> Vec<DVec3> {
     let distance2 = centre.length_squared();
-    // The circle of the tangents from the origin.
+    // The circle where tangents from the origin touch the sphere.
     let nearer = radius * radius / distance2;
-    let (seen_centre, seen_radius) = (centre * (1.0 - nearer), radius * (1.0 - nearer).sqrt());
+    let (outline_centre, outline_radius) = (centre * (1.0 - nearer), radius * (1.0 - nearer).sqrt());
     let towards = centre.normalize();
     let x = towards.cross(axis).try_normalize().unwrap_or_else(|| towards.any_orthonormal_vector());
     let y = towards.cross(x);
-    let mut points = circle(seen_centre, [x, y], seen_radius, DVec2::ZERO);
-    // A plane with unit normal n, perpendicular to the axis, with n . centre = radius touches at centre - radius n.
-    // With the centre beside the axis at distance d along u, n = (radius u +- sqrt(d^2 - radius^2) v) / d.
+    let mut points = circle(outline_centre, [x, y], outline_radius, DVec2::ZERO);
+    // A plane with unit normal n, perpendicular to the axis, with n . centre = radius touches at centre - radius n. If
+    // the centre is at distance d from the axis along u, n = (radius u +- sqrt(d^2 - radius^2) v) / d.
     let beside = centre - axis * centre.dot(axis);
     let distance = beside.length();
     if axis != DVec3::ZERO && distance > radius {
@@ -101,7 +102,7 @@ fn horizon_of_sphere(centre: DVec3, axis: DVec3, radius: f64) -> Vec<DVec3> {
     points
 }
 
-/// Points of a circle, and those where tangents from the point `from` of its plane touch it.
+/// Points of a circle, and the points where tangents from the point `from` of its plane touch it.
 fn circle(centre: DVec3, [x, y]: [DVec3; 2], radius: f64, from: DVec2) -> Vec<DVec3> {
     let place = |angle: f64| {
         let (sin, cos) = sin_cos(angle);
@@ -121,8 +122,8 @@ fn circle(centre: DVec3, [x, y]: [DVec3; 2], radius: f64, from: DVec2) -> Vec<DV
     points
 }
 
-/// The convex hull of directions, all of which are less than a right angle from `axis`, clockwise as seen from the
-/// origin; by Andrew's monotone chain in the plane across `axis`.
+/// The convex hull of directions, clockwise as seen from the origin. All directions are less than a right angle from
+/// `axis`. Computed by Andrew's monotone chain in the plane perpendicular to `axis`.
 fn hull(points: &[DVec3], axis: DVec3) -> Vec<DVec3> {
     let axis = axis.normalize();
     let (x, y) = axis.any_orthonormal_pair();
@@ -130,17 +131,17 @@ fn hull(points: &[DVec3], axis: DVec3) -> Vec<DVec3> {
         points.iter().map(|p| (DVec2::new(p.dot(x), p.dot(y)) / p.dot(axis), *p)).collect();
     flat.sort_by(|(a, _), (b, _)| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let chain = |points: &mut dyn Iterator<Item = (DVec2, DVec3)>| {
-        let mut kept: Vec<(DVec2, DVec3)> = Vec::new();
+        let mut chain_points: Vec<(DVec2, DVec3)> = Vec::new();
         for point in points {
-            while let [.., (a, _), (b, _)] = kept[..]
+            while let [.., (a, _), (b, _)] = chain_points[..]
                 && (b - a).perp_dot(point.0 - b) >= 0.0
             {
-                kept.pop();
+                chain_points.pop();
             }
-            kept.push(point);
+            chain_points.push(point);
         }
-        kept.pop();
-        kept
+        chain_points.pop();
+        chain_points
     };
     let upper = chain(&mut flat.iter().copied());
     let lower = chain(&mut flat.iter().rev().copied());

@@ -1,4 +1,4 @@
-//! Lights whose image among the normals bends so far that triangles around its mean normal lie upon each other.
+//! Lights whose image among the normals is so curved that triangles around its mean normal overlap.
 
 use glam::DVec3;
 
@@ -6,7 +6,7 @@ use crate::cases::Lit;
 use crate::{NormalsRule, by_normals, truth};
 use ltcforge_fit::{Configuration, Sides};
 
-/// `alpha_x`, `alpha_y`, `theta` and `phi`, and the vertices, of five among hundreds of
+/// `alpha_x`, `alpha_y`, `theta` and `phi`, and the vertices of five lights. They were found among hundreds of
 /// thousands of random lights.
 const BENT: [([f64; 4], [[f64; 3]; 4]); 5] = [
     (
@@ -36,8 +36,8 @@ const BENT: [([f64; 4], [[f64; 3]; 4]); 5] = [
     ),
 ];
 
-/// Where triangles cancel, or one crosses its own sides, their sum alone is off by up to .08 on these, and tells .014
-/// in place of .064 on the first, a black patch.
+/// If triangles cancel, or if a triangle crosses its own sides, their plain sum has an error of up to 0.08 on these
+/// lights. On the first it is 0.014 instead of 0.064, which shows as a black patch.
 #[test]
 fn bent_images_are_no_darker_and_no_brighter() {
     for ([alpha_x, alpha_y, theta, phi], vertices) in BENT {

@@ -1,4 +1,4 @@
-//! The closed form in the space of normals against the truth.
+//! Compares the closed form in the space of normals with the truth.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use crate::{
 };
 use ltcforge_fit::Sides;
 
-/// The truth's tolerance where errors of a thousandth are told.
+/// The tolerance of the truth, for errors of a thousandth.
 const TOLERANCE: f64 = 1e-5;
 
 fn triples(vertices: &[DVec3]) -> Vec<[f64; 3]> {
@@ -35,11 +35,11 @@ fn spread(mut errors: Vec<f64>) -> [f64; 3] {
     [errors.iter().sum::<f64>() / count as f64, errors[count * 95 / 100], errors[count - 1]]
 }
 
-/// The half widths of random lights, and of lights of 50 radii.
+/// The half widths of random lights. [`HUGE`] lights have half widths of 50.
 const USUAL: [f64; 2] = [0.05, 1.2];
 const HUGE: [f64; 2] = [50.0, 50.0];
 
-/// Errors of energy and Fresnel part under each rule.
+/// Errors of energy and Fresnel part for each rule.
 fn errors(seed: u64, count: usize, roughness: Roughness, sizes: [f64; 2]) -> Vec<(NormalsRule, [f64; 3], [f64; 3])> {
     let mut draw = Draw::new(seed);
     let cases: Vec<Lit> = (0..count).map(|_| draw.lit_by(roughness, sizes)).collect();
@@ -48,7 +48,7 @@ fn errors(seed: u64, count: usize, roughness: Roughness, sizes: [f64; 2]) -> Vec
         .map(|lit| truth_within(TOLERANCE, &lit.at, &lit.light(Sides::Two)).expect("a surface"))
         .collect();
     let mean = wanted.iter().map(|wanted| wanted.energy).sum::<f64>() / count as f64;
-    assert!(mean > 0.2, "lights that lobes miss tell nothing: {mean}");
+    assert!(mean > 0.2, "lobes miss most lights: {mean}");
     let of = |rule: NormalsRule| {
         let found: Vec<ReflectedLight> = cases.par_iter().map(|lit| found(lit, rule)).collect();
         let pairs = || found.iter().zip(&wanted);
@@ -60,7 +60,7 @@ fn errors(seed: u64, count: usize, roughness: Roughness, sizes: [f64; 2]) -> Vec
     NormalsRule::ALL.iter().map(|rule| of(*rule)).collect()
 }
 
-/// The errors of the weight, as the documentation states them: the limits are a tenth to a half above those measured.
+/// The errors of the weight, as in the documentation. The limits are a tenth to a half above the measured errors.
 #[test]
 fn errors_are_those_of_the_weight() {
     let limits = |roughness: Roughness, sizes: [f64; 2], rule: NormalsRule| match (roughness, rule) {
@@ -87,7 +87,7 @@ fn errors_are_those_of_the_weight() {
     }
 }
 
-/// The integral of `c x dc` along the image of an edge, halved until that is short.
+/// The integral of `c x dc` along the image of an edge, which is halved until it is short.
 fn along_image(stretch: DVec3, wo: DVec3, a: DVec3, b: DVec3, halvings: u32) -> DVec3 {
     let image = |w: DVec3| ((wo + w.normalize()) / stretch).normalize();
     let is_short = halvings > 2 && [a, b].iter().all(|end| image(*end).dot(image(a + b)) > 0.95);
@@ -106,7 +106,7 @@ fn along_image(stretch: DVec3, wo: DVec3, a: DVec3, b: DVec3, halvings: u32) -> 
     DVec3::from_array(integral(&slice, [0.0, 1.0], 1e-12, 4))
 }
 
-/// V by quadrature of `c x dc` along the outline's image.
+/// V from a quadrature of `c x dc` along the image of the outline.
 fn visible_by_quadrature(lit: &Lit) -> f64 {
     let [alpha_x, alpha_y] = lit.alpha();
     let (wo, stretch) = (lit.wo(), DVec3::new(alpha_x, alpha_y, 1.0));
@@ -122,8 +122,7 @@ fn visible_by_quadrature(lit: &Lit) -> f64 {
     sum.dot(stretch * wo) / (std::f64::consts::PI * (wo.z + (stretch * wo).length()))
 }
 
-/// The sum over the edges has the digits of the quadrature that it is compared with. In f32 it loses those of rounded
-/// directions.
+/// The sum over the edges is as accurate as the quadrature. In f32 it loses the digits that rounded directions lose.
 #[test]
 fn the_visible_part_is_exact() {
     let cases = [
@@ -150,7 +149,7 @@ fn the_visible_part_is_exact() {
     }
 }
 
-/// The numbers that shaders compute.
+/// Compares with the f32 numbers of the shaders.
 #[test]
 fn f32_tells_the_same_as_f64() {
     let limits = [
@@ -175,7 +174,7 @@ fn f32_tells_the_same_as_f64() {
     }
 }
 
-/// From points to lights that fill half of all directions, down to needles and mirrors.
+/// Tests lights from points to half of all directions, with surfaces down to needles and mirrors.
 #[test]
 fn lights_of_any_size_are_right() {
     let mut draw = Draw::new(61);
@@ -192,12 +191,12 @@ fn lights_of_any_size_are_right() {
     }
 }
 
-/// Checks that no surface, view or light is far off in f32. The truth takes a millisecond, so one case in
-/// twenty is held to it, and each in which two other rules tell something else.
+/// Checks that no surface, view or light has a large error in f32. The truth takes a millisecond, so it is computed for
+/// every twentieth case, and for cases where two other rules differ.
 #[test]
 fn random_configurations_are_right() {
     const COUNT: usize = 30_000;
-    let seen = [Roughness::All, Roughness::Anisotropic, Roughness::Extreme].map(|roughness| {
+    let worst_errors = [Roughness::All, Roughness::Anisotropic, Roughness::Extreme].map(|roughness| {
         let cases = Draw::many(41 + roughness as u64, COUNT / 3 + 1, roughness);
         let error = |(i, lit): (usize, &Lit)| {
             let double = found(lit, NormalsRule::Balanced);
@@ -220,5 +219,5 @@ fn random_configurations_are_right() {
         println!("{roughness:?}: p99.9 {rare:.4}, max {worst:.4}");
         [rare, worst]
     });
-    assert!(seen.iter().all(|[rare, worst]| *rare < 0.03 && *worst < 0.1), "{seen:?}");
+    assert!(worst_errors.iter().all(|[rare, worst]| *rare < 0.03 && *worst < 0.1), "{worst_errors:?}");
 }

@@ -1,5 +1,5 @@
-//! The truth of every scattering model: against sums over lights, against its sampler, in the furnace, and at the ends
-//! of the range.
+//! Tests the truth of every scattering model: with sums over lights, with its own sampler, in the furnace, and at the
+//! limits of the range.
 
 use std::{
     f64::consts::{FRAC_PI_2, PI},
@@ -20,7 +20,7 @@ use ltcforge_fit::{
     testing::{planted_anisotropic, planted_tabulated},
 };
 
-/// Every model but GGX, planted files among them.
+/// All models except GGX, including tabulated files.
 fn models() -> impl Iterator<Item = BrdfModel> {
     let files = [planted_tabulated(), planted_anisotropic()];
     BrdfKind::formulas().filter(|kind| *kind != BrdfKind::Ggx).map(BrdfModel::from).chain(files)
@@ -30,12 +30,12 @@ fn to(tolerance: f64, brdf: &BrdfModel, lit: &Lit) -> ReflectedLight {
     truth_of(brdf, tolerance, &lit.at, &lit.light(Sides::Two)).expect("a surface")
 }
 
-/// Surfaces that a sum of some 10^5 cells resolves.
+/// True for surfaces that a sum of some 10^5 cells resolves.
 fn is_broad(lit: &Lit) -> bool {
     lit.at.alpha_x.min(lit.at.alpha_y) > 0.15
 }
 
-/// How far a pair of numbers is off the finer of two sums, beyond that sum's difference from the coarser.
+/// The largest difference from the finer of two sums, minus the sum's difference from the coarser sum.
 fn beyond(found: ReflectedLight, [coarse, fine]: [[f64; 2]; 2]) -> f64 {
     let off = |found: f64, i: usize| (found - fine[i]).abs() - (fine[i] - coarse[i]).abs();
     off(found.energy, 0).max(off(found.fresnel, 1))
@@ -81,8 +81,8 @@ fn it_is_the_sum_over_other_shapes() {
     }
 }
 
-/// The weighted samples of the model's own sampler that hit the light, for lobes of any sharpness and views to 89.9
-/// degrees.
+/// Compares with the weighted samples of the model's sampler that hit the light, for lobes of any sharpness and views
+/// to 89.9 degrees.
 #[test]
 fn it_is_the_mean_of_sampled_rays() {
     const RAYS: usize = 1 << 13;
@@ -105,7 +105,7 @@ fn it_is_the_mean_of_sampled_rays() {
             let mean = sum / RAYS as f64;
             let deviation = ((sum2 / RAYS as f64 - mean * mean).max(0.0) / RAYS as f64).sqrt();
             let error = (mean - to(1e-7, &brdf, lit).energy).abs();
-            // A lattice is more even than random samples.
+            // A lattice is more uniform than random samples.
             let allowed = 3.0 * deviation + 6.0 * most.max(1.0) / RAYS as f64 + 1e-6;
             assert!(error < allowed, "{brdf}: {mean} {error} {deviation} {lit:?}");
             [error, deviation]
@@ -116,7 +116,7 @@ fn it_is_the_mean_of_sampled_rays() {
     }
 }
 
-/// A lower tolerance changes nothing by more than the higher one allows.
+/// A lower tolerance changes the result by at most the higher tolerance.
 #[test]
 fn it_converges_for_mirrors_and_horizons() {
     for brdf in models() {
@@ -132,7 +132,7 @@ fn it_converges_for_mirrors_and_horizons() {
     }
 }
 
-/// All that is above the surface gives the albedo, also where a model reflects more light than it receives.
+/// A light over the whole hemisphere gives the albedo, also if a model reflects more light than it receives.
 #[test]
 fn everything_around_gives_the_albedo() {
     let dome = rectangle(1e-4 * DVec3::Z, [50.0 * DVec3::X, 50.0 * DVec3::Y], Sides::Two).expect("convex");
@@ -186,7 +186,7 @@ fn extremes_are_finite_and_known_ones_right() {
         let [one, other] = [overhead.vertices().to_vec(), turned].map(one_sided);
         assert!(one.min(other) == 0.0 && (one.max(other) - energy(&at, &overhead)).abs() < 1e-9, "{brdf}");
     }
-    // A mirror of normally distributed slopes reflects half of a light that ends at its reflection.
+    // A mirror with normally distributed slopes reflects half of a light that ends at its reflection.
     let half = square(DVec3::new(1.0, 0.0, 2.0), DVec3::X, DVec3::Y);
     let mirror = Configuration { alpha_x: 1e-4, alpha_y: 1e-5, theta: 0.0, phi: 0.0 };
     let found = truth_of(&BrdfKind::Beckmann.into(), 1e-9, &mirror, &half).expect("a surface").energy;
@@ -199,7 +199,7 @@ fn extremes_are_finite_and_known_ones_right() {
 const RANGE: PerAxis<[f64; 2]> =
     PerAxis { alpha: [0.0, 1.0], ratio: [1.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, 0.0] };
 
-/// Lambert's reflection as numbers.
+/// Lambertian reflection as a tabulated BRDF.
 fn lambert() -> BrdfModel {
     let axes = TabulatedAxes::spread(vec![], 9, 5);
     let count = axes.shape().iter().product();
@@ -207,7 +207,8 @@ fn lambert() -> BrdfModel {
     BrdfModel::tabulated(TabulatedFile::new([8; 32], Arc::new(brdf)))
 }
 
-/// A cosine is Lambert's reflection itself, with the terms that the measure finds, and a poor one of sheen.
+/// A clamped cosine is exact for Lambertian reflection, with terms computed by the measurement. It is a poor lobe for
+/// sheen.
 #[test]
 fn a_table_is_measured_by_what_it_stands_for() {
     let error = |brdf: &BrdfModel| {
@@ -220,7 +221,7 @@ fn a_table_is_measured_by_what_it_stands_for() {
     assert!(near.mean < 0.1 && near.mean > 10.0 * exact.mean && far.mean > 2.0 * near.mean, "{near:?} {far:?}");
 }
 
-/// Closed forms are GGX's alone, and lights one model's.
+/// Closed forms are only for GGX, and lights are only for their own model.
 #[test]
 fn what_stands_for_another_model_is_refused() {
     let lights = RandomLights::draw(&BrdfKind::OrenNayar.into(), &RANGE, 2).expect("ranges of a table");

@@ -1,4 +1,5 @@
-//! The closed form where formulas break: continuity, sides, lights below the surface, sums, degenerate lights.
+//! Tests of the closed form where formulas can break: continuity, sides, lights below the surface, sums, degenerate
+//! lights.
 
 use std::f64::consts::TAU;
 
@@ -22,21 +23,21 @@ fn energy_by(lit: &Lit, sides: Sides, rule: NormalsRule) -> f64 {
     by_normals(&lit.at, &lit.light(sides), rule).expect("a surface").energy
 }
 
-/// The same as shaders compute it.
+/// The energy in f32, as in shaders.
 fn energy_in_f32(lit: &Lit, sides: Sides, rule: NormalsRule) -> f64 {
     let vertices: Vec<[f32; 3]> = lit.vertices.iter().map(|v| v.as_vec3().to_array()).collect();
     let [energy, _] = reflected(lit.alpha().map(|x| x as f32), lit.wo().as_vec3().to_array(), &vertices, sides, rule);
     f64::from(energy)
 }
 
-/// The visible part, by the closed form of each edge.
+/// The visible part from the exact integral of each edge.
 fn v(lit: &Lit) -> f64 {
     let vertices: Vec<[f64; 3]> = lit.vertices.iter().map(DVec3::to_array).collect();
     visible(lit.alpha(), lit.wo().to_array(), &vertices)
 }
 
-/// Mirrors within lights reflect all of them, however far their images are stretched. Quadrature of a low tolerance
-/// overlooks these.
+/// Mirrors whose reflection is inside of a light reflect all of it, however far their images are stretched. A
+/// quadrature with a low tolerance misses these lights.
 #[test]
 #[allow(clippy::unreadable_literal, reason = "as they were found")]
 fn a_mirror_within_a_light_reflects_all_of_it() {
@@ -81,9 +82,9 @@ fn a_mirror_within_a_light_reflects_all_of_it() {
     }
 }
 
-/// A light that moves by an angle d changes the reflection by no more than the lobe's peak along its outline. In the
-/// space of normals that is the image's shift, at most d / alpha, times the length of a lobe's outline, at most a turn,
-/// over pi. The weight changes as fast.
+/// A light that moves by an angle d changes the reflection by at most the lobe's peak along its outline. In the space
+/// of normals the image moves by at most d / alpha. The change is at most this shift times the length of a lobe's
+/// outline, at most a turn, divided by pi. The weight changes as fast.
 #[test]
 fn small_steps_make_small_changes() {
     for rule in NormalsRule::ALL {
@@ -98,8 +99,8 @@ fn small_steps_make_small_changes() {
     }
 }
 
-/// The largest change in steps of 1e-4 over the step and 1 / alpha: of the light, of the surface around its normal, of
-/// the view.
+/// The largest change in steps of 1e-4, relative to the step and to 1 / alpha. Steps move the light, turn the surface
+/// about its normal, or move the view.
 fn steepest_step(roughness: Roughness, energy: &(dyn Fn(&Lit) -> f64 + Sync)) -> f64 {
     const STEP: f64 = 1e-4;
     let slope = |(i, lit): (usize, &Lit)| {
@@ -117,7 +118,7 @@ fn steepest_step(roughness: Roughness, energy: &(dyn Fn(&Lit) -> f64 + Sync)) ->
     Draw::many(51 + roughness as u64, 4000, roughness).par_iter().enumerate().map(slope).reduce(|| 0.0, f64::max)
 }
 
-/// Steps through a light: where f32 and f64 numbers change sides of a test, nothing jumps.
+/// Steps through a light. Nothing jumps where numbers in f32 and f64 cross a condition.
 #[test]
 #[allow(clippy::type_complexity, reason = "a list of named paths")]
 fn nothing_jumps_along_a_path() {
@@ -131,7 +132,7 @@ fn nothing_jumps_along_a_path() {
         }),
     ];
     for (name, path) in paths {
-        let seen: Vec<f64> = (0..=STEPS)
+        let energies: Vec<f64> = (0..=STEPS)
             .map(|i| {
                 let (at, centre) = path(f64::from(i) / f64::from(STEPS));
                 let (x, y) = (DVec3::new(0.1, 0.5, 0.1), DVec3::new(0.0, 0.1, 0.5));
@@ -141,11 +142,11 @@ fn nothing_jumps_along_a_path() {
                 )
             })
             .collect();
-        let most = seen.iter().copied().fold(0.0, f64::max);
-        let jump = seen.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
-        // The second difference of a smooth path is far smaller than the first; one step that is unlike its neighbours
+        let most = energies.iter().copied().fold(0.0, f64::max);
+        let jump = energies.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        // The second difference of a smooth path is far smaller than the first. A step that differs from its neighbours
         // is a jump.
-        let kink = seen.windows(3).map(|s| (s[2] - 2.0 * s[1] + s[0]).abs()).fold(0.0, f64::max);
+        let kink = energies.windows(3).map(|s| (s[2] - 2.0 * s[1] + s[0]).abs()).fold(0.0, f64::max);
         println!("{name}: {most:.3} at most, steps {jump:.1e}, kinks {kink:.1e}");
         assert!(most > 0.1 && jump < 20.0 / f64::from(STEPS) && kink < 0.5 * jump, "{name}: {most} {jump} {kink}");
     }
@@ -185,7 +186,8 @@ fn two_sides_see_what_the_lit_one_sees() {
     assert!(energy(&lamp, Sides::One) > 0.1);
 }
 
-/// The halves of a light add up to the light: exactly in the visible part, to the weight's error in the energy.
+/// The halves of a light add up to the light: exactly in the visible part, and up to the error of the weight in the
+/// energy.
 #[test]
 fn parts_add_up() {
     let differences = |roughness: Roughness| {
@@ -215,7 +217,7 @@ fn parts_add_up() {
     }
 }
 
-/// An ordinary number, zero, one, or a number close to zero.
+/// A normal number, zero, one, or a number close to zero.
 fn coordinate() -> impl Strategy<Value = f64> {
     prop_oneof![
         -3.0..3.0,
@@ -238,7 +240,7 @@ fn hard_theta() -> impl Strategy<Value = f64> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(4000))]
 
-    /// Also outlines that are no lights.
+    /// Includes outlines that are not valid lights.
     #[test]
     fn never_negative_never_nan_never_above_one(
         vertices in prop::collection::vec((coordinate(), coordinate(), coordinate()), 3..=MAX_VERTICES),

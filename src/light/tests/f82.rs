@@ -1,4 +1,4 @@
-//! Metals by F82: the light weighed by its edge, of models and tables, against the truth.
+//! Compares metals by F82 with the truth: the light weighted by the edge, of models and tables.
 
 use std::ops::ControlFlow;
 
@@ -17,7 +17,7 @@ use ltcforge_fit::{
 /// Surfaces of each row.
 const COUNT: usize = 600;
 
-/// A model whose light is that of another, weighed by F82's edge.
+/// A model with the light of another model, weighted by F82's edge.
 struct Edge(Box<dyn Brdf>);
 
 impl Brdf for Edge {
@@ -34,7 +34,7 @@ impl Brdf for Edge {
     }
 }
 
-/// Midpoint sums over the light's area, which share no line with the truth.
+/// Midpoint sums over the light's area. They share no code with the truth.
 #[test]
 fn its_truth_is_the_sum_over_a_light() {
     for brdf in [BrdfKind::Ggx, BrdfKind::Beckmann].map(BrdfModel::from) {
@@ -77,8 +77,9 @@ fn table(layout: Layout, resolution: [u32; 4]) -> Table {
     fit_plan(&plan, &|_| ControlFlow::Continue(())).expect("not stopped")
 }
 
-/// Mean errors of the light that metals reflect: by the edge of a model or table, by that which both parts of its light tell,
-/// and of the energy alone; over the same lights.
+/// Mean errors of the light that metals reflect over the same lights. The first error is with the edge term of the
+/// model or table, the second with the edge term estimated from both parts of the light, the third is the error of the
+/// energy alone.
 fn errors(lighting: Lighting<'_>, lit: &[(Lit, ReflectedLight, f64)], metal: [f64; 2]) -> [f64; 3] {
     let error = |(lit, truth, true_edge): &(Lit, ReflectedLight, f64)| {
         let light = lit.light(Sides::Two);
@@ -86,8 +87,8 @@ fn errors(lighting: Lighting<'_>, lit: &[(Lit, ReflectedLight, f64)], metal: [f6
             .map(|found| found.expect("a surface"));
         let [f0, tint] = metal;
         let wanted = truth.metal(*true_edge, [f0, 1.0], tint);
-        let told = edge_of_parts([found.energy, found.fresnel]);
-        let apart = [edge.energy, told].map(|edge| (found.metal(edge, [f0, 1.0], tint) - wanted).abs());
+        let estimated_edge = edge_of_parts([found.energy, found.fresnel]);
+        let apart = [edge.energy, estimated_edge].map(|edge| (found.metal(edge, [f0, 1.0], tint) - wanted).abs());
         [apart[0], apart[1], (found.energy - truth.energy).abs()]
     };
     let sums = lit.par_iter().map(error).collect::<Vec<_>>();
@@ -98,7 +99,7 @@ fn only(energy: f64) -> ReflectedLight {
     ReflectedLight { energy, fresnel: 0.0 }
 }
 
-/// A metal's light is off by no more than three and a half times what a perfect mirror's is.
+/// The error for a metal is at most three and a half times the error for a perfect mirror.
 #[test]
 fn metals_are_lit_as_well_as_mirrors() {
     let ggx = BrdfModel::from(BrdfKind::Ggx);

@@ -1,4 +1,4 @@
-//! How far the Gaussians are from the truth.
+//! Measures the errors of the Gaussians.
 
 use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
@@ -20,7 +20,7 @@ fn formula(model: LightModel) -> Lighting<'static> {
     Lighting::ClosedForm(model.closed_form(None).expect("a formula"))
 }
 
-/// The measure of `docs/gaussians.md`.
+/// The measurement of `studies/gaussians.md`.
 #[test]
 fn random_lights_are_off_by_a_tenth_and_the_stretched_gaussian_by_less() {
     let lights = RandomLights::draw(&BrdfKind::Ggx.into(), &EVERYWHERE, 1500).expect("ranges of a table");
@@ -31,7 +31,7 @@ fn random_lights_are_off_by_a_tenth_and_the_stretched_gaussian_by_less() {
     assert!(asg.max < 0.35, "{asg:?}");
 }
 
-/// The same over one surface, where the truth and both numbers are told.
+/// The error on one surface, with limits for energy and Fresnel part.
 #[test]
 fn a_surface_reflects_about_what_ggx_does() {
     let at = Configuration { alpha_x: 0.25, alpha_y: 0.25, theta: 0.6, phi: 0.2 };
@@ -73,8 +73,8 @@ fn fitted(lobe: LobeModel) -> Table {
     fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
 }
 
-/// Tables of a few hundred entries are nearer to the truth than the closed forms, over the whole domain: their mean
-/// error is 0.76 of the closed form's for a round Gaussian, 0.80 for a stretched one.
+/// Tables of a few hundred entries are more accurate than the closed forms, over the whole domain. Their mean error is
+/// 0.76 of the closed form's error for a round Gaussian, and 0.80 for a stretched Gaussian.
 #[test]
 fn fitted_gaussians_are_nearer_than_closed_forms() {
     let lights = RandomLights::draw(&BrdfKind::Ggx.into(), &EVERYWHERE, 600).expect("ranges of a table");
@@ -85,7 +85,7 @@ fn fitted_gaussians_are_nearer_than_closed_forms() {
         let measured = report(&table, &EVERYWHERE, 64);
         println!("{lobe}: {fitted:?}, closed form {closed:?}, {:?}", measured.nodes.amplitude);
         assert!(fitted.mean < part * closed.mean, "{lobe}: {fitted:?} {closed:?}");
-        // The report's amplitude is the albedo; the table stores it over the part above the horizon.
+        // The report's amplitude is the albedo. The table stores it divided by the part above the horizon.
         let amplitude = measured.nodes.amplitude.expect("terms");
         assert!(amplitude.mean < 0.01, "{lobe}: {amplitude:?}");
         assert!(table.terms().expect("terms").amplitude().iter().any(|stored| *stored > 1.05), "{lobe}");
@@ -96,9 +96,9 @@ fn fitted_gaussians_are_nearer_than_closed_forms() {
     }
 }
 
-/// Mirrored scenes and reversed corners, by tables of Gaussians.
+/// Tests mirrored scenes and reversed corners with tables of Gaussians.
 #[test]
-fn a_table_of_gaussians_lights_a_scene_equally_however_it_is_told() {
+fn a_table_of_gaussians_lights_a_scene_equally_in_every_description() {
     let mut draw = Draw::new(11);
     let scenes: Vec<Lit> =
         (0..200).map(|k| draw.lit_by(Roughness::All, if k % 2 == 0 { [0.05, 1.2] } else { [1.0, 8.0] })).collect();
@@ -108,14 +108,14 @@ fn a_table_of_gaussians_lights_a_scene_equally_however_it_is_told() {
         let (mut most, mut sum) = (0.0_f64, 0.0);
         for scene in &scenes {
             let wanted = energy(scene);
-            most = scene.tellings().map(|told| (energy(&told) - wanted).abs()).fold(most, f64::max);
+            most = scene.tellings().map(|scene_variant| (energy(&scene_variant) - wanted).abs()).fold(most, f64::max);
             sum += wanted;
         }
         assert!(most < 1e-9 && sum > 20.0, "{lobe}: {most:e}, {sum}");
     }
 }
 
-/// No light is brighter than itself, on and between the nodes.
+/// The reflected light is at most the incident light, at nodes and between them.
 #[test]
 fn a_table_of_gaussians_reflects_no_more_than_there_is() {
     let table = fitted(LobeModel::Asg);

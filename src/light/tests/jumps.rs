@@ -1,4 +1,4 @@
-//! Whether the closed form jumps along random paths.
+//! Tests that the closed form does not jump along random paths.
 
 use glam::DQuat;
 use rayon::prelude::*;
@@ -7,7 +7,7 @@ use crate::cases::{Draw, Roughness, jump};
 use crate::{NormalsRule, by_normals};
 use ltcforge_fit::Sides;
 
-/// Lights turn about the shaded point, which rises and sets them and lets their edges pass the mirror direction, while
+/// Lights turn about the shaded point. They rise and set, and their edges cross the mirror direction. At the same time
 /// the view sinks and the surface turns.
 #[test]
 fn nothing_jumps_along_random_paths() {

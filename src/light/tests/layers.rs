@@ -1,4 +1,4 @@
-//! Layers under area lights against Monte Carlo integration of the layered model's published formula.
+//! Compares layers under area lights with Monte Carlo integration of the published formula of the layered model.
 
 use glam::DVec3;
 
@@ -10,11 +10,11 @@ use ltcforge_fit::{
     math::{Lattice, SquarePoint},
 };
 
-/// Rays of each light, and of each albedo.
+/// Rays for each light and for each albedo.
 const RAYS: usize = 1 << 14;
 const COAT_F0: f64 = 0.04;
 
-/// `OpenPBR`'s layers, for one channel: fuzz over a dielectric coat over a metal.
+/// `OpenPBR`'s layers for one channel: fuzz over a dielectric coat over a metal.
 struct Layers {
     base: Ggx,
     f0: f64,
@@ -48,7 +48,7 @@ impl Layers {
         }
     }
 
-    /// What a layer reflects of all light, by its own sampler.
+    /// The part of uniform light that a layer reflects, from its own sampler.
     fn albedo(brdf: &dyn Brdf, wo: DVec3, f0: f64) -> f64 {
         let of_ray = |u| {
             let ray = brdf.sample(wo, u);
@@ -57,8 +57,8 @@ impl Layers {
         Lattice::new(RAYS, [0.3, 0.7]).points().map(of_ray).sum::<f64>() / RAYS as f64
     }
 
-    /// `f cos` of all layers towards `wo`, by the formulas of `OpenPBR` 1.1, and its standard deviation: over the rays of all
-    /// three lobes that hit the light.
+    /// `f cos` of all layers towards `wo`, by the formulas of `OpenPBR` 1.1, integrated over the light, and its
+    /// standard deviation. The rays come from all three lobes.
     fn reflected(&self, wo: DVec3, hits: impl Fn(DVec3) -> bool) -> [f64; 2] {
         let coat_albedo = Self::albedo(&self.coat, wo, COAT_F0);
         let fuzz_albedo = Self::albedo(&self.fuzz, wo, 1.0);
@@ -85,7 +85,7 @@ impl Layers {
         [mean, ((sum2 / count - mean * mean).max(0.0) / count).sqrt()]
     }
 
-    /// The same by the functions of [`layers`], each lobe lit in closed form.
+    /// The same light from the functions of [`layers`], with each lobe in closed form.
     fn lit(&self, lit: &Lit) -> f64 {
         let light = lit.light(Sides::Two);
         let form = LightModel::Normals.closed_form(Some(NormalsRule::Fine)).expect("a formula");
@@ -121,11 +121,11 @@ fn layers_reflect_what_the_layered_model_does() {
         (errors, deviations, energy) = (errors + error, deviations + deviation, energy + mean);
     }
     println!("mean error {:.5} of {:.3}, deviation {:.5}", errors / 60.0, energy / 60.0, deviations / 60.0);
-    // Rule fine is off by .0004 on average.
+    // Rule fine has a mean error of 0.0004.
     assert!(errors < 60.0 * 0.0005 && energy > 60.0 * 0.1, "{errors} {energy}");
 }
 
-/// No weight adds light: what is white below a white sky stays at most white, and all but the coat's absorption returns.
+/// Layers never add light. White layers under a white sky reflect at most all of it, and only the coat absorbs light.
 #[test]
 fn white_layers_over_white_are_white() {
     for (albedo, weight) in [(0.3, 0.7), (1.0, 1.0), (0.0, 0.4)] {

@@ -1,4 +1,4 @@
-//! The closed form and the table against the truth, and the truth against a quadrature of another kind.
+//! Compares the closed form and tables with the truth, and the truth with independent quadratures.
 
 mod bent;
 mod closed_form;

@@ -1,4 +1,4 @@
-//! Shapes by the closed form, against finer polygons and other integrals.
+//! Compares shapes in the closed form with finer polygons and other integrals.
 
 use std::f64::consts::TAU;
 
@@ -22,7 +22,7 @@ fn exact(at: &Configuration, light: &PolygonLight) -> f64 {
     truth_within(1e-9, at, light).expect("a surface").energy
 }
 
-/// The solid angle of a convex polygon, by the triangles of a fan [Van Oosterom and Strackee 1983].
+/// The solid angle of a convex polygon, from a fan of triangles [Van Oosterom and Strackee 1983].
 fn solid_angle(vertices: &[DVec3]) -> f64 {
     let v: Vec<DVec3> = vertices.iter().map(|v| v.normalize()).collect();
     let triangle = |i: usize| {
@@ -42,7 +42,7 @@ fn a_rectangle_is_lit_on_the_side_of_its_normal() {
     assert_eq!(energy(disk(centre, DVec3::Z, 0.4, Sides::One).expect("a light")), 0.0);
 }
 
-/// The polygon of 32 vertices against one of 2048.
+/// Compares the polygon of 32 vertices with a polygon of 2048.
 #[test]
 fn an_ellipse_is_as_good_as_a_finer_one() {
     for (roughness, limits) in [(Roughness::All, [3e-5, 1e-3]), (Roughness::Extreme, [1e-4, 3e-3])] {
@@ -66,7 +66,7 @@ fn an_ellipse_is_as_good_as_a_finer_one() {
     }
 }
 
-/// A sphere is seen as a cone, a cylinder from its side as a strip between tangents.
+/// A sphere is seen as a cone. A cylinder from its side is seen as a strip between tangents.
 #[test]
 fn tubes_have_the_solid_angles_of_spheres_and_cylinders() {
     let centre = DVec3::new(0.3, -1.0, 2.0);
@@ -76,19 +76,19 @@ fn tubes_have_the_solid_angles_of_spheres_and_cylinders() {
     let found = solid_angle(sphere.vertices());
     assert!((found / wanted - 1.0).abs() < 0.007 && found < wanted, "{found} {wanted}");
 
-    // A long cylinder at distance d: tangents 2 asin(r / d) apart, and nearly a half circle long.
+    // A long cylinder at distance d covers 2 asin(r / d) between its tangents and nearly half a turn along its axis.
     let long = tube([DVec3::new(-1e4, 0.0, 2.0), DVec3::new(1e4, 0.0, 2.0)], 0.5, TubeEnds::Flat).expect("a light");
     let wanted = 4.0 * 0.25_f64.asin();
     let found = solid_angle(long.vertices());
     assert!((found / wanted - 1.0).abs() < 1e-3, "{found} {wanted}");
 
-    // Round ends add the excess of a sphere over a disk.
+    // Round ends add the difference between a sphere and a disk.
     let ends = [DVec3::new(-0.7, 0.4, 1.5), DVec3::new(0.9, 0.2, 2.0)];
     let [flat, round] = [TubeEnds::Flat, TubeEnds::Round].map(|shape| tube(ends, 0.2, shape).expect("a light"));
     assert!(solid_angle(round.vertices()) > solid_angle(flat.vertices()));
 }
 
-/// Rays meet a tube just where its polygon is: tested by the distance between a ray and the line in the middle.
+/// Rays hit a tube if and only if they hit its polygon. The test uses the distance between a ray and the tube's line.
 #[test]
 fn a_tubes_outline_is_what_rays_meet() {
     let mut draw = Draw::new(72);
@@ -116,8 +116,8 @@ fn a_tubes_outline_is_what_rays_meet() {
             let towards = ends[0].lerp(ends[1], draw.within(-0.3, 1.3)) + draw.vector() * radius;
             let ray = towards.normalize();
             let is_in_outline = planes.iter().all(|plane| plane.dot(ray) > 0.0);
-            // Rays that just meet the tube of 0.98 times its size meet the polygon; those that meet the polygon
-            // meet the tube of 1.0001 times its size.
+            // Rays that hit the tube of 0.98 times its size hit the polygon. Rays that hit the polygon hit the tube of
+            // 1.0001 times its size.
             let (surely, at_most) = (meets(ray, ends, 0.98, radius, shape), meets(ray, ends, 1.0001, radius, shape));
             assert!(is_in_outline || !surely, "{shape:?} {ends:?} {radius} {ray}");
             assert!(!is_in_outline || at_most, "{shape:?} {ends:?} {radius} {ray}");
@@ -128,7 +128,7 @@ fn a_tubes_outline_is_what_rays_meet() {
     assert!(met > 5000 && missed > 5000, "{met} met, {missed} missed");
 }
 
-/// Whether a ray meets a tube of `scale` times its radius, and in length as much longer as it is wider.
+/// True if a ray hits a tube with `scale` times its radius, lengthened by as much.
 fn meets(ray: DVec3, ends: [DVec3; 2], scale: f64, radius: f64, shape: TubeEnds) -> bool {
     let axis = (ends[1] - ends[0]).normalize();
     let longer = (scale - 1.0) * radius * if shape == TubeEnds::Flat { 1.0 } else { 0.0 };
@@ -143,14 +143,15 @@ fn meets(ray: DVec3, ends: [DVec3; 2], scale: f64, radius: f64, shape: TubeEnds)
             TubeEnds::Flat => (0.0..=length).contains(&along) && radial <= scale * radius,
         }
     };
-    // Both are convex: the ray's part inside is an interval, found by fine steps and by the nearest point to the line.
+    // Both are convex, so the part of the ray inside is an interval. Fine steps and the point nearest to the line find
+    // it.
     let across = ray - axis * ray.dot(axis);
     let base = from - axis * from.dot(axis);
     let nearest = across.dot(base) / across.length_squared().max(1e-12);
     std::iter::once(nearest).chain((0..4000).map(|i| f64::from(i) * 0.002)).any(|t| t > 0.0 && is_near(t))
 }
 
-/// The integral over a line light: radiance times width times the BRDF over the angle at which the line is seen.
+/// The integral over a line light: radiance times width times the BRDF, over the angle of the line.
 #[test]
 fn a_line_light_is_an_integral_over_the_line() {
     const WIDTH: f64 = 1e-4;
@@ -172,7 +173,7 @@ fn a_line_light_is_an_integral_over_the_line() {
         let slice = |i: i32| {
             let place = ends[0] + along * ((f64::from(i) + 0.5) / f64::from(n));
             let distance = place.length();
-            // A length of the line seen across, over the distance squared, times the width.
+            // A piece of the line seen from the side, divided by the squared distance, times the width.
             ggx.eval_cos(wo, place / distance) * along.cross(place / distance).length() / (distance * distance)
         };
         let wanted = (0..n).map(slice).sum::<f64>() / f64::from(n);
@@ -181,7 +182,7 @@ fn a_line_light_is_an_integral_over_the_line() {
         assert!((found - wanted).abs() < 1e-3 * wanted + 1e-4, "{found} {wanted} {at:?} {ends:?}");
         let closed = by_normals(&at, &light, NormalsRule::Balanced).expect("a surface").energy / WIDTH;
         assert!((closed - wanted).abs() < 0.05 * wanted + 0.02, "{closed} {wanted} {at:?} {ends:?}");
-        // A thin tube is the same.
+        // A thin tube gives the same light.
         let thin = tube(ends, 0.5 * WIDTH, TubeEnds::Flat).expect("a light");
         let thin = by_normals(&at, &thin, NormalsRule::Balanced).expect("a surface").energy / WIDTH;
         assert!((thin - closed).abs() < 2e-3 * closed + 1e-3, "{thin} {closed}");
@@ -230,7 +231,7 @@ fn degenerate_shapes_are_nothing_or_refused() {
     for (i, light) in refused.into_iter().enumerate() {
         assert!(light.is_err(), "{i}: {light:?}");
     }
-    // All that a mirror sees of a sphere around the mirror direction.
+    // A mirror sees only the sphere around the mirror direction.
     let mirror = Configuration { alpha_x: 1e-3, alpha_y: 1e-3, theta: 0.0, phi: 0.0 };
     let sphere = tube([DVec3::Z * 2.0; 2], 1.0, TubeEnds::Round).expect("a light");
     assert!((exact(&mirror, &sphere) - 1.0).abs() < 1e-3);

@@ -1,4 +1,4 @@
-//! The truth of disks, spheres, tubes and lines against sums over their surfaces, and against every model.
+//! Compares the truth of disks, spheres, tubes and lines with sums over their surfaces and with every model.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ use ltcforge_fit::{
     math::direction,
 };
 
-/// A light with the numbers that it was made of.
+/// A light with the numbers of its shape.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Case {
     Ellipse(DVec3, [DVec3; 2]),
@@ -35,11 +35,11 @@ impl Case {
         }
     }
 
-    /// Its reflected light: energy and Schlick's part, by the midpoint rule over the light's own surface with `n` by
-    /// `n` cells a part and the BRDF itself.
+    /// The reflected light, energy and Schlick's part, by the midpoint rule over the surface of the light with `n` by
+    /// `n` cells a part. Evaluates the BRDF directly.
     pub(super) fn by_sum(&self, brdf: &dyn Brdf, wo: DVec3, n: u32) -> [f64; 2] {
         let mut sum = [0.0; 2];
-        // Adds a piece of a surface that is seen under a solid angle.
+        // Adds a piece of the surface with a solid angle.
         let mut add = |place: DVec3, solid_angle: f64| {
             let wi = place.normalize();
             let energy = brdf.eval_cos(wo, wi) * solid_angle;
@@ -48,16 +48,16 @@ impl Case {
         };
         let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
         let cells = (0..n).flat_map(|i| (0..n).map(move |j| [middle(i), middle(j)]));
-        let seen = |place: DVec3, area: DVec3| (-place).dot(area).max(0.0) / place.length().powi(3);
+        let solid_angle_of = |place: DVec3, area: DVec3| (-place).dot(area).max(0.0) / place.length().powi(3);
         let share = 1.0 / f64::from(n * n);
-        // A cap or all of a sphere, whose heights along `axis` are even: equal areas.
+        // A cap or a whole sphere. Its heights along `axis` are uniform, which gives equal areas.
         let mut sphere = |centre: DVec3, radius: f64, axis: DVec3, [low, high]: [f64; 2]| {
             let (x, y) = axis.any_orthonormal_pair();
             for [u, v] in cells.clone() {
                 let (height, (sin, cos)) = (low + (high - low) * u, (TAU * v).sin_cos());
                 let outwards = axis * height + (x * cos + y * sin) * (1.0 - height * height).sqrt();
                 let area = outwards * (TAU * (high - low) * radius * radius * share);
-                add(centre + outwards * radius, seen(centre + outwards * radius, area));
+                add(centre + outwards * radius, solid_angle_of(centre + outwards * radius, area));
             }
         };
         match *self {
@@ -66,10 +66,10 @@ impl Case {
                 for [u, v] in cells {
                     let (sin, cos) = (TAU * v).sin_cos();
                     let place = centre + (x * cos + y * sin) * u;
-                    add(place, seen(place, normal * (TAU * u * share)));
+                    add(place, solid_angle_of(place, normal * (TAU * u * share)));
                 }
             }
-            // The visible part of a sphere is the cap nearer than the circle of its tangents.
+            // The visible part of a sphere is the cap in front of the circle of its tangents.
             Self::Sphere(centre, radius) => {
                 sphere(centre, radius, -centre.normalize(), [radius / centre.length(), 1.0]);
             }
@@ -82,7 +82,7 @@ impl Case {
                     let (sin, cos) = (TAU * v).sin_cos();
                     let outwards = x * cos + y * sin;
                     let place = ends[0].lerp(ends[1], u) + outwards * radius;
-                    add(place, seen(place, outwards * (TAU * radius * from.distance(to) * share)));
+                    add(place, solid_angle_of(place, outwards * (TAU * radius * from.distance(to) * share)));
                 }
             }
             Self::Line([from, to], width) => {
@@ -124,8 +124,8 @@ fn broad(seed: u64, count: usize) -> Vec<(Configuration, Case)> {
     found
 }
 
-/// The error of the sum falls by a quarter from 150 to 300 cells, and more slowly where a horizon or an outline cuts
-/// them.
+/// The error of the sum falls to a quarter from 150 to 300 cells. It falls more slowly if a horizon or an outline cuts
+/// cells.
 #[test]
 fn the_truth_is_the_sum_over_a_lights_surface() {
     let errors: Vec<(Case, f64)> = broad(81, 60)
@@ -146,7 +146,7 @@ fn the_truth_is_the_sum_over_a_lights_surface() {
     assert!(*worst < 1e-5, "{case:?}: {worst}");
 }
 
-/// A lower tolerance changes nothing by more than the higher one allows, for mirrors and needles too.
+/// A lower tolerance changes the result by at most the higher tolerance, also for mirrors and needles.
 #[test]
 fn the_truth_of_shapes_converges() {
     let mut draw = Draw::new(82);
@@ -171,7 +171,7 @@ fn the_truth_of_shapes_converges() {
     assert!(worst < 1e-8, "{worst}");
 }
 
-/// The fine polygon that a shape is, or its hull, has the same truth.
+/// The polygon of a shape's outline has the same truth.
 #[test]
 fn the_truth_of_a_shape_is_near_that_of_its_outline() {
     let errors: Vec<f64> = broad(83, 50)
@@ -189,7 +189,7 @@ fn the_truth_of_a_shape_is_near_that_of_its_outline() {
     assert!(errors.len() > 150 && mean < 5e-4, "{mean}");
 }
 
-/// A surface whose lobe is an LTC, so that the table's light is the truth of nothing but its own integral.
+/// A table whose lobe is an LTC. Its light contains only its own integral.
 fn table(matrix: [f64; 9], lobe: LobeModel) -> Table {
     Table {
         brdf: BrdfKind::Ggx.into(),
@@ -233,7 +233,7 @@ fn a_table_lights_by_the_shape_and_other_models_by_its_outline() {
     assert!(LightShape::ALL[1..].iter().all(|shape| shapes.contains(shape)), "{shapes:?}");
 }
 
-/// Numbers near the ends of the range, lights of one side, and invalid lights.
+/// Tests numbers near the limits of f64, one-sided lights, and invalid lights.
 #[test]
 fn shapes_at_the_ends_of_the_range() {
     let at = Configuration { alpha_x: 0.4, alpha_y: 0.15, theta: 0.8, phi: 0.3 };
@@ -252,7 +252,7 @@ fn shapes_at_the_ends_of_the_range() {
     let [lit, dark] = [[y, x], [x, y]].map(|half| energy(ShapedLight::ellipse(centre, half, Sides::One)));
     let both = energy(ShapedLight::ellipse(centre, [x, y], Sides::Two));
     assert!((lit - both).abs() < 1e-9 && dark == 0.0 && lit > 0.01, "{lit} {dark} {both}");
-    // A tube without length is a sphere, and one that stands behind its end is hidden by it.
+    // A tube of zero length is a sphere. A tube behind its nearer end is hidden by this end.
     let sphere = energy(ShapedLight::sphere(centre, 0.3));
     for beyond in [centre, 1.5 * centre] {
         let tube = energy(ShapedLight::tube([centre, beyond], 0.3));

@@ -1,4 +1,4 @@
-//! The reflected light of triangles, hexagons, octagons, disks, tubes and spheres against the truth.
+//! Compares the reflected light of triangles, hexagons, octagons, disks, tubes and spheres with the truth.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use crate::cases::{Draw, Roughness};
 use crate::{NormalsRule, PolygonLight, TubeEnds, by_normals, disk, truth_within, tube};
 use ltcforge_fit::{Configuration, Sides};
 
-/// A light of a kind around a direction that the lobe reflects.
+/// A light of a kind, around a direction that the lobe reflects.
 type Kind = fn(&mut Draw, DVec3) -> Option<PolygonLight>;
 
 fn regular(draw: &mut Draw, centre: DVec3, corners: u32) -> Option<PolygonLight> {
@@ -38,8 +38,8 @@ const KINDS: [(&str, Kind); 6] = [
     }),
 ];
 
-/// The limits are half above the measured errors. The truth is that of the same outline: how far outlines are off is
-/// another test's.
+/// The limits are half above the measured errors. The truth has the same outline. Another test measures the error of
+/// outlines.
 #[test]
 fn every_shape_reflects_what_the_truth_does() {
     for (i, (name, kind)) in KINDS.into_iter().enumerate() {
@@ -55,7 +55,7 @@ fn every_shape_reflects_what_the_truth_does() {
         let wanted: Vec<f64> =
             cases.par_iter().map(|(at, light)| truth_within(1e-5, at, light).expect("a surface").energy).collect();
         let mean = wanted.iter().sum::<f64>() / wanted.len() as f64;
-        assert!(mean > 0.1, "lights that lobes miss tell nothing: {mean}");
+        assert!(mean > 0.1, "lobes miss most lights: {mean}");
         for rule in [NormalsRule::Balanced, NormalsRule::Fine] {
             let mut errors: Vec<f64> = cases
                 .iter()

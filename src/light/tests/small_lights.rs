@@ -1,4 +1,4 @@
-//! Small lights: their reflection is small, and its digits still have to be right.
+//! Small lights reflect little light, but its digits must still be correct.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::{
 };
 use ltcforge_fit::Sides;
 
-/// The shader's result for the light as f32 has it, and the result in f64 for the same numbers.
+/// The result in f32 as in a shader, and the result in f64 for the same rounded numbers.
 fn in_both(lit: &Lit, rule: Rule) -> [f64; 2] {
     let vertices: Vec<[f32; 3]> = lit.vertices.iter().map(|v| v.as_vec3().to_array()).collect();
     let (alpha, wo) = (lit.alpha().map(|x| x as f32), lit.wo().as_vec3());
@@ -20,7 +20,8 @@ fn in_both(lit: &Lit, rule: Rule) -> [f64; 2] {
     [f64::from(single), double]
 }
 
-/// A light of a thousandth of a radian is a few millionths of all reflected light, where absolute errors say nothing.
+/// A light of a thousandth of a radian is a few millionths of all reflected light, so only relative errors are
+/// meaningful.
 #[test]
 fn small_lights_have_digits_in_f32() {
     for (size, limits) in [(0.03, [3e-6, 5e-4]), (0.01, [1e-5, 2e-3]), (0.003, [4e-5, 2e-2]), (0.001, [2e-4, 0.2])] {
@@ -47,8 +48,8 @@ fn small_lights_have_digits_in_f32() {
     }
 }
 
-/// A light of half the size reflects a quarter of the light: the closed form tends to the BRDF at a point,
-/// of lobes that do not vary over the light.
+/// A light of half the size reflects a quarter of the light. The closed form converges to the BRDF at a point, for
+/// lobes that do not vary over the light.
 #[test]
 fn small_lights_tend_to_a_point() {
     let mut draw = Draw::new(102);

@@ -1,4 +1,4 @@
-//! Low, wide lights that stand on the surface, and lights that grow: nothing turns dark.
+//! Low, wide lights that stand on the surface, and growing lights, must not turn dark.
 
 use std::f64::consts::TAU;
 
@@ -17,7 +17,7 @@ fn truth(lit: &Lit) -> f64 {
     truth_within(1e-6, &lit.at, &lit.light(Sides::Two)).expect("a surface").energy
 }
 
-/// A strip across from the viewer, from .02 to .5 high and 1 to 8 wide, .5 to 4 away.
+/// A strip opposite to the viewer, 0.02 to 0.5 high, 1 to 8 wide, at a distance of 0.5 to 4.
 fn strip(draw: &mut Draw) -> Lit {
     let wall = draw.wall(Roughness::All, 0.0, 0.0);
     let towards = wall.at.phi + TAU * draw.within(0.4, 0.6);
@@ -29,7 +29,7 @@ fn strip(draw: &mut Draw) -> Lit {
     Lit { at: wall.at, vertices: vec![middle - x, middle + x, middle + x + top, middle - x + top] }
 }
 
-/// Strips of light on a floor, of which triangles around the mean normal showed nothing at all.
+/// Strips of light on a floor. Triangles around the mean normal showed no light of them.
 #[test]
 fn strips_on_a_floor_are_lit() {
     let strips = [(0.3, 1.5, 0.1, 0.0145), (0.3, 1.55, 0.1, 0.0172), (0.5, 1.2, 0.2, 0.0059)];
@@ -48,7 +48,7 @@ fn strips_on_a_floor_are_lit() {
     }
 }
 
-/// Of random strips none is nearly black, and their errors are those of other lights.
+/// Almost no random strip is nearly black, and their errors are like the errors of other lights.
 #[test]
 fn no_strip_is_dark() {
     let mut draw = Draw::new(211);
@@ -73,10 +73,10 @@ fn no_strip_is_dark() {
     }
 }
 
-/// A light that grows around its middle lights no less, but for the errors of the two.
+/// A light that grows around its centre does not get darker, except for the errors of both sizes.
 #[test]
 fn a_light_that_grows_darkens_nothing() {
-    // Measured: 0.004, 0.005 and 0.033 at most.
+    // The measured maxima are 0.004, 0.005 and 0.033.
     for (rule, limits) in [
         (NormalsRule::Balanced, [0.001, 0.005]),
         (NormalsRule::Fast, [0.002, 0.007]),
@@ -91,9 +91,9 @@ fn a_light_that_grows_darkens_nothing() {
                 lit.vertices.iter_mut().for_each(|v| *v = middle + (*v - middle) * by);
                 energy(&lit, rule)
             };
-            let seen: Vec<f64> = (0..60).map(|i| grown(1.1_f64.powi(i))).collect();
+            let path: Vec<f64> = (0..60).map(|i| grown(1.1_f64.powi(i))).collect();
             let mut most = 0.0_f64;
-            seen.iter()
+            path.iter()
                 .map(|energy| {
                     most = most.max(*energy);
                     most - energy

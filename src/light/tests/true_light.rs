@@ -1,4 +1,4 @@
-//! The quadrature in the space of normals against one over the light's area, and where nothing else is known.
+//! Compares the quadrature in the space of normals with a quadrature over the light's area, and with known values.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -15,8 +15,8 @@ fn true_light(lit: &Lit, sides: Sides) -> ReflectedLight {
     truth(&lit.at, &lit.light(sides)).expect("a surface")
 }
 
-/// The midpoint rule's error falls by a quarter when the cells are halved, as long as no cell is as wide as the lobe
-/// and no horizon cuts the light; where one does, cells that it cuts are off by half of theirs.
+/// The error of the midpoint rule falls to a quarter if the cells are halved. This holds if no cell is as wide as the
+/// lobe and no horizon cuts the light. Cells cut by a horizon have an error of half their light.
 #[test]
 fn it_agrees_with_a_quadrature_over_the_lights_area() {
     let is_broad = |lit: &&Lit| lit.at.alpha_x.min(lit.at.alpha_y) > 0.1;
@@ -34,7 +34,7 @@ fn it_agrees_with_a_quadrature_over_the_lights_area() {
     });
 }
 
-/// A lower tolerance changes nothing by more than the higher one allows.
+/// A lower tolerance changes the result by at most the higher tolerance.
 #[test]
 fn it_converges_for_mirrors_needles_and_horizons() {
     let worst = Draw::many(2, 150, Roughness::Extreme)
@@ -51,7 +51,7 @@ fn it_converges_for_mirrors_needles_and_horizons() {
     assert!(worst < 1e-8, "{worst}");
 }
 
-/// The part of reflected rays that meet the light, each with its weight, for lobes of any sharpness.
+/// Compares with the weighted part of reflected rays that hit the light, for lobes of any sharpness.
 #[test]
 fn it_agrees_with_sampled_rays_where_lobes_are_sharp() {
     const RAYS: usize = 1 << 15;
@@ -74,7 +74,7 @@ fn it_agrees_with_sampled_rays_where_lobes_are_sharp() {
             let mean = energy / RAYS as f64;
             let deviation = ((energy2 / RAYS as f64 - mean * mean).max(0.0) / RAYS as f64).sqrt();
             let error = (mean - true_light(lit, Sides::Two).energy).abs();
-            // A lattice is more even than random samples.
+            // A lattice is more uniform than random samples.
             assert!(error < 3.0 * deviation + 4.0 / RAYS as f64, "{mean} {error} {deviation} {lit:?}");
             [error, deviation]
         })
@@ -92,18 +92,19 @@ fn extremes_are_finite_and_known_ones_right() {
     let energy = |at: Configuration, light: &PolygonLight| {
         let found = truth(&at, light).expect("a surface");
         assert!(found.energy.is_finite() && (0.0..=found.energy + 1e-9).contains(&found.fresnel), "{at:?} {found:?}");
-        // The closed form knows these as well: its error is that of its weight, largest where light is all around.
+        // The closed form handles these lights too. Its error is the error of its weight, which is largest if light is
+        // all around.
         let normals = by_normals(&at, light, NormalsRule::Balanced).expect("a surface");
         assert!((normals.energy - found.energy).abs() < 0.035, "{at:?} {normals:?} {found:?}");
         found.energy
     };
     let overhead = square(2.0 * DVec3::Z, DVec3::X, DVec3::Y);
-    // A mirror reflects all of a light around the mirror direction, and half of one that ends there.
+    // A mirror reflects all of a light around the mirror direction, and half of a light that ends there.
     assert!((energy(at(1e-4, 1e-4, 0.0), &overhead) - 1.0).abs() < 1e-6);
     let half = square(DVec3::new(1.0, 0.0, 2.0), DVec3::X, DVec3::Y);
     assert!((energy(at(1e-4, 1e-4, 0.0), &half) - 0.5).abs() < 1e-4);
     assert!((energy(at(1e-4, 1e-6, 0.0), &half) - 0.5).abs() < 1e-4);
-    // Everything above the surface: the albedo.
+    // A light over the whole hemisphere gives the albedo.
     let everything = square(DVec3::Z, 50.0 * DVec3::X, 50.0 * DVec3::Y);
     let dome = square(0.001 * DVec3::Z, 50.0 * DVec3::X, 50.0 * DVec3::Y);
     for surface in [at(0.3, 0.3, 0.5), at(1.0, 0.1, 1.2), at(0.01, 0.01, 1.5)] {
@@ -115,7 +116,7 @@ fn extremes_are_finite_and_known_ones_right() {
         assert!((found - albedo).abs() < 2e-4, "{surface:?}: {found} {albedo}");
         assert!(energy(surface, &everything) < found);
     }
-    // Light on, through and below the horizon, behind the viewer, edge on, tiny; an edge without length.
+    // Lights on, through and below the horizon, behind the viewer, edge-on, and tiny; an edge of zero length.
     let through = square(5.0 * DVec3::X, DVec3::Y, DVec3::Z);
     let low = energy(at(0.05, 0.05, 1.55), &square(-5.0 * DVec3::X, DVec3::Y, DVec3::Z));
     assert!(low > 0.5, "{low}");

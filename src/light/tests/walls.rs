@@ -1,4 +1,4 @@
-//! Lights that stand on the surface or near it: where the weight of the closed form falls to zero.
+//! Lights that stand on the surface or near it, where the weight of the closed form falls to zero.
 
 use rayon::prelude::*;
 
@@ -10,7 +10,8 @@ fn energy(lit: &Lit, rule: NormalsRule) -> f64 {
     by_normals(&lit.at, &lit.light(Sides::Two), rule).expect("a surface").energy
 }
 
-/// How far the lower edge is above the surface, and how much one of its ends is higher, in heights of the wall.
+/// The height of the lower edge above the surface, and the height of one end above the other, in units of the wall's
+/// height.
 const FEET: [(f64, f64); 10] = [
     (0.0, 0.0),
     (0.01, 0.0),
@@ -35,7 +36,7 @@ fn walls_on_the_surface_are_right() {
             .map(|lit| truth_within(1e-5, &lit.at, &lit.light(Sides::Two)).expect("a surface").energy)
             .collect();
         let mean = wanted.iter().sum::<f64>() / wanted.len() as f64;
-        assert!(mean > 0.1, "lights that lobes miss tell nothing: {mean}");
+        assert!(mean > 0.1, "lobes miss most lights: {mean}");
         for (rule, limits) in
             [(NormalsRule::Balanced, [0.0015, 0.007, 0.08]), (NormalsRule::Fine, [0.0012, 0.006, 0.05])]
         {
@@ -53,11 +54,11 @@ fn walls_on_the_surface_are_right() {
     }
 }
 
-/// A level edge that touches the surface is an edge of the light, and just below it is a part of the horizon.
+/// A level edge on the surface is an edge of the light. Just below the surface it becomes a part of the horizon.
 #[test]
 fn a_level_edge_sets_without_a_jump() {
     const HEIGHT: f64 = 1e-9;
-    let mut seen = [0.0; NormalsRule::ALL.len()];
+    let mut sums = [0.0; NormalsRule::ALL.len()];
     let mut draw = Draw::new(71);
     for _ in 0..2000 {
         let on_surface = draw.wall(Roughness::All, 0.0, 0.0);
@@ -66,16 +67,16 @@ fn a_level_edge_sets_without_a_jump() {
             lit.vertices.iter_mut().for_each(|v| v.z += z);
             lit
         };
-        for (rule, seen) in NormalsRule::ALL.iter().zip(&mut seen) {
+        for (rule, sum) in NormalsRule::ALL.iter().zip(&mut sums) {
             let [above, below] = [HEIGHT, -HEIGHT].map(|z| energy(&at_height(z), *rule));
             assert!((above - below).abs() < 1e-6, "{rule:?}, {on_surface:?}: {above} and {below}");
-            *seen += above;
+            *sum += above;
         }
     }
-    assert!(seen.iter().all(|sum| *sum > 100.0), "{seen:?}");
+    assert!(sums.iter().all(|sum| *sum > 100.0), "{sums:?}");
 }
 
-/// Walls sink and tilt: one corner sets after the other, and the horizon takes over from the edge near it.
+/// Walls sink and tilt. One corner sets after the other, and the horizon replaces the edge near it.
 #[test]
 fn nothing_jumps_while_walls_sink_and_tilt() {
     for roughness in [Roughness::All, Roughness::Extreme] {

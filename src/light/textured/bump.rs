@@ -5,28 +5,28 @@ use ltcforge_fit::math::Scalar;
 /// A symmetric matrix: xx, xy, yy.
 pub(super) type Symmetric<T> = [T; 3];
 
-/// `(1 + Q)^-2`, with `Q = x^2 / radii2[0] + y^2 / radii2[1]` for the parts x along `long` and y across it of what lies
-/// between a point and the middle.
+/// `(1 + Q)^-2` with `Q = x^2 / radii2[0] + y^2 / radii2[1]`. x and y are the components of a point's offset from the
+/// centre, along `long` and across it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bump<T> {
-    /// The middle, in the rectangle's coordinates.
+    /// The centre, in the rectangle's coordinates.
     pub(super) middle: [T; 2],
-    /// The direction of the longer axis, of length one.
+    /// The direction of the longer axis, of unit length.
     pub(super) long: [T; 2],
-    /// The radii, squared; the longer one first.
+    /// The squared radii, the longer first.
     pub(super) radii2: [T; 2],
 }
 
-/// The least value of the quadratic function at its bottom, over that where it was expanded: where a lobe is expanded far from
-/// its middle the expansion may fall below zero.
+/// The smallest value of the quadratic function at its minimum, relative to its value at the expanded point. For a lobe
+/// expanded far from its centre, the expansion can be negative.
 const LEAST_BOTTOM: f64 = 0.1;
 
 impl<T: Scalar> Bump<T> {
-    /// The bump whose inverse root is the quadratic function with this gradient and these second derivatives at `p`, both
-    /// over its value there. No eigenvalue of these counts as less than `least`.
+    /// The bump whose inverse root is a quadratic function. Its gradient and second derivatives are given at `p`, both
+    /// divided by the value there. Eigenvalues below `least` are raised to it.
     ///
-    /// With the eigenvalues w and the gradient's parts g along their vectors, the bottom is at `-g / w` and has the value
-    /// `1 - sum g^2 / 2 w`; from there the function grows by `w d^2 / 2`.
+    /// Let w be the eigenvalues and g the components of the gradient along their eigenvectors. The minimum is at
+    /// `-g / w` and has the value `1 - sum g^2 / 2 w`. From there the function grows by `w d^2 / 2`.
     pub(super) fn of_derivatives(p: [T; 2], gradient: [T; 2], second: Symmetric<T>, least: T) -> Self {
         let (values, long) = eigen(second);
         let [w1, w2] = values.map(|value| value.max(least));
@@ -46,19 +46,19 @@ impl<T: Scalar> Bump<T> {
     }
 }
 
-/// The eigenvalues of a symmetric matrix, the smaller one first, and the direction that belongs to that.
+/// The eigenvalues of a symmetric matrix, the smaller first, and the eigenvector of the smaller eigenvalue.
 pub(super) fn eigen<T: Scalar>([xx, xy, yy]: Symmetric<T>) -> ([T; 2], [T; 2]) {
     let half = T::of(0.5);
     let (mean, apart) = (half * (xx + yy), half * (xx - yy));
     let distance = (apart * apart + xy * xy).sqrt();
-    // Of the two rows of the matrix less the eigenvalue, the one that does not cancel.
+    // Uses the row of the matrix minus the eigenvalue in which nothing cancels.
     let v = if apart > T::ZERO { [-xy, apart + distance] } else { [distance - apart, -xy] };
     let length = dot2(v, v).sqrt();
     let long = if length > T::SHORTEST { v.map(|x| x / length) } else { [T::ONE, T::ZERO] };
     ([mean - distance, mean + distance], long)
 }
 
-/// The product of two vectors.
+/// The scalar product of two vectors.
 pub(super) fn dot2<T: Scalar>(a: [T; 2], b: [T; 2]) -> T {
     a[0] * b[0] + a[1] * b[1]
 }
@@ -89,7 +89,7 @@ mod tests {
         }
     }
 
-    /// A quadratic function, told by its derivatives at a point, is found again.
+    /// A quadratic function is recovered from its derivatives at a point.
     #[test]
     fn a_planted_bump_is_found() {
         let planted = Bump { middle: [0.3, -0.2], long: [0.6, 0.8], radii2: [0.5_f64, 0.04] };

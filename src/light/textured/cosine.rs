@@ -1,8 +1,9 @@
 //! An LTC on the plane of a light.
 //!
-//! In the space where the distribution is the clamped cosine, a piece of the light's plane at P counts as `z / |P|^4` times its
-//! area. `|P|^2` is quadratic on the plane as it is, so `|P|^-4` is a bump without any approximation: its middle is the foot of
-//! the perpendicular from the shaded point, and its radii are the distance of the foot, brought back to the light.
+//! In the space where the distribution is the clamped cosine, a piece of the light's plane at P has the weight
+//! `z / |P|^4` times its area. `|P|^2` is exactly quadratic on the plane, so `|P|^-4` is exactly a bump. Its centre is
+//! the foot of the perpendicular from the shaded point. Its radii are the distance of the foot, mapped back to the
+//! light.
 
 use super::{
     bump::{Bump, across, dot2, eigen, step},
@@ -12,12 +13,12 @@ use super::{
 use crate::CosineSpace;
 use ltcforge_fit::math::{Scalar, dot};
 
-/// The cosine that a point on or below the horizon keeps, so that weights never sum to nothing.
+/// The smallest cosine of a point on or below the horizon. It keeps the sum of weights positive.
 const LEAST_COSINE: f64 = 1e-6;
-/// The least eigenvalue, over the larger one: the longer axis is at most so long that f32 still tells it.
+/// The smallest eigenvalue relative to the larger one. It limits the longer axis to a length that f32 resolves.
 const LEAST_RATIO: f64 = 1e-7;
-/// The least eigenvalue, times the light's area over the distance of its first corner squared: a bump is as good as endless far below
-/// that. No table of a fit has either.
+/// The smallest eigenvalue, times the light's area divided by the squared distance of its first corner. Below it a bump
+/// is practically infinite. Fitted tables reach neither limit.
 const LEAST_SECOND: f64 = 1e-8;
 
 /// The light of an LTC on the plane of a rectangle.
@@ -49,13 +50,13 @@ impl<'a, T: Scalar> CosineLobe<'a, T> {
 }
 
 impl<T: Scalar> Lobe<T> for CosineLobe<'_, T> {
-    /// `z / |P|^4` over the bump, which is `|P|^-4` up to a factor: z is left.
+    /// `z / |P|^4` divided by the bump. The bump is `|P|^-4` up to a factor, so only z remains.
     fn weight(&self, _: &Bump<T>, p: [T; 2]) -> T {
         let p = self.space.of(self.rectangle.at(p));
         p[2].max(T::ZERO) + T::of(LEAST_COSINE) * dot(p, p).sqrt().max(T::SHORTEST)
     }
 
-    /// Light ends at the distribution's own horizon.
+    /// The light ends at the distribution's own horizon.
     fn height(&self, p: [T; 2]) -> T {
         self.space.of(self.rectangle.at(p))[2]
     }

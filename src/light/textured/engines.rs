@@ -1,13 +1,14 @@
-//! How engines read a picture on a light.
+//! The method with which engines read a picture on a light.
 
 use super::readings::Reading;
 use crate::CosineSpace;
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, scaled};
 
-/// The one reading of engines [Heitz et al. 2016]: where the direction of the vector form factor meets the light in the
-/// space of the cosine, blurred by the distance of the light's plane over the root of its area there, times `width`.
+/// The single reading of engines [Heitz et al. 2016]. It is at the point where the direction of the vector form factor
+/// meets the light in cosine space. Its blur is `width` times the distance of the light's plane, divided by the root of
+/// the light's area there.
 ///
-/// Domain: the corners of a rectangle around the shaded point; the third is not read.
+/// Domain: the corners of a rectangle relative to the shaded point. The third corner is not used.
 #[must_use]
 pub fn engines_reading<T: Scalar>(
     space: &CosineSpace<T>,
@@ -23,7 +24,7 @@ pub fn engines_reading<T: Scalar>(
     let descent = dot(normal, form_factor);
     let met = scaled(form_factor, distance / if descent.abs() > T::SHORTEST { descent } else { T::SHORTEST });
     let from_corner = minus(met, corner);
-    // The sides are oblique there.
+    // The sides are oblique in cosine space.
     let part = |side: Triple<T>, other: Triple<T>| {
         let upright = cross(other, normal);
         (dot(from_corner, upright) / dot(side, upright)).max(T::ZERO).min(T::ONE)

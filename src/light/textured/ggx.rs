@@ -1,20 +1,22 @@
 //! GGX on the plane of a light.
 //!
-//! What a piece dA of the plane at P, `r = |P|`, sends to the viewer is in proportion to
-//! `D(h) G2 / cos_i cos_i (height / r) / r^2 dA`. With `c = (A^-1 wo) r + A^-1 P`, which is `A^-1 h` up to length, `N = |c|^2` and
-//! `e = r + wo . P`, GGX is `D = (r e / N)^2` up to a factor, so that
+//! The light that a piece dA of the plane at P, `r = |P|`, sends to the viewer is proportional to
+//! `D(h) G2 / cos_i cos_i (height / r) / r^2 dA`. Let `c = (A^-1 wo) r + A^-1 P`, which is `A^-1 h` up to length,
+//! `N = |c|^2` and `e = r + wo . P`. Then GGX is `D = (r e / N)^2` up to a factor, and
 //!
 //! ```text
 //! light of dA = q^-2 z / (|A wo| z + wo.z |A P|) dA          q = N sqrt(r) / e
 //! ```
 //!
-//! the last factor of which is Smith's G2 (height-correlated) over the cosines and changes slowly. q is close to a quadratic function. Its derivatives are those of
-//! its logarithm, by `ri = P . ei / r`, `rij = (dij - ri rj) / r`, `ci = (A^-1 wo) ri + A^-1 ei` and `ei = ri + wo . ei`:
+//! The last factor is Smith's G2 (height-correlated) divided by the cosines, and varies slowly. q is close to a
+//! quadratic function. Its derivatives follow from its logarithm, with `ri = P . ei / r`, `rij = (dij - ri rj) / r`,
+//! `ci = (A^-1 wo) ri + A^-1 ei` and `ei = ri + wo . ei`:
 //!
 //! ```text
-//! gradient of ln q   gi = 2 c . ci / N + ri / 2 r - ei / e
-//! second ones        2 (ci . cj + c . (A^-1 wo) rij) / N - 4 (c . ci) (c . cj) / N^2 + (rij / r - ri rj / r^2) / 2 - rij / e + ei ej / e^2
-//! those of q over q  the same + gi gj
+//! gradient of ln q              gi = 2 c . ci / N + ri / 2 r - ei / e
+//! second derivatives of ln q    2 (ci . cj + c . (A^-1 wo) rij) / N - 4 (c . ci) (c . cj) / N^2
+//!                               + (rij / r - ri rj / r^2) / 2 - rij / e + ei ej / e^2
+//! second derivatives of q / q   the same + gi gj
 //! ```
 
 use super::{
@@ -25,11 +27,11 @@ use super::{
 use crate::normals::View;
 use ltcforge_fit::math::{Scalar, Triple, dot, plus, scaled};
 
-/// The least value of `1 + wo . w` that counts: a light straight behind the viewer.
+/// The smallest value of `1 + wo . w`, for a light straight behind the viewer.
 const LEAST_FACING: f64 = 1e-6;
-/// The weight that a point keeps of which shadowing leaves nothing, so that weights never sum to nothing.
+/// The smallest weight of a fully shadowed point. It keeps the sum of weights positive.
 const LEAST_SHADOW: f64 = 1e-6;
-/// The least second derivative of q over q, times the rectangle's area: flatter lobes are seen as one colour.
+/// The smallest second derivative of q, divided by q, times the rectangle's area. Flatter lobes see a single colour.
 const LEAST_SECOND: f64 = 0.1;
 
 /// The light of GGX on the plane of a rectangle.
@@ -45,14 +47,14 @@ impl<'a, T: Scalar> GgxLobe<'a, T> {
         Self { view, rectangle, image: view.image(view.wo) }
     }
 
-    /// r, c, N and e of a point.
+    /// r, c, N and e at a point.
     fn parts(&self, p: Triple<T>) -> (T, Triple<T>, T, T) {
         let r = dot(p, p).sqrt().max(T::SHORTEST);
         let c = plus(scaled(self.image, r), self.view.image(p));
         (r, c, dot(c, c).max(T::SHORTEST), (r + dot(self.view.wo, p)).max(T::of(LEAST_FACING) * r))
     }
 
-    /// The gradient of q and its second derivatives, over q, in the rectangle's coordinates.
+    /// The gradient and second derivatives of q, divided by q, in the rectangle's coordinates.
     pub(super) fn derivatives(&self, p: [T; 2]) -> ([T; 2], Symmetric<T>) {
         let p = self.rectangle.at(p);
         let axes = self.rectangle.axes;
@@ -73,13 +75,13 @@ impl<'a, T: Scalar> GgxLobe<'a, T> {
         (gradient, second)
     }
 
-    /// The bump that the lobe is close to, expanded at a point.
+    /// The bump that approximates the lobe, expanded at a point.
     pub(super) fn bump(&self, p: [T; 2]) -> Bump<T> {
         let (gradient, second) = self.derivatives(p);
         Bump::of_derivatives(p, gradient, second, T::of(LEAST_SECOND) / self.rectangle.area())
     }
 
-    /// The weight of a point's surroundings, up to a factor.
+    /// The density of the lobe at a point, up to a factor.
     pub(super) fn density(&self, p: [T; 2]) -> T {
         let p = self.rectangle.at(p);
         let (r, _, n, e) = self.parts(p);
@@ -104,7 +106,7 @@ impl<T: Scalar> Lobe<T> for GgxLobe<'_, T> {
         fall * fall * self.density(p)
     }
 
-    /// Light ends at the surface.
+    /// The light ends at the surface.
     fn height(&self, p: [T; 2]) -> T {
         self.rectangle.at(p)[2]
     }

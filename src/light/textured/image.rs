@@ -1,52 +1,52 @@
 //! A picture on a light.
 
-/// The channels of a texel, in this order: red, green, blue.
+/// The channels of a texel, in order.
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
-/// The radiance of a light, texel by texel: linear, finite, not negative. Row after row from the top, each from the left;
-/// a texel is a rectangle of one colour, and the image covers the light from edge to edge.
+/// The radiance of a light as texels: linear, finite, not negative. Rows are ordered from the top, and texels of a row
+/// from the left. A texel is a rectangle of one colour, and the image covers the light from edge to edge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightImage {
     width: usize,
     texels: Vec<[f32; 3]>,
 }
 
-/// Why texels are no picture of a light.
+/// The reason why texels are not a valid picture.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ImageError {
-    /// The numbers are not as many as the size says.
-    #[error("{found} texels; an image of {width} x {height} has {}, and one at least", u128::from(*.width) * u128::from(*.height))]
+    /// The number of texels does not match the size.
+    #[error("{width} x {height} needs {} texels, at least one; got {found}", u128::from(*.width) * u128::from(*.height))]
     Count {
         /// The width in texels.
         width: u64,
         /// The height in texels.
         height: u64,
-        /// How many texels there are.
+        /// The number of texels.
         found: u64,
     },
-    /// A channel of a texel is no radiance.
+    /// A channel of a texel is not a valid radiance.
     #[error(
-        "the texel at x {x}, y {y} has {channel} {value}; {count} of the image's numbers are negative or not finite, and a light has none"
+        "the texel at x {x}, y {y} has {channel} {value}; {count} of the image's numbers are negative or not finite"
     )]
     Texel {
-        /// The column of the first such texel, from zero at the left.
+        /// The column of the first invalid texel, from zero at the left.
         x: usize,
         /// Its row, from zero at the top.
         y: usize,
-        /// The first such channel.
+        /// The first invalid channel.
         channel: &'static str,
-        /// Its number.
+        /// Its value.
         value: f32,
-        /// How many numbers of the image are so.
+        /// The number of invalid values in the image.
         count: usize,
     },
 }
 
 impl LightImage {
-    /// The image of these texels.
+    /// Creates an image of these texels.
     ///
     /// # Errors
-    /// [`ImageError::Count`] for an image without texels or with more or fewer than its size says,
+    /// [`ImageError::Count`] for an image without texels, or with a number of texels that does not match its size.
     /// [`ImageError::Texel`] for numbers that are negative or not finite.
     pub fn new(width: usize, height: usize, texels: Vec<[f32; 3]>) -> Result<Self, ImageError> {
         if texels.is_empty() || width.checked_mul(height) != Some(texels.len()) {
@@ -62,7 +62,7 @@ impl LightImage {
         Ok(Self { width, texels })
     }
 
-    /// The image of texels that are known to be right. Domain: as many as rows of that width, one at least.
+    /// Creates an image of valid texels. Domain: whole rows of this width, at least one.
     pub(super) fn of_texels(width: usize, texels: Vec<[f32; 3]>) -> Self {
         Self { width, texels }
     }
@@ -91,7 +91,7 @@ impl LightImage {
         &self.texels[y * self.width..][..self.width]
     }
 
-    /// The mean of all texels, each channel by itself. Rows are summed one by one, and then their sums.
+    /// The mean of all texels for each channel. Sums each row first, then the sums of the rows.
     #[must_use]
     pub fn mean(&self) -> [f64; 3] {
         let sum = |sums: [f64; 3], row: [f64; 3]| [0, 1, 2].map(|c| sums[c] + row[c]);
@@ -100,9 +100,9 @@ impl LightImage {
         total.map(|sum| sum / self.texels.len() as f64)
     }
 
-    /// Between the middles of the four texels around a point by their distances, as a GPU does it with a sampler that
-    /// clamps. `u` runs from 0 at the left edge to 1 at the right, `v` from the top to the bottom; points outside have the
-    /// value of the nearest point inside.
+    /// Interpolates bilinearly between the centres of the four texels around a point, like a GPU with a clamping
+    /// sampler. `u` goes from 0 at the left edge to 1 at the right, `v` from the top to the bottom. Points outside have
+    /// the value of the nearest point inside.
     #[must_use]
     pub fn bilinear(&self, [u, v]: [f64; 2]) -> [f64; 3] {
         let (x, next_x, along) = between(u, self.width);
@@ -115,10 +115,10 @@ impl LightImage {
     }
 }
 
-/// The two of `count` texels between whose middles a position from 0 to 1 lies, and how far from the first to the second.
+/// The two of `count` texels whose centres are around a position from 0 to 1, and the position between them.
 fn between(position: f64, count: usize) -> (usize, usize, f64) {
     let last = (count - 1) as f64;
-    // In this order a position that is not a number is the first texel's.
+    // This order maps NaN to the first texel.
     let x = (position * count as f64 - 0.5).max(0.0).min(last);
     let first = x as usize;
     (first, (first + 1).min(count - 1), x - first as f64)

@@ -1,9 +1,9 @@
-//! The kernel that the prefilter approximates, summed over the picture.
+//! The exact sum of the kernel over the picture, which the prefilter approximates.
 
 use super::LightImage;
 
-/// The kernel `(1 + r^2 / sigma^2)^-2.5` around a place summed over the picture, divided by its sum: 3 x 3 points a texel. The
-/// place is in parts of the picture's sides, sigma in texels.
+/// Sums the kernel `(1 + r^2 / sigma^2)^-2.5` around a point over the picture, and divides by its sum. Uses 3 x 3
+/// points for each texel. The point is in parts of the picture's sides, sigma in texels.
 #[must_use]
 pub fn kernel_sum(image: &LightImage, [u, v]: [f64; 2], sigma: f64) -> [f64; 3] {
     const GRID: usize = 3;

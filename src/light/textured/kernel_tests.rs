@@ -1,4 +1,4 @@
-//! The kernel of a picture against differences, the truth and its limits.
+//! Compares the kernel of a picture with differences, with the truth and with limits.
 
 use glam::{DMat3, DQuat, DVec3};
 use rayon::prelude::*;
@@ -39,7 +39,7 @@ fn textured(lit: &Lit) -> TexturedLight {
     TexturedLight::new(lit.light(Sides::Two)).expect("a rectangle")
 }
 
-/// A dot, a checkerboard and a ramp.
+/// A picture with a dot, a checkerboard and a ramp in its channels.
 fn picture() -> LightImage {
     const SIDE: usize = 256;
     let texel = |i: usize| {
@@ -70,7 +70,7 @@ fn derivatives_are_those_of_the_inverse_root() {
     }
 }
 
-/// One factor for all points of a light.
+/// True if the pairs have one common factor.
 fn are_in_proportion(pairs: [[f64; 2]; 4]) -> bool {
     let ratios = pairs.map(|[a, b]| a / b);
     ratios.iter().all(|ratio| (ratio / ratios[0] - 1.0).abs() < 1e-3)
@@ -78,7 +78,7 @@ fn are_in_proportion(pairs: [[f64; 2]; 4]) -> bool {
 
 #[test]
 fn weights_are_the_lobe_on_the_plane() {
-    let mut seen = 0;
+    let mut checked = 0;
     for lit in lights(4401, 300).iter().filter(|lit| lit.vertices.iter().all(|v| v.z > 0.02)) {
         let (view, rectangle) = (View::new(lit.alpha(), lit.wo().to_array()), Rectangle::new(&corners(lit)));
         let [a, x, _, y] = corners(lit).map(DVec3::from_array);
@@ -105,16 +105,16 @@ fn weights_are_the_lobe_on_the_plane() {
             assert!(are_in_proportion(of_ltc), "{of_ltc:?}");
             let exact = [0, 1, 2, 3].map(|i| [1.0 + bump.quadratic(points[i]), there[i].length_squared()]);
             assert!(are_in_proportion(exact), "{exact:?}");
-            seen += 1;
+            checked += 1;
         }
     }
-    assert!(seen > 20, "{seen}");
+    assert!(checked > 20, "{checked}");
 }
 
 #[test]
 fn a_light_of_one_colour_is_lit_as_without_a_picture() {
     let colour = [0.25, 1.0, 3.0];
-    // One entry of two lobes.
+    // A table with a single entry of two lobes.
     let table = Table {
         matrix: vec![[0.3, 0.0, -0.4, 0.1, 0.2, 0.0, 0.2, 0.0, 0.9]],
         second: Some(vec![[0.5, 0.0, -0.6, 0.0, 0.3, 0.1, 0.0, 0.0, 0.7]]),
@@ -164,7 +164,7 @@ fn texels_sum_to_the_light_and_pictures_are_near_the_truth() {
     assert!(mean.iter().all(|error| *error < 0.015), "{mean:?}");
 }
 
-/// A mirror shows the picture itself: the first texel at the first corner, its row towards the second.
+/// A mirror shows the picture unchanged: the first texel at the first corner, its row towards the second corner.
 #[test]
 fn a_mirror_shows_the_picture() {
     let at = Configuration { alpha_x: 0.002, alpha_y: 0.002, theta: 0.0, phi: 0.0 };
@@ -175,7 +175,7 @@ fn a_mirror_shows_the_picture() {
     for (place, wanted) in
         [([-0.4, 0.6], [1.0, 0.0, 0.0]), ([0.4, 0.6], [0.0, 1.0, 0.0]), ([-0.4, -0.6], [0.0, 0.0, 1.0])]
     {
-        // Seen straight from above, a mirror reflects what is straight above the origin: this place of the light.
+        // Seen from above, a mirror reflects the point straight above the origin. This is the position on the light.
         let middle = DVec3::new(-place[0], -place[1], 1.0);
         let vertices = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
         let vertices = vertices.map(|[x, y]| middle + DVec3::new(x, y, 0.0)).to_vec();
@@ -212,7 +212,7 @@ fn colours_in_f32_are_those_of_f64() {
     assert_eq!(far, 0);
 }
 
-/// A path is bisected down to where its light jumps: rounding alone is left. docs/textured.md tells how large that is.
+/// Bisects a path at the largest change of its light. Only rounding errors remain.
 #[test]
 fn jumps_along_random_paths_are_small() {
     let pyramid = LightPyramid::new(&picture());
@@ -238,11 +238,11 @@ fn jumps_along_random_paths_are_small() {
     assert!(most < 1e-9, "{most}");
 }
 
-/// Lights of 0.001 to 20 radii, lobes of 1e-4 to 1, views to 89.9 degrees.
+/// Tests lights of 0.001 to 20 radii, roughness from 1e-4 to 1, and views to 89.9 degrees.
 #[test]
 fn readings_are_within_the_picture() {
     let mut draw = Draw::new(4405);
-    let mut seen = 0;
+    let mut checked = 0;
     for _ in 0..4000 {
         let lit = draw.lit_by(Roughness::Extreme, [0.001, 20.0]);
         let ltc = Ltc::new(DMat3::from_diagonal(DVec3::new(lit.at.alpha_x, lit.at.alpha_y, 1.0))).expect("an LTC");
@@ -254,14 +254,14 @@ fn readings_are_within_the_picture() {
                 assert!(reading.uv.iter().all(|x| (0.0..=1.0).contains(x)), "{lit:?} {reading:?}");
                 assert!(reading.radius > 0.0 && reading.radius.is_finite(), "{lit:?} {reading:?}");
                 assert!(reading.weight > 0.0 && reading.weight.is_finite(), "{lit:?} {reading:?}");
-                seen += 1;
+                checked += 1;
             }
         }
     }
-    assert!(seen > 80_000, "{seen}");
+    assert!(checked > 80_000, "{checked}");
 }
 
-/// Matrices that no fit makes, of two dimensions or one up to a little and of any size, with lights far and near.
+/// Tests matrices that no fit produces: nearly of rank two or one, of any size, with lights far and near.
 #[test]
 fn degenerate_matrices_have_finite_readings() {
     fn check<T: Scalar + Into<f64>>(rows: [Triple<f64>; 3], corners: [Triple<f64>; 4]) {
@@ -313,8 +313,7 @@ fn what_has_no_picture_is_refused() {
     assert_eq!(light.by_table(&no_terms, &at, &pyramid, how), Err(LightError::NoTerms));
 }
 
-/// Of a light and the same with its corners the other way round, one is dark where both sides are not lit: by the model and
-/// truly.
+/// If only one side is lit, either a light or the light with reversed corners is dark, for the model and for the truth.
 #[test]
 fn the_back_of_a_light_is_dark() {
     let image = picture();

@@ -1,4 +1,5 @@
-//! A rectangle light with a picture: what of each channel a surface reflects, by `normals`, by a table, and truly.
+//! A rectangular light with a picture. Computes the reflected light of each channel by `normals`, by a table, and
+//! exactly.
 
 use glam::DVec3;
 
@@ -21,11 +22,11 @@ use ltcforge_fit::{
     math::{Scalar, Triple, from_row_major},
 };
 
-/// The light of a rectangle of radiance one that GGX reflects, as [`normals::reflected`] has it, and the readings of its
-/// picture. No readings where nothing is reflected.
+/// The light of a rectangle of radiance one that GGX reflects, as in [`normals::reflected`], and the readings of its
+/// picture. Returns no readings if nothing is reflected.
 ///
-/// Domain: as there, for the corners of a rectangle whose picture begins at the first one; u runs to the second, v to the
-/// fourth.
+/// Domain: as for [`normals::reflected`], with the corners of a rectangle. The picture begins at the first corner; u
+/// goes to the second, v to the fourth.
 #[must_use]
 pub fn normals_readings<T: Scalar>(
     alpha: [T; 2],
@@ -46,7 +47,7 @@ pub fn normals_readings<T: Scalar>(
     (reflected, readings(&lobe, &rectangle, &bump, number))
 }
 
-/// The readings of a picture on a rectangle by an LTC. Domain: corners as for [`normals_readings`].
+/// The readings of a picture on a rectangle for an LTC. Domain: corners as for [`normals_readings`].
 #[must_use]
 pub fn ltc_readings<T: Scalar>(space: &CosineSpace<T>, corners: &[Triple<T>; 4], number: Readings) -> Vec<Reading<T>> {
     let rectangle = Rectangle::new(corners);
@@ -54,19 +55,19 @@ pub fn ltc_readings<T: Scalar>(space: &CosineSpace<T>, corners: &[Triple<T>; 4],
     readings(&lobe, &rectangle, &lobe.bump(), number)
 }
 
-/// A rectangle for a picture, around the shaded point.
+/// A rectangle with a picture, relative to the shaded point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TexturedLight(PolygonLight);
 
-/// Sides are at right angles, and opposite ones alike, up to this part of their lengths.
+/// The tolerance for right angles and for equal opposite sides, relative to the lengths of the sides.
 const SQUARE: f64 = 1e-4;
 
 impl TexturedLight {
-    /// The picture's first texel is at the light's first corner, its rows run to the second, its columns to the fourth:
-    /// from the lit side a picture is seen as it is where the corners begin at its upper left.
+    /// Creates a light. The picture's first texel is at the first corner, its rows go to the second corner, and its
+    /// columns to the fourth. Seen from the lit side, the picture is upright if the corners begin at its upper left.
     ///
     /// # Errors
-    /// [`LightError::NoRectangle`] for another polygon.
+    /// [`LightError::NoRectangle`] for other polygons.
     pub fn new(light: PolygonLight) -> Result<Self, LightError> {
         let &[a, b, c, d] = light.vertices() else { return Err(LightError::NoRectangle) };
         let (x, y) = (b - a, d - a);
@@ -97,7 +98,7 @@ impl TexturedLight {
         [0, 1, 2, 3].map(|i| self.0.vertices()[i].to_array())
     }
 
-    /// What GGX reflects of it by model `normals`.
+    /// The light that GGX reflects, by model `normals`.
     ///
     /// # Errors
     /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon.
@@ -114,10 +115,10 @@ impl TexturedLight {
         Ok(TexturedReflection { energy, fresnel })
     }
 
-    /// What a table's surface reflects of it. Where entries have two lobes, Fresnel's part is read by the second.
+    /// The light that a table's surface reflects. If entries have two lobes, the second lobe reads Fresnel's part.
     ///
     /// # Errors
-    /// Those of [`crate::by_table`], and [`LightError::NoLtc`] for a table of Gaussians.
+    /// The errors of [`crate::by_table`], and [`LightError::NoLtc`] for a table of Gaussians.
     pub fn by_table(
         &self,
         table: &Table,
@@ -142,11 +143,11 @@ impl TexturedLight {
         })
     }
 
-    /// What GGX truly reflects of it: the integral over each texel, a rectangle of one colour, and their sum.
+    /// The exact light that GGX reflects: the sum of the integrals over each texel, a rectangle of one colour.
     ///
     /// # Errors
-    /// [`LightError::Domain`] as [`Self::by_normals`], and [`LightError::NotConverged`] where the texels' light and the
-    /// quadrature among normals, which shares no code with it, differ by more than ten times `tolerance`.
+    /// [`LightError::Domain`] as for [`Self::by_normals`]. [`LightError::NotConverged`] if the sum over texels and the
+    /// quadrature in the space of normals, which share no code, differ by more than ten times `tolerance`.
     pub fn truth(
         &self,
         at: &Configuration,
@@ -157,8 +158,8 @@ impl TexturedLight {
         Ok(TexturedReflection::of_texels(lights.iter().zip(image.texels())))
     }
 
-    /// The light of every texel of a picture of a size, row by row: for a Fresnel factor of one, and weighed by Schlick's
-    /// fifth power.
+    /// The light of every texel of a picture of a given size, row by row, for a Fresnel factor of one and weighted by
+    /// Schlick's fifth power.
     ///
     /// # Errors
     /// As [`Self::truth`].
@@ -182,17 +183,17 @@ impl TexturedLight {
     }
 }
 
-/// What a surface reflects of a light with a picture, by channel: red, green, blue.
+/// The light of a picture that a surface reflects, by channel: red, green, blue.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TexturedReflection {
-    /// For a Fresnel factor of one.
+    /// The light for a Fresnel factor of one.
     pub energy: [f64; 3],
-    /// The same weighed by Schlick's `(1 - wo . h)^5`.
+    /// The light weighted by Schlick's `(1 - wo . h)^5`.
     pub fresnel: [f64; 3],
 }
 
 impl TexturedReflection {
-    /// The sum over texels, each with its light as [`TexturedLight::texel_lights`] has it.
+    /// The sum over texels, each with its light as returned by [`TexturedLight::texel_lights`].
     #[must_use]
     pub fn of_texels<'a>(texels: impl Iterator<Item = (&'a [f64; 2], &'a [f32; 3])>) -> Self {
         let mut sum = Self { energy: [0.0; 3], fresnel: [0.0; 3] };
@@ -205,7 +206,7 @@ impl TexturedReflection {
         sum
     }
 
-    /// With Schlick's Fresnel factor, `f0` face on and `f90` at grazing incidence.
+    /// The light with Schlick's Fresnel factor, `f0` at normal and `f90` at grazing incidence.
     #[must_use]
     pub fn schlick(&self, f0: f64, f90: f64) -> [f64; 3] {
         [0, 1, 2].map(|i| f0 * (self.energy[i] - self.fresnel[i]) + f90 * self.fresnel[i])

@@ -1,8 +1,9 @@
-//! Rectangle lights with a picture: the image, what a prefilter makes of it, and where a lobe reads it.
+//! Rectangular lights with a picture: the image, its prefilter, and the readings for a lobe.
 //!
-//! On the plane of a light a lobe is close to a bump `(1 + Q)^-2` with Q quadratic (`bump.rs`), whose middle and axes are
-//! those of the lobe's inverse root: exactly for an LTC (`cosine.rs`), by an expansion for GGX (`ggx.rs`). A few readings of
-//! the prefiltered picture along its longer axis stand for it (`readings.rs`). `docs/textured.md` derives all of it.
+//! On the plane of a light a lobe is close to a bump `(1 + Q)^-2` with Q quadratic (`bump.rs`). The bump has the centre
+//! and axes of the lobe's inverse root, exactly for an LTC (`cosine.rs`), and from an expansion for GGX (`ggx.rs`). A
+//! few readings of the prefiltered picture along the longer axis replace the integral (`readings.rs`).
+//! `docs/textured.md` has the derivation.
 
 mod bump;
 mod cosine;

@@ -1,20 +1,21 @@
-//! Photometric lights: a rectangle whose radiance depends on the direction alone, as that of a lamp with an IES profile.
+//! Photometric lights: rectangles whose radiance depends only on direction, such as a lamp with an IES profile.
 //!
-//! A point p of the light's plane sends to the shaded point in the direction `(f - p, h)`, for the foot f of the
-//! perpendicular and the distance h. Over `g = (f - p) / h`, the tangents of a direction, a profile is a picture of which the
-//! light sees a window: it is prefiltered once for all, and a lobe's readings of the light are readings of it.
+//! A point p of the light's plane emits towards the shaded point in the direction `(f - p, h)`, with the foot f of the
+//! perpendicular and the distance h. As a function of the tangents `g = (f - p) / h`, a profile is a picture, and the
+//! light shows a window of it. The picture is prefiltered once, and a lobe's readings of the light are readings of the
+//! picture.
 
 use super::{Reading, TexturedLight};
 
-/// The tangent of the angle to a lamp's axis up to which a profile is a picture, along both sides: 76 degrees.
+/// The largest tangent of the angle to a lamp's axis in the picture of a profile, along both sides: 76 degrees.
 pub const PROFILE_TANGENT: f64 = 4.0;
 
-/// The variance of a square's points along a side, over its area: no kernel is wider than the light.
+/// The variance of a square's points along a side, divided by its area. It limits kernels to the width of the light.
 const OF_AREA: f64 = 1.0 / 12.0;
-/// The least distance from the light's plane, over the sum of the sides' lengths.
+/// The smallest distance from the light's plane, relative to the sum of the sides' lengths.
 const LEAST_HEIGHT: f64 = 1e-6;
 
-/// Where a light's readings are in the profile of its lamp.
+/// The window of a light's readings in the profile of its lamp.
 #[derive(Debug, Clone, Copy)]
 pub struct ProfileWindow {
     foot: [f64; 2],
@@ -23,7 +24,7 @@ pub struct ProfileWindow {
 }
 
 impl ProfileWindow {
-    /// That of a light, as it is seen from the shaded point.
+    /// The window of a light as seen from the shaded point.
     #[must_use]
     pub fn new(light: &TexturedLight) -> Self {
         let corners = light.polygon().vertices();
@@ -34,13 +35,15 @@ impl ProfileWindow {
         Self { foot, size, height }
     }
 
-    /// The tangents of the direction from a place of the light, in parts of its sides, to the shaded point.
+    /// The tangents of the direction from a point of the light to the shaded point. The point is in parts of the
+    /// light's sides.
     #[must_use]
     pub fn tangents(&self, uv: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|i| (self.foot[i] - uv[i] * self.size[i]) / self.height)
     }
 
-    /// A reading of a picture on the light as one of the profile's picture, over tangents from `-PROFILE_TANGENT` on.
+    /// Converts a reading of a picture on the light to a reading of the profile's picture, whose tangents begin at
+    /// `-PROFILE_TANGENT`.
     #[must_use]
     pub fn of_profile(&self, reading: &Reading<f64>) -> Reading<f64> {
         let span = 2.0 * PROFILE_TANGENT;
@@ -67,7 +70,7 @@ mod tests {
         for (uv, wanted) in [([0.5, 0.5], [0.0, 0.0]), ([0.0, 0.5], [0.5, 0.0]), ([0.5, 1.0], [0.0, -0.5])] {
             assert_eq!(window.tangents(uv), wanted);
         }
-        // A kernel far wider than the light is as wide as the light, a narrow one keeps its width.
+        // A kernel far wider than the light gets the width of the light. A narrow kernel keeps its width.
         let read = |radius| window.of_profile(&Reading { uv: [0.25, 0.5], radius, weight: 2.0 });
         let of_one = 2.0 / (2.0 * 2.0 * PROFILE_TANGENT);
         assert!((read(1e3).radius / (OF_AREA.sqrt() * of_one) - 1.0).abs() < 1e-3);

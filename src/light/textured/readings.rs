@@ -1,10 +1,11 @@
-//! Where a prefiltered picture is read for a lobe.
+//! Chooses the points where a prefiltered picture is read for a lobe.
 //!
-//! Across its longer axis a bump integrates to `(1 + t^2)^-1.5` along it, for t in radii; with `s = t / sqrt(1 + t^2)` that is
-//! even in s. So the longer axis, as far as it lies within the rectangle and above the horizon, is divided evenly in s. Each
-//! part is read once, with a round kernel as wide as the bump there, `radius (1 + t^2)^(1/2)`, and more by the gap to its neighbours. Because round
-//! kernels spread along the axis too, t is in units of `sqrt(long radius^2 - short radius^2)`. The rest is left to weights: that
-//! of a reading is the lobe over the bump at its place.
+//! The integral of a bump across its longer axis is `(1 + t^2)^-1.5` as a function of t, the position along the axis in
+//! radii. As a density in `s = t / sqrt(1 + t^2)` it is constant. So the part of the longer axis within the rectangle
+//! and above the horizon is divided evenly in s. Each part has one reading, with a round kernel as wide as the bump
+//! there, `radius (1 + t^2)^(1/2)`, plus a part of the gap to its neighbours. Round kernels also spread along the axis,
+//! so t is in units of `sqrt(long radius^2 - short radius^2)`. Weights correct the rest: the weight of a reading is the
+//! lobe divided by the bump at its point.
 
 use super::{
     LightPyramid,
@@ -14,21 +15,21 @@ use super::{
 use ltcforge_fit::{math::Scalar, named_list};
 
 named_list! {
-    /// How often a picture is read for a light.
+    /// The number of readings of a picture for a light.
     pub enum Readings {
-        /// Four times.
+        /// Four readings.
         Four = "4",
-        /// Once.
+        /// One reading.
         One = "1",
-        /// Twice.
+        /// Two readings.
         Two = "2",
-        /// Six times.
+        /// Six readings.
         Six = "6",
     }
 }
 
 impl Readings {
-    /// The number.
+    /// The number of readings.
     #[must_use]
     pub fn count(self) -> usize {
         match self {
@@ -39,8 +40,8 @@ impl Readings {
         }
     }
 
-    /// The factor on a bump's radius, and how much of the gap between two readings is added to it: about the best of a grid
-    /// over the lights of docs/textured.md, where a tenth more or less changes little.
+    /// The factor of a bump's radius, and the part of the gap between two readings that is added to it. They are about
+    /// the best of a grid over the lights of docs/textured.md. A change by a tenth has little effect.
     fn widths(self) -> [f64; 2] {
         [if self == Self::One { 1.25 } else { 0.95 }, 0.35]
     }
@@ -48,24 +49,24 @@ impl Readings {
 
 /// The light of a lobe on the plane of a rectangle.
 pub(super) trait Lobe<T> {
-    /// The weight of a point's surroundings, divided by that of the lobe's bump there, up to a factor.
+    /// The density of the lobe at a point, divided by the lobe's bump there, up to a factor.
     fn weight(&self, bump: &Bump<T>, p: [T; 2]) -> T;
-    /// How far a point is above where the lobe ends, up to a factor; linear.
+    /// The height of a point above the end of the lobe, up to a factor; a linear function.
     fn height(&self, p: [T; 2]) -> T;
 }
 
 /// One reading of a prefiltered picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading<T> {
-    /// Where, in parts of the picture's width and height.
+    /// The point, in parts of the picture's width and height.
     pub uv: [T; 2],
-    /// The radius of the kernel, over the root of the light's area.
+    /// The radius of the kernel, divided by the root of the light's area.
     pub radius: T,
-    /// How much it counts.
+    /// The weight of the reading.
     pub weight: T,
 }
 
-/// The mean of readings of a picture, by their weights; black for none.
+/// The weighted mean of readings of a picture; black without readings.
 #[must_use]
 pub fn colour(readings: &[Reading<f64>], pyramid: &LightPyramid) -> [f64; 3] {
     let (mut sum, mut weights) = ([0.0; 3], 0.0);
@@ -79,9 +80,9 @@ pub fn colour(readings: &[Reading<f64>], pyramid: &LightPyramid) -> [f64; 3] {
     if weights > 0.0 { sum.map(|sum| sum / weights) } else { sum }
 }
 
-/// So many units along an axis are endless.
+/// The distance along an axis, in units, that counts as infinite.
 const FAR: f64 = 1e4;
-/// A lobe that is round has no axis; this part of its radius stands for the missing difference.
+/// The smallest difference of the radii, relative to the longer radius. A round bump has no axis.
 const ROUND: f64 = 1e-6;
 
 /// The readings of a picture on a rectangle.
@@ -100,7 +101,7 @@ pub(super) fn readings<T: Scalar>(
     let [of_radius, of_gap] = number.widths().map(T::of);
     let reading = |k: usize| {
         let s = s0 + part * T::of(k as f64 + 0.5);
-        // Far out s has few digits left: where both ends are one, t is that.
+        // Far out, s has few digits. If both ends are equal, t is clamped to them.
         let t = (s / (T::ONE - s * s).max(T::of(1e-12)).sqrt()).max(t0).min(t1);
         let stretch2 = T::ONE + t * t;
         let gap = of_gap * unit * (part * stretch2 * stretch2.sqrt()).min(t1 - t0);
@@ -117,14 +118,14 @@ pub(super) fn readings<T: Scalar>(
     (0..number.count()).map(reading).collect()
 }
 
-/// From where to where `middle + t along` is within the rectangle and above the lobe's end. Where nothing is, both are the
-/// middle of what the one leaves and the other begins with.
+/// The interval of t in which `middle + t along` is within the rectangle and above the end of the lobe. If it is empty,
+/// both ends are the midpoint between the two bounds.
 fn within<T: Scalar>(lobe: &impl Lobe<T>, rectangle: &Rectangle<T>, middle: [T; 2], along: [T; 2]) -> [T; 2] {
     let far = T::of(FAR);
     let height = lobe.height(middle);
     let rise = lobe.height(step(middle, T::ONE, along)) - height;
     let [w, h] = rectangle.size;
-    // Each is where a linear function is not negative.
+    // Each border is where a linear function becomes zero; inside it is positive.
     let borders = [
         (middle[0], along[0]),
         (w - middle[0], -along[0]),

@@ -1,4 +1,4 @@
-//! Images made row by row, filtered along both axes.
+//! Makes images row by row, and filters them along both axes.
 
 use super::{
     LightImage,
@@ -6,7 +6,7 @@ use super::{
 };
 use rayon::prelude::*;
 
-/// The image of a size whose rows `add` adds to zeros, each by itself.
+/// Makes an image of a given size. `add` adds each row to zeros.
 pub(super) fn made(width: usize, height: usize, add: impl Fn(usize, &mut [[f64; 3]]) + Sync) -> LightImage {
     let mut texels = vec![[0_f32; 3]; width * height];
     texels.par_chunks_mut(width).enumerate().for_each_init(
@@ -22,7 +22,7 @@ pub(super) fn made(width: usize, height: usize, add: impl Fn(usize, &mut [[f64; 
     LightImage::of_texels(width, texels)
 }
 
-/// A row of an image that was filtered down its columns.
+/// A row of an image after the filter down its columns.
 pub(super) struct Row(Vec<[f64; 3]>);
 
 impl Row {
@@ -36,7 +36,7 @@ impl Row {
         Self(sums)
     }
 
-    /// Adds the row, filtered by `columns`, `by` times.
+    /// Adds the row, filtered along the row by `columns` and multiplied by `by`.
     pub(super) fn add(&self, columns: &Filter, by: f64, to: &mut [[f64; 3]]) {
         for (sum, taps) in to.iter_mut().zip(columns) {
             for (texel, weight) in self.0[taps.first..].iter().zip(&taps.weights) {

@@ -1,4 +1,4 @@
-//! The prefilter against sums of its kernel, and what it promises exactly.
+//! Compares the prefilter with sums of its kernel, and tests its exact properties.
 
 use super::{
     ImageError, LightImage, LightPyramid,
@@ -25,7 +25,7 @@ fn noise(size: [usize; 2], seed: u64) -> LightImage {
     made(size, |_| [0; 3].map(|_| uniform(&mut rng) as f32))
 }
 
-/// A disk, a checkerboard of six fields and a ramp.
+/// A disk, a checkerboard of six fields and a ramp, one in each channel.
 fn patterns(size: [usize; 2]) -> LightImage {
     made(size, |place| {
         let [u, v] = [0, 1].map(|axis| (place[axis] as f64 + 0.5) / size[axis] as f64);
@@ -35,8 +35,8 @@ fn patterns(size: [usize; 2]) -> LightImage {
     })
 }
 
-/// The mean and the largest difference from [`kernel_sum`] at random points and levels, each channel of
-/// [`patterns`] by itself.
+/// The mean and the largest difference from [`kernel_sum`] at random points and levels, for each channel of
+/// [`patterns`].
 fn errors(size: [usize; 2]) -> [[f64; 2]; 3] {
     const POINTS: usize = 150;
     let image = patterns(size);
@@ -107,7 +107,7 @@ fn it_is_linear_in_texels() {
 #[test]
 fn nothing_moves() {
     for size in SIZES {
-        // A picture in a mirror is the mirrored picture.
+        // The prefilter of a mirrored picture is the mirrored prefilter.
         let (image, last) = (noise(size, 4), size.map(|size| size - 1));
         let mirrored = LightPyramid::new(&made(size, |[x, y]| image.row(last[1] - y)[last[0] - x]));
         for (level, mirrored) in LightPyramid::new(&image).levels().iter().zip(mirrored.levels()) {
@@ -120,7 +120,7 @@ fn nothing_moves() {
 
 #[test]
 fn a_dot_away_from_the_border_stays_where_it_is() {
-    // The centroid of what a dot leaves in a level, in texels of the image, where the kernel is far from the border.
+    // The centroid of a dot in a level, in texels of the image, if the kernel is far from the border.
     for size in [[512, 512], [511, 509], [383, 421]] {
         let dot = [size[0] * 4 / 9, size[1] * 5 / 9];
         for axis in [0, 1] {
@@ -145,7 +145,7 @@ fn applied(filter: &Filter, row: &[f64]) -> Vec<f64> {
     filter.iter().map(texel).collect()
 }
 
-/// The sum of a row, and the centroid of its texels of a length.
+/// The sum of a row, and the centroid of its texels of the given length.
 fn moments(row: &[f64], length: f64) -> [f64; 2] {
     let mass: f64 = row.iter().sum();
     let place: f64 = row.iter().enumerate().map(|(i, x)| x * (i as f64 + 0.5) * length).sum();
@@ -189,7 +189,7 @@ fn what_is_no_picture_is_named() {
     texels[5][0] = f32::INFINITY;
     assert_eq!(
         LightImage::new(3, 2, texels).expect_err("numbers that are no light").to_string(),
-        "the texel at x 1, y 1 has green NaN; 3 of the image's numbers are negative or not finite, and a light has none"
+        "the texel at x 1, y 1 has green NaN; 3 of the image's numbers are negative or not finite"
     );
 }
 
@@ -211,7 +211,7 @@ fn texels_become_square_and_keep_their_mean() {
     assert_eq!(image.resampled([30, 20]), image);
     let large = made([4096, 1], |_| [0.0; 3]).square_size([1.0, 1.0]);
     assert_eq!(large, [4096, 4096]);
-    // A texel that an edge cuts in half is half in each.
+    // A texel cut in half by an edge counts half in each.
     let three = made([3, 1], |[x, _]| [x as f32 * 3.0, 0.0, 1.0]).resampled([2, 1]);
     assert_eq!(three.texels(), [[1.0, 0.0, 1.0], [5.0, 0.0, 1.0]]);
 }

@@ -3,41 +3,41 @@
 use super::interface::Interface;
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
 
-/// Below this sum of two radii, in radii, squared, the middle between them is taken from the direction across.
+/// The smallest squared sum of two radii, in radii. Below it the midpoint comes from the perpendicular direction.
 const OPPOSITE2: f64 = 1e-3;
-/// Below this cosine of half an arc's angle its standard form has no use.
+/// The smallest cosine of half an arc's angle for which its standard form is used.
 const HALF_COSINE: f64 = 0.02;
 
-/// The directions with `axis . w = offset`, on whose inner side `axis . w > offset`.
+/// The directions with `axis . w = offset`. On its inner side `axis . w > offset`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Circle<T> {
     pub(super) axis: Triple<T>,
     pub(super) offset: T,
 }
 
-/// Where an arc comes from.
+/// The origin of an arc.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ArcKind {
-    /// An edge of the light; a great arc.
+    /// An edge of the light, which is a great arc.
     Edge,
-    /// The edge along the surface of a light which is cut there; likewise.
+    /// The edge along the surface of a light that is cut there, which is a great arc.
     Surface,
     /// `h.z = 0`: normals along the surface.
     Horizon,
-    /// `wo . h = 0`, where `eta > 1`: normals across the view.
+    /// `wo . h = 0`, for `eta > 1`: normals perpendicular to the view.
     Grazing,
-    /// `wi . h = 0`, where `eta < 1`: the onset of total internal reflection.
+    /// `wi . h = 0`, for `eta < 1`: the onset of total internal reflection.
     Critical,
 }
 
-/// How much of its circle an arc is.
+/// The part of a circle that an arc covers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Extent {
     /// At most half.
     Short,
     /// More than half.
     Wide,
-    /// All of it; the ends are one point.
+    /// The whole circle. Both ends are the same point.
     Whole,
 }
 
@@ -52,12 +52,12 @@ pub(super) struct Arc<T> {
 }
 
 impl<T: Scalar> Circle<T> {
-    /// How far a direction is on the inner side; negative on the outer.
+    /// The depth of a direction on the inner side; negative on the outer side.
     pub(super) fn depth(&self, w: Triple<T>) -> T {
         dot(self.axis, w) - self.offset
     }
 
-    /// The middle, within the sphere.
+    /// The centre of the circle, inside of the sphere.
     pub(super) fn middle(&self) -> Triple<T> {
         scaled(self.axis, self.offset)
     }
@@ -69,7 +69,7 @@ impl<T: Scalar> Circle<T> {
 }
 
 impl<T: Scalar> Arc<T> {
-    /// The direction half way along.
+    /// The direction halfway along the arc.
     pub(super) fn middle(&self) -> Triple<T> {
         let middle = self.circle.middle();
         let [a, b] = self.radii();
@@ -83,19 +83,19 @@ impl<T: Scalar> Arc<T> {
         plus(middle, scaled(towards, radius))
     }
 
-    /// The ends relative to the circle's middle.
+    /// The ends relative to the circle's centre.
     fn radii(&self) -> [Triple<T>; 2] {
         let middle = self.circle.middle();
         [minus(self.from, middle), minus(self.to, middle)]
     }
 
-    /// The control point of the arc's image in standard form; `None` for an arc of about half a circle or more.
+    /// The control point of the arc's image in standard form; `None` for an arc of nearly half a circle or more.
     ///
     /// An arc around m with the radii a and b is
-    /// `m + ((1-t)^2 a + 2 t (1-t) (a + b) / (2 k) + t^2 b) / ((1-t)^2 + 2 t (1-t) k + t^2)`, `k` the cosine of half
-    /// its angle. Its image, up to length, has the control points `sigma A^-1 (wo + eta (m + a))`,
-    /// `sigma A^-1 (k wo + eta (k m + (a + b) / (2 k)))` and `sigma A^-1 (wo + eta (m + b))`; standard form has ends of
-    /// length one.
+    /// `m + ((1-t)^2 a + 2 t (1-t) (a + b) / (2 k) + t^2 b) / ((1-t)^2 + 2 t (1-t) k + t^2)`, where `k` is the cosine
+    /// of half its angle. Up to length, its image has the control points `sigma A^-1 (wo + eta (m + a))`,
+    /// `sigma A^-1 (k wo + eta (k m + (a + b) / (2 k)))` and `sigma A^-1 (wo + eta (m + b))`. In standard form the ends
+    /// have unit length.
     pub(super) fn control(&self, interface: &Interface<T>) -> Option<Triple<T>> {
         let k = self.half_cosine()?;
         let [a, b] = self.radii();
@@ -104,7 +104,7 @@ impl<T: Scalar> Arc<T> {
         Some(scaled(interface.normal(k, control), T::ONE / (x * y)))
     }
 
-    /// The cosine of half the arc's angle, where it is not near zero or negative.
+    /// The cosine of half the arc's angle; `None` if it is near zero or negative.
     fn half_cosine(&self) -> Option<T> {
         let [a, b] = self.radii();
         let sum = plus(a, b);
@@ -112,7 +112,7 @@ impl<T: Scalar> Arc<T> {
         (self.extent == Extent::Short && k > T::of(HALF_COSINE)).then_some(k)
     }
 
-    /// The roots of the lengths of the ends' normals.
+    /// The square roots of the lengths of the ends' normals.
     fn end_roots(&self, interface: &Interface<T>) -> [T; 2] {
         [self.from, self.to].map(|w| {
             let normal = interface.normal(T::ONE, w);
@@ -120,18 +120,19 @@ impl<T: Scalar> Arc<T> {
         })
     }
 
-    /// The direction whose image is the middle of the image by the parameter of its standard form.
+    /// The direction whose image is at the middle parameter of the image's standard form.
     fn standard_middle(&self, interface: &Interface<T>) -> Triple<T> {
         let Some(k) = self.half_cosine() else { return self.middle() };
         let [a, b] = self.radii();
-        // Ends of length one swap the roots: each end counts by the other's.
+        // In standard form the ends have unit length, which swaps the roots: each end gets the other end's root.
         let [y, x] = self.end_roots(interface);
         let sum = plus(plus(scaled(a, x * x), scaled(b, y * y)), scaled(plus(a, b), x * y / k));
         let weight = x * x + T::of(2.0) * x * y * k + y * y;
         unit(plus(self.circle.middle(), scaled(sum, T::ONE / weight)))
     }
 
-    /// Adds the arc in `parts`, a power of two, that are even in the standard form of its image.
+    /// Appends the arc in `parts` pieces, a power of two. The pieces are even in the parameter of the image's standard
+    /// form.
     pub(super) fn split(&self, interface: &Interface<T>, parts: u32, into: &mut Vec<Self>) {
         if parts < 2 {
             into.push(*self);

@@ -1,5 +1,5 @@
-//! Random interfaces and lights, the same in every run, and a quadrature over a light's area: no half vector is ever a
-//! variable of integration.
+//! Random interfaces and lights, the same in every run, and a quadrature over the area of a light. The quadrature never
+//! integrates over half vectors.
 
 use std::f64::consts::{PI, TAU};
 
@@ -19,7 +19,7 @@ use ltcforge_fit::{
     math::{Scalar, cross, dot, minus, plus, scaled, unit},
 };
 
-/// A square seen through an interface.
+/// A rectangle seen through an interface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Case {
     pub(super) alpha: [f64; 2],
@@ -28,28 +28,28 @@ pub(super) struct Case {
     pub(super) vertices: [[f64; 3]; 4],
 }
 
-/// What cases are like.
+/// The distribution of random cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Set {
-    /// One roughness from .05 to 1, the light where a random normal refracts.
+    /// One roughness from 0.05 to 1. The light is where a random normal refracts the view.
     Isotropic,
-    /// The same with two.
+    /// Like [`Self::Isotropic`], with two roughnesses.
     Anisotropic,
     /// Roughness from .001 to .05.
     Sharp,
     /// Cut at the surface.
     Cut,
-    /// Clipped by the cone of normals across the view or the light.
+    /// Clipped by the cone of normals perpendicular to the view or the light.
     Facing,
     /// Clipped by the cone of normals along the surface.
     Horizon,
     /// A light in any direction below.
     Anywhere,
-    /// A hundred times larger than it is far.
+    /// A hundred times larger than its distance.
     Huge,
 }
 
-/// The model in f64 and f32 as the truth has it, the visible part first.
+/// The model in f64 and f32, in the form of the truth: the visible part first.
 impl Case {
     pub(super) fn model(&self) -> Truth {
         let of = |x| x;
@@ -69,7 +69,7 @@ impl Case {
         [visible, energy, dielectric, schlick].map(to)
     }
 
-    /// What the outline is made of.
+    /// The kinds and extents of the outline's arcs.
     pub(super) fn kinds(&self) -> Vec<(ArcKind, Extent)> {
         let interface = Interface::new(self.alpha, self.wo, self.eta);
         outline(&interface, &self.vertices, Sides::Two).iter().map(|arc| (arc.kind, arc.extent)).collect()
@@ -80,7 +80,7 @@ impl Case {
     }
 }
 
-/// Numbers that are the same in every run.
+/// Random numbers, the same in every run.
 pub(super) struct Draw(Xoshiro256PlusPlus);
 
 impl Draw {
@@ -92,7 +92,7 @@ impl Draw {
         low + (high - low) * ((self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
     }
 
-    /// Evenly in the logarithm.
+    /// A number with a uniform logarithm.
     pub(super) fn scale(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.within(0.0, 1.0))
     }
@@ -110,8 +110,8 @@ impl Draw {
         [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()]
     }
 
-    /// A direction that a visible normal refracts to `wo` [Heitz 2018, Dupuy and Benyoub 2023]; `None` for those that
-    /// are reflected or end above the surface.
+    /// A direction that a visible normal refracts to `wo` [Heitz 2018, Dupuy and Benyoub 2023]; `None` if the normal
+    /// reflects totally or the direction is above the surface.
     pub(super) fn refracted(&mut self, [alpha_x, alpha_y]: [f64; 2], wo: [f64; 3], eta: f64) -> Option<[f64; 3]> {
         let view = unit([alpha_x * wo[0], alpha_y * wo[1], wo[2]]);
         let z = (1.0 - self.within(0.0, 1.0)) * (1.0 + view[2]) - view[2];
@@ -127,7 +127,7 @@ impl Draw {
         (wi[2] < 0.0).then_some(wi)
     }
 
-    /// A rectangle around a direction, turned towards the surface more or less, with these half axes.
+    /// A rectangle with these half axes around a direction, tilted at random.
     pub(super) fn rectangle(&mut self, around: [f64; 3], [width, height]: [f64; 2]) -> [[f64; 3]; 4] {
         let lean = scaled(self.vector(), 0.5);
         let normal = unit(minus(lean, around));
@@ -137,7 +137,7 @@ impl Draw {
         [minus(minus(around, x), y), minus(plus(around, x), y), plus(plus(around, x), y), plus(minus(around, x), y)]
     }
 
-    /// A case of a set.
+    /// A random case of a set.
     pub(super) fn case(&mut self, set: Set, eta: f64) -> Case {
         loop {
             let (low, high) = if set == Set::Sharp { (0.001, 0.05) } else { (0.05, 1.0) };
@@ -158,7 +158,7 @@ impl Draw {
                 Set::Horizon => case.has(&[ArcKind::Horizon]),
                 _ => true,
             };
-            // The quadrature cannot do a light that all but touches the point.
+            // The quadrature fails for a light that almost touches the shaded point.
             let normal = unit(cross(minus(vertices[1], vertices[0]), minus(vertices[3], vertices[0])));
             if is_wanted && (set == Set::Huge || dot(normal, around).abs() > 0.05) {
                 return case;
@@ -167,8 +167,8 @@ impl Draw {
     }
 }
 
-/// The positive nodes of Kronrod's rule of order 15 on [-1, 1] with their weights; every other node is Gauss's of order
-/// 7 [Piessens et al. 1983].
+/// The positive nodes and weights of Kronrod's rule of order 15 on [-1, 1]. Every other node belongs to Gauss's rule of
+/// order 7 [Piessens et al. 1983].
 #[allow(clippy::excessive_precision, reason = "as published")]
 const KRONROD: [(f64, f64); 8] = [
     (0.0, 0.209_482_141_084_727_83),
@@ -183,13 +183,14 @@ const KRONROD: [(f64, f64); 8] = [
 #[allow(clippy::excessive_precision, reason = "as published")]
 const GAUSS: [f64; 4] =
     [0.417_959_183_673_469_4, 0.381_830_050_505_118_94, 0.279_705_391_489_276_7, 0.129_484_966_168_869_7];
-/// Cells along each side of a light before the rule adapts, so that no narrow lobe is missed.
+/// Cells along each side of a light before the rule adapts. They ensure that narrow lobes are found.
 const CELLS: u32 = 5;
 
-/// What passes: the visible part, without shadowing of the light; the energy; weighed by `1 - F`; by Schlick's.
+/// The transmitted light: the visible part without shadowing of the light; the energy; the energy weighted by `1 - F`;
+/// the energy weighted by Schlick's approximation.
 pub(super) type Truth = [f64; 4];
 
-/// The light of a parallelogram, to about ten times a tolerance.
+/// The light of a parallelogram, to about ten times the tolerance.
 pub(super) fn truth(case: &Case, tolerance: f64) -> Truth {
     let [v0, v1, v2, v3] = case.vertices;
     let middle = scaled(plus(v0, v2), 0.5);
@@ -205,7 +206,7 @@ pub(super) fn truth(case: &Case, tolerance: f64) -> Truth {
     cells(&row, tolerance, 10)
 }
 
-/// The BTDF times the cosine below, without `1 / eta^2` [Walter et al. 2007, equation 21].
+/// The BTDF times the cosine of the light, without the factor `1 / eta^2` [Walter et al. 2007, equation 21].
 fn transmittance(case: &Case, wi: [f64; 3]) -> Truth {
     let Case { alpha: [alpha_x, alpha_y], eta, wo, .. } = *case;
     if wi[2] >= 0.0 {
@@ -266,18 +267,18 @@ fn added(a: Truth, b: Truth) -> Truth {
     std::array::from_fn(|i| a[i] + b[i])
 }
 
-/// Mean and largest of numbers.
+/// The mean and the largest of some numbers.
 pub(super) fn mean_and_max(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
     let numbers: Vec<f64> = numbers.collect();
     let sum: f64 = numbers.iter().sum();
     [sum / numbers.len() as f64, numbers.into_iter().fold(0.0, f64::max)]
 }
 
-/// Errors against the quadrature: those of the visible part, the energy, and both with Fresnel's terms; each mean
-/// and largest.
+/// The errors relative to the quadrature, mean and largest, of the visible part, the energy, and the energy with both
+/// Fresnel terms.
 ///
 /// # Panics
-/// For a set of which most lights are dark.
+/// If most lights of a set are dark.
 #[must_use]
 pub fn errors(set: Set, eta: f64, count: usize, tolerance: f64) -> [[f64; 2]; 4] {
     let mut draw = Draw::new(77);
@@ -287,7 +288,8 @@ pub fn errors(set: Set, eta: f64, count: usize, tolerance: f64) -> [[f64; 2]; 4]
     std::array::from_fn(|i| mean_and_max(pairs.iter().map(|(truth, model)| (truth[i] - model[i]).abs())))
 }
 
-/// Mean and largest of the largest differences between f32 and f64, of random lights from 0.002 to 50 times their distance.
+/// The mean and the largest of the differences between f32 and f64, for random lights of 0.002 to 50 times their
+/// distance.
 #[must_use]
 pub fn f32_errors(etas: [f64; 2], alphas: [f64; 2], count: usize) -> [f64; 2] {
     let mut draw = Draw::new(3);

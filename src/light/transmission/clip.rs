@@ -1,21 +1,21 @@
-//! Clips an outline of arcs by a circle.
+//! Clips an outline of arcs with a circle.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
 use super::arc::{Arc, ArcKind, Circle, Extent};
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
 
-/// An arc of at most half a circle that ends behind its start by less than this angle is rounded to nothing; a wide arc
-/// that ends before it has gone as far went all the way around.
+/// Rounding tolerance of an arc's angle. A short arc that ends behind its start by less than this is empty. A wide arc
+/// that ends after less than this went all around.
 const BEHIND: f64 = 1.5;
-/// An entry that is this far ahead of an exit may be the exit itself, rounded.
+/// The angle from an exit to an entry above which the two can be the same point, up to rounding.
 const ALL_AROUND: f64 = 6.0;
 
-/// The part of an outline on the inner side of a circle, closed along the circle by arcs of a kind. `is_in` tells
-/// whether a direction is in the region that the outline encloses.
+/// The part of an outline on the inner side of a circle, closed along the circle by arcs of a given kind. `is_in`
+/// returns true for directions in the region of the outline.
 ///
-/// Each arc is cut where it enters and leaves the circle. The gaps are closed along the circle: counterclockwise about
-/// its axis, each exit leads to the next entry.
+/// Each arc is cut where it enters and leaves the circle. The gaps are closed along the circle: each exit leads to the
+/// next entry, counterclockwise about the circle's axis.
 pub(super) fn clip<T: Scalar>(
     arcs: &[Arc<T>],
     circle: Circle<T>,
@@ -44,7 +44,7 @@ pub(super) fn clip<T: Scalar>(
     cut.kept
 }
 
-/// An outline while it is cut.
+/// The state of a clip.
 struct Cut<T> {
     circle: Circle<T>,
     kept: Vec<Arc<T>>,
@@ -52,13 +52,13 @@ struct Cut<T> {
     entries: Vec<Triple<T>>,
 }
 
-/// A point on an arc: the direction, and how far it is along.
+/// A point on an arc: its direction, and its angle from the start.
 type ArcPoint<T> = (Triple<T>, T);
 
 impl<T: Scalar> Cut<T> {
     /// Keeps the part of an arc that is inside.
     fn add(&mut self, arc: &Arc<T>) {
-        // Ends that an earlier clip put on the circle are inside.
+        // Ends that an earlier clip put on the circle count as inside.
         let is_in = |w: Triple<T>| self.circle.depth(w) > -T::of(4.0) * T::UNCERTAINTY;
         let ends = (is_in(arc.from), is_in(arc.to));
         let Some(crossing) = Crossing::new(arc, &self.circle) else {
@@ -92,7 +92,8 @@ impl<T: Scalar> Cut<T> {
         }
     }
 
-    /// An arc of a circle that does not meet this one is inside or outside as a whole. Ends that differ are rounded.
+    /// Handles an arc whose circle does not cross the clipping circle. It is inside or outside as a whole; ends that
+    /// differ are rounding errors.
     fn add_uncrossed(&mut self, arc: &Arc<T>, ends: (bool, bool)) {
         let is_kept = match ends {
             (true, true) => true,
@@ -111,7 +112,7 @@ impl<T: Scalar> Cut<T> {
         }
     }
 
-    /// Keeps a piece of an arc. `[enters, exits]`: which of its ends are on the circle.
+    /// Keeps a piece of an arc. `[enters, exits]` is true for ends that are on the circle.
     fn keep(&mut self, arc: &Arc<T>, (from, start): ArcPoint<T>, (to, end): ArcPoint<T>, [enters, exits]: [bool; 2]) {
         if enters {
             self.entries.push(from);
@@ -125,7 +126,7 @@ impl<T: Scalar> Cut<T> {
         }
     }
 
-    /// The entry that follows an exit counterclockwise, and how much of the circle is between.
+    /// The next entry counterclockwise from an exit, and the extent of the circle between them.
     fn next_entry(&self, exit: Triple<T>) -> (Triple<T>, Extent) {
         let middle = self.circle.middle();
         let a = minus(exit, middle);
@@ -144,18 +145,18 @@ impl<T: Scalar> Cut<T> {
     }
 }
 
-/// Where the circle of an arc meets the clipping one, and its points farthest in and out.
+/// The points where the circle of an arc crosses the clipping circle, and its points farthest inside and outside.
 struct Crossing<T> {
     entry: Triple<T>,
     exit: Triple<T>,
     nearest: Triple<T>,
     farthest: Triple<T>,
-    /// Half of the angle that is inside.
+    /// Half of the angle of the part inside.
     half_angle: T,
 }
 
 impl<T: Scalar> Crossing<T> {
-    /// `None` where the two do not meet.
+    /// `None` if the circles do not cross.
     fn new(arc: &Arc<T>, clip: &Circle<T>) -> Option<Self> {
         let (axis, middle, radius) = (arc.circle.axis, arc.circle.middle(), arc.circle.radius());
         let tilt = dot(clip.axis, axis);
@@ -185,9 +186,9 @@ impl<T: Scalar> Crossing<T> {
 struct Track<'a, T> {
     arc: &'a Arc<T>,
     middle: Triple<T>,
-    /// The start, and a quarter turn from it.
+    /// The start, and the direction a quarter turn later.
     axes: [Triple<T>; 2],
-    /// The arc's own angle.
+    /// The angle of the whole arc.
     end: T,
 }
 
@@ -218,7 +219,7 @@ impl<'a, T: Scalar> Track<'a, T> {
         up(self.angle(w))
     }
 
-    /// A crossing at an angle, or the end past which rounding put it.
+    /// A crossing at an angle. If rounding puts it beyond an end, the end.
     fn snapped_within(&self, w: Triple<T>, angle: T) -> ArcPoint<T> {
         if angle > T::ZERO && angle < self.end {
             (w, angle)
@@ -229,7 +230,7 @@ impl<'a, T: Scalar> Track<'a, T> {
         }
     }
 
-    /// The only crossing on the arc, or the end past which rounding put it.
+    /// The only crossing on the arc. If rounding puts it beyond an end, the end.
     fn snapped(&self, w: Triple<T>) -> ArcPoint<T> {
         let angle = self.along(w);
         if angle < self.end {
@@ -251,7 +252,7 @@ impl<T: Scalar> Circle<T> {
     }
 }
 
-/// An angle in [-pi, pi] as one in [0, 2 pi].
+/// Converts an angle from [-pi, pi] to [0, 2 pi].
 fn up<T: Scalar>(angle: T) -> T {
     if angle < T::ZERO { angle + T::TAU } else { angle }
 }

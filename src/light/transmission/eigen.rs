@@ -6,7 +6,7 @@ use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 /// A symmetric matrix: xx, yy, zz, xy, xz, yz.
 pub(super) type Symmetric<T> = [T; 6];
 
-/// Eigenvalues in descending order, and a right-handed frame of their vectors.
+/// Eigenvalues in descending order, and a right-handed frame of their eigenvectors.
 pub(super) struct Eigenframe<T> {
     pub(super) values: Triple<T>,
     pub(super) vectors: [Triple<T>; 3],
@@ -15,10 +15,10 @@ pub(super) struct Eigenframe<T> {
 /// The eigenframe of a matrix `K` of Frobenius norm one.
 ///
 /// With the mean `m = tr K / 3`, `p^2 = (1 - 3 m^2) / 6` and `d = det(K - m I) / (2 p^3)`, the eigenvalues are
-/// `m + 2 p cos((acos(d) + 2 pi k) / 3)` [Smith 1961]. Of the two outer ones, that which is farther from the others is
-/// `m + sign(d) 2 p g`, where `g` in [sqrt(3)/2, 1] solves `4 g^3 - 3 g = |d|`: a polynomial and steps of Newton's
-/// method. Its vector is the longest of the three vector products of rows of `K - l I`, and its value then the Rayleigh
-/// quotient, which matters for sharp lobes. One Jacobi rotation in the plane perpendicular to it gives the other two.
+/// `m + 2 p cos((acos(d) + 2 pi k) / 3)` [Smith 1961]. The eigenvalue farthest from the others is `m + sign(d) 2 p g`,
+/// where `g` in [sqrt(3)/2, 1] solves `4 g^3 - 3 g = |d|`, by a polynomial and Newton steps. Its eigenvector is the
+/// longest cross product of two rows of `K - l I`. The eigenvalue is then replaced by the Rayleigh quotient, which
+/// matters for sharp lobes. One Jacobi rotation in the perpendicular plane gives the other two.
 pub(super) fn eigenframe<T: Scalar>([xx, yy, zz, xy, xz, yz]: Symmetric<T>) -> Eigenframe<T> {
     let (one, half, two, three) = (T::ONE, T::of(0.5), T::of(2.0), T::of(3.0));
     let mean = (xx + yy + zz) / three;
@@ -73,7 +73,7 @@ pub(super) fn eigenframe<T: Scalar>([xx, yy, zz, xy, xz, yz]: Symmetric<T>) -> E
     }
 }
 
-/// Two unit vectors that are perpendicular to a third and to each other [Duff et al. 2017].
+/// Two unit vectors perpendicular to a given unit vector and to each other [Duff et al. 2017].
 fn perpendicular<T: Scalar>(v: Triple<T>) -> [Triple<T>; 2] {
     let sign = if v[2] < T::ZERO { -T::ONE } else { T::ONE };
     let a = -(T::ONE / (sign + v[2]));
@@ -111,7 +111,7 @@ mod tests {
     proptest! {
         #[test]
         fn it_is_an_eigenframe(k in prop::array::uniform6(-1.0..1.0_f64), sharp in 0..3_usize) {
-            // The matrices of sharp lobes have rows and columns that are small.
+            // Matrices of sharp lobes have small rows and columns.
             let small = [1.0, 1e-2, 1e-4][sharp];
             let k = [k[0] * small * small, k[1], k[2], k[3] * small, k[4] * small, k[5]];
             check::<f64>(k, 1e-7, |x| x)?;

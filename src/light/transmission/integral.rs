@@ -9,12 +9,12 @@ use super::{
 };
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, scaled, unit};
 
-/// An angle about an axis that is negative by less than this is zero, rounded; more is a whole turn less.
+/// A negative angle about an axis above minus this is a rounded zero. Below it, a whole turn is added.
 const ROUNDED_ANGLE: f64 = 0.01;
-/// A great arc is short where its ends have a cosine above this.
+/// The smallest cosine between the ends of a short great arc.
 const SHORT_COSINE: f64 = 0.5;
 
-/// The contribution of an arc's image to the integral of `c x dc`, beyond the plane triangle's `from x to`.
+/// The contribution of an arc's image to the integral of `c x dc`, without the plane triangle's `from x to`.
 pub(super) fn curved_part<T: Scalar>(
     interface: &Interface<T>,
     arc: &Arc<T>,
@@ -31,7 +31,7 @@ pub(super) fn curved_part<T: Scalar>(
     }
 }
 
-/// A great arc clockwise about `normal`.
+/// The contribution of a great arc clockwise about `normal`.
 fn great_arc<T: Scalar>(normal: Triple<T>, extent: Extent, from: Triple<T>, to: Triple<T>) -> Triple<T> {
     if extent == Extent::Whole {
         return scaled(normal, -T::TAU);
@@ -50,17 +50,17 @@ fn great_arc<T: Scalar>(normal: Triple<T>, extent: Extent, from: Triple<T>, to: 
     minus(scaled(normal, -angle), across)
 }
 
-/// The arc of a cone of the second degree.
+/// The contribution of an arc of a quadratic cone.
 ///
-/// For normals `h` of length one the refracted direction is `eta wi = m h - wo`, and
-/// `m^2 - 2 m (wo . h) + 1 - eta^2 = 0` is that it has length `eta`. On the circle `p . wi = q` is `m (p . h) = k`,
-/// `k = wo . p + eta q`; times `(p . h)^2` the first is `h^T [k^2 I - k (wo p' + p wo') + (1 - eta^2) p p'] h = 0`, the
+/// For unit normals `h` the refracted direction is `eta wi = m h - wo`. It has length `eta` if
+/// `m^2 - 2 m (wo . h) + 1 - eta^2 = 0`. The circle `p . wi = q` demands `m (p . h) = k` with `k = wo . p + eta q`. The
+/// first equation times `(p . h)^2` becomes `h^T [k^2 I - k (wo p' + p wo') + (1 - eta^2) p p'] h = 0`, which is the
 /// cone of `-K`.
 fn conic<T: Scalar>(interface: &Interface<T>, arc: &Arc<T>, from: Triple<T>, to: Triple<T>) -> Triple<T> {
     let p = arc.circle.axis;
     let k = dot(interface.wo, p) + interface.eta * arc.circle.offset;
     if k.abs() < T::UNCERTAINTY && arc.extent != Extent::Whole {
-        // The cone is a plane: the circle's, that of an edge in line with the view.
+        // The cone is a plane, the plane of the circle. This happens for an edge in line with the view.
         return arc_bend(from, to);
     }
     let (view, axis, contrast) = (interface.stretched, interface.stretch(p), interface.contrast());
@@ -76,17 +76,17 @@ fn conic<T: Scalar>(interface: &Interface<T>, arc: &Arc<T>, from: Triple<T>, to:
         element(1, 2),
     ]);
 
-    // The sense in which the image runs around the cone's axis.
-    let arc_on_cone = ConeArc { from: cone.seen(from), to: cone.seen(to), normal: cone.seen(cross(from, to)) };
+    // The sense in which the image goes around the cone's axis.
+    let arc_on_cone = ConeArc { from: cone.local(from), to: cone.local(to), normal: cone.local(cross(from, to)) };
     let sense = if k < T::ZERO { -interface.sigma } else { interface.sigma };
     let sense = if arc_on_cone.from[0] < T::ZERO { -sense } else { sense };
     if arc.extent == Extent::Whole {
         return cone.whole(sense);
     }
     let psi = cone.angle(&arc_on_cone);
-    // An angle against the sense is next to nothing, rounded, or one that is next to a whole turn: the middle tells.
+    // An angle against the sense is either a rounded zero or lacks a whole turn. The midpoint distinguishes the two.
     let is_rounded = || {
-        let middle = cone.seen(interface.normal(T::ONE, arc.middle()));
+        let middle = cone.local(interface.normal(T::ONE, arc.middle()));
         psi.abs() < T::of(ROUNDED_ANGLE) && cone.are_on_one_side(arc_on_cone.from, middle)
     };
     let is_wrapped = psi * sense < T::ZERO && !is_rounded();

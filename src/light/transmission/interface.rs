@@ -1,18 +1,18 @@
-//! A rough interface seen from a direction, and the normals that refract into it.
+//! A rough interface with a view direction, and the normals of refracted directions.
 
 use ltcforge_fit::math::{Scalar, Triple, dot, plus, scaled, unit};
 
-/// A rough interface seen from a direction.
+/// A rough interface with a view direction.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Interface<T> {
     pub(super) alpha: [T; 2],
     /// The view direction.
     pub(super) wo: Triple<T>,
-    /// The index behind the interface over that in front of it.
+    /// The index behind the interface divided by the index in front of it.
     pub(super) eta: T,
     /// `sigma`: the sign of the normal along `wo + eta wi`.
     pub(super) sigma: T,
-    /// `A wo`, and its length.
+    /// `A wo` and its length.
     pub(super) stretched: Triple<T>,
     pub(super) length: T,
 }
@@ -24,7 +24,7 @@ impl<T: Scalar> Interface<T> {
         Self { alpha, wo, eta, sigma, stretched, length: dot(stretched, stretched).sqrt() }
     }
 
-    /// Whether the far side is the denser one.
+    /// True if the far side is denser.
     pub(super) fn is_denser(&self) -> bool {
         self.eta > T::ONE
     }
@@ -44,14 +44,14 @@ impl<T: Scalar> Interface<T> {
         stretched(self.alpha, v)
     }
 
-    /// `sigma A^-1 (weight wo + eta w)`: for a weight of one the normal that refracts `w`, not of length one.
+    /// `sigma A^-1 (weight wo + eta w)`. With a weight of one it is the normal that refracts `w`, not normalised.
     pub(super) fn normal(&self, weight: T, w: Triple<T>) -> Triple<T> {
         let sum = plus(scaled(self.wo, weight), scaled(w, self.eta));
         let [x, y, z] = scaled(sum, self.sigma);
         [x / self.alpha[0], y / self.alpha[1], z]
     }
 
-    /// The image of a direction: the normal that refracts it, on the unit sphere.
+    /// The image of a direction: the normal that refracts it, of unit length.
     pub(super) fn image(&self, w: Triple<T>) -> Triple<T> {
         unit(self.normal(T::ONE, w))
     }

@@ -1,21 +1,21 @@
-//! The light of a polygon behind a rough dielectric interface, in the space of its normals: exact but for the weight of
-//! shadowing and Fresnel's term, and no table.
+//! The light of a polygon behind a rough dielectric interface, in the space of its normals, without a table. It is
+//! exact except for the weight of shadowing and the Fresnel term.
 //!
-//! `eta = n_far / n_near`: the view `wo` is above the surface, `z > 0`, the light below it. The normal that refracts
-//! `wi` into `wo` is `h = sigma (wo + eta wi)` up to length, `sigma = -1` for `eta > 1` and `+1` else [Walter et al.
-//! 2007], linear in `wi` as that of a reflection is. With `c = normalize(A^-1 h)` the light of a polygon is again a
-//! form factor over its image C(P), weighed:
+//! `eta = n_far / n_near`. The view `wo` is above the surface, `z > 0`, the light below it. The normal that refracts
+//! `wi` into `wo` is `h = sigma (wo + eta wi)` up to length, with `sigma = -1` for `eta > 1` and `+1` otherwise [Walter
+//! et al. 2007]. It is linear in `wi`, like the normal of a reflection. With `c = normalize(A^-1 h)` the light of a
+//! polygon is again a weighted form factor over its image C(P):
 //!
 //! ```text
 //! V = 2 / (cos_o + |A wo|) (A wo) . F,     F = 1/(2 pi) closed integral of c x dc along the outline of C(P)
 //! ```
 //!
-//! The image of any circle of directions `p . w = q` is the cone `c^T K c = 0`,
-//! `K = A [k (wo p' + p wo') - k^2 I - (1 - eta^2) p p'] A`, `k = wo . p + eta q`, over which the integral is
-//! elementary (`integral.rs`). Not every direction below the surface counts (`outline.rs`): the normal is to be above
-//! the surface and in front of the viewer and the light. All of these are circles, so the clips are exact. The weight,
-//! `G2 / G1` with and without the part that is not reflected, is averaged over four normals of each triangle between
-//! the mean normal and an arc (`weight.rs`). `docs/refraction.md` derives all of it.
+//! The image of a circle of directions `p . w = q` is the cone `c^T K c = 0`,
+//! `K = A [k (wo p' + p wo') - k^2 I - (1 - eta^2) p p'] A`, `k = wo . p + eta q`, and the integral over it is
+//! elementary (`integral.rs`). Not every direction below the surface counts (`outline.rs`): the normal must be above
+//! the surface and in front of the viewer and the light. All these limits are circles, so the clips are exact. The
+//! weight, `G2 / G1` with and without the Fresnel term, is averaged over four normals of each triangle between the mean
+//! normal and an arc (`weight.rs`). `docs/refraction.md` has the derivation.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
@@ -49,43 +49,43 @@ use ltcforge_fit::{
     math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit},
 };
 
-/// The indices that the closed form is measured for: from a third to three, but for those nearer to one than
-/// [`ETA_APART`].
+/// The range of indices for which the closed form is measured, except for indices within [`ETA_APART`] of one.
 pub const ETA_RANGE: [f64; 2] = [1.0 / 3.0, 3.0];
-/// An index must differ from one by this. At `eta = 1` light that passes straight on has no normal, `wo + eta wi = 0`;
-/// near it, that sum is as short as `|eta - 1|`, and f32 loses digits: 5e-7 on average at 1.02, 1e-6 at 1.005.
+/// The smallest difference of an index from one. At `eta = 1` light that goes straight on has no normal,
+/// `wo + eta wi = 0`. Near one, this sum is as short as `|eta - 1|`, and f32 loses digits: the mean error is 5e-7 at
+/// 1.02 and 1e-6 at 1.005.
 pub const ETA_APART: f64 = 0.02;
 
-/// An image whose ends are at least this near to each other, by their cosine, is one part of the fan.
+/// The smallest cosine between the ends of an image that is a single part of the fan.
 const LONG_COSINE: f64 = 0.7;
-/// Parts of longer arcs: of an edge of the light, and of an arc that closes a light which is clipped.
+/// The number of parts of longer arcs: of an edge of the light, and of an arc that closes a clipped light.
 const EDGE_PARTS: u32 = 2;
 const CLOSING_PARTS: u32 = 4;
-/// Parts of the edge that closes a light which is cut at the surface, where the weight is steepest, and of short
+/// The number of parts of the edge that closes a light at the surface, where the weight is steepest, and of short
 /// closing arcs.
 const SHORT_CLOSING_PARTS: u32 = 2;
-/// Parts of a closing circle.
+/// The number of parts of a closing circle.
 const WHOLE_PARTS: u32 = 8;
 
-/// The light transmitted by a rough interface, each number in [0, 1].
+/// The light transmitted by a rough interface. Each number is in [0, 1].
 ///
-/// It is in units of basic radiance, `L / n^2`: a lit half-space of basic radiance one gives at most one. Radiance
-/// behind the interface gives that in front of it after a division by `eta^2`.
+/// The unit is basic radiance, `L / n^2`: a half space of basic radiance one gives at most one. Radiance behind the
+/// interface gives radiance in front of it after a division by `eta^2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transmitted<T> {
-    /// Shadowed and masked, for an interface that reflects nothing.
+    /// The light with shadowing and masking, for an interface that does not reflect.
     pub energy: T,
-    /// Weighed by `1 - F`, with the Fresnel equations of an unpolarised dielectric at the microfacet.
+    /// The light weighted by `1 - F`, with the Fresnel equations of an unpolarised dielectric at the microfacet.
     pub dielectric: T,
-    /// Weighed by `1 - F`, with Schlick's approximation at the larger of the two angles.
+    /// The light weighted by `1 - F`, with Schlick's approximation at the larger of the two angles.
     pub schlick: T,
 }
 
 /// The light of a polygon of basic radiance one that GGX transmits towards `wo`.
 ///
-/// The vertices of the convex polygon are relative to the shaded point in its tangent frame, normal +z, and the light
-/// is the part of the polygon below the surface, `z < 0`. The lit side is that from which they run clockwise. Domain:
-/// `alpha` in [1e-4, 1], `wo` of length one with `z > 0`, `eta` in [`ETA_RANGE`] but not within [`ETA_APART`] of one,
+/// The vertices of the convex polygon are relative to the shaded point in its tangent frame, normal +z. The light is
+/// the part of the polygon below the surface, `z < 0`. The vertices run clockwise as seen from the lit side. Domain:
+/// `alpha` in [1e-4, 1], `wo` of unit length with `z > 0`, `eta` in [`ETA_RANGE`] but not within [`ETA_APART`] of one,
 /// finite vertices.
 ///
 /// ```
@@ -118,7 +118,7 @@ pub fn transmitted<T: Scalar>(
     Transmitted { energy, dielectric: passed(dielectric), schlick: passed(schlick) }
 }
 
-/// Into how many parts an arc is split for the weight; its integral is exact as it is.
+/// The number of parts into which an arc is split for the weight. The integral of an arc is exact without a split.
 fn parts<T: Scalar>(interface: &Interface<T>, arc: &Arc<T>) -> u32 {
     let is_short = || dot(interface.image(arc.from), interface.image(arc.to)) > T::of(LONG_COSINE);
     match (arc.kind, arc.extent) {
@@ -141,14 +141,14 @@ fn parts<T: Scalar>(interface: &Interface<T>, arc: &Arc<T>) -> u32 {
     }
 }
 
-/// A region of normals, by the images of the arcs around it.
+/// A region of normals, given by the images of the arcs around it.
 struct Region<T> {
     sides: Vec<Side<T>>,
     /// `2 pi F`.
     flux: Triple<T>,
 }
 
-/// The image of an arc: its ends, and its contribution to the integral of `c x dc` beyond the plane triangle's.
+/// The image of an arc: its ends, and its contribution to the integral of `c x dc` without the plane triangle.
 struct Side<T> {
     from: Triple<T>,
     to: Triple<T>,
@@ -156,30 +156,30 @@ struct Side<T> {
 }
 
 impl<T: Scalar> Region<T> {
-    /// The region that arcs of directions enclose, counterclockwise seen from outside the sphere. The map to normals
-    /// turns the sphere inside out, so the images run clockwise, and all integrals are taken negative.
+    /// The region inside of arcs of directions that run counterclockwise as seen from outside of the sphere. The map to
+    /// normals turns the sphere inside out. The images run clockwise, so all integrals are negated.
     fn new(interface: &Interface<T>, arcs: &[Arc<T>]) -> Self {
         let side = |arc: &Arc<T>| {
             let [from, to] = [arc.from, arc.to].map(|w| interface.image(w));
             Side { from, to, curved: curved_part(interface, arc, from, to) }
         };
         let sides: Vec<Side<T>> = arcs.iter().map(side).collect();
-        // The plane part is summed around a corner, because it cancels to a small area in a small light.
+        // The plane part is summed around a corner, because it cancels to a small area for a small light.
         let origin = sides.first().map_or([T::ZERO; 3], |side| side.from);
         let flux = sides.iter().fold([T::ZERO; 3], |sum, side| minus(sum, side.flux(origin)));
         Self { sides, flux }
     }
 
-    /// The part of the visible normals that is in the region.
+    /// The part of the visible normals in the region.
     #[cfg(any(test, feature = "testing"))]
     fn part(&self, interface: &Interface<T>) -> T {
         interface.per_flux() * dot(self.flux, interface.stretched)
     }
 
-    /// The part of the visible normals, each weighed in three ways.
+    /// The part of the visible normals in the region, with three weights.
     ///
-    /// The region is a fan of triangles between the mean normal, the direction of F, and the sides. Each one's part and
-    /// its centroid are exact.
+    /// The region is a fan of triangles between the mean normal, which is the direction of F, and the sides. The part
+    /// and the centroid of each triangle are exact.
     fn weighed(&self, interface: &Interface<T>) -> Triple<T> {
         let mut sum = [T::ZERO; 3];
         if !(dot(self.flux, interface.stretched) > T::ZERO) {
@@ -199,7 +199,7 @@ impl<T: Scalar> Region<T> {
 }
 
 impl<T: Scalar> Side<T> {
-    /// The integral of `c x dc` along the side, from an origin.
+    /// The integral of `c x dc` along the side, relative to an origin.
     fn flux(&self, origin: Triple<T>) -> Triple<T> {
         plus(self.curved, cross(minus(self.from, origin), minus(self.to, origin)))
     }

@@ -1,4 +1,4 @@
-//! The outline of the part of a light that can be seen through the interface.
+//! The outline of the visible part of a light through the interface.
 //!
 //! | clip | what is kept | closed by |
 //! |---|---|---|
@@ -7,7 +7,7 @@
 //! | normals that the viewer sees, `wo . h > 0`, eta > 1 | `wo . wi < -1 / eta` | `Grazing`, a great arc of normals |
 //! | normals that the light sees, `wi . h < 0`, eta < 1 | `wo . wi < -eta` | `Critical`, a conic |
 //!
-//! For `eta > 1` the light always sees a normal that the viewer sees, for `eta < 1` the reverse.
+//! For `eta > 1`, the light faces every normal that faces the viewer; for `eta < 1` the reverse holds.
 
 use super::{
     arc::{Arc, ArcKind, Circle, Extent},
@@ -19,11 +19,11 @@ use ltcforge_fit::{
     math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit},
 };
 
-/// An edge whose ends are this near to each other, squared, has no direction in f32.
+/// The smallest squared length of an edge. A shorter edge has no direction in f32.
 const SHORTEST2: f64 = 1e-14;
 
-/// The arcs around the visible part of a convex polygon, counterclockwise seen from outside the sphere of directions.
-/// Empty where nothing is.
+/// The arcs around the visible part of a convex polygon, counterclockwise as seen from outside of the sphere of
+/// directions. Empty if nothing is visible.
 pub(super) fn outline<T: Scalar>(interface: &Interface<T>, vertices: &[Triple<T>], sides: Sides) -> Vec<Arc<T>> {
     let edges = below(vertices, sides);
     if edges.is_empty() {
@@ -66,7 +66,7 @@ fn below<T: Scalar>(vertices: &[Triple<T>], sides: Sides) -> Vec<Arc<T>> {
         }
         corners.reverse();
     }
-    // Edges of no length are left out, and the corners of the others joined.
+    // Very short edges are left out, and the corners of the other edges joined.
     let mut joined: Vec<Triple<T>> = Vec::with_capacity(corners.len());
     for (a, b) in pairs(&corners) {
         let apart = minus(b, a);
@@ -79,19 +79,19 @@ fn below<T: Scalar>(vertices: &[Triple<T>], sides: Sides) -> Vec<Arc<T>> {
     }
     let edge = |(from, to): (Triple<T>, Triple<T>)| {
         let kind = if from[2] < T::ZERO || to[2] < T::ZERO { ArcKind::Edge } else { ArcKind::Surface };
-        // Not from x to, whose rounding errors are as large as those of the ends themselves.
+        // Replaces from x to, whose rounding errors are as large as the errors of the ends.
         let axis = unit(cross(from, minus(to, from)));
         Arc { circle: Circle { axis, offset: T::ZERO }, from, to, kind, extent: Extent::Short }
     };
     pairs(&joined).map(edge).collect()
 }
 
-/// Each element with the next one around.
+/// Pairs of each element and the next, cyclically.
 fn pairs<T: Copy>(around: &[T]) -> impl Iterator<Item = (T, T)> {
     around.iter().copied().zip(around.iter().copied().cycle().skip(1))
 }
 
-/// The direction in which the edge between vertices on either side of the surface meets it.
+/// The direction in which an edge crosses the surface. Its vertices are on either side.
 fn crossing<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
     let (a_share, b_share) = (b[2].abs(), a[2].abs());
     [a[0] * a_share + b[0] * b_share, a[1] * a_share + b[1] * b_share, T::ZERO]

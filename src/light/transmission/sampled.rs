@@ -1,5 +1,5 @@
-//! The light transmitted by a rough interface, by Monte Carlo integration over its visible normals: the reference,
-//! which shares no line with the closed form.
+//! The light transmitted by a rough interface, by Monte Carlo integration over its visible normals. It is the
+//! reference, and shares no code with the closed form.
 
 use glam::DVec3;
 
@@ -10,12 +10,12 @@ use ltcforge_fit::{
     math::{Lattice, Triple},
 };
 
-/// The light of a polygon of basic radiance one that GGX transmits towards `wo`, by `count` visible normals, each with
-/// the direction that it refracts.
+/// The light of a polygon of basic radiance one that GGX transmits towards `wo`, from `count` visible normals and the
+/// directions that they refract.
 ///
-/// Arguments as those of [`super::transmitted`]; the error falls with `1 / sqrt(count)`, from half of the energy for
-/// one normal, and faster for wide lobes. `shift`, in [0, 1), moves the points: equal shifts give equal bits. Domain:
-/// `count` of 1 to 2^32 - 1.
+/// The other arguments are the arguments of [`super::transmitted`]. The error falls with `1 / sqrt(count)`, from half
+/// of the energy for one normal, and faster for wide lobes. `shift`, in [0, 1), moves the points; equal shifts give
+/// equal bits. Domain: `count` from 1 to 2^32 - 1.
 #[must_use]
 pub fn sampled(
     [alpha_x, alpha_y]: [f64; 2],
@@ -33,8 +33,8 @@ pub fn sampled(
     for u in Lattice::new(count, shift).points() {
         let h = (ggx.sample(wo, u).wi + wo).normalize();
         let Some(wi) = refracted(wo, h, eta).filter(|wi| wi.z < 0.0 && light.contains(*wi)) else { continue };
-        let seen = 1.0 + ggx.smith_lambda(wo);
-        let weight = seen / (seen + ggx.smith_lambda(wi));
+        let one_plus_lambda = 1.0 + ggx.smith_lambda(wo);
+        let weight = one_plus_lambda / (one_plus_lambda + ggx.smith_lambda(wi));
         let (cos_o, cos_i) = (wo.dot(h), -wi.dot(h));
         let [dielectric, schlick] = passed(cos_o, cos_i, eta);
         sum = [sum[0] + weight, sum[1] + weight * dielectric, sum[2] + weight * schlick];
@@ -43,7 +43,7 @@ pub fn sampled(
     Transmitted { energy, dielectric, schlick }
 }
 
-/// Snell's law at the normal `h`; `None` where all is reflected.
+/// Snell's law at the normal `h`; `None` for total reflection.
 fn refracted(wo: DVec3, h: DVec3, eta: f64) -> Option<DVec3> {
     let cosine = wo.dot(h);
     let sine2 = (1.0 - cosine * cosine) / (eta * eta);
@@ -59,7 +59,7 @@ fn passed(cos_o: f64, cos_i: f64, eta: f64) -> [f64; 2] {
     [1.0 - 0.5 * (across * across + along * along), 1.0 - schlick]
 }
 
-/// The directions to a convex polygon: those on one side of the planes through its edges.
+/// The directions to a convex polygon. They are on the same side of all planes through its edges.
 struct Cone {
     sides: Vec<DVec3>,
     is_lit: bool,

@@ -1,19 +1,22 @@
-//! The weight of a normal's light, which is neither shadowed nor reflected, and its mean over triangles of normals.
+//! The weight of a normal: the part of its light that is neither shadowed nor reflected. Also its mean over triangles
+//! of normals.
 
 use super::interface::Interface;
 use ltcforge_fit::math::{Scalar, Triple, dot, minus, plus, scaled};
 
-/// The rule for a triangle: its centroid, and three points on the lines from it to the corners. Found by search on
-/// cases of both `eta = 1.5` and `1/1.5`, and checked on others.
+/// The position of three sample points of a triangle, on the lines from the centroid to the corners. The centroid is
+/// the fourth point. Found by a search on cases of `eta = 1.5` and `1/1.5`, and checked on others.
 const CORNER_SHARE: f64 = 0.9;
 const CORNER_WEIGHT: f64 = 0.11;
 
 impl<T: Scalar> Interface<T> {
-    /// `G2 / G1` of the normal `h = A c`, and with it `1 - F` by the Fresnel equations and by Schlick's approximation.
+    /// `G2 / G1` of the normal `h = A c`, and its product with `1 - F` by the Fresnel equations and by Schlick's
+    /// approximation.
     ///
-    /// With `S(w) = |A w|`, `G2 / G1 = (1 + L(wo)) / (1 + L(wo) + L(wi)) = (zo + So) zi / (So zi + zo Si)`, zi positive
-    /// below, where `wi` may have any length: `(cos_o - eta cos_i) h - wo`, `eta cos_i = sqrt(cos_o^2 - (1 - eta^2))`.
-    /// Zero where `wi` is above the surface; all but the first zero where nothing is refracted.
+    /// With `S(w) = |A w|`, `G2 / G1 = (1 + L(wo)) / (1 + L(wo) + L(wi)) = (zo + So) zi / (So zi + zo Si)`, where zi is
+    /// positive below. `wi` can have any length: `(cos_o - eta cos_i) h - wo`,
+    /// `eta cos_i = sqrt(cos_o^2 - (1 - eta^2))`. All are zero if `wi` is above the surface. All but the first are zero
+    /// for total reflection.
     fn weight(&self, c: Triple<T>) -> Triple<T> {
         let h = self.stretch(c);
         let h = scaled(h, T::ONE / dot(h, h).sqrt().max(T::SHORTEST));
@@ -37,14 +40,14 @@ impl<T: Scalar> Interface<T> {
         [weight, weight * dielectric, weight * schlick]
     }
 
-    /// The mean weight over a triangle of normals around their centroid, each sample by the projection of its area
-    /// along `A wo`, which is the density of visible normals.
+    /// The mean weight over a triangle of normals around their centroid. Each sample is weighted by its component along
+    /// `A wo`, which is proportional to the density of visible normals.
     pub(super) fn mean_weight(&self, centroid: Triple<T>, corners: [Triple<T>; 3]) -> Triple<T> {
         let (mut sum, mut total) = ([T::ZERO; 3], T::ZERO);
         let mut add = |c: Triple<T>, count: T| {
-            let seen = (dot(c, self.stretched) / dot(c, c).sqrt().max(T::SHORTEST)).max(T::ZERO);
-            sum = plus(sum, scaled(self.weight(c), count * seen));
-            total = total + count * seen;
+            let projection = (dot(c, self.stretched) / dot(c, c).sqrt().max(T::SHORTEST)).max(T::ZERO);
+            sum = plus(sum, scaled(self.weight(c), count * projection));
+            total = total + count * projection;
         };
         let [near, far] = [1.0 - CORNER_SHARE, CORNER_SHARE].map(T::of);
         for corner in corners {

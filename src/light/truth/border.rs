@@ -1,4 +1,4 @@
-//! The borders of lights, as the shaded point sees them, and their parts above the surface.
+//! The borders of lights as seen from the shaded point, and their parts above the surface.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -10,21 +10,21 @@ use ltcforge_fit::math::{atan2, sin_cos};
 /// A piece of a light's border.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Piece {
-    /// From one point straight to another.
+    /// A straight piece from one point to another.
     Straight([DVec3; 2]),
     /// `centre + cos t x + sin t y`, from one `t` to another.
     Arc { centre: DVec3, half_axes: [DVec3; 2], turns: [f64; 2] },
 }
 
 impl Piece {
-    /// The whole ellipse, clockwise as seen from the side of `half_axes[0] x half_axes[1]`, in quarters.
+    /// The whole ellipse in quarters, clockwise as seen from the side of `half_axes[0] x half_axes[1]`.
     fn ellipse(centre: DVec3, [x, y]: [DVec3; 2]) -> Vec<Self> {
         let quarter = |i: u32| FRAC_PI_2 * f64::from(i);
         let arc = |i: u32| Self::Arc { centre, half_axes: [x, -y], turns: [quarter(i), quarter(i + 1)] };
         (0..4).map(arc).collect()
     }
 
-    /// The place at `t` in [0, 1], and its derivative.
+    /// The point at `t` in [0, 1], and its derivative.
     pub(super) fn at(&self, t: f64) -> (DVec3, DVec3) {
         match *self {
             Self::Straight([from, to]) => (from + (to - from) * t, to - from),
@@ -42,7 +42,7 @@ impl Piece {
         }
     }
 
-    /// Where [`Self::halves`] meet, up to its length.
+    /// The point where [`Self::halves`] meet, up to length.
     pub(super) fn middle(&self) -> DVec3 {
         match self {
             Self::Straight([from, to]) => (*from + *to).normalize_or_zero(),
@@ -50,8 +50,7 @@ impl Piece {
         }
     }
 
-    /// Its two halves. Those of a straight piece between unit vectors are as long as each other as seen from the
-    /// origin.
+    /// Its two halves. For a straight piece between unit vectors they have the same length as seen from the origin.
     pub(super) fn halves(&self) -> [Self; 2] {
         match *self {
             Self::Straight([from, to]) => {
@@ -65,7 +64,7 @@ impl Piece {
         }
     }
 
-    /// The parts above the surface. Straight ones are of unit vectors.
+    /// The parts above the surface. Straight parts have unit vectors as ends.
     pub(super) fn above_surface(&self) -> Vec<Self> {
         match *self {
             Self::Straight([from, to]) => {
@@ -80,7 +79,7 @@ impl Piece {
                 vec![Self::Straight([end(from), end(to)])]
             }
             Self::Arc { centre, half_axes: half_axes @ [x, y], turns: [from, to] } => {
-                // Its height is centre.z + rise cos(t - top).
+                // The height is centre.z + rise cos(t - top).
                 let (rise, top) = (x.z.hypot(y.z), atan2(y.z, x.z));
                 let mut cuts = vec![from, to];
                 if centre.z.abs() < rise {
@@ -114,14 +113,14 @@ pub(super) fn of_shape(form: &Form) -> Vec<Piece> {
 
 /// The part of a border above the surface, closed along the horizon.
 ///
-/// A light is convex, so the horizon cuts one run of its border off.
+/// A light is convex, so the horizon cuts off one connected part of its border.
 pub(super) fn above_surface(border: &[Piece]) -> Vec<Piece> {
-    let kept: Vec<Piece> = border.iter().flat_map(Piece::above_surface).collect();
-    let mut closed = Vec::with_capacity(kept.len() + 1);
-    for (piece, next) in kept.iter().zip(kept.iter().cycle().skip(1)) {
+    let above: Vec<Piece> = border.iter().flat_map(Piece::above_surface).collect();
+    let mut closed = Vec::with_capacity(above.len() + 1);
+    for (piece, next) in above.iter().zip(above.iter().cycle().skip(1)) {
         closed.push(*piece);
         let (end, start) = (piece.ends()[1], next.ends()[0]);
-        // Only the horizon's cuts leave a gap; other ends differ by rounding.
+        // Only cuts at the horizon leave a gap. Other ends differ only by rounding.
         let flat = |v: DVec3| if v.z == 0.0 { v } else { DVec3::new(v.x, v.y, 0.0).normalize_or_zero() };
         let is_gap = end.normalize().distance(start.normalize()) > 1e-15 && end.z.abs() < 1e-9 * end.length();
         if is_gap {
@@ -131,23 +130,24 @@ pub(super) fn above_surface(border: &[Piece]) -> Vec<Piece> {
     closed
 }
 
-/// The circle in which a sphere is seen to end: that of the tangents from the origin.
+/// The outline of a sphere: the circle where tangents from the origin touch it.
 fn circle_of_sphere(centre: DVec3, radius: f64) -> (DVec3, f64) {
     let sine2 = radius * radius / centre.length_squared();
     (centre * (1.0 - sine2), radius * (1.0 - sine2).max(0.0).sqrt())
 }
 
 fn sphere(centre: DVec3, radius: f64) -> Vec<Piece> {
-    let (middle, seen) = circle_of_sphere(centre, radius);
+    let (middle, outline_radius) = circle_of_sphere(centre, radius);
     let (x, y) = centre.normalize().any_orthonormal_pair();
-    Piece::ellipse(middle, [x * seen, y * seen])
+    Piece::ellipse(middle, [x * outline_radius, y * outline_radius])
 }
 
-/// An arc of each end's circle, joined by the planes through the origin that touch both spheres.
+/// The outline of a tube: an arc of each end's circle, joined by the planes through the origin that touch both spheres.
 ///
-/// By the distance `d` of the line the planes have the normals `n = (radius u +- sqrt(d^2 - radius^2) v) / d`, for the
-/// unit vector `u` towards the line and `v` across both; they touch a sphere at its centre less `radius n`. Where the
-/// origin is within the radius of the line beyond an end, the sphere there hides all the rest.
+/// With the distance `d` of the line, the planes have the normals `n = (radius u +- sqrt(d^2 - radius^2) v) / d`. The
+/// unit vector `u` points towards the line, and `v` is perpendicular to both. The planes touch a sphere at its centre
+/// minus `radius n`. If the origin is within the radius of the extended line, the sphere at the nearer end hides the
+/// rest.
 fn tube(ends: [DVec3; 2], radius: f64) -> Vec<Piece> {
     let along = ends[1] - ends[0];
     let Some(axis) = along.try_normalize() else { return sphere(ends[0], radius) };
@@ -160,16 +160,16 @@ fn tube(ends: [DVec3; 2], radius: f64) -> Vec<Piece> {
     let (u, v) = (beside / distance, axis.cross(beside / distance));
     let side = (distance * distance - radius * radius).sqrt();
     let touched = |end: DVec3, sign: f64| end - (u * radius + v * (sign * side)) * (radius / distance);
-    // The arc of an end's circle from one plane, on the side of `sign`, around the outer side to the other.
+    // The arc of an end's circle from the plane on the side of `sign`, around the outer side, to the other plane.
     let arc = |end: DVec3, outwards: DVec3, sign: f64| {
-        let (centre, seen) = circle_of_sphere(end, radius);
+        let (centre, outline_radius) = circle_of_sphere(end, radius);
         let towards = end.normalize();
         let x = (outwards - towards * outwards.dot(towards)).normalize_or_zero();
-        // `v` lies across the end, the line and so `x`.
+        // `v` is perpendicular to the end, to the line, and so to `x`.
         let y = v * -sign;
         let from = touched(end, sign) - centre;
         let angle = atan2(from.dot(y), from.dot(x));
-        Piece::Arc { centre, half_axes: [x * seen, y * seen], turns: [angle, -angle] }
+        Piece::Arc { centre, half_axes: [x * outline_radius, y * outline_radius], turns: [angle, -angle] }
     };
     let straight = |sign: f64, [from, to]: [DVec3; 2]| Piece::Straight([touched(from, sign), touched(to, sign)]);
     vec![straight(1.0, ends), arc(ends[1], axis, 1.0), straight(-1.0, [ends[1], ends[0]]), arc(ends[0], -axis, -1.0)]

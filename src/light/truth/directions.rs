@@ -1,4 +1,4 @@
-//! Broad lobes, among the directions of light themselves.
+//! Integrates broad lobes directly over the directions of light.
 
 use std::f64::consts::PI;
 
@@ -10,15 +10,15 @@ use ltcforge_fit::{
     math::{cos, sin_cos},
 };
 
-/// A part of an outline spans at most so many bends at their mean distance: its rule of 15 points then has a ray
-/// between two.
+/// The length of a part of an outline, in mean distances of kinks. Its rule of 15 points then has a ray between two
+/// kinks.
 const BENDS_A_PART: f64 = 9.0;
-/// Parts are not made shorter than this, radians, however near bends are to each other.
+/// The smallest length of a part, in radians, for any distance of kinks.
 const LEAST_PART: f64 = PI / 90.0;
-/// Two bends of a ray that are nearer are one.
+/// Kinks of a ray closer than this are merged.
 const SAME: f64 = 1e-9;
 
-/// A lobe among directions of light. It bends on cones around the surface's normal and on planes through it.
+/// A lobe over directions of light. It has kinks on cones around the surface normal and on planes through the normal.
 pub(super) struct Directions<'a> {
     brdf: &'a dyn Brdf,
     wo: DVec3,
@@ -32,7 +32,7 @@ pub(super) struct Directions<'a> {
 impl<'a> Directions<'a> {
     pub(super) fn new(brdf: &'a dyn Brdf, wo: DVec3, weight: Weight) -> Self {
         let Bends { theta_i, phi } = brdf.bends(wo);
-        // Nodes crowd towards the horizon, where rays cross them anyhow: their mean distance counts.
+        // Nodes are dense towards the horizon, where rays cross them in any case. So the mean distance counts.
         let apart = |angles: &[f64]| match angles {
             [first, .., last] => (last - first) / (angles.len() - 1) as f64,
             _ => f64::INFINITY,
@@ -65,14 +65,14 @@ impl Space for Directions<'_> {
     }
 
     fn density(&self, c: DVec3) -> [f64; 2] {
-        self.weight.beside(self.brdf.eval_cos(self.wo, c), cos_theta_d(self.wo, c))
+        self.weight.weighted(self.brdf.eval_cos(self.wo, c), cos_theta_d(self.wo, c))
     }
 
     fn weight(&self) -> Weight {
         self.weight
     }
 
-    fn seen(&self) -> (&dyn Brdf, DVec3) {
+    fn brdf_and_view(&self) -> (&dyn Brdf, DVec3) {
         (self.brdf, self.wo)
     }
 
@@ -80,7 +80,7 @@ impl Space for Directions<'_> {
         self.short
     }
 
-    /// A plane's normal is perpendicular to the ray where that is cut; a cone cuts it where `p_z^2 = cos^2 |p|^2`.
+    /// A plane cuts the ray where its normal is perpendicular to the point. A cone cuts it where `p_z^2 = cos^2 |p|^2`.
     fn bends(&self, from: DVec3, to: DVec3) -> Vec<f64> {
         let by = to - from;
         let of_plane = |normal: &DVec3| {
@@ -91,12 +91,12 @@ impl Space for Directions<'_> {
             let product = |a: DVec3, b: DVec3| a.z * b.z - cosine2 * a.dot(b);
             let (square, half, rest) = (product(by, by), product(from, by), product(from, from));
             let root = (half * half - square * rest).sqrt();
-            // Neither cancels.
+            // This form has no cancellation in either root.
             let larger = if half < 0.0 { root - half } else { -root - half };
             [larger / square, rest / larger]
         };
         let cuts = self.planes.iter().map(of_plane).chain(self.cones.iter().flat_map(of_cone));
-        // A bend that does not cut the ray is infinite or NaN.
+        // A kink that does not cut the ray is infinite or NaN.
         let mut bends: Vec<f64> = cuts.filter(|s| *s > SAME && *s < 1.0 - SAME).collect();
         bends.sort_by(f64::total_cmp);
         bends.dedup_by(|next, last| *next - *last < SAME);

@@ -1,4 +1,4 @@
-//! Lobes around a reflection, among the normals that reflect.
+//! Integrates lobes around a reflection over the normals that reflect.
 
 use std::f64::consts::PI;
 
@@ -7,10 +7,10 @@ use glam::DVec3;
 use super::space::{Space, Weight};
 use ltcforge_fit::brdf::{Brdf, Ggx};
 
-/// Cosine of 60 degrees: rays from a tip so near the pole turn by 150 degrees at most.
+/// The cosine of 60 degrees. Rays from a tip this near to the pole turn by at most 150 degrees.
 const NEAR_POLE: f64 = 0.5;
 
-/// The map of a direction of light to the normal that reflects the view there, `c = normalize(A^-1 h)`,
+/// Maps a light direction to the normal that reflects the view there, `c = normalize(A^-1 h)`,
 /// `A = diag(alpha_x, alpha_y, 1)`.
 struct Stretch {
     stretch: DVec3,
@@ -33,12 +33,12 @@ impl Stretch {
     }
 }
 
-/// A lobe of GGX among normals.
+/// A lobe of GGX over normals.
 pub(super) struct GgxNormals {
     map: Stretch,
     ggx: Ggx,
-    /// `A wo`, and its length.
-    seen_along: DVec3,
+    /// `A wo` and its length.
+    wo_stretched: DVec3,
     length: f64,
     weight: Weight,
 }
@@ -46,8 +46,8 @@ pub(super) struct GgxNormals {
 impl GgxNormals {
     pub(super) fn new([alpha_x, alpha_y]: [f64; 2], wo: DVec3, weight: Weight) -> Self {
         let map = Stretch::new([alpha_x, alpha_y], wo);
-        let seen_along = map.stretch * wo;
-        Self { map, ggx: Ggx { alpha_x, alpha_y }, seen_along, length: seen_along.length(), weight }
+        let wo_stretched = map.stretch * wo;
+        Self { map, ggx: Ggx { alpha_x, alpha_y }, wo_stretched, length: wo_stretched.length(), weight }
     }
 }
 
@@ -71,19 +71,19 @@ impl Space for GgxNormals {
             return [0.0; 2];
         }
         let shadowing = self.length * wi.z + wo.z * (stretch * wi).length();
-        self.weight.beside(2.0 * self.seen_along.dot(c) * wi.z / (PI * shadowing), cosine)
+        self.weight.weighted(2.0 * self.wo_stretched.dot(c) * wi.z / (PI * shadowing), cosine)
     }
 
     fn weight(&self) -> Weight {
         self.weight
     }
 
-    fn seen(&self) -> (&dyn Brdf, DVec3) {
+    fn brdf_and_view(&self) -> (&dyn Brdf, DVec3) {
         (&self.ggx, self.map.wo)
     }
 }
 
-/// Any other lobe around a reflection among normals.
+/// Any other lobe around a reflection, over normals.
 pub(super) struct Normals<'a> {
     map: Stretch,
     brdf: &'a dyn Brdf,
@@ -105,8 +105,9 @@ impl Space for Normals<'_> {
         self.map.turning_image(w, turning)
     }
 
-    /// Far from the pole lobes without long tails are zero. Rays between two places there could pass the lobe unseen,
-    /// and those from the pole, in the middle of it, cannot: a tip outside of the image gives the same sum.
+    /// The tip is the pole for images far from it. Lobes without long tails are zero there, and rays between two points
+    /// far from the pole could miss the lobe. Rays from the pole, the centre of the lobe, cannot. A tip outside of the
+    /// image gives the same sum.
     fn tip(&self, within: DVec3) -> DVec3 {
         let image = self.image(within);
         if image.z > NEAR_POLE { image } else { DVec3::Z }
@@ -119,14 +120,14 @@ impl Space for Normals<'_> {
         let length = h.length();
         let wm = h / length;
         let steradians = stretch.x * stretch.y / (length * length * length);
-        self.weight.beside(self.brdf.eval_normal(wo, wm) * steradians, wo.dot(wm))
+        self.weight.weighted(self.brdf.eval_normal(wo, wm) * steradians, wo.dot(wm))
     }
 
     fn weight(&self) -> Weight {
         self.weight
     }
 
-    fn seen(&self) -> (&dyn Brdf, DVec3) {
+    fn brdf_and_view(&self) -> (&dyn Brdf, DVec3) {
         (self.brdf, self.map.wo)
     }
 }

@@ -1,19 +1,19 @@
-//! The light that a surface reflects, by adaptive quadrature: slow, and as exact as one likes.
+//! The light that a surface reflects, by adaptive quadrature. It is slow, and its accuracy has no limit.
 //!
-//! Quadrature over a light's area misses sharp lobes, which are points of it, and needs more and more points for
-//! needles. So the light's image is integrated over in a space ([`space::Space`]) where the lobe is broad. For GGX that
-//! is the space of normals stretched by `1 / alpha` ([`super::normals`]): every lobe is the same cosine there, and the
-//! integrand as smooth as the weight of shadowing. Other lobes around a reflection are as broad there; diffuse
-//! reflection, sheen and tabulated BRDFs are broad among the directions of light themselves.
+//! A quadrature over a light's area misses sharp lobes, which are only points of it, and needs ever more points for
+//! needles. So the integral is over the light's image in a space ([`space::Space`]) where the lobe is broad. For GGX
+//! this is the space of normals stretched by `1 / alpha` ([`super::normals`]). Every lobe is the same cosine there, and
+//! the integrand is as smooth as the weight of shadowing. Other lobes around a reflection are as broad there. Diffuse
+//! reflection, sheen and tabulated BRDFs are broad in the space of light directions.
 //!
-//! The image is integrated over in two steps (`outline.rs`): along its outline, and along the ray from a tip within the
-//! image to the outline. An edge is halved until its image is short, which finds the few points of a light that a
-//! mirror reflects.
+//! The integral over the image has two steps (`outline.rs`): along its outline, and along the ray from a tip in the
+//! image to the outline. An edge is halved until its image is short. This finds the few points of a light that a mirror
+//! reflects.
 //!
-//! An outline has straight pieces and arcs of ellipses (`border.rs`): those of disks, spheres and tubes are exact, and
-//! no polygon stands for them. A line light has no outline; its reflection is an integral along it.
+//! An outline has straight pieces and arcs of ellipses (`border.rs`). The outlines of disks, spheres and tubes are
+//! exact, without polygons. A line light has no outline; its reflection is an integral along it.
 //!
-//! This shares no line with the closed form but the mapping of directions to normals.
+//! This module shares no code with the closed form, except the map from directions to normals.
 
 mod border;
 mod directions;
@@ -37,12 +37,12 @@ use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, Sides};
 pub(super) use self::quadrature::integral;
 pub(super) use self::texels::texel_lights;
 
-/// How exact [`truth`] is, for each part of an edge.
+/// The tolerance of [`truth`] for each part of an edge.
 pub const TRUTH_TOLERANCE: f64 = 1e-9;
 
-/// The light that a surface of GGX reflects, to [`TRUTH_TOLERANCE`].
+/// The light that a GGX surface reflects, to [`TRUTH_TOLERANCE`].
 ///
-/// A line is the limit of a thin tube: its reflection is proportional to its width, up to one.
+/// A line is the limit of a thin tube. Its reflection is proportional to its width, up to one.
 ///
 /// # Errors
 /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon.
@@ -50,7 +50,7 @@ pub fn truth<'a>(at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<
     truth_within(TRUTH_TOLERANCE, at, light)
 }
 
-/// The same, with another tolerance for each part of an edge.
+/// Like [`truth`], with another tolerance for each part of an edge.
 ///
 /// # Errors
 /// As [`truth`].
@@ -64,13 +64,12 @@ pub fn truth_within<'a>(
 
 /// The light that a surface of any scattering model reflects, with a tolerance for each part of an edge.
 ///
-/// For a model without Fresnel factor, [`ReflectedLight::fresnel`] is weighed by Schlick's fifth power of the angle
-/// between view and half vector all the same, as the terms of its tables are. A model that reflects more light than it
-/// receives has an energy above one. The reflection of a line is proportional to its width, for a lobe around a
-/// reflection up to one.
+/// For all models, [`ReflectedLight::fresnel`] is weighted by Schlick's fifth power of the cosine between view and half
+/// vector, like the terms of their tables. A model that reflects more light than it receives has an energy above one.
+/// The reflection of a line is proportional to its width, and for a lobe around a reflection at most one.
 ///
 /// # Errors
-/// As [`truth`], and [`LightError::NoBrdfFile`] for a tabulated model without its numbers.
+/// As [`truth`], and [`LightError::NoBrdfFile`] for a tabulated model without its values.
 pub fn truth_of<'a>(
     brdf: &BrdfModel,
     tolerance: f64,
@@ -81,8 +80,8 @@ pub fn truth_of<'a>(
     Ok(ReflectedLight { energy, fresnel })
 }
 
-/// The same light weighed by [`edge_weight`](ltcforge_fit::brdf::edge_weight) of the angle between view and half vector, by
-/// which F82 differs from Schlick's factor: see [`ReflectedLight::metal`].
+/// The light weighted by [`edge_weight`](ltcforge_fit::brdf::edge_weight) of the cosine between view and half vector,
+/// which is the difference of F82 from Schlick's factor: see [`ReflectedLight::metal`].
 ///
 /// # Errors
 /// As [`truth_of`].
@@ -95,7 +94,7 @@ pub fn edge_truth_of<'a>(
     weighed(brdf, tolerance, at, light.into(), Weight::Edge).map(|[_, edge]| edge)
 }
 
-/// The reflected light, and the same weighed.
+/// The reflected light, and its weighted part.
 fn weighed(
     brdf: &BrdfModel,
     tolerance: f64,
@@ -118,7 +117,7 @@ fn weighed(
     })
 }
 
-/// The reflected light and its weighed part, in [0, `most`].
+/// The reflected light and its weighted part, in [0, `most`].
 fn reflected(space: &impl Space, light: AreaLight<'_>, most: f64, tolerance: f64) -> [f64; 2] {
     let bounded = |parts: [f64; 2]| parts.map(|part| part.clamp(0.0, most));
     let (border, sides) = match light {
@@ -130,7 +129,7 @@ fn reflected(space: &impl Space, light: AreaLight<'_>, most: f64, tolerance: f64
         },
     };
     let sum = outline::within(space, &border::above_surface(&border), tolerance);
-    // The lit side is that from which the outline runs clockwise; seen from there, the sum is positive.
+    // The outline runs clockwise as seen from the lit side; the sum is positive there.
     bounded(match (sides, sum[0] < 0.0) {
         (_, false) => sum,
         (Sides::Two, true) => sum.map(|x| -x),

@@ -11,7 +11,7 @@ const KRONROD: [(f64, f64); 8] = [
     (0.949_107_912_342_758_5, 0.063_092_092_629_978_56),
     (0.991_455_371_120_812_6, 0.022_935_322_010_529_224),
 ];
-/// Weights of Gauss's rule of 7 points, whose nodes are every other one of Kronrod's.
+/// Weights of Gauss's rule of 7 points. Its nodes are every other node of Kronrod's rule.
 const GAUSS: [f64; 4] =
     [0.417_959_183_673_469_4, 0.381_830_050_505_118_9, 0.279_705_391_489_276_64, 0.129_484_966_168_869_7];
 
@@ -20,7 +20,7 @@ pub(super) fn plus<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
     std::array::from_fn(|i| a[i] + b[i])
 }
 
-/// The integral of `f` over an interval by the rules of Gauss and Kronrod, halved until they agree.
+/// The integral of `f` over an interval by the rules of Gauss and Kronrod. The interval is halved until both agree.
 pub(crate) fn integral<const N: usize>(
     f: &impl Fn(f64) -> [f64; N],
     [from, to]: [f64; 2],

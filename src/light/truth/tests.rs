@@ -1,4 +1,4 @@
-//! The spaces against each other.
+//! Compares the spaces with each other.
 
 use glam::DVec3;
 
@@ -42,7 +42,7 @@ fn assert_same(one: [f64; 2], other: [f64; 2], tolerance: f64) {
     assert!(apart < tolerance, "{one:?} {other:?}");
 }
 
-/// Between two bends of a ray a tabulated lobe is within one cell: it is cut at every node that the ray crosses, and
+/// Between two kinks of a ray, a tabulated lobe is within one cell. The ray is cut at every node that it crosses, and
 /// nowhere else.
 #[test]
 fn rays_are_cut_at_the_nodes() {

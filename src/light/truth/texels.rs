@@ -1,22 +1,23 @@
 //! The light of each texel of a picture on a rectangle, by adaptive quadrature over its area.
 //!
-//! A cell counts as integrated where the midpoint rule over it and over its quarters agree. Sharp lobes could fall between
-//! midpoints, so cells are quartered at first until they are small beside their distance from the point that a mirror
-//! reflects. This shares no line with the closed form, nor with the quadrature among normals, by which its sum is checked.
+//! A cell is done if the midpoint rules over it and over its quarters agree. Sharp lobes could be between midpoints. So
+//! cells are quartered until they are small compared with their distance from the point that a mirror reflects. This
+//! file shares no code with the closed form, nor with the quadrature over normals that checks its sum.
 
 use glam::DVec3;
 
 use ltcforge_fit::brdf::{Brdf, Ggx};
 
-/// How often a texel is quartered at most.
+/// The largest number of times that a texel is quartered.
 const DEPTH: u32 = 14;
-/// The rules may differ by this times the tolerance of a cell's own light: what is taken is of the fourth order.
+/// The tolerance for a cell's own light, in tolerances. It is large because the extrapolated result is of fourth order.
 const OF_CELL: f64 = 30.0;
-/// How far away a mirrored ray meets a plane that it does not meet.
+/// The distance at which a mirrored ray counts as meeting a plane that it does not meet.
 const NOWHERE: f64 = 1e9;
 
-/// The light of every texel of a picture on a rectangle, row by row: for a Fresnel factor of one, and weighed by Schlick's
-/// fifth power. The rectangle is a corner and two sides, along rows and columns. `tolerance` is that of the whole light.
+/// The light of every texel of a picture on a rectangle, row by row, for a Fresnel factor of one and weighted by
+/// Schlick's fifth power. The rectangle is given by a corner and two sides, along rows and columns. `tolerance` is for
+/// the whole light.
 ///
 /// Domain: `wo` above the surface.
 pub(crate) fn texel_lights(
@@ -49,7 +50,7 @@ pub(crate) fn texel_lights(
         .collect()
 }
 
-/// The reflected light of an element of area, over the area.
+/// The reflected light of an element of area, divided by the area.
 fn density(ggx: Ggx, wo: DVec3, normal: DVec3, p: DVec3) -> [f64; 2] {
     if p.z <= 0.0 {
         return [0.0; 2];
@@ -65,11 +66,11 @@ struct Cells<F> {
     density: F,
     corner: DVec3,
     sides: [DVec3; 2],
-    /// The point that a mirror reflects, and how far around it a lobe is narrow.
+    /// The point that a mirror reflects. `sharpness` is the width of the lobe around it.
     met: DVec3,
     sharpness: f64,
     tolerance: f64,
-    /// Of the rectangle.
+    /// The area of the rectangle.
     area: f64,
 }
 
@@ -78,8 +79,8 @@ impl<F: Fn(DVec3) -> [f64; 2]> Cells<F> {
         self.corner + self.sides[0] * uv[0] + self.sides[1] * uv[1]
     }
 
-    /// The integral over a cell around `middle`, whose sides are these parts of the rectangle's; `first` is the density in
-    /// the middle.
+    /// The integral over a cell around `middle`. `parts` are its sides relative to the rectangle's sides, and `first`
+    /// is the density at its centre.
     fn integral(&self, middle: [f64; 2], parts: [f64; 2], first: [f64; 2], depth: u32) -> [f64; 2] {
         let area = self.area * parts[0] * parts[1];
         let half = parts.map(|part| 0.5 * part);
@@ -92,7 +93,7 @@ impl<F: Fn(DVec3) -> [f64; 2]> Cells<F> {
         let is_small = 5.0 * longest < self.met.distance(self.at(middle)) + 2.0 * self.sharpness;
         let allowed = self.tolerance * (parts[0] * parts[1] + OF_CELL * fine[0]);
         if depth == 0 || (is_small && (fine[0] - coarse[0]).abs() <= allowed) {
-            // The midpoint rule's error falls to a quarter from one to the next.
+            // The error of the midpoint rule falls to a quarter from `coarse` to `fine`.
             return [0, 1].map(|i| fine[i] + (fine[i] - coarse[i]) / 3.0);
         }
         let integrals = [0, 1, 2, 3].map(|i| self.integral(quarters[i], half, values[i], depth - 1));

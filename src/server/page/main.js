@@ -1,9 +1,9 @@
-// Shows the page that the part of the address behind `#` names, and whether the service answers.
+// Shows the page that the address names after `#`, and whether the service answers.
 
 import { el, fill, notice } from './elements/dom.js';
 import { call, watchService } from './service/api.js';
 
-/** Modules of the pages, by what follows their name. Each exports `show( main, rest, parameters, signal )`, and may return a function that asks again. */
+/** The module of each page, loaded for the part of the address after the page's name. A module exports `show( root, rest, parameters, signal )`, which may return a function that refreshes the page. */
 const PAGES = {
 	tables: ( rest ) => rest ? import( './pages/table.js' ) : import( './pages/tables.js' ),
 	jobs: ( rest ) => rest ? import( './pages/job.js' ) : import( './pages/jobs.js' ),
@@ -17,7 +17,7 @@ const service = document.getElementById( 'service' );
 let leave = new AbortController();
 let refresh = null;
 
-/** A part of an address; as it is where it is malformed. */
+/** Decodes a part of an address. Returns a malformed part unchanged. */
 function decoded( text ) {
 
 	try {
@@ -52,7 +52,7 @@ async function show() {
 	fill( main, root );
 	try {
 
-		if ( ! Object.hasOwn( PAGES, name ) ) throw new Error( `there is no page «${ name }»` );
+		if ( ! Object.hasOwn( PAGES, name ) ) throw new Error( `there is no page «${ name }»; choose a page above` );
 		const page = await PAGES[ name ]( rest );
 		if ( signal.aborted ) return;
 		const again = await page.show( root, rest, new URLSearchParams( query ), signal );
@@ -61,8 +61,8 @@ async function show() {
 	} catch ( error ) {
 
 		if ( signal.aborted ) return;
-		// Once the service is back, the page is shown again.
-		fill( root, el( 'h1', {}, 'Not shown' ), notice( error.message ) );
+		// `serviceback` shows the page again.
+		fill( root, el( 'h1', {}, 'Cannot show this page' ), notice( error.message ) );
 
 	}
 
@@ -71,7 +71,7 @@ async function show() {
 
 }
 
-async function tellVersion() {
+async function showVersion() {
 
 	try {
 
@@ -96,25 +96,25 @@ window.addEventListener( 'hashchange', () => {
 } );
 window.addEventListener( 'servicelost', () => {
 
-	fill( service, 'The service does not answer; asking again.' );
+	fill( service, 'The service does not answer. Trying again…' );
 	service.className = 'down';
 
 } );
 window.addEventListener( 'serviceback', () => {
 
-	tellVersion();
+	showVersion();
 	( refresh || show )();
 
 } );
 
 document.querySelector( '.skip' ).addEventListener( 'click', ( event ) => {
 
-	// The part behind `#` names the page.
+	// Following the link would change the part after `#`, which names the page.
 	event.preventDefault();
 	main.focus();
 
 } );
 
-tellVersion();
+showVersion();
 show();
 watchService();

@@ -1,17 +1,17 @@
 const CHANNELS = 9, LONGEST = 24, AXES = [ 'alpha', 'ratio', 'theta', 'phi' ];
-const ISOTROPIC = { ltc2017: 4 }; // the element that divides M^-1
+const ISOTROPIC = { ltc2017: 4 }; // index of the element by which M^-1 is divided
 
-// The table of a compact form: `axes`, the nodes of each axis; `matrix`, nine numbers an entry, row by row; and
-// `amplitude` and `fresnel`, or null. Entries run over alpha, ratio, theta and phi, the last fastest. Throws a RangeError
-// for other bytes.
+// The table of a compact form: `axes` has the nodes of each axis, `matrix` nine numbers an entry, row by row. `amplitude`
+// and `fresnel` are arrays or null. Entries run over alpha, ratio, theta and phi, the last fastest. Throws a RangeError
+// for bytes that are not a compact form.
 export function decodeTable( bytes ) {
 
 	const view = new DataView( bytes.buffer, bytes.byteOffset, bytes.byteLength );
 	let at = 8;
 	const name = () => String.fromCharCode( ...bytes.subarray( at + 1, at += 1 + bytes[ at ] ) );
-	if ( String.fromCharCode( ...bytes.subarray( 0, 8 ) ) !== 'LTCcomp1' ) throw new RangeError( 'no compact table of version 1' );
+	if ( String.fromCharCode( ...bytes.subarray( 0, 8 ) ) !== 'LTCcomp1' ) throw new RangeError( 'not a compact table of version 1' );
 	const [ brdf, lobe, layout ] = [ name(), name(), name() ];
-	if ( layout !== 'reflected' && layout !== 'kt2022' && layout !== 'ltc2017' ) throw new RangeError( 'layout ' + layout );
+	if ( layout !== 'reflected' && layout !== 'kt2022' && layout !== 'ltc2017' ) throw new RangeError( 'unsupported layout ' + layout );
 	const nodes = [], counts = [], axes = {};
 	AXES.forEach( ( axis, i ) => {
 
@@ -22,7 +22,7 @@ export function decodeTable( bytes ) {
 
 	} );
 	const entries = nodes.reduce( ( a, b ) => a * b );
-	if ( ! ( entries > 0 && entries <= 1 << 20 ) || counts.some( ( n, i ) => n < 1 || n > nodes[ i ] || n > 28 ) ) throw new RangeError( 'sizes' );
+	if ( ! ( entries > 0 && entries <= 1 << 20 ) || counts.some( ( n, i ) => n < 1 || n > nodes[ i ] || n > 28 ) ) throw new RangeError( 'invalid sizes' );
 	const stored = view.getUint16( at, true ), corrected = view.getUint16( at + 2, true ), correction = view.getFloat32( at + 4, true ), steps = [];
 	at += 8;
 	for ( let c = 0; c < CHANNELS; c ++ ) {
@@ -32,7 +32,7 @@ export function decodeTable( bytes ) {
 
 	}
 
-	// The range coder, and arrays of integers by it.
+	// The range coder, and a function that decodes an array of integers.
 	let code = view.getUint32( at ), range = 0xffffffff;
 	at += 4;
 	const bit = ( chances, i ) => {
@@ -91,7 +91,7 @@ export function decodeTable( bytes ) {
 
 	};
 
-	// Each channel at the nodes.
+	// The values of each channel at the nodes.
 	const bases = nodes.map( ( n, i ) => polynomials( n, counts[ i ] ) );
 	const [ coefficients, corrections ] = [ models(), models() ];
 	const channels = steps.map( ( step, c ) => {
@@ -127,9 +127,9 @@ export function decodeTable( bytes ) {
 
 }
 
-// The textures of a table, RGBA. Layouts `reflected` and `kt2022`: three volumes, x = phi, y = ratio * (nodes of theta) +
-// theta, z = alpha. Layout `ltc2017`: LTC_1 and LTC_2, x = roughness, y = theta, and for the last channel of
-// LTC_2, the form factor of lights that are spheres, cosine and length.
+// The textures of a table in RGBA. Layouts `reflected` and `kt2022`: three volumes, x = phi, y = ratio * (nodes of theta)
+// + theta, z = alpha. Layout `ltc2017`: LTC_1 and LTC_2, x = roughness, y = theta. The last channel of LTC_2 is the form
+// factor of spheres; for it x is the cosine and y the length.
 export function texturesOf( table ) {
 
 	const { layout, axes, matrix, amplitude, fresnel } = table, entries = matrix.length / 9;
@@ -165,18 +165,18 @@ export function texturesOf( table ) {
 
 }
 
-// What a cap of directions is seen as above the horizon, as a part of what it were straight ahead without one: c is the
-// cosine of its elevation, length that of its vector form factor.
+// The form factor of a spherical cap above the horizon, divided by that of the whole cap straight ahead. c is the cosine
+// of the angle between the normal and the cap's middle; length is that of its vector form factor.
 function clippedFormFactor( c, length ) {
 
 	if ( Math.abs( c ) >= Math.sqrt( length ) ) return Math.max( c, 0 );
-	const cosSigma = Math.sqrt( Math.max( 1 - length, 0 ) ), met = Math.sqrt( Math.max( length - c * c, 0 ) );
-	const seen = Math.atan2( met, - cosSigma * c ) * length * c - cosSigma * met + Math.atan2( met, cosSigma );
-	return Math.max( seen / ( Math.PI * length ), 0 );
+	const cosSigma = Math.sqrt( Math.max( 1 - length, 0 ) ), root = Math.sqrt( Math.max( length - c * c, 0 ) );
+	const clipped = Math.atan2( root, - cosSigma * c ) * length * c - cosSigma * root + Math.atan2( root, cosSigma );
+	return Math.max( clipped / ( Math.PI * length ), 0 );
 
 }
 
-// The nodes of an axis, evenly spaced in a variable of the layout's own.
+// The nodes of an axis, evenly spaced in a coordinate of the layout.
 function divide( layout, axis, [ low, high ], n ) {
 
 	const ceiling = 0.9999 * ( Math.PI / 2 ), even = [ x => x, x => x ];
@@ -196,7 +196,7 @@ function divide( layout, axis, [ low, high ], n ) {
 
 }
 
-// Polynomials that are orthonormal on n nodes [Gram 1883], one row each.
+// Polynomials that are orthonormal on n nodes [Gram 1883], one in each row.
 function polynomials( n, count ) {
 
 	const rows = [ new Float64Array( n ).fill( 1 / Math.sqrt( n ) ) ];
@@ -212,7 +212,7 @@ function polynomials( n, count ) {
 
 }
 
-// An array whose axis of `count` coefficients, `after` numbers each, becomes one of n nodes.
+// The array with one axis of `count` coefficients, `after` numbers each, replaced by values at n nodes.
 function along( array, basis, count, n, after ) {
 
 	const blocks = array.length / ( count * after ), made = new Float64Array( blocks * n * after );
@@ -227,7 +227,7 @@ function along( array, basis, count, n, after ) {
 
 }
 
-// What a layout stores of a lobe, from the nine smooth numbers of an entry. Matrices are lists of three columns here.
+// The matrix and terms that a layout stores, from the nine smooth numbers of an entry. Matrices are lists of three columns.
 function store( layout, [ alpha, ratio, theta, phi ], numbers ) {
 
 	[ alpha, theta ] = [ Math.max( alpha, 1e-4 ), Math.min( theta, 0.9999 * ( Math.PI / 2 ) ) ];
@@ -246,7 +246,7 @@ function store( layout, [ alpha, ratio, theta, phi ], numbers ) {
 	amplitude = Math.max( amplitude, 0 );
 	if ( layout === 'reflected' ) return { matrix: rowMajor( s ), amplitude, fresnel };
 
-	// The lobe itself: its reflection times s.
+	// The lobe is its reflection times s.
 	const cosPhi = phi === Math.PI / 2 ? 0 : Math.cos( phi ), sinPhi = Math.sin( phi );
 	const wo = [ Math.sin( theta ) * cosPhi, Math.sin( theta ) * sinPhi, Math.cos( theta ) ], k = reflection( alpha, Math.max( alpha * ratio, 1e-5 ), wo );
 	amplitude *= k.amplitude;
@@ -269,7 +269,7 @@ function store( layout, [ alpha, ratio, theta, phi ], numbers ) {
 
 	}
 
-	// An element and its place are the same, counted by rows or columns.
+	// The element is on the diagonal, so rows and columns give the same index.
 	const norm = inverse === null ? Math.hypot( ...m[ 2 ] ) : m[ inverse / 4 ][ inverse / 4 ];
 	m = m.map( column => column.map( element => element / norm ) );
 	if ( layout in ISOTROPIC ) m = m.map( ( column, i ) => column.map( ( element, j ) => {
@@ -282,7 +282,7 @@ function store( layout, [ alpha, ratio, theta, phi ], numbers ) {
 
 }
 
-// The reflection at the middle one of the normals that the viewer sees.
+// The reflection at the middle of the visible normals.
 function reflection( ax, ay, wo ) {
 
 	const s = unit( [ ax * wo[ 0 ], ay * wo[ 1 ], wo[ 2 ] ] );
@@ -296,7 +296,7 @@ function reflection( ax, ay, wo ) {
 	};
 
 	const lambda = w => 0.5 * ( Math.sqrt( 1 + Math.pow( ax * w[ 0 ] / w[ 2 ], 2 ) + Math.pow( ay * w[ 1 ] / w[ 2 ], 2 ) ) - 1 );
-	const seen = 1 + lambda( wo ), g = r[ 2 ] > 0 ? seen / ( seen + lambda( r ) ) : 0;
+	const perG1 = 1 + lambda( wo ), g = r[ 2 ] > 0 ? perG1 / ( perG1 + lambda( r ) ) : 0;
 	return { matrix: [ column( 0 ), column( 1 ), r ], amplitude: g * g, grazing: 1 - d };
 
 }
@@ -309,7 +309,7 @@ function rotation( [ x, y, z ] ) {
 
 }
 
-// The first two columns turned so that their upper block is symmetric.
+// The first two columns, rotated so that their upper block is symmetric.
 function turned( [ x, y, z ] ) {
 
 	let [ cos, sin ] = [ x[ 0 ] + y[ 1 ], x[ 1 ] - y[ 0 ] ];

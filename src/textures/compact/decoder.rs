@@ -2,7 +2,7 @@
 
 use super::coded::{CHANNELS, Coded, MOST_ENTRIES, MOST_POLYNOMIALS};
 
-/// A texture, RGBA. Texels run along x, then y, then z.
+/// A texture in RGBA. Texels run along x, then y, then z.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
     pub name: &'static str,
@@ -14,21 +14,21 @@ pub struct Texture {
 
 const CEILING: f64 = 0.9999 * std::f64::consts::FRAC_PI_2;
 
-/// The textures of a compact form: `ltc_matrix_a`, `ltc_matrix_b` and `ltc_terms` of layout `reflected`, `LTC_1` and `LTC_2`
-/// of `ltc2017`.
+/// The textures of a compact form: `ltc_matrix_a`, `ltc_matrix_b` and `ltc_terms` for layout `reflected`, `LTC_1` and
+/// `LTC_2` for `ltc2017`.
 ///
 /// # Errors
-/// Other bytes, and other layouts.
+/// The bytes are not a compact form, or have another layout.
 pub fn decode(bytes: &[u8]) -> Result<Vec<Texture>, &'static str> {
     let mut reader = Reader { bytes };
     if reader.take::<8>()? != *b"LTCcomp1" {
-        return Err("no compact table of version 1");
+        return Err("not a compact table of version 1");
     }
     let (_brdf, _lobe, layout) = (reader.name()?, reader.name()?, reader.name()?);
     let is_reflected = match layout {
         b"reflected" => true,
         b"ltc2017" => false,
-        _ => return Err("a layout that this decoder makes no textures of"),
+        _ => return Err("this decoder does not support the layout"),
     };
     let (mut nodes, mut counts, mut ranges) = ([0; 4], [0; 4], [[0.0; 2]; 4]);
     for axis in 0..4 {
@@ -36,13 +36,13 @@ pub fn decode(bytes: &[u8]) -> Result<Vec<Texture>, &'static str> {
         counts[axis] = usize::from(reader.take::<1>()?[0]);
         ranges[axis] = [f64::from_le_bytes(reader.take()?), f64::from_le_bytes(reader.take()?)];
         if counts[axis] < 1 || counts[axis] > nodes[axis].min(MOST_POLYNOMIALS) {
-            return Err("nodes or polynomials that no table has");
+            return Err("invalid number of nodes or polynomials");
         }
     }
     let entries = nodes.iter().try_fold(1_usize, |product, n| product.checked_mul(*n));
     let entries = entries.filter(|entries| *entries <= MOST_ENTRIES).ok_or("too many entries")?;
     if !is_reflected && nodes[1] * nodes[3] != 1 {
-        return Err("an isotropic layout with several ratios or phi");
+        return Err("an isotropic layout must have one ratio and one phi");
     }
     let [stored, corrected] = [u16::from_le_bytes(reader.take()?), u16::from_le_bytes(reader.take()?)];
     let correction_steps = f32::from_le_bytes(reader.take()?);
@@ -107,8 +107,8 @@ pub fn decode(bytes: &[u8]) -> Result<Vec<Texture>, &'static str> {
     Ok(made.into())
 }
 
-/// What a cap of directions is seen as above the horizon, as a part of what it were straight ahead without one: `c` is the
-/// cosine of its elevation, `length` that of its vector form factor.
+/// The form factor of a spherical cap above the horizon, divided by that of the whole cap straight ahead. `c` is the
+/// cosine of the angle between the normal and the cap's middle; `length` is that of its vector form factor.
 fn clipped_form_factor(c: f64, length: f64) -> f64 {
     if c.abs() >= length.sqrt() {
         return c.max(0.0);
@@ -141,14 +141,14 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Three columns.
+/// A matrix of three columns.
 type Matrix = [[f64; 3]; 3];
 
 fn times(a: &Matrix, b: &Matrix) -> Matrix {
     b.map(|c| std::array::from_fn(|i| a[0][i] * c[0] + a[1][i] * c[1] + a[2][i] * c[2]))
 }
 
-/// The matrix beside the reflection, of an entry's numbers; zeros where a lobe is symmetric in a plane.
+/// The matrix of layout reflected from an entry's numbers; zeros where a lobe is symmetric in a plane.
 fn beside_reflection(numbers: [f64; CHANNELS], in_x: bool, in_y: bool) -> Matrix {
     let [p, mut l, q, mut across, mut along, mut row_x, mut row_y, ..] = numbers;
     if in_y {
@@ -167,7 +167,7 @@ fn beside_reflection(numbers: [f64; CHANNELS], in_x: bool, in_y: bool) -> Matrix
     let k = 1.0 / (1.0 + z);
     let frame = [[1.0 - x * x * k, -x * y * k, -x], [-x * y * k, 1.0 - y * y * k, -y], [x, y, z]];
     let [x, y, z] = times(&frame, &[[a, b, f], [b, d, g], [0.0, 0.0, 1.0]]);
-    // The first two columns turn until their upper block is symmetric.
+    // Rotate the first two columns so that their upper block is symmetric.
     let (cos, sin) = (x[0] + y[1], x[1] - y[0]);
     let length = (cos * cos + sin * sin).sqrt();
     if length.is_nan() || length <= 0.0 {

@@ -1,12 +1,12 @@
 //! A table in its compact form: the bytes alone, or with a decoder in JavaScript, Rust or WGSL.
 
-// What `compact-rust` writes, in this program.
+// The decoder that `compact-rust` writes, compiled into this program.
 #[cfg(test)]
-#[allow(unreachable_pub, clippy::pedantic, dead_code, reason = "a module that stands alone in other crates")]
+#[allow(unreachable_pub, clippy::pedantic, dead_code, reason = "other crates compile this module on its own")]
 #[path = "../../files/compact/decoder.rs"]
 mod coded;
 #[cfg(test)]
-#[allow(unreachable_pub, clippy::pedantic, reason = "a module that stands alone in other crates")]
+#[allow(unreachable_pub, clippy::pedantic, reason = "other crates compile this module on its own")]
 mod decoder;
 mod wgsl;
 
@@ -17,38 +17,38 @@ use ltcforge_files::compact::{self, CompactError, LAYOUTS, check_lobes, encode_l
 use ltcforge_fit::{Layout, Table, named_list};
 
 named_list! {
-    /// A file that holds a table's compact form.
+    /// A file with a table's compact form.
     pub enum CompactContainer {
         /// The bytes, as `ltcforge_files::compact` describes them.
         Bytes = "compact",
-        /// An ES module: the bytes in base64, and what makes textures of them.
+        /// An ES module: the bytes in base64, and functions that make textures of them.
         JavaScript = "compact-js",
-        /// The bytes, and a module of Rust that decodes them, without a crate.
+        /// The bytes, and a Rust module that decodes them without a crate.
         Rust = "compact-rust",
-        /// The bytes, and a module of WGSL that decodes them on the GPU.
+        /// The bytes, and a WGSL module that decodes them on the GPU.
         Wgsl = "compact-wgsl",
     }
 }
 
-/// Why a table has no such files.
+/// The table has no such files.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CompactFileError {
-    /// No compact form has its layout, or this decoder makes no textures of it.
+    /// The layout has no compact form, or the decoder makes no textures of it.
     #[error(
-        "{container} is for tables of layouts {allowed}, and this one has {layout}; this recipe gives a table that serves: \
+        "{container} supports layouts {allowed}, but the table has layout {layout}; this recipe gives a supported table: \
          {recipe}"
     )]
     Layout {
         /// The container's name.
         container: &'static str,
-        /// The layouts that it has.
+        /// The layouts that the container supports.
         allowed: String,
         /// The table's layout.
         layout: Layout,
-        /// A recipe that serves.
+        /// A recipe whose table has a supported layout.
         recipe: String,
     },
-    /// Its numbers have no compact form.
+    /// The numbers of the table have no compact form.
     #[error(transparent)]
     Form(#[from] CompactError),
 }
@@ -56,7 +56,7 @@ pub enum CompactFileError {
 /// The decoder in JavaScript.
 const DECODER: &str = include_str!("decoder.js");
 
-/// Makes textures of the bytes, in Rust, by means of [`compact::DECODER`].
+/// Makes textures of the bytes in Rust, with [`compact::DECODER`].
 const RUST_DECODER: &str = include_str!("decoder.rs");
 
 /// The module's own functions.
@@ -77,7 +77,7 @@ export function createTable() {
 ";
 
 impl CompactContainer {
-    /// The layouts whose tables it holds.
+    /// The layouts that the container supports.
     fn layouts(self) -> &'static [Layout] {
         match self {
             Self::Bytes | Self::JavaScript => &LAYOUTS,
@@ -85,7 +85,7 @@ impl CompactContainer {
         }
     }
 
-    /// Whether a table has a layout that this container holds.
+    /// Checks that the container supports the layout of a table.
     pub(super) fn check(self, table: &Table) -> Result<(), CompactFileError> {
         let (layout, layouts) = (table.layout(), self.layouts());
         check_lobes(table)?;
@@ -105,17 +105,17 @@ impl CompactContainer {
         })
     }
 
-    /// The files, whose names begin with `stem`.
+    /// The files of a table; their names begin with `stem`.
     ///
     /// # Errors
-    /// When the table has no such form.
+    /// The table has no compact form.
     pub fn files(self, stem: &str, table: &Table, about: &About) -> Result<Vec<TextureFile>, CompactFileError> {
         self.check(table)?;
         let forms = encode_lobes(table)?.into_iter().map(|encoded| encoded.bytes).collect();
         self.files_of_lobes(stem, forms, about)
     }
 
-    /// The files of the compact forms of a table's lobes; the names of a second lobe's begin with `stem` and `_2`.
+    /// The files of the compact forms of a table's lobes. Names for the second lobe begin with `stem` and `_2`.
     pub(super) fn files_of_lobes(
         self,
         stem: &str,
@@ -127,7 +127,7 @@ impl CompactContainer {
         Ok(files.collect::<Result<Vec<_>, _>>()?.concat())
     }
 
-    /// The files of a compact form that this container holds.
+    /// The files of a compact form in this container.
     fn files_of(self, stem: &str, bytes: Vec<u8>, about: &About) -> Result<Vec<TextureFile>, CompactFileError> {
         let file = |ending: &str, bytes: Vec<u8>| TextureFile {
             path: format!("{stem}.{ending}"),
@@ -159,7 +159,7 @@ impl CompactContainer {
         })
     }
 
-    /// Instructions for the files, a sentence each.
+    /// Instructions for the files, one sentence each.
     #[must_use]
     pub fn steps(self, stem: &str) -> Vec<String> {
         match self {
@@ -175,7 +175,7 @@ impl CompactContainer {
                 "Include {stem}.compact.rs by #[path = \"{stem}.compact.rs\"] mod ltc; and call ltc::textures() once at load."
             )],
             Self::Wgsl => vec![format!(
-                "Bind {stem}.compact as {stem}.compact.wgsl says, and run its two passes once: its texels are the textures."
+                "Bind {stem}.compact as {stem}.compact.wgsl describes, and run its two passes once. Its texels are the textures."
             )],
         }
     }

@@ -1,4 +1,4 @@
-//! The module in JavaScript, run by Node.js, against the decoder in Rust.
+//! The JavaScript module, run by Node.js, compared with the decoder in Rust.
 
 use std::{fs, process::Command};
 
@@ -25,7 +25,7 @@ write( 'nodes', Float32Array.from( Object.values( table.axes ).flatMap( nodes =>
 if ( process.argv[ 2 ] === 'textures' ) createTextures().forEach( ( texture, i ) => write( 'texture' + i, texture.data ) );
 ";
 
-/// Runs the module of a table; the arrays of the names, or `None` without Node.js.
+/// Runs the module of a table. The arrays by name, or `None` without Node.js.
 fn run(table: &Table, textures: bool) -> Option<tempfile::TempDir> {
     if Command::new("node").arg("--version").output().is_err() {
         eprintln!("SKIPPED: no node on this machine, so the decoder in JavaScript is not run");
@@ -56,8 +56,8 @@ fn wavy(layout: Layout, has_terms: bool) -> Table {
     })
 }
 
-/// Layout `reflected` needs only arithmetic that has the same bits everywhere; the others sines of the platform as
-/// well.
+/// Layout `reflected` uses only arithmetic with the same bits on every platform. The other layouts also use the
+/// platform's sines.
 #[test]
 fn javascript_decodes_the_same_numbers() {
     for layout in &LAYOUTS {
@@ -116,7 +116,7 @@ fn javascript_makes_an_engine_s_textures() {
     }
 }
 
-/// The textures that a module of Rust made, by the program that rustc makes of it.
+/// The textures that a Rust module makes, in a program compiled by rustc.
 #[test]
 fn rust_makes_the_textures() {
     const PRINT: &str = "#[path = \"ltc.compact.rs\"]

@@ -6,21 +6,22 @@ use crate::about::About;
 use ltcforge_files::compact::{CompactError, Outline};
 use ltcforge_fit::Layout;
 
-/// The parts of the decoder, each after those it needs.
+/// The parts of the decoder, each after the parts it needs.
 const SOURCES: [&str; 4] =
     [ltcforge_wgsl::LTC_MATH, ltcforge_wgsl::LAYOUT_REFLECTED, ltcforge_wgsl::LTC_SMOOTH, ltcforge_wgsl::LTC_DECODE];
-/// Integers that a dispatch of the first pass reads, and that it leaves to the next beside those: as in the shader.
+/// The integers that a dispatch of the first pass reads, and the extra integers that it leaves to the next, as in the
+/// shader.
 const AT_ONCE: usize = 1024;
 const STATE: usize = 2 * 339 + 4;
 
-/// The sizes of the buffers that a host makes for the decoder.
+/// The sizes of the buffers that a host creates for the decoder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Sizes {
     /// Integers of a channel.
     slot: usize,
-    /// Entries of the table, and texels of each texture.
+    /// Entries of the table, which is also the number of texels of each texture.
     entries: usize,
-    /// Textures.
+    /// The number of textures.
     textures: usize,
 }
 
@@ -34,10 +35,10 @@ impl Sizes {
     }
 }
 
-/// The module that decodes these bytes.
+/// The WGSL module that decodes these bytes.
 ///
 /// # Errors
-/// When the bytes are no compact form.
+/// The bytes are not a compact form.
 pub(super) fn module(bytes: &[u8], about: &About) -> Result<String, CompactError> {
     let outline = Outline::of(bytes)?;
     let mut out = about.comment();
@@ -62,11 +63,11 @@ fn write_module(out: &mut String, bytes: usize, outline: &Outline) -> std::fmt::
         "//\n// Rebuilds the table's textures at load. SPDX-License-Identifier: MIT OR Apache-2.0\n//\n\
          // BINDINGS of group 0\n\
          //   0  storage, read:        {:>9} bytes: the file ltc.compact and zeros after it\n\
-         //   1  storage, read_write:  {:>9} bytes: for the decoder alone, zeros\n\
+         //   1  storage, read_write:  {:>9} bytes: scratch memory of the decoder, zeros\n\
          //   2  storage, read_write:  {:>9} bytes: RGBA of 32 bits, {names}, each {size}\n\
          // PASSES\n\
-         //   ltc_read, {} times a dispatch of 1 workgroup; then ltc_expand, {} workgroups. Copy the texels to textures of\n\
-         //   16 or 32 bits, or leave them in the buffer.\n",
+         //   ltc_read, {} dispatches of 1 workgroup; then ltc_expand, {} workgroups. Copy the texels to textures of 16 or\n\
+         //   32 bits, or leave them in the buffer.\n",
         bytes.next_multiple_of(4),
         4 * (9 * slot + STATE),
         16 * textures * entries,

@@ -8,10 +8,10 @@ use super::rules::Stored;
 use crate::{about::About, digits::shortest};
 use ltcforge_fit::Precision;
 
-/// One header with all textures: arrays of `float`, or of `uint16_t` that are the bits of halves.
+/// A header with all textures: arrays of `float`, or of `uint16_t` with the bits of halves.
 ///
-/// The guard and the arrays have names of their own for each table and layout, so that headers of several can be
-/// included together. Short names stand for them unless `LTCFORGE_LONG_NAMES` is defined before.
+/// The guard and the arrays have different names for each table and layout, so that a program can include several
+/// headers. Short names are defined too, unless `LTCFORGE_LONG_NAMES` is defined before.
 pub(super) fn text(stem: &str, textures: &[Stored<'_>], about: &About) -> String {
     let suffix = about.suffix();
     let guard = format!("ltcforge_{stem}{suffix}_h").to_ascii_uppercase();
@@ -43,7 +43,7 @@ pub(super) fn text(stem: &str, textures: &[Stored<'_>], about: &About) -> String
     text
 }
 
-/// The constants that tell a texture's sizes.
+/// The constants for the sizes of a texture.
 pub(super) fn sides(stored: &Stored<'_>) -> [(&'static str, usize); 5] {
     let texture = stored.texture;
     let [width, height, depth, layers] =
@@ -51,7 +51,7 @@ pub(super) fn sides(stored: &Stored<'_>) -> [(&'static str, usize); 5] {
     [("WIDTH", width), ("HEIGHT", height), ("DEPTH", depth), ("LAYERS", layers), ("CHANNELS", texture.channels.len())]
 }
 
-/// The numbers as code has them: floats by `single`, halves as their bits.
+/// The numbers as code: floats in the form of `single`, halves as their bits.
 pub(super) fn numbers(stored: &Stored<'_>, single: impl Fn(f32) -> String) -> String {
     match stored.rounded.precision {
         Precision::F32 => stored.rows(single),
@@ -59,7 +59,7 @@ pub(super) fn numbers(stored: &Stored<'_>, single: impl Fn(f32) -> String) -> St
     }
 }
 
-/// A number that is a float in every language: with a point or an exponent.
+/// A number that is a float in every language, with a point or an exponent.
 pub(super) fn float(x: f32) -> String {
     let text = shortest(x, Precision::F32);
     if text.contains(['.', 'e']) { text } else { text + ".0" }

@@ -8,9 +8,9 @@ use super::{
 };
 use crate::about::About;
 
-/// One static class with all textures, `Ltcforge` with layout and digits of the table behind it, so that those of
-/// several tables can be compiled together: arrays of `float`, or of `ushort` that are the bits of halves, which is
-/// what Unity's `Texture2D.SetPixelData` takes.
+/// A static class with all textures, as arrays of `float`, or of `ushort` with the bits of halves, which Unity's
+/// `Texture2D.SetPixelData` accepts. Its name is `Ltcforge` plus layout and digits of the table, so that a program can
+/// compile several classes.
 pub(super) fn text(textures: &[Stored<'_>], about: &About) -> String {
     let mut text = format!("{}\npublic static class Ltcforge{}\n{{", about.comment(), about.suffix());
     for stored in textures {

@@ -1,7 +1,7 @@
 //! `OpenEXR`: a picture with named channels.
 //!
-//! A part for each slice of a 3D texture or an array, in order, named after the texture and its place. Lines are not
-//! compressed, so that the bytes do not depend on a compressor's version. What the file says of itself is the attribute
+//! There is a part for each slice of a 3D texture or an array, in order, named after the texture and its slice. Lines
+//! are not compressed, so the bytes do not depend on the version of a compressor. Comments are in the attribute
 //! `comments` of each part.
 
 use std::io::Cursor;
@@ -21,7 +21,7 @@ pub(super) fn encode(stored: &Stored<'_>, about: &About) -> Result<Vec<u8>, Text
     let texture = stored.texture;
     let size = Vec2(texture.width as usize, texture.height as usize);
     let slice_numbers = size.0 * size.1 * texture.channels.len();
-    // UTF-8, as OpenEXR's own library has it; the crate's checked constructors know Latin-1 alone.
+    // OpenEXR's own library uses UTF-8; the crate's checked constructors accept only Latin-1.
     let comments = Text::from_slice_unchecked(about.lines().join("\n").as_bytes());
     let mut layers: Vec<Layer<AnyChannels<FlatSamples>>> = Vec::new();
     for (place, slice) in stored.rounded.numbers.chunks_exact(slice_numbers).enumerate() {

@@ -9,7 +9,7 @@ use super::{
 use crate::{about::About, digits::shortest};
 use ltcforge_fit::Precision;
 
-/// One module with all textures: `Float32Array`, or a `Uint16Array` of the bits of halves, which is what WebGL takes.
+/// A module with all textures: `Float32Array`, or a `Uint16Array` with the bits of halves, which WebGL accepts.
 pub(super) fn text(textures: &[Stored<'_>], about: &About) -> String {
     let mut text = about.comment();
     for stored in textures {

@@ -5,15 +5,15 @@ use serde_json::{Value, json};
 use super::rules::Stored;
 use crate::{about::About, digits::shortest};
 
-/// One document with all textures. Numbers have the shortest digits from which the stored number comes back, for 16
-/// bits the stored half.
+/// A document with all textures. Numbers have the shortest digits that give the stored number again; for 16 bits, the
+/// stored half.
 pub(super) fn text(textures: &[Stored<'_>], about: &About) -> String {
     let texts: Vec<String> = textures.iter().map(texture).collect();
     let about = json!(about.lines());
     format!("{{\"about\": {about},\n\"textures\": [{}]}}\n", texts.join(",\n"))
 }
 
-/// The numbers are text already: a value would print them in digits of its own.
+/// The numbers are written as text, because a JSON value would print other digits.
 fn texture(stored: &Stored<'_>) -> String {
     let numbers = stored.rows(|x| shortest(x, stored.rounded.precision));
     let head = head(stored).to_string();

@@ -30,11 +30,11 @@ use ltcforge_fit::{Precision, named_list};
 named_list! {
     /// A file format that holds textures.
     pub enum TextureContainer {
-        /// Khronos' KTX 2.0, uncompressed: what any loader of KTX2 reads.
+        /// Khronos' KTX 2.0, uncompressed, for any loader of KTX2.
         Ktx2 = "ktx2",
         /// KTX 2.0 with zstd supercompression.
         Ktx2Zstd = "ktx2-zstd",
-        /// `DirectDraw` Surface with the header of Direct3D 9, or, where that cannot hold the texture, of Direct3D 10.
+        /// `DirectDraw` Surface with the header of Direct3D 9, or of Direct3D 10 if the texture requires it.
         Dds = "dds",
         /// `DirectDraw` Surface with the header of Direct3D 10.
         DdsDx10 = "dds-dx10",
@@ -44,7 +44,7 @@ named_list! {
         Npy = "npy",
         /// `NumPy`'s archive of arrays, uncompressed.
         Npz = "npz",
-        /// The numbers alone, little-endian, beside a JSON document that says what they are.
+        /// The numbers alone, little-endian, next to a JSON document that describes them.
         Raw = "raw",
         /// Arrays for C and C++.
         CHeader = "c",
@@ -54,16 +54,16 @@ named_list! {
         CSharp = "csharp",
         /// An ES module that exports typed arrays.
         JavaScript = "js",
-        /// Arrays of numbers.
+        /// JSON arrays of numbers.
         Json = "json",
     }
 }
 
 impl TextureContainer {
-    /// The files that hold these textures: one, whose name begins with `stem`, or one for each texture.
+    /// The files with these textures: a single file whose name begins with `stem`, or one file for each texture.
     ///
     /// # Errors
-    /// When a texture is faulty, two have one name, or the format cannot hold one.
+    /// A texture is inconsistent, two textures have the same name, or the format cannot store a texture.
     pub fn files(
         self,
         stem: &str,

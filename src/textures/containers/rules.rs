@@ -13,14 +13,14 @@ pub(crate) struct Stored<'a> {
     pub(crate) rounded: Rounded,
 }
 
-/// Textures that were checked, rounded to a precision.
+/// Checked textures, rounded to a precision.
 pub(crate) fn stored(textures: &[Texture], precision: Precision) -> Result<Vec<Stored<'_>>, TextureFileError> {
     if textures.is_empty() {
         return Err(TextureFileError::Empty);
     }
     for (i, texture) in textures.iter().enumerate() {
         texture.check()?;
-        // File systems may not tell upper from lower case.
+        // Some file systems ignore case.
         if textures[..i].iter().any(|other| other.name.eq_ignore_ascii_case(&texture.name)) {
             return Err(TextureFileError::SameName { name: texture.name.clone() });
         }
@@ -28,13 +28,13 @@ pub(crate) fn stored(textures: &[Texture], precision: Precision) -> Result<Vec<S
     Ok(textures.iter().map(|texture| Stored { texture, rounded: round_texture(texture, precision) }).collect())
 }
 
-/// What rounding changed of the numbers of all these textures.
+/// The combined rounding error of all these textures.
 pub(crate) fn rounding_of<'a>(textures: impl IntoIterator<Item = &'a Stored<'a>>) -> RoundingError {
     textures.into_iter().fold(RoundingError::default(), |all, one| all.and(one.rounded.error))
 }
 
 impl Stored<'_> {
-    /// A sentence for comments: sizes, layers, channels.
+    /// A sentence for comments: sizes, layers and channels.
     pub(super) fn described(&self) -> String {
         let Texture { width, height, depth, layers, .. } = self.texture;
         let depth = if *depth > 1 { format!(" x {depth}") } else { String::new() };
@@ -44,13 +44,13 @@ impl Stored<'_> {
         format!("{width} x {height}{depth}{layers}; {channels} of each texel; x fastest, then y, z, layer; {kind}")
     }
 
-    /// The numbers in rows of one texel each, or of one row of short texels.
+    /// The numbers in rows: one row for each texel, or for several short texels.
     pub(super) fn rows(&self, number: impl Fn(f32) -> String) -> String {
         let row = |texel: &[f32]| texel.iter().map(|x| number(*x)).collect::<Vec<_>>().join(",");
         self.rounded.numbers.chunks(self.texture.channels.len().max(4)).map(|texel| row(texel) + ",\n").collect()
     }
 
-    /// Refuses a texture with more channels than graphics interfaces have.
+    /// Rejects a texture with more channels than graphics interfaces support.
     pub(super) fn at_most_four(&self, container: &'static str) -> Result<(), TextureFileError> {
         let channels = self.texture.channels.len();
         if channels <= 4 {

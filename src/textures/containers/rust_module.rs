@@ -8,7 +8,7 @@ use super::{
 };
 use crate::about::About;
 
-/// One module with all textures: statics of `f32`, or of `u16` that are the bits of halves.
+/// A module with all textures: statics of `f32`, or of `u16` with the bits of halves.
 pub(super) fn text(textures: &[Stored<'_>], about: &About) -> String {
     let mut text = about.comment();
     for stored in textures {

@@ -1,4 +1,5 @@
-//! Each format is read back by another's reader, and where that is the writer's crate, by its published offsets too.
+//! Each format is read back by a reader of another crate, or, if reader and writer are one crate, by published offsets
+//! too.
 
 use std::io::Cursor;
 
@@ -15,7 +16,7 @@ fn about() -> About {
     About::new(ABOUT)
 }
 
-/// Numbers of all sizes, a row of which no other has.
+/// Numbers of all sizes, different in each row.
 fn planted(sides: [u32; 3], layers: u32, channels: usize) -> Texture {
     let names = ["r", "g", "b", "a", "fifth"];
     let count = sides.iter().product::<u32>() as usize * layers as usize * channels;
@@ -48,7 +49,7 @@ fn unzstd(bytes: &[u8]) -> Vec<u8> {
     data
 }
 
-/// The numbers of KTX2's only level, and that every field says what the texture is.
+/// The numbers of a KTX2 file with one level. Checks that every field describes the texture.
 fn read_ktx2(file: &[u8], texture: &Texture, precision: Precision, zstd: bool) -> Vec<f32> {
     let reader = ::ktx2::Reader::new(file).expect("KTX2");
     let header = reader.header();
@@ -100,7 +101,7 @@ fn read_dds(file: &[u8], texture: &Texture, precision: Precision) -> Vec<f32> {
     numbers(&dds.data, precision)
 }
 
-/// The numbers of an EXR's parts, channels put back into the texture's order.
+/// The numbers of an EXR's parts, with channels in the texture's order.
 fn read_exr(file: &[u8], texture: &Texture) -> Vec<f32> {
     use ::exr::prelude::{ReadChannels as _, ReadLayers as _, read};
     let image = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
@@ -123,7 +124,7 @@ fn read_exr(file: &[u8], texture: &Texture) -> Vec<f32> {
     texels
 }
 
-/// The numbers of an array, and that its header says what the texture is.
+/// The numbers of an array. Checks that its header describes the texture.
 fn read_npy(file: &[u8], texture: &Texture, precision: Precision) -> Vec<f32> {
     assert_eq!(&file[..8], b"\x93NUMPY\x01\x00");
     let length = usize::from(u16::from_le_bytes([file[8], file[9]]));
@@ -152,7 +153,7 @@ fn read_npz(file: &[u8], texture: &Texture, precision: Precision) -> Vec<f32> {
     read_npy(&member("LTC_1.npy"), texture, precision)
 }
 
-/// The numbers between the brackets behind `before`.
+/// The numbers in the brackets after `before`.
 fn numbers_of_text(text: &str, before: &str, precision: Precision) -> Vec<f32> {
     let (_, rest) = text.split_once(before).unwrap_or_else(|| panic!("«{before}» in {text}"));
     let end = rest.find([']', '}']).expect("an end");
@@ -299,8 +300,8 @@ fn what_rounding_changed_is_told_of_the_file_that_has_it() {
     let textures = [texture("LTC_1", 1), texture("LTC_2", 2)];
     for container in TextureContainer::ALL {
         let files = container.files("ltc", &textures, Precision::F16, &about()).expect("files");
-        let told = files.iter().map(|file| file.rounding.raised).sum::<u64>();
-        assert_eq!(told, 3, "{container}");
+        let reported = files.iter().map(|file| file.rounding.raised).sum::<u64>();
+        assert_eq!(reported, 3, "{container}");
         for (name, raised) in [("LTC_1.", 1), ("LTC_2.", 2)] {
             if let Some(file) = files.iter().find(|file| file.path.starts_with(name)) {
                 assert_eq!(file.rounding.raised, raised, "{container}: {}", file.path);
@@ -309,7 +310,7 @@ fn what_rounding_changed_is_told_of_the_file_that_has_it() {
     }
 }
 
-/// Two tables of one layout, and two layouts, in one program. Rust and JavaScript have modules for that.
+/// Two tables of one layout, and two layouts, in one program. Rust and JavaScript have modules for this.
 #[test]
 fn code_of_several_tables_can_be_compiled_together() {
     use ltcforge_files::digest::Digest;

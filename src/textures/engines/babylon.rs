@@ -1,9 +1,9 @@
 //! Babylon.js, as of `@babylonjs/core` 9.34.0 (npm).
 //!
-//! `Lights/LTC/ltcTextureTool` loads `areaLights/areaLightsLTC.bin` below the folder of core assets, which
-//! `Tools.AssetBaseUrl` replaces, and reads 16-bit words as the page's processor orders them, which is little-endian:
-//! eight halves a texel, the first four of texture 1, the others of texture 2. `ltcHelperFunctions` samples at
-//! roughness and sqrt(1 - cos theta), with the half texel of 64 x 64 written into the shader.
+//! `Lights/LTC/ltcTextureTool` loads `areaLights/areaLightsLTC.bin` from the folder of core assets, which
+//! `Tools.AssetBaseUrl` replaces. It reads 16-bit words in the processor's byte order, which is little-endian. Each
+//! texel has eight halves, the first four of texture 1, the others of texture 2. `ltcHelperFunctions` samples at
+//! roughness and sqrt(1 - cos theta). The shader contains the half texel of 64 x 64 as a constant.
 
 use super::rules::{Source, file};
 use crate::{bundle::Bundle, file::TextureFileError};
@@ -16,7 +16,7 @@ pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
     let bytes = texels.flat_map(|(one, two)| one.iter().chain(two)).flat_map(|half| half.to_le_bytes()).collect();
     let steps = [
         "Serve this folder, and before the first area light set Tools.AssetBaseUrl to its URL (checked with 9.34).",
-        "AssetBaseUrl stands for https://assets.babylonjs.com/core: what else a page takes from there has to lie here too.",
+        "AssetBaseUrl replaces https://assets.babylonjs.com/core: copy all other files that the page loads from there, too.",
     ];
     let path = "areaLights/areaLightsLTC.bin";
     Ok(Bundle { files: vec![file(path, bytes, &[&first, &second])], steps: steps.map(str::to_owned).into() })

@@ -1,4 +1,4 @@
-//! Bevy, as of 0.19 and its development branch (read in copies of its sources).
+//! Bevy 0.19 and its development branch (from copies of its sources).
 //!
 //! `bevy_pbr` with feature `area_light_luts` embeds `crates/bevy_pbr/src/ltc/ltc.ktx2`: an array of two layers of 64 x
 //! 64, `R16G16B16A16_SFLOAT`, zstd. The render world's resource `AreaLightLuts { image }` replaces it at run time.

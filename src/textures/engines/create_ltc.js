@@ -1,9 +1,9 @@
-// The four textures, made with the classes of THREE, the namespace of the three.js that renders. WebGLRenderer:
+// Makes the four textures. THREE is the namespace of the three.js that renders. With WebGLRenderer:
 //     import * as THREE from 'three';
 //     import { RectAreaLightUniformsLib } from 'three/addons/lights/RectAreaLightUniformsLib.js';
 //     RectAreaLightUniformsLib.init();
 //     Object.assign( THREE.UniformsLib, createLTC( THREE ) );
-// WebGPURenderer:
+// With WebGPURenderer:
 //     import * as THREE from 'three/webgpu';
 //     THREE.RectAreaLightNode.setLTC( createLTC( THREE ) );
 export function createLTC( THREE ) {
@@ -37,8 +37,8 @@ function bytesOf( base64 ) {
 
 }
 
-// The lowest bytes of all numbers come first, the highest last, and each time one channel after another: like beside like is
-// short where text is compressed.
+// The lowest bytes of all numbers come first and the highest last, each for one channel after another. Text in this order
+// compresses well.
 function floatsOf( sorted ) {
 
 	const bytes = new Uint8Array( sorted.length );
@@ -54,7 +54,8 @@ function floatsOf( sorted ) {
 
 }
 
-// Each number becomes one of the two halfs around it, so that lobes move least: a bit tells whether the one farther from zero.
+// Each number becomes one of its two neighbouring halfs, selected so that lobes move least. A bit selects the half farther
+// from zero.
 function halfsOf( floats, farther ) {
 
 	return Uint16Array.from( new Uint32Array( floats.buffer ), ( word, i ) => {

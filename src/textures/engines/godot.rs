@@ -1,7 +1,7 @@
-//! Godot, as of its sources with `AreaLight3D` (read in copies of them).
+//! Godot, sources with `AreaLight3D` (from copies of them).
 //!
-//! `servers/rendering/storage/make_ltc_lut.py` compiles two DDS files into the engine: it drops the first 148 bytes of
-//! each, which is the header of Direct3D 10, and takes the rest as 64 x 64 texels of four 32-bit numbers.
+//! `servers/rendering/storage/make_ltc_lut.py` compiles two DDS files into the engine. It drops the first 148 bytes of
+//! each file, which are the header of Direct3D 10. The rest are 64 x 64 texels of four 32-bit numbers.
 
 use super::rules::{Source, file};
 use crate::{bundle::Bundle, containers::dx10, file::TextureFileError};

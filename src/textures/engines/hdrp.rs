@@ -1,11 +1,12 @@
-//! Unity's High Definition Render Pipeline, as of its sources of 2023 and later (read in copies of them).
+//! Unity's High Definition Render Pipeline, sources of 2023 and later (from copies of them).
 //!
-//! `LTCAreaLight.cs` fills the layers of a 64 x 64 array of `R16G16B16A16_SFloat`, one a scattering model, with arrays of the
-//! bits of halves: layer 0 with `s_LtcMatrixData_BRDF_GGX` in `Generated/LtcData.BRDF_GGX.cs`, and others likewise. Of those
-//! that we fit, GGX, Disney (Burley's diffuse reflection) and Charlie have the shader's formulas; its Oren-Nayar is that of
-//! 1994 and not ours (docs/engines.md). The shader samples at perceptual roughness and
-//! `sqrt(1 - cos theta)`, and takes a texel as elements 00, 02, 11 and 20 of the transposed inverse over element 22.
-//! Amplitude and Fresnel term come from a table of another kind, which stays.
+//! `LTCAreaLight.cs` fills the layers of a 64 x 64 array of `R16G16B16A16_SFloat`, one layer for each scattering model,
+//! from arrays with the bits of halves. Layer 0 comes from `s_LtcMatrixData_BRDF_GGX` in
+//! `Generated/LtcData.BRDF_GGX.cs`, and the others from similar files. Of our scattering models, GGX, Disney (Burley's
+//! diffuse reflection) and Charlie have the shader's formulas. Its Oren-Nayar is the model of 1994 and not ours
+//! (docs/engines.md). The shader samples at perceptual roughness and `sqrt(1 - cos theta)`. A texel has elements 00,
+//! 02, 11 and 20 of the transposed inverse over element 22. Amplitude and Fresnel term come from another table, which
+//! stays.
 
 use super::rules::{FIRST, SIZE, Source, file};
 use crate::{bundle::Bundle, file::TextureFileError};

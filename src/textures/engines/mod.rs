@@ -1,7 +1,7 @@
-//! Game engines, one file each: the layout that an engine loads, the files and their names, and where they go.
+//! Game engines, one file each: the layout that an engine loads, its files with their names, and their destination.
 //!
-//! An engine's expectations were read in its sources, in the version that its file names; a new version may differ. A
-//! new engine needs a file and a line in [`Engine`].
+//! Each file states the version of the engine whose sources were read; another version may differ. A new engine needs a
+//! file and a line in [`Engine`].
 
 mod babylon;
 mod bevy;
@@ -18,7 +18,7 @@ use super::{about::About, bundle::Bundle, file::TextureFileError, texture::Textu
 use ltcforge_fit::{BrdfKind, ShaderAxes, named_list};
 
 named_list! {
-    /// A renderer that has area lights by LTC tables, or that takes ours.
+    /// A renderer with area lights by LTC tables, or a renderer that can use ours.
     pub enum Engine {
         /// three.js.
         Three = "three",
@@ -34,13 +34,13 @@ named_list! {
         O3de = "o3de",
         /// Unity's High Definition Render Pipeline.
         Hdrp = "hdrp",
-        /// A renderer of one's own with the shader that `ltcforge shader` writes.
+        /// Your own renderer, with the shader that `ltcforge shader` writes.
         Wgpu = "wgpu",
     }
 }
 
 impl Engine {
-    /// The layout of its textures; `None` for that of the table.
+    /// The layout of its textures; `None` for the layout of the table.
     #[must_use]
     pub fn layout(self) -> Option<&'static str> {
         match self {
@@ -52,7 +52,7 @@ impl Engine {
         }
     }
 
-    /// The scattering models whose textures it lights with: a model of another name counts where the formulas agree.
+    /// The scattering models that its shaders support. A model with another name counts if the formulas agree.
     #[must_use]
     pub fn brdfs(self) -> &'static [BrdfKind] {
         const HDRP: [BrdfKind; 4] =
@@ -60,10 +60,10 @@ impl Engine {
         if self == Self::Hdrp { &HDRP } else { &HDRP[..1] }
     }
 
-    /// The files that this engine loads, made of textures of its layout of a table of `brdf`, and their manifest.
+    /// The files that this engine loads, from textures of its layout for a table of `brdf`, and their manifest.
     ///
     /// # Errors
-    /// When a texture is missing, or its size or channels are not those of the engine.
+    /// A texture is missing, or has other sizes or channels than the engine needs.
     pub fn bundle(
         self,
         brdf: BrdfKind,

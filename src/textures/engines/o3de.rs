@@ -1,15 +1,16 @@
-//! Open 3D Engine, as of its development branch (read in copies of its sources).
+//! Open 3D Engine, development branch (from copies of its sources).
 //!
 //! `LtcCommon.cpp` loads `textures/ltc/ltc_mat_lutrgba32f.dds` and `textures/ltc/ltc_amp_lutrg32f.dds` through the
 //! asset processor, from `Gems/Atom/Feature/Common/Assets/Textures/LTC`. `Ltc.azsli` samples at roughness and theta /
-//! (pi/2), takes the inverse as [1 0 w; 0 z 0; y 0 x] of a texel, and has a half texel of 32 x 32 written into it
-//! (`LUT_SIZE`): a texture of another size needs that line changed. `DdsLoader.cpp` reads the header of Direct3D 10.
+//! (pi/2), and builds the inverse as [1 0 w; 0 z 0; y 0 x] of a texel. It contains the half texel of 32 x 32 as a
+//! constant (`LUT_SIZE`), which must change for textures of another size. `DdsLoader.cpp` reads the header of Direct3D
+//! 10.
 
 use super::rules::{FIRST, SECOND, Source, file};
 use crate::{bundle::Bundle, containers::dx10, file::TextureFileError};
 use ltcforge_fit::Precision;
 
-/// The size that its shader is written for.
+/// The texture size in the shader.
 const SHADER_SIZE: u32 = 32;
 
 pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {

@@ -1,9 +1,9 @@
-//! `PlayCanvas`, as of 2.23.3 (npm).
+//! `PlayCanvas` 2.23.3 (npm).
 //!
-//! `app.setAreaLightLuts(m1, m2)` takes two arrays of 64 x 64 x 4 numbers and turns each number into a half itself
-//! (`AreaLightLuts.set`, `FloatPacking.float2Half`, which rounds to nearest). The file therefore has numbers that are
-//! halves already, in the digits that suffice for halves. The shader samples at max((1 - gloss)^2, 0.001) and
-//! sqrt(1 - cos theta), with the half texel of 64 x 64.
+//! `app.setAreaLightLuts(m1, m2)` takes two arrays of 64 x 64 x 4 numbers and rounds each number to the nearest half
+//! itself (`AreaLightLuts.set`, `FloatPacking.float2Half`). So the numbers in the file are halves already, with the
+//! digits that halves need. The shader samples at max((1 - gloss)^2, 0.001) and sqrt(1 - cos theta), with the half
+//! texel of 64 x 64.
 
 use std::fmt::Write as _;
 

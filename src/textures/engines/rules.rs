@@ -1,4 +1,4 @@
-//! An engine, and the data that its bundle is made of.
+//! An engine, and the data from which its bundle is made.
 
 use crate::{
     about::About,
@@ -8,20 +8,21 @@ use crate::{
 };
 use ltcforge_fit::{BrdfKind, Precision, ShaderAxes};
 
-/// The two textures that most engines have.
+/// The names of the two textures in most engines.
 pub(super) const FIRST: &str = "LTC_1";
 pub(super) const SECOND: &str = "LTC_2";
-/// Texels along each side of their textures.
+/// The size of these textures in texels.
 pub(super) const SIZE: u32 = 64;
 
-/// The data that a bundle is made of.
+/// The data from which a bundle is made.
 pub(crate) struct Source<'a> {
     pub(super) engine: &'static str,
     pub(super) textures: &'a [Texture],
-    /// The table's axes as shaders read them.
+    /// The axes of the table for shaders.
     pub(super) axes: &'a ShaderAxes,
     pub(super) about: &'a About,
-    /// The scattering model of the table, one of [`super::Engine::brdfs`] but for an engine that takes all.
+    /// The scattering model of the table. It is one of [`super::Engine::brdfs`], except for an engine that supports
+    /// all.
     pub(super) brdf: BrdfKind,
 }
 
@@ -44,12 +45,12 @@ impl Source<'_> {
         Err(TextureFileError::Missing { engine: self.engine, name, wanted: wanted(), found })
     }
 
-    /// Both textures of engines that have two.
+    /// Both textures of an engine that has two.
     pub(super) fn both(&self, precision: Precision) -> Result<[Stored<'_>; 2], TextureFileError> {
         Ok([self.square(FIRST, SIZE, precision)?, self.square(SECOND, SIZE, precision)?])
     }
 
-    /// The texture of a name.
+    /// The texture with this name.
     pub(super) fn named(
         &self,
         name: &'static str,
@@ -73,7 +74,7 @@ impl Source<'_> {
     }
 }
 
-/// A file of text whose numbers were rounded.
+/// A text file with rounded numbers.
 pub(super) fn file(path: &str, bytes: Vec<u8>, stored: &[&Stored<'_>]) -> TextureFile {
     TextureFile { path: path.to_owned(), bytes, rounding: rounding_of(stored.iter().copied()) }
 }

@@ -8,10 +8,10 @@ use crate::round;
 use ltcforge_files::digest::Digest;
 use ltcforge_fit::{BrdfKind, Layout, PerAxis, Precision};
 
-/// The file that tells what the others are.
+/// The manifest.
 const MANIFEST: &str = "ltcforge.json";
 
-/// Two textures with numbers that tell places apart.
+/// Two textures whose numbers identify their places.
 fn textures(size: u32) -> Vec<Texture> {
     let texture = |name: &str, scale: f32| {
         let count = (size * size * 4) as usize;
@@ -26,7 +26,7 @@ fn axes() -> ShaderAxes {
     Layout::Kt2022.shader_axes(&axes)
 }
 
-/// The textures that our own shader reads.
+/// The textures that our shader reads.
 fn own() -> Vec<Texture> {
     let of = |name| Texture::new(name, [1, 3, 2], 1, &["a", "b", "c", "d"], vec![0.5; 24]).expect("a texture");
     ["ltc_matrix_a", "ltc_matrix_b", "ltc_terms"].map(of).into()
@@ -56,7 +56,7 @@ fn each_bundle_has_steps_and_tells_its_files() {
     for engine in Engine::ALL {
         let bundle = bundle(*engine, 64);
         assert!(!bundle.steps.is_empty() && bundle.files.len() >= 2, "{engine}");
-        // The service has addresses for files of one folder, and of one below it.
+        // The service has addresses for files in one folder, and in one folder below it.
         assert!(bundle.files.iter().all(|file| file.path.split('/').count() <= 2), "{engine}");
         let manifest: Value = serde_json::from_str(text(&bundle, MANIFEST)).expect("JSON");
         let listed = manifest["files"].as_array().expect("files");
@@ -182,8 +182,8 @@ fn three_unpacks_every_number_and_its_half() {
         eprintln!("SKIPPED: no node on this machine, so the module for three.js is not run");
         return;
     }
-    // Beyond the halves, between their largest and infinity, next to nothing, below their normal range, on a half, and
-    // between two.
+    // Above the halves, between the largest half and infinity, almost zero, subnormal, equal to a half, and between two
+    // halves.
     let hard = [7e4, 65519.0, 1e-12, 3e-8, 5e-8, 3.3e-6, 6.1e-5, 0.0, 1.0, 0.1];
     let mut given = textures(64);
     for (which, texture) in given.iter_mut().enumerate() {
@@ -206,7 +206,7 @@ fn three_unpacks_every_number_and_its_half() {
     assert_eq!(found.iter().zip(&expected).position(|(found, expected)| found != expected), None);
 }
 
-/// Arrays make bundles long: three.js ships 314,764 bytes for its own tables.
+/// Arrays make bundles long: three.js has 314,764 bytes for its tables.
 #[test]
 fn the_module_for_three_is_shorter_than_what_it_ships() {
     assert!(bytes(&bundle(Engine::Three, 64), "ltc.js").len() < 190_000);

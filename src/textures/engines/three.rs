@@ -1,10 +1,10 @@
-//! three.js, as of 0.187.0 (npm).
+//! three.js 0.187.0 (npm).
 //!
-//! `WebGLLights` reads `UniformsLib.LTC_FLOAT_1` and `_2`, or `LTC_HALF_1` and `_2` where the device does not filter
-//! 32-bit textures; `RectAreaLightNode.setLTC` takes an object with the same four. Both sample at roughness and
-//! sqrt(1 - cos theta), with the half texel of 64 x 64 written into the shader.
+//! `WebGLLights` reads `UniformsLib.LTC_FLOAT_1` and `_2`, or `LTC_HALF_1` and `_2` if the device does not filter
+//! 32-bit textures. `RectAreaLightNode.setLTC` takes an object with the same four textures. Both sample at roughness
+//! and sqrt(1 - cos theta). Their shaders contain the half texel of 64 x 64 as a constant.
 //!
-//! The module has the 32-bit numbers once, and a bit for each that tells which of the two halves around it to take.
+//! The module has the 32-bit numbers once, and a bit for each number that selects one of its two neighbouring halves.
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use half::f16;
@@ -13,7 +13,7 @@ use super::rules::{SIZE, Source, file};
 use crate::{bundle::Bundle, containers::Stored, file::TextureFileError};
 use ltcforge_fit::Precision;
 
-/// Makes the four textures with the classes of the page's own three.js.
+/// Makes the four textures with the classes of the page's three.js.
 const FUNCTION: &str = include_str!("create_ltc.js");
 
 pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
@@ -33,7 +33,7 @@ pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
     Ok(Bundle { files: vec![file("ltc.js", text.into_bytes(), &all)], steps: steps.map(str::to_owned).into() })
 }
 
-/// Bytes of all numbers, the lowest of each first, and for each byte one channel after another.
+/// The bytes of all numbers, lowest bytes first, and for each byte all channels one after another.
 fn sorted_bytes(textures: &[Stored<'_>]) -> Vec<u8> {
     let mut sorted = Vec::new();
     for byte in 0..4 {
@@ -47,8 +47,7 @@ fn sorted_bytes(textures: &[Stored<'_>]) -> Vec<u8> {
     sorted
 }
 
-/// A bit for each number, the first the lowest of its byte: whether its half is the one farther from zero of the two
-/// around it.
+/// A bit for each number, the first in the lowest bit: whether the half is the neighbour farther from zero.
 fn farther_bits(floats: &[Stored<'_>], halves: &[Stored<'_>]) -> Vec<u8> {
     let pairs = floats.iter().zip(halves).flat_map(|(floats, halves)| {
         floats.rounded.numbers.iter().zip(halves.rounded.half_bits()).map(|(x, half)| half != half_nearer_to_zero(*x))
@@ -58,9 +57,9 @@ fn farther_bits(floats: &[Stored<'_>], halves: &[Stored<'_>]) -> Vec<u8> {
     bits.chunks(8).map(byte).collect()
 }
 
-/// The bits of the largest half that is no larger than a number, by magnitude.
+/// The bits of the largest half whose magnitude is not above the number's.
 fn half_nearer_to_zero(x: f32) -> u16 {
     let nearest = f16::from_f32_const(x);
-    // Bits grow with the magnitude, and those of infinity follow those of 65504.
+    // The bits of a half grow with its magnitude, and infinity follows 65504.
     nearest.to_bits() - u16::from(nearest.to_f32_const().abs() > x.abs())
 }

@@ -1,5 +1,5 @@
-//! A renderer with the shader that `ltcforge shader` writes: the textures of the table's own layout as KTX2, and what
-//! the shader's buffers hold as JSON.
+//! Your own renderer with the shader that `ltcforge shader` writes: the textures of the table's layout as KTX2, and the
+//! contents of the shader's buffers as JSON.
 
 use serde_json::json;
 
@@ -14,7 +14,7 @@ use ltcforge_fit::Precision;
 
 pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
     for name in ["ltc_matrix_a", "ltc_matrix_b", "ltc_terms"] {
-        source.named(name, || "the three 3D textures of our shader".to_owned())?;
+        source.named(name, || "the three 3D textures of the shader".to_owned())?;
     }
     let mut files = Vec::new();
     for texture in source.textures {

@@ -44,7 +44,8 @@ fn matrices_without_an_inverse_are_counted_and_the_first_is_named() {
     }
 }
 
-/// An engine would light its highlights with a table of sheen; our own shader and plain textures serve any model.
+/// An engine's shader has the formulas of GGX, so it rejects a table of sheen. Our shader and plain textures take any
+/// model.
 #[test]
 fn engines_are_given_no_tables_but_those_of_ggx() {
     let mut table = table(r#"{"layout": "godot", "resolution": {"alpha": 2, "theta": 2}}"#);
@@ -57,7 +58,7 @@ fn engines_are_given_no_tables_but_those_of_ggx() {
     assert!(export("wgpu").layout(&table).is_ok() && export("godot.ktx2.f32").layout(&table).is_ok());
 }
 
-/// Engines and decoders light by LTCs. The numbers alone are for a shader that lights by Gaussians.
+/// Engines and decoders use LTCs. Tables of Gaussians export as plain numbers for a shader with Gaussians.
 #[test]
 fn engines_and_decoders_are_given_no_gaussians() {
     let small =
@@ -111,7 +112,7 @@ fn every_export_has_a_manifest_of_its_files() {
     for name in ["wgpu", "reflected.npy.f16", "reflected.dds.f32", "reflected.npz.f16", "compact", "compact-rust"] {
         let export: Export = name.parse().expect("an export");
         let about = About::new(["table 1234"]);
-        // Nobody measures a planted table.
+        // A planted table has no measurement.
         let made = match export {
             Export::Compact(container) => Export::compact_bundle(container, vec![unmeasured(&table)], &about),
             Export::Engine(_) | Export::Textures { .. } => export.bundle(&table, about),
@@ -124,10 +125,10 @@ fn every_export_has_a_manifest_of_its_files() {
         assert_eq!((&manifest[key], &manifest["about"][0]), (&name.into(), &"table 1234".into()));
         assert_eq!(manifest["steps"], serde_json::json!(steps), "{name}");
         assert_eq!(manifest["files"].as_array().map(Vec::len), Some(others.len()), "{name}");
-        for (told, file) in manifest["files"].as_array().expect("files").iter().zip(others) {
-            assert_eq!((&told["path"], &told["bytes"]), (&file.path.as_str().into(), &file.bytes.len().into()));
-            assert_eq!(told["sha256"], Digest::of(&file.bytes).hex(), "{name}: {}", file.path);
-            assert_eq!(told["rounding"], serde_json::json!(file.rounding), "{name}: {}", file.path);
+        for (reported, file) in manifest["files"].as_array().expect("files").iter().zip(others) {
+            assert_eq!((&reported["path"], &reported["bytes"]), (&file.path.as_str().into(), &file.bytes.len().into()));
+            assert_eq!(reported["sha256"], Digest::of(&file.bytes).hex(), "{name}: {}", file.path);
+            assert_eq!(reported["rounding"], serde_json::json!(file.rounding), "{name}: {}", file.path);
         }
     }
 }
@@ -141,7 +142,7 @@ fn the_forms_of_an_export_are_those_of_its_files() {
         let about = About::new(["table 1234"]);
         let made = match export {
             Export::Compact(container) => Export::compact_bundle(container, vec![unmeasured(table)], &about).ok(),
-            // Layouts differ in numbers alone.
+            // Layouts differ only in numbers.
             Export::Textures { layout, .. } if layout.sampling().table != table.layout => None,
             Export::Engine(_) | Export::Textures { .. } => export.bundle(table, about).ok(),
         };
@@ -189,7 +190,7 @@ fn our_shader_finds_every_number_of_a_table_of_every_layout() {
         let counts = table.lengths();
         assert_eq!(a.0, [counts.phi, counts.ratio * counts.theta, counts.alpha], "{layout}");
         assert!(a.0 == b.0 && a.0 == terms.0, "{layout}");
-        // As the shader does: texel (p, r * theta_nodes + t, a).
+        // The shader reads texel (p, r * theta_nodes + t, a).
         let at = |(sides, texels): &([usize; 3], Vec<f32>), [x, y, z]: [usize; 3]| -> [f32; 4] {
             let start = 4 * ((z * sides[1] + y) * sides[0] + x);
             texels[start..start + 4].try_into().expect("a texel")

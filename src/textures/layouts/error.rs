@@ -1,60 +1,61 @@
-//! Why a table has no textures.
+//! Errors of textures of a layout.
 
 use crate::texture::TextureError;
 use ltcforge_fit::{BrdfKind, Layout, LobeModel};
 
-/// Why a table has no textures of a layout.
+/// The table has no textures of a layout.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NoTextures {
-    /// A layout without textures.
-    #[error("there are no textures of layout «{name}»; there are of {known}")]
+    /// The layout has no textures.
+    #[error("layout «{name}» has no textures; layouts with textures: {known}")]
     UnknownLayout {
-        /// Its name.
+        /// The name that was given.
         name: String,
-        /// Those that there are.
+        /// The known names.
         known: String,
     },
-    /// The table has another layout, and what it stores does not tell the numbers of this one.
+    /// The table has another layout, whose numbers do not determine these textures.
     #[error(
-        "the table has layout {table}, so it has no textures of layout {asked}; this recipe gives one that has: {recipe}"
+        "a table of layout {table} has no textures of layout {asked}; this recipe gives a table that has them: {recipe}"
     )]
     OtherLayout {
-        /// That of the table.
+        /// The layout of the table.
         table: Layout,
-        /// The one that was asked for.
+        /// The requested layout.
         asked: &'static str,
         /// A recipe whose table has them.
         recipe: String,
     },
-    /// The table has the right layout, but not all that the textures need.
+    /// The table has the right layout, but lacks something that the textures need.
     #[error("textures of layout {asked} need {lacking}; this recipe gives a table that has them: {recipe}")]
     Lacking {
-        /// The layout that was asked for.
+        /// The requested layout.
         asked: &'static str,
-        /// What the table lacks, in words.
+        /// A description of the missing part.
         lacking: String,
         /// A recipe whose table has them.
         recipe: String,
     },
-    /// An engine lights some scattering models with its files, most GGX alone, and the table is of another.
+    /// The engine's shader has the formulas of some scattering models, mostly GGX only, and the table is of another
+    /// model.
     #[error(
-        "{engine} takes its textures for those of brdf {known}, and the table is of brdf {brdf}; its numbers in files of one's own \
-         are export {layout}.ktx2.f32: --layout {layout} --container ktx2"
+        "{engine} needs textures of brdf {known}, but the table is of brdf {brdf}; to export its numbers for other uses, \
+         choose --layout {layout} --container ktx2 (export {layout}.ktx2.f32)"
     )]
     OtherBrdf {
         /// The engine.
         engine: &'static str,
-        /// The models that it lights.
+        /// The models that the engine supports.
         known: String,
         /// The scattering model of the table.
         brdf: BrdfKind,
         /// A layout of textures that the table has.
         layout: &'static str,
     },
-    /// An engine lights by LTCs, and the table is of another lobe model.
+    /// The engine uses LTCs, and the table has another lobe model.
     #[error(
-        "{engine} takes its textures for those of LTCs, and the table has lobe {lobe}; its numbers in files of one's own \
-         are export {layout}.ktx2.f32: --layout {layout} --container ktx2"
+        "{engine} needs textures of LTCs, but the table has lobe {lobe}; to export its numbers for other uses, \
+         choose --layout {layout} --container ktx2 (export {layout}.ktx2.f32)"
     )]
     OtherLobe {
         /// The engine.
@@ -64,7 +65,7 @@ pub enum NoTextures {
         /// A layout of textures that the table has.
         layout: &'static str,
     },
-    /// A table whose axes are longer than textures.
+    /// The axes of the table are longer than textures can be.
     #[error(transparent)]
     Texture(#[from] TextureError),
 }

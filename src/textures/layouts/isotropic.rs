@@ -1,6 +1,6 @@
 //! The 2D textures of isotropic tables, as engines sample them.
 //!
-//! Texel centres are nodes: texel `i` of `n` stands at a coordinate of `i / (n - 1)`, so that a shader samples at
+//! Texel centres are nodes: texel `i` of `n` is at the coordinate `i / (n - 1)`. So a shader samples at
 //! `coordinate (n - 1) / n + 0.5 / n`.
 
 use super::{
@@ -19,7 +19,7 @@ const THETA: TextureAxis =
 
 const AMPLITUDE: &str = "reflectance is f0 (amplitude - fresnel) + f90 fresnel";
 
-/// three.js, Babylon.js, `PlayCanvas`, Bevy, Blender, Unreal.
+/// The textures of three.js, Babylon.js, `PlayCanvas`, Bevy, Blender and Unreal.
 pub(super) const LTC2017: EngineTextures = EngineTextures {
     sampling: TextureSampling {
         table: Layout::Ltc2017,
@@ -46,7 +46,7 @@ pub(super) const LTC2017: EngineTextures = EngineTextures {
     ],
 };
 
-/// Open 3D Engine.
+/// The textures of Open 3D Engine.
 pub(super) const LTC2016: EngineTextures = EngineTextures {
     sampling: TextureSampling {
         table: Layout::Ltc2016,
@@ -68,7 +68,7 @@ pub(super) const LTC2016: EngineTextures = EngineTextures {
     ],
 };
 
-/// Godot.
+/// The textures of Godot.
 pub(super) const GODOT: EngineTextures = EngineTextures {
     sampling: TextureSampling {
         table: Layout::Godot,
@@ -94,7 +94,7 @@ pub(super) const GODOT: EngineTextures = EngineTextures {
     ],
 };
 
-/// Unity's High Definition Render Pipeline.
+/// The texture of Unity's High Definition Render Pipeline.
 pub(super) const HDRP: EngineTextures = EngineTextures {
     sampling: TextureSampling {
         table: Layout::Hdrp,
@@ -117,7 +117,7 @@ enum Number {
     Matrix(usize, usize),
     Amplitude,
     Fresnel,
-    /// See [`clipped_form_factor`]: a function of the texel's place alone.
+    /// [`clipped_form_factor`], which depends only on the place of the texel.
     Sphere,
     Zero,
 }
@@ -137,7 +137,7 @@ impl TextureRules for EngineTextures {
     fn lacks(&self, table: &Table) -> Option<String> {
         let needs_terms = self.numbers.concat().contains(&Number::Amplitude);
         (needs_terms && table.terms.is_none())
-            .then(|| "amplitude and Fresnel term; the table's recipe has \"terms\": false".to_owned())
+            .then(|| "amplitude and Fresnel term, but the table's recipe has \"terms\": false".to_owned())
     }
 
     fn textures(&self, table: &Table) -> Result<Vec<Texture>, NoTextures> {

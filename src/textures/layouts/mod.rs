@@ -1,7 +1,6 @@
-//! Layouts of textures: what the axes, texels and channels of a table's textures are.
+//! Layouts of textures: the axes, texels and channels of a table's textures.
 //!
-//! Each layout is described in one place, from which its textures follow. A new one needs a file and a line in
-//! [`TextureLayout`].
+//! A description of each layout determines its textures. A new layout needs a file and a line in [`TextureLayout`].
 
 mod error;
 mod isotropic;
@@ -23,17 +22,17 @@ pub(crate) use rules::TextureRules;
 pub use rules::{TextureAxis, TextureSampling, TexturesOf};
 
 named_list! {
-    /// How a table is put into textures.
+    /// The arrangement of a table in textures.
     pub enum TextureLayout: TextureRules {
         /// Three 3D textures of a table of layout `reflected`, as the shader of `ltcforge shader` reads them.
         Reflected = "reflected" => volumes::REFLECTED,
-        /// The same of layout `kt2022`.
+        /// Three 3D textures of layout `kt2022`.
         Kt2022 = "kt2022" => volumes::KT2022,
         /// The three textures of layout `reflected` as one 2D array.
         ReflectedArray = "reflected-array" => volumes::REFLECTED_ARRAY,
         /// The three textures of layout `kt2022` as one 2D array.
         Kt2022Array = "kt2022-array" => volumes::KT2022_ARRAY,
-        /// The 3D texture of KT et al. 2022's demo.
+        /// The 3D texture of the demo of KT et al. 2022.
         Kt2022Volume = "kt2022-volume" => published::Kt2022Volume,
         /// Two 2D textures of layout `ltc2017`.
         Ltc2017 = "ltc2017" => isotropic::LTC2017,
@@ -45,19 +44,19 @@ named_list! {
         Hdrp = "hdrp" => isotropic::HDRP,
         /// Three 3D textures of a table of layout `ltc2017`, as the shader of `ltcforge shader` reads them.
         Ltc2017In3d = "ltc2017-3d" => volumes::LTC2017,
-        /// The same of layout `ltc2016`.
+        /// Three 3D textures of layout `ltc2016`.
         Ltc2016In3d = "ltc2016-3d" => volumes::LTC2016,
-        /// The same of layout `godot`.
+        /// Three 3D textures of layout `godot`.
         GodotIn3d = "godot-3d" => volumes::GODOT,
-        /// The same of layout `hdrp`.
+        /// Three 3D textures of layout `hdrp`.
         HdrpIn3d = "hdrp-3d" => volumes::HDRP,
-        /// The same of layout `inverse`, which has no other textures.
+        /// Three 3D textures of layout `inverse`, which has no other textures.
         InverseIn3d = "inverse-3d" => volumes::INVERSE,
-        /// The same of layout `matrix33`, which has no other textures.
+        /// Three 3D textures of layout `matrix33`, which has no other textures.
         Matrix33In3d = "matrix33-3d" => volumes::MATRIX33,
         /// Three 3D textures of layout `materials`, one slice for each material.
         Materials = "materials" => volumes::MATERIALS,
-        /// The same as one 2D array.
+        /// The three textures of layout `materials` as one 2D array.
         MaterialsArray = "materials-array" => volumes::MATERIALS_ARRAY,
     }
 }
@@ -66,7 +65,7 @@ impl TextureLayout {
     /// The layout of this name.
     ///
     /// # Errors
-    /// When there is none.
+    /// There is no layout of this name.
     pub fn named(name: &str) -> Result<Self, NoTextures> {
         Self::from_name(name)
             .ok_or_else(|| NoTextures::UnknownLayout { name: name.to_owned(), known: layout_names().join(", ") })
@@ -78,7 +77,7 @@ impl TextureLayout {
         self.rules().sampling()
     }
 
-    /// The three 3D textures of tables of a layout, as our own shader reads them.
+    /// The three 3D textures of a layout, as our shader reads them.
     #[must_use]
     pub fn of_shader(layout: Layout) -> Self {
         match layout {
@@ -94,10 +93,10 @@ impl TextureLayout {
         }
     }
 
-    /// The textures of a table. The numbers of a matrix have halves that were chosen together.
+    /// The textures of a table. The numbers of each matrix have halves that were rounded together.
     ///
     /// # Errors
-    /// When the table has another layout, or lacks what these textures need; the error names a recipe that has it.
+    /// The table has another layout, or lacks something that these textures need; the error names a recipe that has it.
     pub fn textures(self, table: &Table) -> Result<Vec<Texture>, NoTextures> {
         self.check(table)?;
         let mut textures = self.rules().textures(table)?;
@@ -109,7 +108,7 @@ impl TextureLayout {
         Ok(textures)
     }
 
-    /// Whether the table has these textures.
+    /// Checks that the table has these textures.
     pub(super) fn check(self, table: &Table) -> Result<(), NoTextures> {
         let TextureSampling { table: needed, recipe, .. } = self.sampling();
         let is_kept = self.rules().takes(table.brdf());
@@ -119,7 +118,7 @@ impl TextureLayout {
             return Err(NoTextures::OtherLayout { table: table.layout, asked: self.name(), recipe: recipe() });
         }
         let lacking = if table.second.is_some() && !two {
-            Some("one lobe an entry; the table has two, for which its readers have no place".to_owned())
+            Some("one lobe an entry, but the table has two".to_owned())
         } else {
             self.rules().lacks(table)
         };
@@ -127,7 +126,7 @@ impl TextureLayout {
     }
 }
 
-/// The layouts that [`textures_of`] knows.
+/// The names of all layouts.
 #[must_use]
 pub fn layout_names() -> Vec<&'static str> {
     TextureLayout::ALL.iter().map(|layout| layout.name()).collect()
@@ -136,13 +135,13 @@ pub fn layout_names() -> Vec<&'static str> {
 /// The textures of a table in the layout of this name.
 ///
 /// # Errors
-/// When there is no such layout; otherwise see [`TextureLayout::textures`].
+/// There is no such layout; otherwise see [`TextureLayout::textures`].
 pub fn textures_of(table: &Table, layout: &str) -> Result<Vec<Texture>, NoTextures> {
     TextureLayout::named(layout)?.textures(table)
 }
 
-/// How a shader reads these textures, for people: what axes and channels are, and, where they are not evenly spaced,
-/// the nodes.
+/// A description for people of how to sample these textures: axes, channels, and the nodes if they are not evenly
+/// spaced.
 #[must_use]
 pub fn sampling_of(table: &Table, layout: TextureLayout) -> Vec<String> {
     let TextureSampling { axes, textures, normalisation, .. } = layout.sampling();

@@ -12,7 +12,7 @@ use ltcforge_fit::{BrdfKind, Layout, PerAxis, Table};
 /// The texture of the demo of KT et al. 2022.
 pub(super) struct Kt2022Volume;
 
-/// Nodes on each axis: they are written into the demo's shader.
+/// The number of nodes on each axis, a constant in the demo's shader.
 const NODES: u32 = 8;
 const TEXTURES: &[TexturesOf] =
     &[TexturesOf { name: "ltc_rows", channels: &["column_0", "column_1", "column_2", "zero"], meaning: "a row of M" }];
@@ -41,10 +41,10 @@ impl TextureRules for Kt2022Volume {
         let nodes = PerAxis { alpha: NODES, ratio: NODES, theta: NODES, phi: NODES };
         let is_whole = table.axes == Layout::Kt2022.nodes(&whole, &nodes);
         let counts = table.lengths().named().map(|(_, n)| n.to_string()).join(" x ");
-        (!is_whole).then(|| format!("8 x 8 x 8 x 8 nodes over the whole domain; the table has {counts} over its own"))
+        (!is_whole).then(|| format!("8 x 8 x 8 x 8 nodes over the whole domain, but the table has {counts}"))
     }
 
-    /// Tables of isotropic surfaces have one ratio.
+    /// Excludes tables of isotropic surfaces, which have one ratio.
     fn takes(&self, brdf: BrdfKind) -> bool {
         !brdf.is_isotropic()
     }

@@ -9,61 +9,61 @@ use ltcforge_fit::{BrdfKind, Layout, Table};
 pub struct TextureAxis {
     /// `x`, `y`, `z` or `layer`.
     pub axis: &'static str,
-    /// The coordinate, as a formula.
+    /// The coordinate as a formula.
     pub coordinate: &'static str,
 }
 
 /// One of the textures of a layout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TexturesOf {
-    /// Its name.
+    /// The name of the texture.
     pub name: &'static str,
-    /// The names of a texel's numbers.
+    /// The names of a texel's channels.
     pub channels: &'static [&'static str],
     /// The meaning of the channels.
     pub meaning: &'static str,
 }
 
-/// A layout of textures, for people and for what writes them.
+/// The description of a layout of textures, for people and for writers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TextureSampling {
-    /// The layout of the tables that have these textures.
+    /// The layout of tables that have these textures.
     pub table: Layout,
-    /// The axes, and where their texels are.
+    /// The axes, and the coordinates of their texels.
     pub axes: &'static [TextureAxis],
-    /// The textures, in the order in which they are given.
+    /// The textures, in order.
     pub textures: &'static [TexturesOf],
-    /// How the matrix is scaled.
+    /// The scale of the matrix.
     pub normalisation: &'static str,
     /// A recipe whose table has these textures.
     pub recipe: &'static str,
 }
 
-/// A layout as an item of [`super::TextureLayout`].
+/// The rules of an item of [`super::TextureLayout`].
 pub(crate) trait TextureRules: Sync {
     /// The description of the layout.
     fn sampling(&self) -> TextureSampling;
 
-    /// The parts that a table of the right layout lacks; `None` if it has all.
+    /// The parts that a table of the right layout lacks; `None` if it lacks nothing.
     fn lacks(&self, _: &Table) -> Option<String> {
         None
     }
 
-    /// Whether a recipe of this scattering model gives a table that has them, if the table's layout takes the model.
+    /// Whether a recipe with this scattering model gives a table with these textures, if the layout supports the model.
     fn takes(&self, _: BrdfKind) -> bool {
         true
     }
 
-    /// Whether its readers know a second lobe.
+    /// Whether its readers support a second lobe.
     fn takes_two_lobes(&self) -> bool {
         false
     }
 
-    /// The numbers of a texel: entry and texture.
+    /// The textures of a table.
     fn textures(&self, table: &Table) -> Result<Vec<Texture>, NoTextures>;
 }
 
-/// A texture of a layout, made of the numbers of its texels in their order.
+/// A texture of a layout, from the numbers of its texels in order.
 pub(super) fn made(
     of: &TexturesOf,
     sides: [usize; 3],

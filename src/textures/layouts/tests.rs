@@ -2,7 +2,7 @@ use super::*;
 use ltcforge_files::recipe_document;
 use ltcforge_fit::{Recipe, Terms};
 
-/// A table whose numbers tell their places: number `k` of entry `i` is `16 i + k`; 9 and 10 are the terms.
+/// A table whose numbers identify their places: number `k` of entry `i` is `16 i + k`; 9 and 10 are the terms.
 fn planted(document: &str) -> Table {
     let recipe: Recipe = recipe_document::parse(document.as_bytes(), u64::MAX).expect("a recipe");
     let entries = recipe.entries() as usize;
@@ -50,7 +50,7 @@ fn every_description_is_that_of_the_textures() {
     }
 }
 
-/// Of each part the layers of second lobes follow those of the first ones, in volumes and in an array.
+/// The layers of second lobes follow those of first lobes in each part, in volumes and in an array.
 #[test]
 fn second_lobes_have_layers_of_their_own_and_no_place_elsewhere() {
     let table = planted(&SMALL.replacen('{', r#"{"fresnel": "two_lobes", "#, 1));
@@ -80,7 +80,7 @@ fn second_lobes_have_layers_of_their_own_and_no_place_elsewhere() {
 
 #[test]
 fn isotropic_textures_have_roughness_along_x_and_the_view_along_y() {
-    // Element row * 3 + column of the stored matrix, for each channel that is one.
+    // For each channel of the matrix, its element row * 3 + column of the stored matrix.
     let of_matrix = |channel: &str| -> Option<f32> {
         let place = channel.strip_prefix("minv").or(channel.strip_prefix('m'))?;
         let (row, column) = (place[..1].parse::<u8>().ok()?, place[1..].parse::<u8>().ok()?);
@@ -125,7 +125,8 @@ fn isotropic_textures_have_roughness_along_x_and_the_view_along_y() {
 fn the_sphere_is_indexed_by_elevation_and_length() {
     let table = planted(r#"{"layout": "ltc2017", "resolution": {"alpha": 5, "theta": 3}}"#);
     let second = &textures_of(&table, "ltc2017").expect("textures")[1];
-    // x: the cosine from -1 to 1; y: the length from 0 to 1. Without width a cosine, of a hemisphere (1 + c) / 2.
+    // x is the cosine from -1 to 1, y the length from 0 to 1. At length 0 a cosine, at length 1 a hemisphere (1 + c) /
+    // 2.
     for (x, cos) in [-1.0_f32, -0.5, 0.0, 0.5, 1.0].into_iter().enumerate() {
         assert_eq!(at(second, "sphere", [x, 0, 0]), cos.max(0.0));
         assert!((at(second, "sphere", [x, 2, 0]) - 0.5 * (1.0 + cos)).abs() < 1e-6);
@@ -174,10 +175,10 @@ fn what_a_table_cannot_serve_is_said_with_the_recipe_that_could() {
     assert!(ltc2017.contains("kt2022") && ltc2017.contains(r#"{"layout": "ltc2017"}"#), "{ltc2017}");
     let volume = refused(&small, "kt2022-volume");
     assert!(volume.contains("2 x 3 x 4 x 5") && volume.contains(r#"{"layout": "kt2022"}"#), "{volume}");
-    assert!(refused(&small, "square").contains("there are of reflected, kt2022"));
+    assert!(refused(&small, "square").contains("layouts with textures: reflected, kt2022"));
     let sheen = refused(&planted(r#"{"brdf": "charlie", "layout": "ltc2017"}"#), "hdrp");
     assert!(sheen.ends_with(r#"{"brdf": "charlie", "layout": "hdrp"}"#), "{sheen}");
-    // Sheen has no lobes around a reflection.
+    // The lobes of sheen are not around a reflection.
     let reflected = refused(&planted(r#"{"brdf": "charlie", "layout": "ltc2017"}"#), "reflected");
     assert!(reflected.ends_with(r#"{"layout": "reflected"}"#), "{reflected}");
     let mut without = planted(r#"{"layout": "ltc2017"}"#);

@@ -1,7 +1,7 @@
-//! The textures that our own shader reads, of each layout of tables.
+//! The textures that our shader reads, for each layout of tables.
 //!
-//! Nodes need not be evenly spaced, so that a shader finds the place along each axis among the nodes and samples
-//! between texel centres, or weighs the texels itself.
+//! Nodes need not be evenly spaced. A shader finds the place along each axis among the nodes, and samples between texel
+//! centres or interpolates texels itself.
 
 use super::{
     error::NoTextures,
@@ -78,13 +78,13 @@ pub(super) const MATRIX33: ShaderTextures = ShaderTextures {
 pub(super) const REFLECTED_ARRAY: ShaderTextures = ShaderTextures { is_array: true, ..REFLECTED };
 pub(super) const KT2022_ARRAY: ShaderTextures = ShaderTextures { is_array: true, ..KT2022 };
 
-/// The textures for our shader of the tables from which `engines` makes 2D textures.
+/// The textures for our shader of tables that also have 2D textures for engines.
 const fn of(engines: &isotropic::EngineTextures) -> ShaderTextures {
     let TextureSampling { table, normalisation, recipe, .. } = engines.sampling;
     ShaderTextures { table, is_array: false, normalisation, recipe }
 }
 
-/// Textures with the entries of a table in their order, as our own shader reads them.
+/// Textures with the entries of a table in order, as our shader reads them.
 pub(super) struct ShaderTextures {
     table: Layout,
     is_array: bool,
@@ -119,7 +119,7 @@ impl TextureRules for ShaderTextures {
     }
 }
 
-/// The texels of a part for one of the lobes, in the order of the entries.
+/// The texels of a part for one lobe, in the order of the entries.
 fn texels(table: &Table, lobe: &[[f32; 9]], part: usize) -> Vec<f32> {
     let terms = |i: usize| table.terms.as_ref().map_or([1.0, 0.0], |t| [t.amplitude()[i], t.fresnel()[i]]);
     let texel = |(i, m): (usize, &[f32; 9])| match part {

@@ -1,27 +1,27 @@
-//! From the numbers of a file to linear ones.
+//! The curve from the numbers of a file to linear numbers.
 
 use std::fmt;
 
 use ltcforge_fit::{math::pow, named_list};
 
 named_list! {
-    /// How the numbers of an image file stand for light.
+    /// The relation between an image file's numbers and light.
     pub enum TransferFunction {
-        /// In proportion.
+        /// Numbers are proportional to light.
         Linear = "linear",
-        /// By the curve of sRGB.
+        /// Numbers follow the curve of sRGB.
         Srgb = "srgb",
     }
 }
 
-/// How the numbers of an image were read.
+/// The curve with which the numbers of an image are read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Curve {
-    /// As they are.
+    /// Numbers are used unchanged.
     Linear,
-    /// By the curve of sRGB [IEC 61966-2-1].
+    /// The curve of sRGB [IEC 61966-2-1].
     Srgb,
-    /// Raised to this power, as the file says.
+    /// The power in the file.
     Power(f64),
 }
 
@@ -45,7 +45,7 @@ impl fmt::Display for Curve {
 }
 
 impl Curve {
-    /// The linear number; that of sRGB goes on above 1 as below. Domain: `Power` takes numbers of at least zero.
+    /// The linear number. sRGB continues above 1 with the same formula. Domain: `Power` takes numbers of at least zero.
     pub(super) fn linear(self, x: f64) -> f64 {
         match self {
             Self::Linear => x,
@@ -55,7 +55,7 @@ impl Curve {
         }
     }
 
-    /// The linear numbers of all integers up to `largest`, which stands for 1.
+    /// The linear numbers of all integers up to `largest`, which is 1.
     pub(super) fn table(self, largest: u16) -> Vec<f32> {
         (0..=largest).map(|x| self.linear(f64::from(x) / f64::from(largest)) as f32).collect()
     }

@@ -11,11 +11,11 @@ use crate::{
 };
 
 named_list! {
-    /// How the texels of a prefiltered picture are stored.
+    /// The format of a prefiltered picture's texels.
     pub enum LightTexels {
-        /// Halves: red, green, blue, and in KTX2 an alpha of one, as GPUs have no such texels of three.
+        /// Halves: red, green, blue, and in KTX2 an alpha of one, because GPUs have no texels of three halves.
         Rgba16f = "rgba16f",
-        /// Three numbers of nine bits and one exponent: half as long. KTX2 alone.
+        /// Three numbers of nine bits and a shared exponent: half as long. Only in KTX2.
         Rgb9e5 = "rgb9e5",
         /// Floats: red, green, blue, and in KTX2 an alpha of one.
         Rgba32f = "rgba32f",
@@ -25,42 +25,43 @@ named_list! {
 /// A file of a prefiltered picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightTextureFile {
-    /// Its name.
+    /// The name of the file.
     pub name: String,
-    /// Its bytes.
+    /// The bytes of the file.
     pub bytes: Vec<u8>,
 }
 
-/// The files, and what rounding did to the texels.
+/// The files, and the errors of rounding.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightTextureFiles {
-    /// The files: one, or one for each level, the finest first.
+    /// The files: a single file, or one file for each level, the finest first.
     pub files: Vec<LightTextureFile>,
-    /// The largest change of a channel, as a part of the largest channel of its texel; of texels above 2^-14 that have no
-    /// number above the format's largest.
+    /// The largest change of a channel, divided by the largest channel of its texel. Texels below 2^-14 and texels with
+    /// clamped numbers do not count.
     pub error: f64,
-    /// How many numbers were above the largest of the format, and became that.
+    /// The number of values above the format's largest value, which were clamped to it.
     pub clamped: u64,
 }
 
-/// Below this a texel's numbers are as near as the smallest steps allow: 2^-14, from which on halves have 11 bits.
+/// The smallest texels that count: at 2^-14 halves have 11 bits, and below it fewer.
 const SMALL: f32 = 6.103_515_6e-5;
 
-/// The key and the value that say which way rows and columns run.
+/// The key and value that state the direction of rows and columns.
 const ORIENTATION: (&str, &str) = ("KTXorientation", "rd");
 
-/// The exponent's mark, and the numbers that stand for one and for the largest exponent, in a descriptor of RGB9E5
+/// The flag of the exponent, and the numbers for one and for the largest exponent, in a descriptor of RGB9E5
 /// [Khronos Data Format Specification 1.3, section 16.4].
 const EXPONENT: u8 = 0x20;
 const ONE_OF_RGB9E5: u32 = 8448;
 const EXPONENT_RANGE: [u32; 2] = [15, 31];
 const VK_FORMAT_E5B9G9R9: u32 = 123;
 
-/// The files of a picture: with `ktx2` and `ktx2-zstd` one of all levels, `NAME.ktx2`, else those of one texture for each
-/// level, `NAME_0` the finest. Domain: `name` is 1 to 60 ASCII letters, digits and underscores, a letter first.
+/// The files of a picture. `ktx2` and `ktx2-zstd` write one file `NAME.ktx2` with all levels. Other containers write
+/// the files of one texture for each level; `NAME_0` is the finest. Domain: `name` has 1 to 60 ASCII letters, digits
+/// and underscores, a letter first.
 ///
 /// # Errors
-/// When the container cannot hold such texels.
+/// The container cannot store these texels.
 pub fn light_texture_files(
     name: &str,
     pyramid: &LightPyramid,
@@ -81,7 +82,7 @@ pub fn light_texture_files(
         }
         _ => {
             let precision = match texels {
-                // It has no format of three channels of 16 bits.
+                // The container has no format with three channels of 16 bits.
                 LightTexels::Rgba16f if matches!(container, TextureContainer::Dds | TextureContainer::DdsDx10) => {
                     return Err(unsupported(name, container, "texels", texels.name().to_owned(), "rgba32f"));
                 }
@@ -104,7 +105,7 @@ pub fn light_texture_files(
     Ok(LightTextureFiles { files, error, clamped })
 }
 
-/// Whether a file that begins so is KTX2, as those of pictures are.
+/// Whether a file begins like KTX2, the container of pictures.
 #[must_use]
 pub fn is_light_texture(start: &[u8]) -> bool {
     start.starts_with(&KTX2_IDENTIFIER)
@@ -121,7 +122,7 @@ fn unsupported(
     TextureFileError::Unsupported { name, field, value, container: container.name(), allowed }
 }
 
-/// A texel as the format holds it.
+/// A texel as the format stores it.
 fn rounded(texel: [f32; 3], texels: LightTexels) -> [f32; 3] {
     match texels {
         LightTexels::Rgba16f => texel.map(|x| half_of(x).to_f32_const()),
@@ -130,12 +131,12 @@ fn rounded(texel: [f32; 3], texels: LightTexels) -> [f32; 3] {
     }
 }
 
-/// The nearest half, the largest for what is above it.
+/// The nearest half; the largest half for larger numbers.
 fn half_of(x: f32) -> f16 {
     f16::from_f32_const(x.min(f16::MAX.to_f32_const()))
 }
 
-/// What rounding does to texels, as in [`LightTextureFiles`].
+/// The rounding errors of texels, as in [`LightTextureFiles`].
 fn change(levels: &[LightImage], format: LightTexels) -> (f64, u64) {
     let most = match format {
         LightTexels::Rgba16f => f16::MAX.to_f32_const(),
@@ -155,7 +156,7 @@ fn change(levels: &[LightImage], format: LightTexels) -> (f64, u64) {
     (error, clamped)
 }
 
-/// All levels in one file.
+/// One file with all levels.
 fn ktx2(levels: &[LightImage], texels: LightTexels, zstd: bool) -> Ktx2File {
     let (vk_format, number_bytes, texel_bytes, samples) = match texels {
         LightTexels::Rgba16f => (vk_format(4, Precision::F16), 2, 8, float_samples(4, 2)),
@@ -176,7 +177,7 @@ fn ktx2(levels: &[LightImage], texels: LightTexels, zstd: bool) -> Ktx2File {
     Ktx2File { vk_format, number_bytes, texel_bytes, samples, sizes, levels: levels.iter().map(bytes).collect(), zstd }
 }
 
-/// Each channel, and after each the exponent that all share.
+/// Each channel, followed by the shared exponent.
 fn shared_exponent_samples() -> Vec<Sample> {
     let channel = |channel: u8| {
         let number = Sample { bit_offset: 9 * u16::from(channel), bits: 9, channel, range: [0, ONE_OF_RGB9E5] };

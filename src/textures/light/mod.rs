@@ -1,4 +1,4 @@
-//! Pictures on lights: the image files and profiles that are read, and the files of a prefiltered picture.
+//! Pictures on lights: image files and profiles, and the files of a prefiltered picture.
 
 mod curve;
 mod decode;

@@ -1,48 +1,49 @@
 //! Photometric profiles: IES LM-63 files, as a picture over the tangents of directions.
 //!
-//! Invariant: hostile bytes give every fault of the header within bounded time and memory, never a panic.
+//! Invariant: hostile bytes give every error of the header within bounded time and memory, never a panic.
 
 use ltcforge_fit::math::atan2;
 use ltcforge_light::textured::{LightImage, PROFILE_TANGENT};
 
-/// The picture's texels a side.
+/// The width and height of the picture in texels.
 const SIDE: usize = 512;
 /// The name of the format.
 pub const PROFILE_FORMAT: &str = "IES LM-63";
-/// Most angles of an axis, and numbers of a file.
+/// The most angles of an axis, and the most candelas of a file.
 const MOST_ANGLES: usize = 3600;
 const MOST_CANDELAS: usize = 1 << 20;
-/// Bytes of a file: more than as many numbers take.
+/// The most bytes of a file, more than so many numbers take.
 const MOST_BYTES: usize = 1 << 24;
-/// The numbers between the line TILT and the angles.
+/// The number of values between the line TILT and the angles.
 const HEADER: usize = 13;
 
-/// Why a file is no profile that can be read: all faults.
+/// The file is not a readable profile; lists all errors.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("no IES LM-63 that can be read: {}", .0.join("; "))]
+#[error("not a readable IES LM-63 file: {}", .0.join("; "))]
 pub struct ProfileError(Vec<String>);
 
-/// The candelas of a lamp by direction: of type C, the angle from the axis and the one around it.
+/// The candelas of a lamp by direction, in type C: the angle from the axis and the angle around it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     /// Degrees from the axis.
     vertical: Vec<f64>,
-    /// Degrees around it, from 0 to 0, 90, 180 or 360: one, four, two or no mirrored parts.
+    /// Degrees around the axis, from 0 to 0, 90, 180 or 360. They cover a full turn by symmetry, by four quadrants, by
+    /// two halves, or directly.
     horizontal: Vec<f64>,
-    /// For each horizontal angle those of the vertical ones.
+    /// The candelas of all vertical angles, for each horizontal angle.
     candelas: Vec<f64>,
 }
 
-/// Whether bytes begin as an IES file since LM-63-1991.
+/// Whether bytes begin like an IES file since LM-63-1991.
 pub(super) fn is_profile(bytes: &[u8]) -> bool {
     [b"IESNA".as_slice(), b"IES:"].iter().any(|magic| bytes.starts_with(magic))
 }
 
 impl Profile {
-    /// Reads an IES LM-63 file of photometry of type C without tilt.
+    /// Reads an IES LM-63 file with photometry of type C and without tilt.
     ///
     /// # Errors
-    /// [`ProfileError`] with each fault: of the line TILT, of a number of the header, of the angles, of the candelas.
+    /// [`ProfileError`] with each error in the line TILT, the header, the angles and the candelas.
     pub fn parse(bytes: &[u8]) -> Result<Self, ProfileError> {
         let one = |fault: String| ProfileError(vec![fault]);
         if bytes.len() > MOST_BYTES {
@@ -53,7 +54,7 @@ impl Profile {
         let (tilt, rest) = text[at + 5..].split_once('\n').unwrap_or((&text[at + 5..], ""));
         if tilt.trim() != "NONE" {
             let tilt: String = tilt.trim().chars().take(40).collect();
-            return Err(one(format!("TILT is «{tilt}»; NONE is read")));
+            return Err(one(format!("TILT is «{tilt}»; only NONE is supported")));
         }
         let words = rest.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
         let mut numbers = Vec::new();
@@ -64,7 +65,7 @@ impl Profile {
             numbers.push(number.ok_or_else(|| one(format!("number {} is «{}»", numbers.len() + 1, shown())))?);
         }
         if numbers.len() < HEADER {
-            return Err(one(format!("{} numbers follow TILT; {HEADER} come before the angles", numbers.len())));
+            return Err(one(format!("{} numbers follow TILT; the header needs {HEADER}", numbers.len())));
         }
         let mut faults = Vec::new();
         let mut count = |name: &str, number: f64| {
@@ -76,12 +77,12 @@ impl Profile {
         };
         let [rows, columns] = [count("vertical", numbers[3]), count("horizontal", numbers[4])];
         if numbers[5] != 1.0 {
-            faults.push(format!("the photometric type is {}; 1, type C, is read", numbers[5]));
+            faults.push(format!("the photometric type is {}; only 1 (type C) is supported", numbers[5]));
         }
         let factor = numbers[2] * numbers[10];
         if factor <= 0.0 {
             faults.push(format!(
-                "the multiplier {} times the ballast factor {} is not above zero",
+                "the multiplier {} times the ballast factor {} must be above zero",
                 numbers[2], numbers[10]
             ));
         }
@@ -102,15 +103,14 @@ impl Profile {
         ] {
             let last = angles[angles.len() - 1];
             if angles[0] != 0.0 || !ends.contains(&last) {
-                faults
-                    .push(format!("{name} angles run from {} to {last}; from 0 to one of {ends:?} is read", angles[0]));
+                faults.push(format!("{name} angles run from {} to {last}, not from 0 to one of {ends:?}", angles[0]));
             }
             if !angles.is_sorted_by(|a, b| a < b) {
-                faults.push(format!("{name} angles do not ascend"));
+                faults.push(format!("{name} angles must ascend"));
             }
         }
         if let Some(i) = candelas.iter().position(|value| *value < 0.0) {
-            faults.push(format!("candela {} is {}; none is below zero", i + 1, candelas[i]));
+            faults.push(format!("candela {} is {}; candelas must not be negative", i + 1, candelas[i]));
         }
         if !faults.is_empty() {
             return Err(ProfileError(faults));
@@ -122,13 +122,14 @@ impl Profile {
         })
     }
 
-    /// How many angles there are around the axis, and from it.
+    /// The number of angles around the axis, and from it.
     #[must_use]
     pub fn angles(&self) -> [usize; 2] {
         [self.horizontal.len(), self.vertical.len()]
     }
 
-    /// The candelas of a direction `(x, y, 1)`, linearly between angles; the angle around the axis is from x to y.
+    /// The candelas of a direction `(x, y, 1)`, interpolated linearly between angles. The angle around the axis runs
+    /// from x to y.
     #[must_use]
     pub fn candelas(&self, [x, y]: [f64; 2]) -> f64 {
         let theta = atan2((x * x + y * y).sqrt(), 1.0).to_degrees();
@@ -149,7 +150,7 @@ impl Profile {
         row(i) + (row(i + 1) - row(i)) * s
     }
 
-    /// The picture over tangents: candelas over the cosine of the angle to the axis, which is the radiance for an area of
+    /// The picture over tangents: candelas divided by the cosine of the angle to the axis, the radiance for an area of
     /// one. u runs from -4 to 4 along x, v along y.
     ///
     /// # Panics
@@ -166,7 +167,7 @@ impl Profile {
     }
 }
 
-/// The node below a value, and how far it is to the next one.
+/// The last node at or below a value, and the fraction of the way to the next node.
 fn between(nodes: &[f64], x: f64) -> (usize, f64) {
     let i = nodes.partition_point(|node| *node <= x).saturating_sub(1);
     nodes.get(i + 1).map_or((i, 0.0), |next| (i, (x - nodes[i]) / (next - nodes[i])))
@@ -196,7 +197,7 @@ mod tests {
 
     #[test]
     fn candelas_are_linear_between_angles_and_mirrored() {
-        // Of a quadrant: 0, 45 and 90 degrees from the axis, 0 and 90 around it; times 2 and 0.5.
+        // A quadrant: 0, 45 and 90 degrees from the axis, 0 and 90 around it; times 2 and 0.5.
         let text =
             file("1 -1 2 3 2 1 2 0 0 0", "0 45 90, 0 90", "100 60 0\n100 20 0").replace("\n1 1 100", "\n0.5 1 100");
         let profile = Profile::parse(text.as_bytes()).expect("a profile");
@@ -212,7 +213,7 @@ mod tests {
             near([0.5_f64.sqrt(), sign * 0.5_f64.sqrt()], 40.0);
             near([22.5_f64.to_radians().tan() * sign, 0.0], 80.0);
         }
-        // Over the cosine, at a texel near a tangent of one.
+        // The value is divided by the cosine, at a texel near a tangent of one.
         let image = profile.image();
         let texel = image.row(256)[256 + 64];
         assert!((f64::from(texel[0]) / (60.0 * 2.0_f64.sqrt()) - 1.0).abs() < 0.01, "{texel:?}");
@@ -222,22 +223,22 @@ mod tests {
     fn all_faults_of_a_file_are_told() {
         let said = |text: &str| Profile::parse(text.as_bytes()).expect_err("no profile").to_string();
         assert!(said("IESNA91\n").ends_with("there is no line TILT="));
-        assert!(said("IESNA91\nTILT=INCLUDE\n1").ends_with("TILT is «INCLUDE»; NONE is read"));
+        assert!(said("IESNA91\nTILT=INCLUDE\n1").ends_with("TILT is «INCLUDE»; only NONE is supported"));
         assert!(said("IESNA91\nTILT=NONE\n1 1 x").ends_with("number 3 is «x»"));
         assert!(said("IESNA91\nTILT=NONE\n1 1 nan").ends_with("number 3 is «nan»"));
-        assert!(said("IESNA91\nTILT=NONE\n1 1").ends_with("2 numbers follow TILT; 13 come before the angles"));
+        assert!(said("IESNA91\nTILT=NONE\n1 1").ends_with("2 numbers follow TILT; the header needs 13"));
         let header = said(&file("1 -1 0 2 0.5 3 2 0 0 0", "0 90 0", "1 1"));
         for part in [
             "there are 0.5 horizontal angles; 1 to 3600 are allowed",
-            "the photometric type is 3; 1, type C, is read",
-            "the multiplier 0 times the ballast factor 1 is not above zero",
+            "the photometric type is 3; only 1 (type C) is supported",
+            "the multiplier 0 times the ballast factor 1 must be above zero",
         ] {
             assert!(header.contains(part), "{header}");
         }
         let counts = said(&file("1 -1 1 2 1 1 2 0 0 0", "0 90 0", "1"));
         assert!(counts.ends_with("17 numbers follow TILT; the angles need 18"), "{counts}");
         let angles = said(&file("1 -1 1 3 2 1 2 0 0 0", "0 95 90 10 90", "1 2 -3 4 5 6"));
-        for part in ["vertical angles do not ascend", "horizontal angles run from 10 to 90", "candela 3 is -3"] {
+        for part in ["vertical angles must ascend", "horizontal angles run from 10 to 90", "candela 3 is -3"] {
             assert!(angles.contains(part), "{angles}");
         }
         let many = said(&file("1 -1 1 3600 3600 1 2 0 0 0", "0", "1"));

@@ -1,18 +1,18 @@
-//! RGB9E5: three numbers of nine bits and one exponent, a texel in four bytes \[`EXT_texture_shared_exponent`\].
+//! RGB9E5: three numbers of nine bits and a shared exponent, a texel in four bytes \[`EXT_texture_shared_exponent`\].
 
 /// The largest number, `511 / 512 2^16`.
 pub(super) const LARGEST: f32 = 65_408.0;
 
-/// Bits of a number, and what is added to the exponent.
+/// Bits of a number, and the bias of the exponent.
 const BITS: i32 = 9;
 const BIAS: i32 = 15;
 
-/// The texel whose largest number is nearest in nine bits; the others have as long steps. A number above [`LARGEST`]
-/// becomes that. Domain: finite numbers of at least zero.
+/// The texel whose largest number is rounded to nine bits; the others have the same step. Numbers above [`LARGEST`]
+/// become [`LARGEST`]. Domain: finite numbers of at least zero.
 pub(super) fn pack(texel: [f32; 3]) -> u32 {
     let texel = texel.map(|x| f64::from(x.min(LARGEST)));
     let largest = texel[0].max(texel[1]).max(texel[2]);
-    // The exponent of the largest number, by its bits: exact on every machine.
+    // The exponent of the largest number, from its bits, is exact on every machine.
     let floor = ((largest as f32).to_bits() >> 23).cast_signed() - 127;
     let exponent = floor.max(-BIAS - 1) + 1 + BIAS;
     let steps = |exponent: i32| texel.map(|x| (x * step(exponent).recip()).round_ties_even() as u32);
@@ -29,7 +29,7 @@ pub(super) fn unpack(packed: u32) -> [f32; 3] {
     [0, 9, 18].map(|shift| (f64::from(packed >> shift & 0x1ff) * step) as f32)
 }
 
-/// The length of a step: a power of two.
+/// The step between numbers: a power of two.
 fn step(exponent: i32) -> f64 {
     f64::from_bits(((1023 + exponent - BIAS - BITS) as u64) << 52)
 }
@@ -38,7 +38,7 @@ fn step(exponent: i32) -> f64 {
 mod tests {
     use super::*;
 
-    /// Half a step of the largest number, which has at least 256.
+    /// The error is at most half a step of the largest number, which has at least 256 steps.
     const ERROR: f32 = 0.5 / 256.0;
 
     #[test]
@@ -48,7 +48,7 @@ mod tests {
             for texel in [[x, 0.0, 0.0], [0.3 * x, x, 0.999 * x], [x; 3], [1e-9, 1e-3 * x, x]] {
                 let found = unpack(pack(texel));
                 for (a, b) in texel.iter().zip(found) {
-                    // Below the smallest exponent steps are 2^-24 long.
+                    // At the smallest exponent, the step is 2^-24.
                     assert!((a - b).abs() <= (ERROR * x).max(0.5_f32.powi(25)), "{texel:?} {found:?}");
                 }
             }
@@ -62,7 +62,7 @@ mod tests {
             assert_eq!(unpack(pack(texel)), texel);
         }
         assert_eq!(unpack(pack([1e9, 0.0, 0.0])), [LARGEST, 0.0, 0.0]);
-        // Of the specification: one half is 256 steps of 2^-9 under exponent 0.
+        // An example of the specification: one half is 256 steps of 2^-9 with exponent 0.
         assert_eq!(pack([0.5, 0.0, 0.0]), 256 | 15 << 27);
         // 511.75 of 512 rounds up into the next exponent.
         assert_eq!(unpack(pack([0.999_8, 0.0, 0.0])), [1.0, 0.0, 0.0]);

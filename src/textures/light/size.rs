@@ -23,7 +23,7 @@ impl FromStr for LightSize {
         let sides = text.split_once('x').and_then(|(width, height)| Some(Self([length(width)?, length(height)?])));
         sides.ok_or_else(|| {
             format!(
-                "«{text}» is not a size of a light: a width and a height above zero with an x between, such as 1.6x0.9"
+                "«{text}» is not the size of a light; write a width and a height above zero with an x between, such as 1.6x0.9"
             )
         })
     }

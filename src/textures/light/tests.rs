@@ -1,4 +1,4 @@
-//! Image files in each format, broken ones, and the files of a pyramid read back.
+//! Image files in each format, damaged files, and the files of a pyramid read back.
 
 use std::io::{Cursor, Read as _};
 
@@ -14,10 +14,10 @@ use super::{
 use crate::{About, Texture, TextureContainer};
 use ltcforge_fit::Precision;
 
-/// Compressors of `OpenEXR` that lose nothing of small whole numbers.
+/// Compressors of `OpenEXR` that keep small whole numbers exactly.
 const PACKED: [Compression; 4] = [Compression::RLE, Compression::ZIP16, Compression::PIZ, Compression::PXR24];
 
-/// A PNG of these numbers, with a chunk of its own before the pixels.
+/// A PNG of these numbers, with a chunk before the pixels.
 fn png(
     size: [u32; 2],
     color: ::png::ColorType,
@@ -44,7 +44,7 @@ fn exr(channels: &[&str], texels: Vec<f32>) -> Vec<u8> {
     files.expect("EXR").remove(0).bytes
 }
 
-/// 16 x 16 pixels of `OpenEXR` behind a compressor.
+/// 16 x 16 pixels of `OpenEXR` with a compressor.
 fn packed_exr(compression: Compression) -> Vec<u8> {
     let channels = SpecificChannels::rgb(|at: Vec2<usize>| (at.0 as f32, at.1 as f32, 0.25_f32));
     let encoding = Encoding { compression, ..Encoding::default() };
@@ -54,7 +54,7 @@ fn packed_exr(compression: Compression) -> Vec<u8> {
     file.into_inner()
 }
 
-/// Two pixels of Radiance HDR, without runs.
+/// Two pixels of Radiance HDR, without run-length encoding.
 fn radiance(magic: &str, pixels: [[u8; 4]; 2]) -> Vec<u8> {
     let header = format!("{magic}\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n");
     [header.as_bytes(), pixels.as_flattened()].concat()
@@ -130,25 +130,22 @@ fn the_file_or_the_caller_says_what_numbers_mean() {
 #[test]
 fn what_is_no_light_is_named() {
     let said = |bytes: &[u8]| LightPicture::decode(bytes, None).expect_err("no light").to_string();
-    assert_eq!(
-        said(b"GIF89a"),
-        "this file is not an image that can be read; allowed: PNG, OpenEXR, Radiance HDR, JPEG"
-    );
+    assert_eq!(said(b"GIF89a"), "this file is not a readable image; allowed: PNG, OpenEXR, Radiance HDR, JPEG");
     assert_eq!(said(b""), said(b"GIF89a"));
     assert!(said(&exr(&["R", "G", "B"], vec![0.5, -2.0, 1.0, 0.0, 3.0, -7.0])).contains("x 0, y 0 has green -2; 2 of"));
-    assert!(said(&exr(&["A", "Z"], vec![0.5; 4])).contains("its channels are A, Z; R, G and B are read, or Y"));
+    assert!(said(&exr(&["A", "Z"], vec![0.5; 4])).contains("its channels are A, Z; R, G and B, or Y, are required"));
     let mut large = rgb8(None);
     large[16..20].copy_from_slice(&20_000_u32.to_be_bytes());
     let crc = 29..33;
     let mut hash = flate2_crc(&large[12..29]);
     hash.reverse();
     large[crc].copy_from_slice(&hash);
-    assert!(said(&large).contains("20000 x 1 pixels; 1 to 16384 along a side"), "{}", said(&large));
+    assert!(said(&large).contains("20000 x 1 pixels; 1 to 16384 on each side"), "{}", said(&large));
     let long = b"#?RADIANCE\n\n-Y 16000 +X 16000\n";
     assert!(said(long).contains("16000 x 16000 pixels"));
     for whole in [rgb8(None), exr(&["R", "G", "B"], vec![0.5; 6]), radiance("#?RADIANCE", [[1; 4]; 2]), jpeg()] {
         let half = said(&whole[..whole.len() * 2 / 3]);
-        assert!(half.contains("that can be read"), "{half}");
+        assert!(half.contains("not a readable"), "{half}");
     }
 }
 
@@ -179,7 +176,7 @@ proptest! {
         };
         for (index, byte) in changes {
             let at = index.index(bytes.len());
-            // The first bytes stay: they only tell which decoder reads the rest.
+            // The first bytes stay, because they select the decoder of the rest.
             if at > 8 {
                 bytes[at] = byte;
             }
@@ -196,7 +193,7 @@ fn pyramid() -> LightPyramid {
     LightPyramid::new(&LightImage::new(5, 3, texels).expect("an image"))
 }
 
-/// The levels of a KTX2 file, and that its fields say what they are.
+/// The levels of a KTX2 file. Checks that its fields describe them.
 fn ktx2_levels(file: &[u8], texels: LightTexels, zstd: bool) -> Vec<Vec<u8>> {
     let reader = ktx2::Reader::new(file).expect("KTX2");
     let header = reader.header();
@@ -235,7 +232,7 @@ fn ktx2_levels(file: &[u8], texels: LightTexels, zstd: bool) -> Vec<Vec<u8>> {
     reader.levels().map(data).collect()
 }
 
-/// docs/textured.md tells these lengths.
+/// The lengths that docs/textured.md states.
 #[test]
 fn files_are_four_thirds_of_the_texels() {
     let image = LightImage::new(1024, 1024, vec![[0.5; 3]; 1 << 20]).expect("an image");

@@ -1,4 +1,4 @@
-//! From the file of a picture to the files of its pyramid.
+//! From a picture file to the files of its pyramid.
 
 use ltcforge_files::digest::Digest;
 use ltcforge_light::textured::{LightPyramid, PROFILE_TANGENT};
@@ -10,18 +10,18 @@ use super::{
 };
 use crate::{About, TextureContainer, TextureFileError};
 
-/// What to make of a picture.
+/// Options for the files of a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightTextureOptions {
-    /// The light on which texels are square; `None` where they are already.
+    /// The light on which texels are to be square; `None` if they are square already.
     pub light: Option<LightSize>,
-    /// What the picture's numbers stand for; `None` for what its file says.
+    /// The meaning of the picture's numbers; `None` to follow the file.
     pub transfer: Option<TransferFunction>,
     /// The format of the files.
     pub container: TextureContainer,
-    /// How texels are stored.
+    /// The format of texels.
     pub texels: LightTexels,
-    /// Most pixels of the picture, and most texels of the finest level.
+    /// The most pixels of the picture, and the most texels of the finest level.
     pub most_pixels: u64,
 }
 
@@ -30,68 +30,68 @@ pub struct LightTextureOptions {
 pub struct LightTexture {
     /// The format of the picture, [`PictureFormat`], or «IES LM-63».
     pub format: &'static str,
-    /// How its numbers were read.
+    /// The curve with which its numbers were read.
     pub transfer: String,
-    /// Its width and height in pixels; of a profile how many angles there are around the axis and from it.
+    /// The width and height in pixels; for a profile, the numbers of angles around the axis and from it.
     pub picture: [usize; 2],
-    /// Texels of the finest level.
+    /// The size of the finest level in texels.
     pub size: [usize; 2],
-    /// How many levels there are.
+    /// The number of levels.
     pub levels: usize,
-    /// How texels are stored.
+    /// The format of texels.
     pub texels: LightTexels,
     /// The largest change of a channel by rounding, as in [`LightTextureFiles`].
     pub error: f64,
-    /// How many numbers were above the largest that texels hold.
+    /// The number of values above the largest value of the texel format.
     pub clamped: u64,
     /// The files.
     #[serde(skip)]
     pub files: Vec<LightTextureFile>,
 }
 
-/// Why there is no prefiltered picture.
+/// The picture cannot be prefiltered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LightTextureError {
-    /// The file begins neither as a picture nor as a profile.
+    /// The file begins neither like a picture nor like a profile.
     #[error(
-        "this file is neither an image nor a profile that can be read; allowed: {}, {PROFILE_FORMAT}",
+        "this file is neither a readable image nor a readable profile; allowed: {}, {PROFILE_FORMAT}",
         PictureFormat::names()
     )]
     Format,
-    /// The picture.
+    /// The picture is invalid.
     #[error(transparent)]
     Picture(LightFileError),
-    /// The profile.
+    /// The profile is invalid.
     #[error(transparent)]
     Profile(#[from] ProfileError),
-    /// A profile has directions and no places.
-    #[error("an IES profile is linear, over directions: leave out {}", .0.join(" and "))]
+    /// The option does not apply to a profile, which has directions and not places.
+    #[error("an IES profile is linear and needs no size of a light: leave out {}", .0.join(" and "))]
     OfProfile(Vec<&'static str>),
-    /// The light is so large or so long that the texels would be too many.
-    #[error("{} x {} texels are square on the light; {most} are allowed in all", .size[0], .size[1])]
+    /// Square texels on this light would be too many.
+    #[error("square texels on this light need {} x {} texels; at most {most} are allowed", .size[0], .size[1])]
     Size {
-        /// The texels along both sides.
+        /// The number of texels along both sides.
         size: [usize; 2],
-        /// How many are allowed.
+        /// The number of texels that is allowed.
         most: u64,
     },
-    /// The format.
+    /// The format cannot store the texels.
     #[error(transparent)]
     Files(#[from] TextureFileError),
 }
 
 impl From<LightFileError> for LightTextureError {
-    /// A file that is no picture might have been a profile.
+    /// Replaces the error of an unknown picture format by one that mentions profiles.
     fn from(error: LightFileError) -> Self {
         if error == LightFileError::Format { Self::Format } else { Self::Picture(error) }
     }
 }
 
-/// Prefilters the picture of a file, or the radiance of an IES profile over the tangents of directions. Domain: `name` as
-/// in [`light_texture_files`]. Runs on the current rayon pool; its size changes nothing.
+/// Prefilters the picture of a file, or the radiance of an IES profile over the tangents of directions. Domain: `name`
+/// as in [`light_texture_files`]. Runs on the current rayon pool; the result does not depend on its size.
 ///
 /// # Errors
-/// When the bytes are no picture of a light, there are too many pixels or texels, or the format cannot hold them.
+/// The bytes are not a picture of a light, there are too many pixels or texels, or the format cannot store them.
 pub fn light_texture(
     bytes: &[u8],
     name: &str,
@@ -131,7 +131,7 @@ pub fn light_texture(
     Ok(LightTexture { format, transfer, picture, size, levels, texels, error, clamped, files })
 }
 
-/// What the files say of themselves: the source, the layout of the texels, and the blur.
+/// The comment in the files: the source, the layout of the texels, and the blur.
 fn about([of, texels]: [String; 2]) -> About {
     About::new([
         concat!("ltcforge ", env!("CARGO_PKG_VERSION")).to_owned(),

@@ -14,8 +14,8 @@ fn namespace(prefix: &str, first_binding: u16) -> Namespace {
     Namespace { prefix: Some(prefix.parse().expect("a prefix")), first_binding, group: 0 }
 }
 
-/// Six lights for one shader, each with the prefix of its names: two tables, one of another layout, the two lights
-/// without a table, a table of Gaussians, and the one without textures.
+/// Six lights for one shader, each with its prefix: two tables with different layouts, the two models without a table,
+/// a table of Gaussians, and the light without textures.
 fn lights(language: Language, reading: Reading) -> [(String, &'static str); 6] {
     let text = |lit_by: LitBy, namespace: &Namespace| {
         include(language, lit_by, reading, Lights::All, namespace).expect("a translation")
@@ -38,7 +38,7 @@ fn texts() -> impl Iterator<Item = Language> {
     Language::ALL.iter().copied().filter(|language| language.has_includes())
 }
 
-/// The names that C-like code declares at file scope: those after a type or keyword, outside of all brackets.
+/// The names that C-like code declares at file scope: names after a type or keyword, outside all brackets.
 fn globals(code: &str) -> BTreeSet<String> {
     let is_code = |line: &&str| !["//", "#", "precision ", "using "].iter().any(|start| line.starts_with(start));
     let code: String = code.lines().filter(is_code).flat_map(|line| [line, "\n"]).collect();
@@ -121,7 +121,7 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
             .expect("a translation");
         let name = language.name();
         assert!(text.contains(line) && text.contains("//   iso2_lookup(alpha_x, alpha_y, wo)"), "{name}:\n{text}");
-        // But for the names of files.
+        // File names are not renamed.
         assert!(
             !text.replace("ltc_lookup.wgsl", "").replace("ltc_lookup_round.wgsl", "").contains("ltc_lookup"),
             "{name}"
@@ -156,7 +156,7 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
     }
 }
 
-/// In every language the text has the nodes that are not evenly spaced, and no others.
+/// The text contains the nodes that are not evenly spaced, and no others, in every language.
 #[test]
 fn nodes_given_one_by_one_stand_in_the_text() {
     let mut table = ltcforge_shaders::golden_table(Layout::Reflected);

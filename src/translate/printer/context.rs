@@ -1,4 +1,4 @@
-//! The names that a place of the text knows, their types, and the text itself.
+//! The names that are visible at a place in the text, their types, and the text itself.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -24,7 +24,7 @@ pub(super) struct Context<'a> {
     pub(super) constants: HashMap<String, Type>,
     /// The resources.
     pub(super) bound: HashMap<&'a str, Slotted>,
-    /// The resources that a function reads, itself or by those it calls.
+    /// The resources that a function reads, directly or through calls.
     pub(super) read: HashMap<&'a str, Vec<String>>,
     scopes: Vec<HashMap<String, Local>>,
     words: BTreeSet<&'a str>,
@@ -46,7 +46,7 @@ impl<'a> Context<'a> {
                     let slotted = Slotted { bound: global.clone(), slot: slot(module, global) };
                     bound.insert(item.name.as_str(), slotted);
                 }
-                // The type of a constant is known once it is printed.
+                // The type of a constant is known after it is printed.
                 ItemKind::Constant { .. } | ItemKind::Override => {}
             }
         }
@@ -58,7 +58,7 @@ impl<'a> Context<'a> {
         &self.module.source[span]
     }
 
-    /// The source of `span` with pieces of it replaced. Pieces are in its order.
+    /// The source of `span` with some pieces replaced. Pieces are in the order of the source.
     pub(super) fn woven(&self, span: &Span, pieces: &[(Span, String)]) -> String {
         let (mut out, mut at) = (String::new(), span.start);
         for (place, text) in pieces {
@@ -69,25 +69,25 @@ impl<'a> Context<'a> {
         out + self.source(at..span.end.max(at))
     }
 
-    /// Source that the language writes otherwise; a comment in it would be lost.
+    /// Checks source that is not copied to the output: a comment in it would be lost.
     pub(super) fn without_comment(&self, span: Span) -> Result<(), Fault> {
         match self.source(span.clone()).find("//").or_else(|| self.source(span.clone()).find("/*")) {
-            Some(at) => Err(Fault::new(span.start + at, "no other language has a place for a comment here")),
+            Some(at) => Err(Fault::new(span.start + at, "a comment here has no place in other languages")),
             None => Ok(()),
         }
     }
 
-    /// Whether the name stands in the span for itself, not for a member.
+    /// Whether the span uses the name for itself, not for a member.
     pub(super) fn mentions(&self, span: &Span, name: &str) -> bool {
         self.before(span, name).any(|sign| sign != Some("."))
     }
 
-    /// Whether a pointer's name stands in the span other than as `*name`: another function gets it, and may write to it.
+    /// Whether the span uses a pointer other than as `*name`: it is passed to a function, which may write to it.
     pub(super) fn passes_on(&self, span: &Span, name: &str) -> bool {
         self.before(span, name).any(|sign| !matches!(sign, Some("." | "*")))
     }
 
-    /// The token before each place in the span where the word stands.
+    /// The tokens before each place where the word is in the span.
     fn before<'b>(&'b self, span: &'b Span, word: &'b str) -> impl Iterator<Item = Option<&'a str>> + 'b {
         let tokens = &self.module.tokens;
         let first = tokens.partition_point(|token| token.span.start < span.start);
@@ -97,7 +97,7 @@ impl<'a> Context<'a> {
         places.map(|(at, _)| at.checked_sub(1).map(|before| self.source(tokens[before].span.clone())))
     }
 
-    /// The members of a structure as the language names them.
+    /// The members of a structure, with their names in the language.
     pub(super) fn members(&self, name: &str) -> Option<Members> {
         let members = self.structs.get(name)?;
         Some(members.iter().map(|(name, ty)| (self.member(name), ty.clone())).collect())
@@ -117,7 +117,7 @@ impl<'a> Context<'a> {
         self.dialect.zero(ty, &|name| self.members(name).unwrap_or_default())
     }
 
-    /// Another name that the text does not have.
+    /// A similar name that is not in the text.
     fn fresh(&self, name: &str) -> String {
         let plain = format!("{}_", name.trim_end_matches('_'));
         let numbered = (2..).map(|number| format!("{plain}{number}"));
@@ -132,7 +132,8 @@ impl<'a> Context<'a> {
         self.scopes.pop();
     }
 
-    /// Declares a variable, with another name if the language or its own value `beside` has a use for this one.
+    /// Declares a variable. It gets another name if the language reserves the name, or if its value `beside` uses the
+    /// name.
     pub(super) fn declare(&mut self, name: &str, ty: Type, beside: Option<&Span>) -> String {
         let is_taken = has_word(self.dialect.reserved(), name)
             || has_word(self.dialect.functions(), name)
@@ -150,7 +151,7 @@ impl<'a> Context<'a> {
     }
 }
 
-/// The number of resources before one of its own kind: buffers, textures or samplers.
+/// The number of resources of the same kind before this resource: buffers, textures or samplers.
 fn slot(module: &Module<'_>, of: &Resource) -> usize {
     let kind = |bound: &Resource| match bound.ty {
         Type::Texture(_) => 0,
@@ -164,7 +165,7 @@ fn slot(module: &Module<'_>, of: &Resource) -> usize {
     all.filter(|other| kind(other) == kind(of) && (other.group, other.binding) < (of.group, of.binding)).count()
 }
 
-/// The variable that an assignment's left side belongs to.
+/// The variable on an assignment's left side.
 pub(super) fn root(target: &Expr) -> Option<&str> {
     match &target.kind {
         ExprKind::Name(name) => Some(name),

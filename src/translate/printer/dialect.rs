@@ -1,8 +1,8 @@
-//! The ways in which a language differs from WGSL.
+//! Differences between a language and WGSL.
 
 use crate::wgsl::{Resource, Scalar, Type};
 
-/// How tightly the parts of an expression hold together, the tightest first.
+/// The precedence of an expression, tightest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Precedence {
     /// A name, a call, brackets.
@@ -13,7 +13,7 @@ pub(super) enum Precedence {
     Choice,
 }
 
-/// An expression in the language.
+/// A printed expression.
 #[derive(Debug, Clone)]
 pub(super) struct Piece {
     pub(super) text: String,
@@ -26,7 +26,7 @@ impl Piece {
         Self { text: text.into(), ty, precedence: Precedence::Tight }
     }
 
-    /// The text, in brackets if it holds together less tightly than `most`.
+    /// The text, in brackets if its precedence is looser than `most`.
     pub(super) fn within(&self, most: Precedence) -> String {
         if self.precedence > most { format!("({})", self.text) } else { self.text.clone() }
     }
@@ -44,12 +44,12 @@ pub(super) struct Builtin<'a> {
 }
 
 impl Builtin<'_> {
-    /// The text of an argument; nothing where it is missing.
+    /// The text of an argument; empty if it is missing.
     pub(super) fn text(&self, number: usize) -> &str {
         self.arguments.get(number).map_or("", |piece| &piece.text)
     }
 
-    /// How many numbers name a texel of the texture that is the first argument.
+    /// The number of coordinates of a texel in the texture that is the first argument.
     pub(super) fn coordinates(&self) -> usize {
         match self.arguments.first().map(|piece| &piece.ty) {
             Some(Type::Texture(texture)) => texture.coordinates(),
@@ -57,14 +57,14 @@ impl Builtin<'_> {
         }
     }
 
-    /// A texture's last arguments but the level, as one coordinate. `vector` is its type.
+    /// The arguments from number `from` on as one vector of type `vector`.
     pub(super) fn joined(&self, vector: &str, from: usize) -> String {
         let parts: Vec<&str> = (from..self.arguments.len()).map(|number| self.text(number)).collect();
         format!("{vector}({})", parts.join(", "))
     }
 }
 
-/// A resource, and its number among buffers or textures.
+/// A resource, and its number among resources of its kind.
 #[derive(Debug, Clone)]
 pub(super) struct Slotted {
     pub(super) bound: Resource,
@@ -75,51 +75,51 @@ pub(super) struct Slotted {
 pub(super) type Members = Vec<(String, Type)>;
 
 pub(super) trait Dialect {
-    /// Words that name nothing, between blanks.
+    /// Reserved words, separated by blanks.
     fn reserved(&self) -> &'static str;
 
-    /// Functions of the language that WGSL calls otherwise, between blanks: no variable hides them.
+    /// Functions of the language with other names in WGSL, separated by blanks. Variables must not hide them.
     fn functions(&self) -> &'static str;
 
-    /// The lines above all declarations.
+    /// The lines before all declarations.
     fn opening(&self) -> &'static str {
         ""
     }
 
-    /// The name of a type that is no array.
+    /// The name of a type that is not an array.
     fn ty(&self, ty: &Type) -> String;
 
-    /// The word before a constant of the file.
+    /// The word before a global constant.
     fn constant(&self) -> &'static str;
 
-    /// The declaration of a resource, or the parameter that stands for it; `None` if the language has neither.
+    /// The declaration of a resource, or its parameter; `None` if the language has neither.
     fn global(&self, name: &str, bound: &Slotted) -> Option<String>;
 
-    /// A resource in an expression.
+    /// A resource as used in an expression.
     fn bound(&self, name: &str, _bound: &Slotted) -> String {
         name.to_owned()
     }
 
-    /// The entry point of a program with its body: one thread that reads what is `bound`.
+    /// The entry point of a program with its body: one thread that reads the resources `bound`.
     fn entry(&self, name: &str, body: &str, bound: &[(String, Slotted)]) -> String;
 
-    /// Whether functions take the resources that they read as parameters.
+    /// Whether functions take resources as parameters.
     fn passes_what_is_bound(&self) -> bool {
         false
     }
 
-    /// A parameter of a function, which writes to it or does not.
+    /// A parameter of a function; `is_written` if the function writes to it.
     fn parameter(&self, name: &str, ty: &Type, is_written: bool) -> String {
         let plain = self.declared(name, ty);
         if is_written { format!("inout {plain}") } else { plain }
     }
 
-    /// A variable that stands for an array, if the language does not copy one.
+    /// A reference to an array, if the language cannot copy arrays.
     fn alias(&self, _name: &str, _ty: &Type) -> Option<String> {
         None
     }
 
-    /// Type and name.
+    /// A declaration: type and name.
     fn declared(&self, name: &str, ty: &Type) -> String {
         match ty {
             Type::Array(of, count) => format!("{} {name}[{count}]", self.ty(of)),
@@ -128,28 +128,28 @@ pub(super) trait Dialect {
         }
     }
 
-    /// Zeros. `members` are those of a structure.
+    /// A value of zeros. `members` returns the members of a structure.
     fn zero(&self, ty: &Type, members: &dyn Fn(&str) -> Members) -> String;
 
-    /// A structure of arguments in brackets.
+    /// A structure from arguments in brackets.
     fn structure(&self, name: &str, arguments: &str) -> String {
         format!("{name}{arguments}")
     }
 
-    /// The function that makes a structure, if the language needs one.
+    /// The function that constructs a structure, if the language needs one.
     fn maker(&self, _name: &str, _members: &Members) -> Option<String> {
         None
     }
 
-    /// An array of arguments in brackets, as a variable's value.
+    /// An array from arguments in brackets, as the value of a variable.
     fn array(&self, of: &Type, count: u32, arguments: &str) -> String;
 
-    /// A vector or matrix that is not its type and the arguments in brackets.
+    /// A vector or matrix, if the language does not write it as type and arguments.
     fn vector(&self, _ty: &Type, _arguments: &[Piece]) -> Option<Piece> {
         None
     }
 
-    /// A call that is not a name and the arguments in brackets.
+    /// A call of a built-in function, if the language does not write it as name and arguments.
     fn builtin(&self, _call: &Builtin<'_>) -> Option<Piece> {
         None
     }
@@ -159,18 +159,18 @@ pub(super) trait Dialect {
         name
     }
 
-    /// The comparison of vectors, if it is no operator.
+    /// The comparison of vectors, if it is not an operator.
     fn compared(&self, _sign: &str, _left: &Piece, _right: &Piece) -> Option<String> {
         None
     }
 
-    /// The product of a matrix and a matrix or vector, if it is no operator.
+    /// The product of a matrix and a matrix or vector, if it is not an operator.
     fn product(&self, _left: &Piece, _right: &Piece) -> Option<String> {
         None
     }
 }
 
-/// Zero as a scalar is written in all languages.
+/// A scalar zero, which all languages write alike.
 pub(super) fn zero_scalar(scalar: Scalar) -> &'static str {
     match scalar {
         Scalar::Bool => "false",
@@ -180,7 +180,7 @@ pub(super) fn zero_scalar(scalar: Scalar) -> &'static str {
     }
 }
 
-/// The scalar types of languages that take after C.
+/// The names of scalar types in languages similar to C.
 pub(super) fn scalar_name(scalar: Scalar) -> &'static str {
     match scalar {
         Scalar::Bool => "bool",
@@ -190,7 +190,7 @@ pub(super) fn scalar_name(scalar: Scalar) -> &'static str {
     }
 }
 
-/// The name that such a type has in HLSL and Metal.
+/// The name of a type in HLSL and Metal.
 pub(super) fn sized_name(ty: &Type) -> Option<String> {
     match ty {
         Type::Scalar(scalar) => Some(scalar_name(*scalar).to_owned()),
@@ -201,7 +201,7 @@ pub(super) fn sized_name(ty: &Type) -> Option<String> {
     }
 }
 
-/// The arguments of a call without the brackets.
+/// The arguments of a call without brackets.
 pub(super) fn inside(arguments: &str) -> &str {
     arguments.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')).unwrap_or(arguments)
 }

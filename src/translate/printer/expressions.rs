@@ -7,9 +7,9 @@ use super::{
 };
 use crate::wgsl::{Call, Callee, Expr, ExprKind, Fault, Scalar, Span, Type, matrix, vector};
 
-/// An expression of the source in the language. What is alike in both is copied, blanks and comments included.
+/// Prints an expression of the source. Parts that are alike in both languages are copied, with blanks and comments.
 pub(super) fn expression(context: &Context<'_>, of: &Expr) -> Result<Piece, Fault> {
-    let unknown = |what: String| Fault::new(of.span.start, what);
+    let unknown = |reason: String| Fault::new(of.span.start, reason);
     match &of.kind {
         ExprKind::Number => Ok(number(context.source(of.span.clone()))),
         ExprKind::Bool => Ok(Piece::tight(context.source(of.span.clone()), Type::BOOL)),
@@ -23,7 +23,7 @@ pub(super) fn expression(context: &Context<'_>, of: &Expr) -> Result<Piece, Faul
         },
         ExprKind::Paren(inner) => {
             let piece = expression(context, inner)?;
-            // Around a pointer's variable the brackets go with the sign.
+            // A pointer's variable loses its sign and so needs no brackets.
             if matches!(inner.kind, ExprKind::Unary('*', _)) {
                 return Ok(piece);
             }
@@ -37,11 +37,11 @@ pub(super) fn expression(context: &Context<'_>, of: &Expr) -> Result<Piece, Faul
                 Type::Array(of, _) => (**of).clone(),
                 Type::Pointer(of) => match &**of {
                     Type::Array(of, _) => (**of).clone(),
-                    _ => return Err(unknown("this has no elements".to_owned())),
+                    _ => return Err(unknown("this value has no elements".to_owned())),
                 },
                 Type::Vector(_, scalar) => Type::Scalar(*scalar),
                 Type::Matrix { rows, .. } => Type::Vector(*rows, Scalar::F32),
-                _ => return Err(unknown("this has no elements".to_owned())),
+                _ => return Err(unknown("this value has no elements".to_owned())),
             };
             let pieces = [(base.span.clone(), found.within(Precedence::Tight)), (index.span.clone(), at.text)];
             Ok(Piece::tight(context.woven(&of.span, &pieces), ty))
@@ -53,7 +53,7 @@ pub(super) fn expression(context: &Context<'_>, of: &Expr) -> Result<Piece, Faul
                 Type::Vector(_, scalar) => (swizzled(name, *scalar), name.clone()),
                 _ => (None, name.clone()),
             };
-            let ty = ty.ok_or_else(|| unknown(format!("this has no «{name}»")))?;
+            let ty = ty.ok_or_else(|| unknown(format!("this value has no member «{name}»")))?;
             let end = of.span.end - name.len()..of.span.end;
             Ok(Piece::tight(
                 context.woven(&of.span, &[(base.span.clone(), found.within(Precedence::Tight)), (end, named)]),
@@ -64,7 +64,7 @@ pub(super) fn expression(context: &Context<'_>, of: &Expr) -> Result<Piece, Faul
     }
 }
 
-/// A number without the suffixes that other languages do not have.
+/// A number without suffixes that other languages lack.
 fn number(text: &str) -> Piece {
     let is_hex = text.starts_with("0x");
     let scalar = match text.chars().last() {
@@ -91,11 +91,11 @@ fn swizzled(name: &str, scalar: Scalar) -> Option<Type> {
 fn unary(context: &Context<'_>, of: &Expr, sign: char, inner: &Expr) -> Result<Piece, Fault> {
     let piece = expression(context, inner)?;
     match (sign, &piece.ty) {
-        // A reference takes the place of a pointer.
+        // A reference replaces a pointer.
         ('&', _) => Ok(Piece { ty: Type::Pointer(Box::new(piece.ty)), ..piece }),
         ('*', Type::Pointer(to)) => Ok(Piece { ty: (**to).clone(), ..piece }),
-        ('*', _) => Err(Fault::new(of.span.start, "this is no pointer")),
-        ('!', Type::Vector(..)) => Err(Fault::new(of.span.start, "vectors are not negated here")),
+        ('*', _) => Err(Fault::new(of.span.start, "this is not a pointer")),
+        ('!', Type::Vector(..)) => Err(Fault::new(of.span.start, "! of a vector is not supported")),
         _ => {
             let text = context.woven(&of.span, &[(inner.span.clone(), piece.within(Precedence::Operator))]);
             Ok(Piece { text, ty: piece.ty, precedence: Precedence::Operator })
@@ -107,11 +107,11 @@ fn binary(context: &Context<'_>, of: &Expr, sign: &str, left: &Expr, right: &Exp
     let pieces = [left, right].map(|side| expression(context, side));
     let [Ok(first), Ok(second)] = &pieces else {
         let mut faults = pieces.into_iter().filter_map(Result::err);
-        return Err(faults.next().unwrap_or_else(|| Fault::new(of.span.start, "an operator without sides")));
+        return Err(faults.next().unwrap_or_else(|| Fault::new(of.span.start, "an operator without operands")));
     };
     let is_comparison = ["==", "!=", "<", "<=", ">", ">="].contains(&sign);
     let ty = result_of(sign, &first.ty, &second.ty)
-        .ok_or_else(|| Fault::new(of.span.start, format!("«{sign}» does not take these")))?;
+        .ok_or_else(|| Fault::new(of.span.start, format!("«{sign}» does not take operands of these types")))?;
     let otherwise = if is_comparison && first.is_vector() {
         context.dialect.compared(sign, first, second)
     } else if sign == "*" && is_product(&first.ty, &second.ty) {
@@ -133,7 +133,7 @@ fn binary(context: &Context<'_>, of: &Expr, sign: &str, left: &Expr, right: &Exp
     Ok(Piece { text, ty, precedence: Precedence::Operator })
 }
 
-/// A side of an operator that becomes an argument, without brackets around it.
+/// An operand that becomes an argument, without brackets around it.
 fn bare(context: &Context<'_>, side: &Expr, piece: &Piece) -> Result<Piece, Fault> {
     match &side.kind {
         ExprKind::Paren(inner) if context.without_comment(side.span.clone()).is_ok() => expression(context, inner),
@@ -141,7 +141,7 @@ fn bare(context: &Context<'_>, side: &Expr, piece: &Piece) -> Result<Piece, Faul
     }
 }
 
-/// Whether a product is one of linear algebra.
+/// Whether a product involves a matrix and is not by a scalar.
 fn is_product(left: &Type, right: &Type) -> bool {
     let is_matrix = |ty: &Type| matches!(ty, Type::Matrix { .. });
     let is_scalar = |ty: &Type| matches!(ty, Type::Scalar(_));
@@ -178,7 +178,7 @@ fn called(context: &Context<'_>, of: &Expr, call: &Call) -> Result<Piece, Fault>
         call.arguments.iter().map(|argument| expression(context, argument)).collect::<Result<_, _>>()?;
     let types: Vec<&Type> = arguments.iter().map(|piece| &piece.ty).collect();
     let woven = |more: &[String]| in_brackets(context, call, &arguments, more);
-    let unknown = |what: &str| Fault::new(of.span.start, what.to_owned());
+    let unknown = |reason: &str| Fault::new(of.span.start, reason.to_owned());
     let name = match &call.callee {
         Callee::Type(ty) => return constructed(context, of, call, ty, &arguments),
         Callee::Bitcast(result) => return builtin(context, of, call, "bitcast", &arguments, result),
@@ -201,15 +201,15 @@ fn called(context: &Context<'_>, of: &Expr, call: &Call) -> Result<Piece, Fault>
     if name == "select" && matches!(types[..], [_, _, Type::Scalar(_)]) {
         context.without_comment(call.span.clone())?;
         let [no, yes, condition] = [0, 1, 2].map(|number: usize| arguments[number].within(Precedence::Operator));
-        let ty = builtins::result(name, &types).ok_or_else(|| unknown("these are not chosen from"))?;
+        let ty = builtins::result(name, &types).ok_or_else(|| unknown("select does not take these types"))?;
         return Ok(Piece { text: format!("{condition} ? {yes} : {no}"), ty, precedence: Precedence::Choice });
     }
     let result =
-        builtins::result(name, &types).ok_or_else(|| unknown(&format!("«{name}» of these is not known here")))?;
+        builtins::result(name, &types).ok_or_else(|| unknown(&format!("«{name}» is not known for these types")))?;
     builtin(context, of, call, name, &arguments, &result)
 }
 
-/// The arguments of a call in their brackets, and more of them.
+/// The arguments of a call in brackets, followed by the arguments `more`.
 fn in_brackets(context: &Context<'_>, call: &Call, arguments: &[Piece], more: &[String]) -> String {
     let mut pieces: Vec<(Span, String)> = call
         .arguments
@@ -236,7 +236,7 @@ fn builtin(
     result: &Type,
 ) -> Result<Piece, Fault> {
     if name == "select" && result.scalar().is_some_and(|scalar| scalar.concrete() != Scalar::F32) {
-        return Err(Fault::new(of.span.start, "vectors of integers are not chosen from by components"));
+        return Err(Fault::new(of.span.start, "select by components does not take integers"));
     }
     if let Some(piece) = context.dialect.builtin(&Builtin { name, arguments, result }) {
         context.without_comment(call.span.clone())?;
@@ -246,7 +246,7 @@ fn builtin(
     Ok(Piece::tight(format!("{named}{}", in_brackets(context, call, arguments, &[])), result.clone()))
 }
 
-/// The type of `vec3(...)` or `mat3x3(...)`, whose scalars are those of the arguments.
+/// The type of `vec3(...)` or `mat3x3(...)`, whose scalar type follows from the arguments.
 fn inferred(name: &str, types: &[&Type]) -> Option<Type> {
     let scalar = types.iter().filter_map(|ty| ty.scalar()).reduce(Scalar::join).unwrap_or(Scalar::AbstractFloat);
     let of_vector = vector(name).map(|size| Type::Vector(size, scalar));
@@ -255,7 +255,7 @@ fn inferred(name: &str, types: &[&Type]) -> Option<Type> {
 
 fn constructed(context: &Context<'_>, of: &Expr, call: &Call, ty: &Type, arguments: &[Piece]) -> Result<Piece, Fault> {
     if let Type::Array(..) = ty {
-        return Err(Fault::new(of.span.start, "an array is the value of a variable, and stands nowhere else"));
+        return Err(Fault::new(of.span.start, "an array can only be the value of a variable"));
     }
     if arguments.is_empty() {
         return Ok(Piece { text: context.zero(ty), ty: ty.clone(), precedence: Precedence::Operator });
@@ -268,7 +268,7 @@ fn constructed(context: &Context<'_>, of: &Expr, call: &Call, ty: &Type, argumen
     Ok(Piece::tight(text, ty.clone()))
 }
 
-/// The value of a variable: an expression, or a list of an array's elements.
+/// The value of a variable: an expression, or a list of array elements.
 pub(super) fn value(context: &Context<'_>, of: &Expr) -> Result<Piece, Fault> {
     let ExprKind::Call(call) = &of.kind else { return expression(context, of) };
     let Callee::Type(ty @ Type::Array(element, count)) = &call.callee else { return expression(context, of) };

@@ -7,18 +7,18 @@ use crate::wgsl::{Scalar, Texture, Type};
 pub(super) enum Glsl {
     /// Blocks and textures have bindings.
     Desktop450,
-    /// Uniforms are loose.
+    /// Uniforms are not in blocks.
     Desktop330,
-    /// Likewise, and precisions are named.
+    /// Uniforms are not in blocks; precisions are declared.
     Es300,
-    /// Bindings are those of OpenGL: buffers and textures are counted apart.
+    /// Bindings are those of OpenGL, which counts buffers and textures separately.
     Program450,
-    /// Likewise, and precisions are named.
+    /// Bindings are those of OpenGL; precisions are declared.
     Program310,
 }
 
 impl Dialect for Glsl {
-    // Every array has a `length`, which glslang takes a member of that name for.
+    // glslang takes a member named `length` for the method of arrays.
     fn reserved(&self) -> &'static str {
         "active asm atomic_uint attribute bool break buffer bvec2 bvec3 bvec4 case cast centroid class coherent \
          common const continue default discard do double else enum extern external false filter fixed flat float for \

@@ -1,6 +1,6 @@
 //! HLSL for shader model 5.1.
 //!
-//! A matrix is stored with its columns as what HLSL calls rows: `M[i]` is column i in every language, and `M v` is
+//! The columns of a matrix are stored as HLSL's rows. So `M[i]` is column i in every language, and `M v` is
 //! `mul(v, M)`.
 
 use super::dialect::{Builtin, Dialect, Members, Piece, Precedence, Slotted, inside, sized_name, zero_scalar};

@@ -1,6 +1,6 @@
 //! Metal Shading Language 2.0.
 //!
-//! Nothing is bound: functions take what they read as arguments, and arrays by reference.
+//! There are no global bindings: functions take resources as arguments, and arrays by reference.
 
 use super::dialect::{Builtin, Dialect, Members, Piece, Precedence, Slotted, inside, sized_name, zero_scalar};
 use crate::wgsl::{Texture, Type};

@@ -1,30 +1,30 @@
-//! Which declarations are printed, in which order, and under which comments.
+//! The order of printed declarations, and the comments above each.
 
 use std::collections::{BTreeSet, HashMap};
 
 use crate::wgsl::{Fault, ItemKind, Kind, Module, Token, Type};
 
-/// Declarations by their numbers in the module.
+/// Declarations by their number in the module.
 pub(super) struct Order {
-    /// Those that are printed, each after those it needs.
+    /// The printed declarations, each after its dependencies.
     numbers: Vec<usize>,
-    /// The declarations that each one of the module names.
+    /// The dependencies of each declaration of the module.
     needs: Vec<BTreeSet<usize>>,
 }
 
 /// The comments above a declaration.
 #[derive(Debug, Default)]
 pub(super) struct Lead {
-    /// Whether a blank line comes first.
+    /// Whether a blank line comes before it.
     pub(super) is_apart: bool,
-    /// Comments that belong to no declaration, each with a blank line behind it.
+    /// Comments that belong to no declaration, each followed by a blank line.
     pub(super) free: String,
-    /// The comment of this one.
+    /// The comment of this declaration.
     pub(super) own: String,
 }
 
 impl Order {
-    /// The declarations that `entry` reaches, and itself last.
+    /// The declarations that `entry` uses, and `entry` itself, which is last.
     pub(super) fn from(module: &Module<'_>, entry: &str) -> Result<Self, Fault> {
         let numbers: HashMap<&str, usize> =
             module.items.iter().enumerate().map(|(number, item)| (item.name.as_str(), number)).collect();
@@ -34,10 +34,10 @@ impl Order {
             if let ItemKind::Struct { members, .. } = &item.kind
                 && members.iter().any(|member| holds(&member.ty, &item.name))
             {
-                return Err(Fault::new(item.span.start, "this needs itself"));
+                return Err(Fault::new(item.span.start, "this depends on itself"));
             }
         }
-        let entry = *numbers.get(entry).ok_or_else(|| Fault::new(0, format!("there is no function «{entry}»")))?;
+        let entry = *numbers.get(entry).ok_or_else(|| Fault::new(0, format!("the function «{entry}» is missing")))?;
         let mut reached = BTreeSet::new();
         let mut waiting = vec![entry];
         while let Some(number) = waiting.pop() {
@@ -48,15 +48,15 @@ impl Order {
         let (mut printed, mut left) = (Vec::new(), reached);
         while let Some(first) = left.first() {
             let next = first_needed(*first, &left, &needs)
-                .ok_or_else(|| Fault::new(module.items[*first].span.start, "this needs itself"))?;
+                .ok_or_else(|| Fault::new(module.items[*first].span.start, "this depends on itself"))?;
             left.remove(&next);
             printed.push(next);
         }
         Ok(Self { numbers: printed, needs })
     }
 
-    /// The declarations with what stands above each. Comments that belong to no declaration go with the next one that
-    /// is printed; those of others go with them.
+    /// The declarations and the comments above each. A comment that belongs to no declaration goes with the next
+    /// printed declaration. Comments of declarations that are not printed are left out.
     pub(super) fn printed(&self, module: &Module<'_>) -> Vec<(usize, Lead)> {
         let mut leads = HashMap::new();
         let (mut waiting, mut end) = (String::new(), 0);
@@ -72,10 +72,10 @@ impl Order {
         self.numbers.iter().map(|number| (*number, leads.remove(number).unwrap_or_default())).collect()
     }
 
-    /// The resources that each printed function reads, itself or by those it calls, in the order of the source.
+    /// The resources that each printed function reads, directly or through calls, in the order of the source.
     pub(super) fn read<'a>(&self, module: &'a Module<'_>) -> HashMap<&'a str, Vec<String>> {
         let mut found: HashMap<usize, BTreeSet<usize>> = HashMap::new();
-        // Each comes after those it needs.
+        // Each declaration comes after its dependencies.
         for number in &self.numbers {
             let mut read = BTreeSet::new();
             for need in &self.needs[*number] {
@@ -90,7 +90,7 @@ impl Order {
         found.into_iter().map(|(number, read)| (module.items[number].name.as_str(), names(read))).collect()
     }
 
-    /// The names that are called with arguments, structures that are made of their parts among them.
+    /// The names that are called with arguments, including structures that are constructed from members.
     pub(super) fn made<'a>(&self, module: &'a Module<'_>) -> BTreeSet<&'a str> {
         let text = |token: &Token| &module.source[token.span.clone()];
         let tokens = self.numbers.iter().flat_map(|number| tokens_of(module, *number).windows(3));
@@ -99,7 +99,7 @@ impl Order {
     }
 }
 
-/// A declaration that `first` needs, or itself, and that needs none of those `left`; `None` for a circle.
+/// `first` or one of its dependencies that depends on nothing in `left`; `None` for a circle.
 fn first_needed(first: usize, left: &BTreeSet<usize>, needs: &[BTreeSet<usize>]) -> Option<usize> {
     let mut at = first;
     for _ in 0..=left.len() {
@@ -111,7 +111,7 @@ fn first_needed(first: usize, left: &BTreeSet<usize>, needs: &[BTreeSet<usize>])
     None
 }
 
-/// Whether a type is a structure or made of it.
+/// Whether a type contains the structure `name`.
 fn holds(ty: &Type, name: &str) -> bool {
     match ty {
         Type::Struct(of) => of == name,
@@ -127,7 +127,7 @@ fn tokens_of<'a>(module: &'a Module<'_>, number: usize) -> &'a [Token] {
     &module.tokens[start..end.max(start)]
 }
 
-/// The declarations whose names stand in one, members of structures aside.
+/// The dependencies of a declaration: the declarations whose names it uses, except as members of structures.
 fn needs_of(module: &Module<'_>, numbers: &HashMap<&str, usize>, number: usize) -> BTreeSet<usize> {
     let text = |token: &Token| &module.source[token.span.clone()];
     let tokens = tokens_of(module, number);
@@ -136,7 +136,8 @@ fn needs_of(module: &Module<'_>, numbers: &HashMap<&str, usize>, number: usize) 
     words.filter_map(|(_, token)| numbers.get(text(token))).copied().filter(|need| *need != number).collect()
 }
 
-/// The comments above a declaration: those apart from it, each with a blank line behind it, and its own.
+/// The comments above a declaration: comments that belong to no declaration, each followed by a blank line, and its
+/// own.
 fn comments(above: &str) -> (String, String) {
     let (mut free, mut own) = (String::new(), String::new());
     for line in above.lines().map(str::trim_end) {

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::wgsl::{Block, Expr, ExprKind, Fault, Function, Span, Statement, StatementKind, Type};
 
-/// A function's parameters in brackets and its body.
+/// The parameters of a function in brackets, and its body.
 pub(super) fn function(context: &mut Context<'_>, name: &str, function: &Function) -> Result<(String, String), Fault> {
     context.enter();
     let mut pieces: Vec<(Span, String)> = Vec::new();
@@ -39,7 +39,7 @@ fn passed(context: &Context<'_>, global: &str) -> Option<String> {
     context.bound.get(global).and_then(|slotted| context.dialect.global(global, slotted))
 }
 
-/// Whether a block assigns to a variable or a part of it.
+/// Whether a block assigns to a variable or to a part of it.
 fn writes(block: &Block, name: &str) -> bool {
     block.statements.iter().any(|statement| statement_writes(statement, name))
 }
@@ -55,7 +55,7 @@ fn statement_writes(statement: &Statement, name: &str) -> bool {
     }
 }
 
-/// A block within the body `whole` of a function.
+/// Prints a block within the body `whole` of a function.
 fn block(context: &mut Context<'_>, of: &Block, whole: &Block) -> Result<String, Fault> {
     context.enter();
     let pieces = statements(context, of, whole);
@@ -78,7 +78,7 @@ fn statements(context: &mut Context<'_>, of: &Block, whole: &Block) -> Result<Ve
     Ok(pieces)
 }
 
-/// `var x: T;` and `x = value;` as one declaration.
+/// Joins `var x: T;` and `x = value;` into one declaration.
 fn joined(context: &mut Context<'_>, first: &Statement, next: &Statement) -> Result<Option<(Span, String)>, Fault> {
     let StatementKind::Declare { name, ty: Some(ty), value: None } = &first.kind else { return Ok(None) };
     let StatementKind::Assign { target, value } = &next.kind else { return Ok(None) };
@@ -166,7 +166,7 @@ fn declare(
     let piece = match (given, ty) {
         (Some(given), _) => value(context, given)?,
         (None, Some(ty)) => Piece::tight(context.zero(ty), ty.clone()),
-        (None, None) => return Err(Fault::new(of.span.start, "this has neither type nor value")),
+        (None, None) => return Err(Fault::new(of.span.start, "this variable has neither type nor value")),
     };
     let span = given.map(|given| given.span.clone());
     context.without_comment(of.span.start..span.as_ref().map_or(of.span.end, |span| span.start))?;
@@ -175,7 +175,7 @@ fn declare(
     let named = context.declare(name, ty.clone(), span.as_ref());
     let declared = match context.dialect.alias(&named, &ty).filter(|_| is_copy) {
         Some(_) if writes(whole, name) => {
-            return Err(Fault::new(of.span.start, format!("«{name}» is a copy of an array that changes")));
+            return Err(Fault::new(of.span.start, format!("«{name}» is a copy of an array and must not change")));
         }
         Some(alias) => alias,
         None => context.dialect.declared(&named, &ty),

@@ -1,4 +1,4 @@
-//! Printed texts have the names, the comments and the meaning of their source. `ltcforge-view` runs them.
+//! Printed texts keep the names, the comments and the meaning of their source. `ltcforge-view` runs them.
 
 use std::collections::BTreeSet;
 
@@ -12,12 +12,12 @@ use ltcforge_shaders::{Additions, Filter, Lights, LitBy, Reading, SHADERS, funct
 
 const TEXTS: [Language; 5] = [Language::Glsl, Language::Glsl330, Language::GlslEs, Language::Hlsl, Language::Msl];
 
-/// The functions that `entry` reaches.
+/// The functions that `main` calls.
 fn translated(language: Language, source: &str) -> String {
     printed(language, source, "main", Form::Include).unwrap_or_else(|error| panic!("{error}\n{source}"))
 }
 
-/// The body of a function with these lines, in one language.
+/// Checks that the printed body of a function contains these lines, for each language.
 #[track_caller]
 fn assert_lines(source: &str, wanted: &[(Language, &str)]) {
     for (language, wanted) in wanted {
@@ -32,7 +32,7 @@ fn called(parameters: &str, body: &str) -> String {
     format!("{head}    {body}\n}}\n\n@fragment\nfn main() {{ f(); }}\n")
 }
 
-/// The words of code, without comments and literals.
+/// The words of code, without comments and numbers.
 fn words(text: &str) -> BTreeSet<&str> {
     let code = text.lines().map(|line| line.split("//").next().unwrap_or_default());
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -40,13 +40,13 @@ fn words(text: &str) -> BTreeSet<&str> {
     words.filter(|word| word.starts_with(|c: char| c.is_ascii_alphabetic())).collect()
 }
 
-/// Comments, without the slashes.
+/// The comments, without the slashes.
 fn comments(text: &str) -> BTreeSet<&str> {
     let comment = |line: &'_ str| line.find("//").map(|at| at + 2);
     text.lines().filter_map(|line| Some(line[comment(line)?..].trim_start_matches('/').trim())).collect()
 }
 
-/// Words of WGSL that other languages have others for.
+/// Words of WGSL that other languages write differently.
 const OF_WGSL: [&str; 35] = [
     "fn",
     "let",
@@ -85,7 +85,7 @@ const OF_WGSL: [&str; 35] = [
     "u",
 ];
 
-/// Every text to include as WGSL with its entry point, the filter put in.
+/// Every text to include as WGSL with its entry point and the filter constant replaced.
 fn sources() -> Vec<(LitBy, String)> {
     let rules = NormalsRule::SHADED.map(|rule| lit_by(LightModel::Normals, None).by_rule(Some(rule)).expect("a rule"));
     let models =
@@ -104,7 +104,7 @@ fn sources() -> Vec<(LitBy, String)> {
         {
             let source = functions(lit_by, reading, lights) + &lit_by.caller(reading, lights);
             let filtered = folded(&source, "ltc_hardware_filter", reading.filter == Filter::Hardware);
-            sources.push((lit_by, filtered.unwrap_or_else(|fault| panic!("{}", fault.told(&source)))));
+            sources.push((lit_by, filtered.unwrap_or_else(|fault| panic!("{}", fault.message(&source)))));
         }
     }
     sources.dedup();
@@ -123,7 +123,7 @@ fn every_name_and_comment_of_the_source_is_printed() {
             .map(|(number, lead)| lead.free + &lead.own + &source[parsed.items[number].span.clone()] + "\n")
             .collect();
         if lit_by.model() == LightModel::Normals {
-            // Its caller calls all that there is.
+            // The caller of this model calls every function.
             assert_eq!(comments(&reached), comments(&source));
         }
         for language in TEXTS {
@@ -183,7 +183,7 @@ fn what_languages_write_otherwise() {
             ),
         ],
     );
-    // Words of the languages, a member among them; zeros; a variable of its own name.
+    // Reserved words, including a member; zeros; a variable that hides another of its name.
     assert_lines(
         &called(
             "half: f32",
@@ -215,7 +215,7 @@ fn what_languages_write_otherwise() {
     );
 }
 
-/// The one that writes is told by those that call it.
+/// A function writes to a pointer if it passes the pointer to a function that writes to it.
 #[test]
 fn a_pointer_that_is_passed_on_is_written_to() {
     let source = "fn g(p: ptr<function, f32>) { *p = 1.0; }\nfn f(p: ptr<function, f32>) { g(p); }\n\
@@ -239,15 +239,15 @@ fn a_variable_that_is_set_at_once_has_no_zeros() {
 }
 
 #[test]
-fn what_is_not_understood_is_told_with_line_and_column() {
+fn errors_have_line_and_column() {
     for (body, wanted) in [
-        ("return g(1.0);", "line 3, column 12: «g» of these is not known here"),
+        ("return g(1.0);", "line 3, column 12: «g» is not known for these types"),
         ("return x;", "line 3, column 12: «x» is not declared"),
         ("let a = 1.0 +;\n    return a;", "line 3, column 18: expected a name, found «;»"),
-        ("let /* why */ a = 1.0;\n    return a;", "line 3, column 9: no other language has a place for a comment here"),
+        ("let /* why */ a = 1.0;\n    return a;", "line 3, column 9: a comment here has no place in other languages"),
         ("switch 1 { }", "line 3, column 12: expected an assignment or a call, found «1»"),
         ("return 1.0 # 2.0;", "line 3, column 16: unexpected character '#'"),
-        ("return vec2(1.0).q;", "line 3, column 12: this has no «q»"),
+        ("return vec2(1.0).q;", "line 3, column 12: this value has no member «q»"),
     ] {
         for language in TEXTS {
             let error = printed(language, &called("", body), "main", Form::Include).expect_err(body);
@@ -256,13 +256,13 @@ fn what_is_not_understood_is_told_with_line_and_column() {
     }
     let own = "struct A { a: A }\nfn a() { var b: A; }\n@fragment\nfn main() { a(); }";
     let error = printed(Language::Glsl, own, "main", Form::Include).expect_err("a circle");
-    assert!(error.contains("line 1") && error.contains("needs itself"), "{error}");
+    assert!(error.contains("line 1") && error.contains("depends on itself"), "{error}");
     let circle = "fn a() { b(); }\nfn b() { a(); }\n@fragment\nfn main() { a(); }";
     let error = printed(Language::Glsl, circle, "main", Form::Include).expect_err("a circle");
-    assert!(error.contains("line 1") && error.contains("needs itself"), "{error}");
+    assert!(error.contains("line 1") && error.contains("depends on itself"), "{error}");
 }
 
-/// Parts in each other, thousands deep.
+/// Expressions nested thousands deep.
 #[test]
 fn depth_is_refused() {
     let deep = |open: &str, middle: &str, close: &str| open.repeat(9000) + middle + &close.repeat(9000);
@@ -292,7 +292,7 @@ fn depth_is_refused() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Sources with a part taken out, put elsewhere or doubled.
+    /// Sources with a part removed, moved or doubled.
     #[test]
     fn damaged_sources_give_a_text_or_an_error_with_a_line(
         which in 0_usize..30, from in 0.0..1.0_f64, length in 0_usize..40, to in 0.0..1.0_f64, keeps in any::<bool>()

@@ -1,10 +1,10 @@
-//! What is added to texts where it is chosen.
+//! Additions to texts.
 
 use std::collections::BTreeSet;
 
 use super::*;
 
-/// An addition is there where it is chosen and explained there, and the rest of the code is as it was.
+/// An added function is in the text and explained, and the other code does not change.
 #[test]
 fn a_text_that_cuts_lights_at_the_surface_has_all_the_others_too() {
     let cut = Additions { cut: true, compensate: false, textured: None };
@@ -36,7 +36,7 @@ fn a_text_that_cuts_lights_at_the_surface_has_all_the_others_too() {
                 with.lines().skip_while(|line| *line != "// LIGHT FROM BELOW").take_while(|line| *line != "//");
             let lengths: Vec<usize> = explained.map(str::len).collect();
             assert!(lengths.len() == 4 && lengths.iter().all(|length| *length <= 124), "{name}: {lengths:?}");
-            // Declarations may stand in another order.
+            // The order of declarations may differ.
             let lines: BTreeSet<&str> = with.lines().collect();
             let missing = code(without).lines().filter(|line| !lines.contains(line)).count();
             assert_eq!(missing, 0, "{name}");
@@ -47,7 +47,7 @@ fn a_text_that_cuts_lights_at_the_surface_has_all_the_others_too() {
     assert!(refused.to_string().contains("model normals"), "{refused}");
 }
 
-/// The factor for metals is there where it is chosen and explained there, by every model.
+/// The factor for metals is in the text and explained, for every model.
 #[test]
 fn a_text_that_compensates_has_a_factor_more() {
     let models = [
@@ -72,8 +72,8 @@ fn a_text_that_compensates_has_a_factor_more() {
     }
 }
 
-/// Pictures on lights are read in every language, by names and bindings beside those of a table; the rest of the text is as it
-/// was.
+/// Pictures on lights are read in every language, with their own names and bindings after those of a table. The other
+/// code does not change.
 #[test]
 fn a_text_with_pictures_binds_and_reads_them() {
     let readings = [
@@ -102,7 +102,7 @@ fn a_text_with_pictures_binds_and_reads_them() {
             assert!(lengths.len() == 12 && lengths.iter().all(|length| *length <= 130), "{name}: {lengths:?}");
             let lines: BTreeSet<&str> = with.lines().collect();
             let missing = code(&without).lines().filter(|line| !lines.contains(line)).count();
-            // Functions of MSL take what they read as arguments.
+            // Functions of MSL take resources as arguments.
             assert!(missing == 0 || language == Language::Msl, "{name}: {missing}");
             let bound = match language {
                 Language::Wgsl => [

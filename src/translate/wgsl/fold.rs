@@ -1,4 +1,4 @@
-//! Constants of a pipeline, put in.
+//! Replaces pipeline constants by their values.
 
 use super::{
     lexer::{Fault, Span},
@@ -6,8 +6,8 @@ use super::{
     syntax::{Block, Expr, ExprKind, ItemKind, Statement, StatementKind},
 };
 
-/// The text without the constant `name` of the pipeline: in place of each `if` that asks for it alone stands the branch
-/// taken.
+/// The text without the pipeline constant `name`. Each `if` whose condition is only this constant is replaced by the
+/// branch that it takes.
 pub(crate) fn folded(source: &str, name: &str, value: bool) -> Result<String, Fault> {
     let module = parse(source)?;
     let mut edits = Vec::new();
@@ -75,7 +75,7 @@ fn asks(condition: &Expr, name: &str) -> bool {
     }
 }
 
-/// The statements of a block without its braces, indented as the block is. Of `else if` it is the `if` as it stands.
+/// The statements of a block without its braces, indented like the block. An `else if` stays as it is.
 fn inside(block: &str) -> String {
     let Some(inner) = block.strip_prefix('{').and_then(|rest| rest.strip_suffix('}')) else {
         return block.to_owned();

@@ -1,29 +1,29 @@
-//! Words, numbers and signs, by their places in the text.
+//! Words, numbers and signs, with their places in the text.
 
 use std::ops::Range;
 
-/// Bytes of the source.
+/// A range of bytes of the source.
 pub(crate) type Span = Range<usize>;
 
-/// A fault of a text, and its place.
+/// An error in a text, and its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Fault {
-    /// In bytes from the start.
+    /// The place in bytes from the start.
     pub(crate) at: usize,
-    pub(crate) what: String,
+    pub(crate) reason: String,
 }
 
 impl Fault {
-    pub(crate) fn new(at: usize, what: impl Into<String>) -> Self {
-        Self { at, what: what.into() }
+    pub(crate) fn new(at: usize, reason: impl Into<String>) -> Self {
+        Self { at, reason: reason.into() }
     }
 
-    /// The message with line and column, both from 1. `source` is the text at fault.
-    pub(crate) fn told(&self, source: &str) -> String {
+    /// The message with line and column, both from 1. `source` is the text with the error.
+    pub(crate) fn message(&self, source: &str) -> String {
         let before = source.get(..self.at).unwrap_or(source);
         let line = before.matches('\n').count() + 1;
         let column = before.rsplit('\n').next().map_or(0, |rest| rest.chars().count()) + 1;
-        format!("line {line}, column {column}: {}", self.what)
+        format!("line {line}, column {column}: {}", self.reason)
     }
 }
 
@@ -32,7 +32,7 @@ pub(crate) enum Kind {
     Word,
     Number,
     Sign,
-    /// Behind the last token.
+    /// The end of the text, after the last token.
     End,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct Token {
     pub(crate) span: Span,
 }
 
-/// Signs of two characters. Two `>` are a shift or close two lists of types; the parser tells which.
+/// Signs of two characters. Two `>` are a shift, or close two lists of types; the parser decides.
 const PAIRS: [&str; 16] =
     ["->", "==", "!=", "<=", ">=", "&&", "||", "<<", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^="];
 const STEPS: [&str; 2] = ["++", "--"];
@@ -84,7 +84,7 @@ fn length_while(text: &str, is_part: impl Fn(char) -> bool) -> usize {
     text.find(|c| !is_part(c)).unwrap_or(text.len())
 }
 
-/// Digits, a point, an exponent with its sign, a suffix. Domain: it begins with a digit.
+/// The length of a number: digits, point, exponent with sign, suffix. Domain: the text begins with a digit.
 fn number_length(text: &str) -> usize {
     if text.starts_with("0x") {
         return length_while(text, |c| c.is_ascii_alphanumeric());

@@ -1,4 +1,4 @@
-//! From tokens to the tree of types and declarations.
+//! Parses tokens into types and declarations.
 
 use super::{
     lexer::{Fault, Span, tokens},
@@ -21,8 +21,8 @@ pub(crate) fn parse(source: &str) -> Result<Module<'_>, Fault> {
 fn item(stream: &mut Stream<'_>) -> Result<Item, Fault> {
     let start = stream.here();
     let (group, binding) = place(stream)?;
-    let what = stream.word()?;
-    let (name, kind) = match what {
+    let keyword = stream.word()?;
+    let (name, kind) = match keyword {
         "fn" => {
             let (name, function) = function(stream)?;
             (name, ItemKind::Function(function))
@@ -61,12 +61,12 @@ fn item(stream: &mut Stream<'_>) -> Result<Item, Fault> {
             let binding = binding.ok_or_else(|| Fault::new(start, format!("{name} has no binding")))?;
             (name, ItemKind::Global(Resource { ty, group: group.unwrap_or(0), binding, is_written }))
         }
-        other => return Err(Fault::new(stream.before(), format!("«{other}» declares nothing that is known here"))),
+        other => return Err(Fault::new(stream.before(), format!("«{other}» does not begin a known declaration"))),
     };
     Ok(Item { name, kind, span: start..stream.before() })
 }
 
-/// Skips attributes; the numbers of group and binding among them.
+/// Skips attributes, and returns the numbers of group and binding.
 fn place(stream: &mut Stream<'_>) -> Result<(Option<u32>, Option<u32>), Fault> {
     let (mut group, mut binding) = (None, None);
     while stream.take("@") {
@@ -74,7 +74,7 @@ fn place(stream: &mut Stream<'_>) -> Result<(Option<u32>, Option<u32>), Fault> {
         if stream.take("(") {
             let at = stream.here();
             let value = stream.next()?;
-            let number = || value.parse().map(Some).map_err(|_| Fault::new(at, format!("a {name} is a number")));
+            let number = || value.parse().map(Some).map_err(|_| Fault::new(at, format!("the {name} must be a number")));
             match name {
                 "group" => group = number()?,
                 "binding" => binding = number()?,
@@ -124,7 +124,7 @@ fn function(stream: &mut Stream<'_>) -> Result<(String, Function), Fault> {
             return Err(stream.unexpected("«,» or «)»"));
         }
     }
-    // A comma is behind the last parameter only if the parenthesis follows.
+    // The comma is the one after the last parameter, because a parenthesis follows.
     let span = start..stream.before();
     let mut returns = None;
     if stream.take("->") {

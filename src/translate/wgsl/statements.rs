@@ -1,4 +1,4 @@
-//! Statements.
+//! Parses statements.
 
 use super::{
     lexer::Fault,
@@ -22,7 +22,7 @@ fn block(stream: &mut Stream<'_>) -> Result<Block, Fault> {
     })
 }
 
-/// A statement; its semicolon is passed and lies beyond its span.
+/// Parses a statement. Its semicolon is consumed but is not part of its span.
 fn statement(stream: &mut Stream<'_>) -> Result<Statement, Fault> {
     let start = stream.here();
     let kind = if stream.is_next("{") {
@@ -67,7 +67,7 @@ fn conditional(stream: &mut Stream<'_>) -> Result<Statement, Fault> {
     })
 }
 
-/// A statement that can stand in the head of a loop or ends with a semicolon.
+/// Parses a statement that can be in the head of a loop, or that ends with a semicolon.
 fn simple(stream: &mut Stream<'_>) -> Result<Statement, Fault> {
     const ASSIGNMENTS: [&str; 9] = ["=", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^="];
     let start = stream.here();

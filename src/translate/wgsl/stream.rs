@@ -1,14 +1,14 @@
-//! A place among the tokens, with what is read there: signs, types, expressions.
+//! A position among the tokens, and parsers of signs, types and expressions there.
 
 use super::{
     lexer::{Fault, Kind, Span, Token},
     syntax::{Call, Callee, Expr, ExprKind, Scalar, Texture, Type, matrix, vector},
 };
 
-/// How deep brackets, operators and blocks may lie in each other.
+/// The deepest nesting of brackets, operators and blocks.
 const DEEPEST: u32 = 60;
 
-/// How long an array may be, whose zeros are written out.
+/// The longest array, whose zeros are written out.
 const LONGEST: u32 = 64;
 
 pub(super) struct Stream<'a> {
@@ -36,12 +36,12 @@ impl<'a> Stream<'a> {
         self.token().kind == Kind::End
     }
 
-    /// Where the next token begins.
+    /// The start of the next token.
     pub(super) fn here(&self) -> usize {
         self.token().span.start
     }
 
-    /// Where the last token ended.
+    /// The end of the last token.
     pub(super) fn before(&self) -> usize {
         self.at.checked_sub(1).map_or(0, |last| self.tokens[last].span.end)
     }
@@ -56,7 +56,7 @@ impl<'a> Stream<'a> {
         Fault::new(self.here(), format!("expected {wanted}, found {found}"))
     }
 
-    /// Any token but the end.
+    /// Takes any token except the end.
     pub(super) fn next(&mut self) -> Result<&'a str, Fault> {
         if self.is_at_end() {
             return Err(self.unexpected("more"));
@@ -66,7 +66,7 @@ impl<'a> Stream<'a> {
         Ok(text)
     }
 
-    /// Passes this word or sign, if it is next.
+    /// Takes this word or sign if it is next, and returns its place.
     pub(super) fn taken(&mut self, text: &str) -> Option<Span> {
         let span = self.token().span.clone();
         self.is_next(text).then(|| self.at += 1).map(|()| span)
@@ -84,17 +84,18 @@ impl<'a> Stream<'a> {
         if self.token().kind == Kind::Word { self.next() } else { Err(self.unexpected("a name")) }
     }
 
-    /// Runs `read` one level deeper.
+    /// Runs `read` one nesting level deeper.
     pub(super) fn deeper<T>(&mut self, read: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
         self.depth += 1;
         if self.depth > DEEPEST {
-            return Err(Fault::new(self.here(), "this lies too deep in brackets"));
+            return Err(Fault::new(self.here(), format!("this is nested more than {DEEPEST} deep")));
         }
         let found = read(self);
         self.depth -= 1;
         found
     }
 
+    /// Parses a type.
     pub(super) fn ty(&mut self) -> Result<Type, Fault> {
         self.deeper(|stream| {
             let at = stream.here();
@@ -103,7 +104,7 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// The type whose name was read at `at`, with the parameters that follow.
+    /// Parses the rest of the type `name`, which was read at `at`, with its parameters.
     fn type_named(&mut self, name: &str, at: usize) -> Result<Type, Fault> {
         let found = match name {
             "bool" => Type::BOOL,
@@ -120,7 +121,7 @@ impl<'a> Stream<'a> {
                 let count =
                     count.ok_or_else(|| Fault::new(at, format!("an array has at most {LONGEST} elements here")))?;
                 if matches!(of, Type::Array(..)) {
-                    return Err(Fault::new(at, "an array of arrays is not printed"));
+                    return Err(Fault::new(at, "arrays of arrays are not supported"));
                 }
                 self.take(",");
                 self.expect(">")?;
@@ -137,7 +138,7 @@ impl<'a> Stream<'a> {
             _ => match (vector(name), matrix(name)) {
                 (Some(size), _) => match self.parameter()? {
                     Type::Scalar(scalar) => Type::Vector(size, scalar),
-                    _ => return Err(Fault::new(at, "a vector is of scalars")),
+                    _ => return Err(Fault::new(at, "the elements of a vector must be scalars")),
                 },
                 (_, Some((columns, rows))) => {
                     self.parameter()?;
@@ -152,7 +153,7 @@ impl<'a> Stream<'a> {
         Ok(found)
     }
 
-    /// A type in angle brackets.
+    /// Parses a type in angle brackets.
     fn parameter(&mut self) -> Result<Type, Fault> {
         self.expect("<")?;
         let of = self.ty()?;
@@ -164,7 +165,7 @@ impl<'a> Stream<'a> {
         self.deeper(|stream| stream.binary(0))
     }
 
-    /// Operators that bind at least as tightly as `least`.
+    /// Parses operators with a precedence of at least `least`.
     fn binary(&mut self, least: u8) -> Result<Expr, Fault> {
         let mut left = self.unary()?;
         while let Some((sign, strength)) = self.operator().filter(|(_, strength)| *strength >= least) {
@@ -178,7 +179,7 @@ impl<'a> Stream<'a> {
         Ok(left)
     }
 
-    /// The operator here and how tightly it binds, as in C. WGSL asks for brackets where it binds otherwise.
+    /// The operator here and its precedence, as in C. WGSL requires brackets where its precedence differs.
     fn operator(&self) -> Option<(&'static str, u8)> {
         const OPERATORS: [(&str, u8); 18] = [
             ("||", 0),
@@ -283,7 +284,7 @@ impl<'a> Stream<'a> {
 fn node(kind: ExprKind, span: Span, below: u32) -> Result<Expr, Fault> {
     let depth = below + 1;
     if depth > DEEPEST {
-        return Err(Fault::new(span.start, "this expression has too many parts in each other"));
+        return Err(Fault::new(span.start, format!("this expression is nested more than {DEEPEST} deep")));
     }
     Ok(Expr { kind, span, depth })
 }

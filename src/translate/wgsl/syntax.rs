@@ -8,7 +8,7 @@ pub(crate) enum Scalar {
     F32,
     I32,
     U32,
-    /// A number without a suffix, which takes the type of what it stands beside.
+    /// A number without a suffix, which takes the type of the other operand.
     AbstractInt,
     AbstractFloat,
 }
@@ -24,7 +24,7 @@ pub(crate) enum Texture {
 }
 
 impl Texture {
-    /// How many numbers name a texel, a layer among them.
+    /// The number of coordinates of a texel, including the layer.
     pub(crate) fn coordinates(self) -> usize {
         if self == Self::Plane { 2 } else { 3 }
     }
@@ -40,7 +40,7 @@ pub(crate) enum Type {
     },
     Array(Box<Type>, u32),
     Struct(String),
-    /// To a variable of a function.
+    /// A pointer to a variable of a function.
     Pointer(Box<Type>),
     Texture(Texture),
     Sampler,
@@ -50,7 +50,7 @@ pub(crate) enum Type {
 pub(crate) struct Expr {
     pub(crate) kind: ExprKind,
     pub(crate) span: Span,
-    /// Nodes from here to the deepest leaf.
+    /// The number of nodes from here to the deepest leaf.
     pub(crate) depth: u32,
 }
 
@@ -71,17 +71,17 @@ pub(crate) enum ExprKind {
 pub(crate) struct Call {
     pub(crate) callee: Callee,
     pub(crate) arguments: Vec<Expr>,
-    /// From `(` to `)`.
+    /// The range from `(` to `)`.
     pub(crate) span: Span,
-    /// A comma behind the last argument.
+    /// The comma after the last argument.
     pub(crate) comma: Option<Span>,
 }
 
 #[derive(Debug, Clone)]
 pub(crate) enum Callee {
-    /// A function, a structure, or a vector or matrix whose scalars follow from the arguments.
+    /// A function, a structure, or a vector or matrix whose scalar type follows from the arguments.
     Name(String),
-    /// A type with its parameters, as `vec2<f32>`.
+    /// A type with its parameters, such as `vec2<f32>`.
     Type(Type),
     /// `bitcast<T>`.
     Bitcast(Type),
@@ -90,7 +90,7 @@ pub(crate) enum Callee {
 #[derive(Debug, Clone)]
 pub(crate) struct Block {
     pub(crate) statements: Vec<Statement>,
-    /// From `{` to `}`.
+    /// The range from `{` to `}`.
     pub(crate) span: Span,
 }
 
@@ -138,7 +138,7 @@ pub(crate) enum StatementKind {
 pub(crate) struct Field {
     pub(crate) name: String,
     pub(crate) ty: Type,
-    /// Name and type.
+    /// The range of name and type.
     pub(crate) span: Span,
     pub(crate) comma: Option<Span>,
 }
@@ -153,7 +153,7 @@ pub(crate) struct Parameter {
 #[derive(Debug, Clone)]
 pub(crate) struct Function {
     pub(crate) parameters: Vec<Parameter>,
-    /// The parameters from `(` to `)`.
+    /// The range of the parameters from `(` to `)`.
     pub(crate) span: Span,
     pub(crate) comma: Option<Span>,
     pub(crate) returns: Option<Type>,
@@ -162,7 +162,7 @@ pub(crate) struct Function {
 
 #[derive(Debug, Clone)]
 pub(crate) enum ItemKind {
-    /// `fields` is from `{` to `}`.
+    /// `fields` is the range from `{` to `}`.
     Struct {
         members: Vec<Field>,
         fields: Span,
@@ -180,7 +180,7 @@ pub(crate) enum ItemKind {
 pub(crate) struct Item {
     pub(crate) name: String,
     pub(crate) kind: ItemKind,
-    /// With its attributes and its semicolon.
+    /// The range with attributes and semicolon.
     pub(crate) span: Span,
 }
 
@@ -190,11 +190,11 @@ pub(crate) struct Resource {
     pub(crate) ty: Type,
     pub(crate) group: u32,
     pub(crate) binding: u32,
-    /// Whether it is storage that the shader writes.
+    /// Whether it is storage that the shader writes to.
     pub(crate) is_written: bool,
 }
 
-/// A text and what it declares, in its order.
+/// A text and its declarations, in order.
 #[derive(Debug, Clone)]
 pub(crate) struct Module<'a> {
     pub(crate) source: &'a str,
@@ -203,7 +203,7 @@ pub(crate) struct Module<'a> {
 }
 
 impl Scalar {
-    /// The type that both take: a number without a suffix takes the other's.
+    /// The common type of two operands. A number without a suffix takes the other's type.
     pub(crate) fn join(self, other: Self) -> Self {
         match self {
             Self::AbstractInt => other,
@@ -212,7 +212,7 @@ impl Scalar {
         }
     }
 
-    /// The type of a variable with such a value.
+    /// The type of a variable with this value.
     pub(crate) fn concrete(self) -> Self {
         match self {
             Self::AbstractInt => Self::I32,
@@ -226,7 +226,7 @@ impl Type {
     pub(crate) const FLOAT: Self = Self::Scalar(Scalar::F32);
     pub(crate) const BOOL: Self = Self::Scalar(Scalar::Bool);
 
-    /// The scalars that it is made of.
+    /// The scalar type of the elements.
     pub(crate) fn scalar(&self) -> Option<Scalar> {
         match self {
             Self::Scalar(scalar) | Self::Vector(_, scalar) => Some(*scalar),
@@ -235,7 +235,7 @@ impl Type {
         }
     }
 
-    /// The same shape of other scalars.
+    /// The same shape with other scalars.
     pub(crate) fn of(&self, scalar: Scalar) -> Self {
         match self {
             Self::Scalar(_) => Self::Scalar(scalar),
@@ -249,12 +249,12 @@ impl Type {
     }
 }
 
-/// The size of `vec2`, `vec3` and `vec4`.
+/// The size in the name `vec2`, `vec3` or `vec4`.
 pub(crate) fn vector(name: &str) -> Option<u8> {
     name.strip_prefix("vec").and_then(size)
 }
 
-/// Columns and rows of `mat3x3` and others.
+/// Columns and rows in the name `mat3x3` or similar.
 pub(crate) fn matrix(name: &str) -> Option<(u8, u8)> {
     let (columns, rows) = name.strip_prefix("mat")?.split_once('x')?;
     size(columns).zip(size(rows))

@@ -33,7 +33,7 @@ fn stated(row: &str) -> BTreeMap<&'static str, [f64; 2]> {
     let line = DOCUMENT.lines().find(|line| line.starts_with(&format!("| {row} |"))).expect("a row");
     let number = |text: &str| format!("0{}", text.trim()).parse::<f64>().expect("a number");
     let pair = |cell: &str| {
-        let mut numbers = cell.split('/').map(number);
+        let mut numbers = cell.split(',').map(number);
         [0; 2].map(|_| numbers.next().expect("two numbers"))
     };
     cells(head).map(|cell| cell.split(' ').next().unwrap_or(cell)).zip(cells(line).map(pair)).collect()

@@ -27,7 +27,12 @@ export async function draw( tables, dielectric ) {
 	material.brdf.useEnergyConservation = false;
 	floor.material = material;
 	const plastic = material.clone( 'plastic' );
-	if ( dielectric ) bindOwnTables( plastic, await loadTables( `${ dielectric }/areaLights/areaLightsLTC.bin`, scene ) );
+	if ( dielectric ) {
+
+		const { bindOwnTables, loadTables } = await import( '/docs/dielectrics_babylon.js' );
+		bindOwnTables( plastic, await loadTables( `${ dielectric }/areaLights/areaLightsLTC.bin`, scene ) );
+
+	}
 
 	const lamp = new BABYLON.RectAreaLight( 'lamp', BABYLON.Vector3.Zero(), light.width, light.height, scene );
 	// It shines along -z and turns with its parent alone.
@@ -68,25 +73,6 @@ export async function draw( tables, dielectric ) {
 
 	engine.dispose();
 	return drawn;
-
-}
-
-/** The two textures of a file of tables; the same function stands in docs/engines.md. */
-async function loadTables( address, scene ) {
-
-	const halves = new Uint16Array( await BABYLON.Tools.LoadFileAsync( address ) );
-	return [ 0, 4 ].map( ( first ) => BABYLON.RawTexture.CreateRGBATexture(
-		Uint16Array.from( { length: halves.length / 2 }, ( _, i ) => halves[ 8 * ( i >> 2 ) + first + i % 4 ] ), 64, 64, scene,
-		false, false, BABYLON.Texture.LINEAR_LINEAR, BABYLON.Constants.TEXTURETYPE_HALF_FLOAT ) );
-
-}
-
-/** Lights a material by tables of its own; the same function stands in docs/engines.md. */
-function bindOwnTables( material, textures ) {
-
-	// Babylon binds the tables of the scene before, with each light.
-	material.onBindObservable.add( () => textures.forEach( ( texture, i ) =>
-		material.getEffect().setTexture( `areaLightsLTC${ i + 1 }Sampler`, texture ) ) );
 
 }
 

@@ -48,6 +48,7 @@ export async function draw( tables, dielectric ) {
 	} );
 	if ( dielectric ) {
 
+		const { bindOwnTables, tableTextures } = await import( '/docs/dielectrics_playcanvas.js' );
 		const plastics = await load( dielectric );
 		bindOwnTables( floors[ 1 ].render.meshInstances, tableTextures( app.graphicsDevice, plastics.LTC_MAT_1, plastics.LTC_MAT_2 ) );
 
@@ -98,29 +99,5 @@ export async function draw( tables, dielectric ) {
 
 	app.destroy();
 	return drawn;
-
-}
-
-/** The two textures of a set of tables; the same function stands in docs/engines.md. */
-function tableTextures( device, ...numbers ) {
-
-	return numbers.map( ( numbers ) => {
-
-		const texture = new pc.Texture( device, {
-			width: 64, height: 64, format: pc.PIXELFORMAT_RGBA16F, mipmaps: false, minFilter: pc.FILTER_NEAREST, magFilter: pc.FILTER_LINEAR,
-			addressU: pc.ADDRESS_CLAMP_TO_EDGE, addressV: pc.ADDRESS_CLAMP_TO_EDGE,
-		} );
-		texture.lock().set( numbers.map( pc.FloatPacking.float2Half ) );
-		texture.unlock();
-		return texture;
-
-	} );
-
-}
-
-/** Lights meshes by tables of their own; the same function stands in docs/engines.md. */
-function bindOwnTables( meshInstances, textures ) {
-
-	for ( const mesh of meshInstances ) textures.forEach( ( texture, i ) => mesh.setParameter( `areaLightsLutTex${ i + 1 }`, texture ) );
 
 }

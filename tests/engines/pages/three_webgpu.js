@@ -1,7 +1,6 @@
 // three.js by WebGPURenderer, which falls back on WebGL 2 where there is no WebGPU. The rest is as in three.js.
 
 import * as THREE from 'three/webgpu';
-import { metalness, mix, texture } from 'three/tsl';
 import { RectAreaLightTexturesLib } from 'three/addons/lights/RectAreaLightTexturesLib.js';
 
 import { height, light, pictures, redFromTop, table, width } from '/world.js';
@@ -17,7 +16,12 @@ export async function draw( tables, dielectric, isMixed ) {
 
 	const plastic = new THREE.MeshStandardMaterial( { color: 0x000000 } );
 	const metal = new THREE.MeshStandardMaterial( { metalness: 1 } );
-	if ( dielectric ) ( isMixed ? mixTables : bindOwnTables )( isMixed ? metal : plastic, await load( dielectric ) );
+	if ( dielectric ) {
+
+		const { bindOwnTables, mixTables } = await import( '/docs/dielectrics_three_webgpu.js' );
+		( isMixed ? mixTables : bindOwnTables )( isMixed ? metal : plastic, await load( dielectric ) );
+
+	}
 
 	const scene = new THREE.Scene();
 	const floor = new THREE.Mesh( new THREE.PlaneGeometry( 2 * table.halfX, 2 * table.halfZ ), metal );
@@ -53,53 +57,5 @@ export async function draw( tables, dielectric, isMixed ) {
 
 	renderer.dispose();
 	return drawn;
-
-}
-
-/** Lights a material by tables of its own; the same function stands in docs/engines.md. */
-function bindOwnTables( material, tables ) {
-
-	lightBy( material, tables, ( model, stock, data, own ) => stock( { ...data, ...own } ) );
-
-}
-
-/** Adds tables for dielectrics to a material and mixes both by its metalness; the same function stands in docs/engines.md. */
-function mixTables( material, tables ) {
-
-	lightBy( material, tables, ( model, stock, data, own ) => {
-
-		// three adds to these: gloss is caught both times; diffuse light and clearcoat, a dielectric, are added once.
-		const { directSpecular, directDiffuse } = data.reflectedLight;
-		const { clearcoat } = model;
-		let dielectric, metal;
-		stock( { ...data, ...own, reflectedLight: { directDiffuse, directSpecular: { addAssign: ( gloss ) => dielectric = gloss } } } );
-		model.clearcoat = false;
-		stock( { ...data, reflectedLight: { directDiffuse: { addAssign() {} }, directSpecular: { addAssign: ( gloss ) => metal = gloss } } } );
-		model.clearcoat = clearcoat;
-		directSpecular.addAssign( mix( dielectric, metal, metalness ) );
-
-	} );
-
-}
-
-/** Has `light` called in place of three's lighting of a material by a rectangle; the same function stands in docs/engines.md. */
-function lightBy( material, tables, light ) {
-
-	material.setupLightingModel = function ( builder ) {
-
-		const model = Object.getPrototypeOf( this ).setupLightingModel.call( this, builder );
-		const { directRectArea } = model;
-		const bits = builder.isAvailable( 'float32Filterable' ) ? 'FLOAT' : 'HALF';
-		const own = { ltc_1: texture( tables[ `LTC_${ bits }_1` ] ), ltc_2: texture( tables[ `LTC_${ bits }_2` ] ) };
-		model.directRectArea = ( data, builder ) => light( model, ( data ) => directRectArea.call( model, data, builder ), data, own );
-		return model;
-
-	};
-	// Else three takes the shader of a material that looks the same.
-	material.customProgramCacheKey = function () {
-
-		return `${ Object.getPrototypeOf( this ).customProgramCacheKey.call( this ) } ${ light } ${ tables.LTC_FLOAT_1.uuid }`;
-
-	};
 
 }

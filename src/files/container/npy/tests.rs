@@ -3,10 +3,10 @@ use proptest::prelude::*;
 use super::*;
 
 const HEADER: &str = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, 2, 2, 3, 3), }";
-/// Numbers of a table of that shape.
+/// The numbers of a table with this shape.
 const NUMBERS: usize = 2 * 3 * 2 * 2 * 9;
 
-/// A version 1 file.
+/// A file of version 1.
 fn file(header: &str, data: &[u8]) -> Vec<u8> {
     let length = u16::try_from(header.len()).expect("a short header");
     [NPY_MAGIC, &[1, 0], &length.to_le_bytes(), header.as_bytes(), data].concat()
@@ -43,7 +43,7 @@ fn headers_of_every_version_order_and_spacing_are_read() {
     }
 }
 
-/// The published table has matrices with a negative determinant. The report counts them.
+/// Matrices with a negative determinant, as in the published table, are read. The report counts them.
 #[test]
 fn negative_determinants_are_let_through() {
     let flipped = [1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0];
@@ -60,10 +60,10 @@ fn what_is_wrong_is_named() {
     assert!(with("(2, 3, 2, 2, 3, 3)", "(24, 3, 3)").starts_with("«shape» is [24, 3, 3]"));
     assert!(with("(2, 3, 2, 2, 3, 3)", "(1, 6, 2, 2, 3, 3)").contains("2 to 16384 nodes"));
     assert!(with("(2,", "(9999999999999999999, 9999999999,").contains("«shape»"));
-    assert!(with("(2, 3, 2,", "(4611686018427387904, 3, 2,").contains("the shape takes 18446744073709551615"));
-    assert!(with("(2, 3, 2,", "(3, 3, 2,").contains("864 bytes of data; the shape takes 1296"));
-    assert_eq!(with("False", "Maybe"), "the header: True or False was expected, found «Maybe, 'shape': (2, »");
-    assert_eq!(with("descr", "shape"), "the header: «(» was expected, found «'<f4', 'fortran_orde»");
+    assert!(with("(2, 3, 2,", "(4611686018427387904, 3, 2,").contains("the shape needs 18446744073709551615"));
+    assert!(with("(2, 3, 2,", "(3, 3, 2,").contains("864 bytes of data; the shape needs 1296"));
+    assert_eq!(with("False", "Maybe"), "the header: expected True or False, found «Maybe, 'shape': (2, »");
+    assert_eq!(with("descr", "shape"), "the header: expected «(», found «'<f4', 'fortran_orde»");
     assert_eq!(with("'descr': '<f4', ", ""), "the header: «descr» is missing");
     assert_eq!(with("'descr'", "'colour': 1, 'descr'"), "the header: «colour» is not one of its fields");
     let twice = "{'descr': '<f4', 'descr': '<f4'}";
@@ -83,7 +83,7 @@ proptest! {
         let _ = decode_npy(&[NPY_MAGIC, &bytes].concat());
     }
 
-    /// Headers that are nearly right: a piece of one, cut, repeated or replaced.
+    /// Headers that are almost right: a piece of one, cut, repeated or replaced.
     #[test]
     fn any_header_gives_an_answer(start in 0..HEADER.len(), length in 0..20_usize, piece in "[{}()',:a-z0-9 <é-]{0,20}") {
         let end = (start + length).min(HEADER.len());

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use super::*;
 use ltcforge_fit::{BrdfKind, Layout, LobeFresnel, LobeModel, SecondLobe};
 
-/// A recipe of 2 x 2 x 3 x 2 entries, and a table of made-up numbers for it.
+/// A recipe of 2 x 2 x 3 x 2 entries, and a table with invented numbers.
 fn example(terms: bool) -> (Recipe, Table) {
     let text = format!(
         r#"{{"resolution": {{"alpha": 2, "ratio": 2, "theta": 3, "phi": 2}}, "terms": {terms},
@@ -32,7 +32,7 @@ fn file(terms: bool) -> Vec<u8> {
     encode(&recipe, &table).expect("a consistent table")
 }
 
-/// The error that decoding gives for an example that `change` has made wrong.
+/// The error of decoding the example after `change` has damaged it.
 fn broken(change: impl FnOnce(&mut Recipe, &mut Table)) -> TableFileError {
     let (mut recipe, mut table) = example(true);
     change(&mut recipe, &mut table);
@@ -71,7 +71,7 @@ fn a_second_lobe_reads_back_and_takes_three_quarters_more_at_most() {
     assert!(decode(&lost).expect_err("no second lobe").to_string().contains("«matrix_2»: missing"));
 }
 
-/// The third term is a tensor of its own, which the recipe demands, and is not negative.
+/// The third term is a separate tensor, which the recipe requires, and is not negative.
 #[test]
 fn a_file_with_the_edge_term_reads_back_too() {
     let (mut recipe, mut table) = example(true);
@@ -88,7 +88,7 @@ fn a_file_with_the_edge_term_reads_back_too() {
     }
 }
 
-/// Half floats are written as such, and numbers that they hold read back exactly.
+/// Half floats are stored as halves, and numbers that are halves are read back exactly.
 #[test]
 fn a_file_of_half_floats_takes_half_the_bytes() {
     let (mut recipe, mut table) = example(true);
@@ -105,7 +105,7 @@ fn a_file_of_half_floats_takes_half_the_bytes() {
     assert_eq!(decode(&file_of_halves), Ok(TableFile { recipe, table }));
 }
 
-/// A fitter reads tables of older fitters, which keep their version. It does not read those of a newer fitter.
+/// A fitter reads tables of older fitters, which keep their version, but not tables of newer fitters.
 #[test]
 fn tables_of_older_fitters_can_be_read() {
     let (mut recipe, table) = example(true);
@@ -158,7 +158,7 @@ fn numbers_that_make_no_table_are_named() {
 fn tensors_that_the_recipe_does_not_ask_for_are_not_canonical() {
     assert_eq!(broken(|recipe, _| recipe.terms = StoredTerms::None), TableFileError::NotCanonical);
     let mut padded = file(true);
-    // Eight more blanks in the header, which safetensors allows, move the data.
+    // Safetensors allows eight more blanks in the header, which move the data.
     let length = u64::from_le_bytes(padded[..8].try_into().expect("eight bytes")) + 8;
     padded[..8].copy_from_slice(&length.to_le_bytes());
     let end = length as usize;
@@ -180,8 +180,8 @@ fn other_containers_and_recipes_are_refused() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Each table has one file: if a file decodes after a bit has changed, its table encodes to exactly the changed
-    /// bytes.
+    /// Each table has exactly one file. If a file decodes after a bit has changed, its table encodes to exactly the
+    /// changed bytes.
     #[test]
     fn a_changed_bit_is_an_error_or_another_table(at in 0..file(true).len() * 8) {
         let mut bytes = file(true);

@@ -1,4 +1,4 @@
-//! How far a tabulated BRDF is from reciprocity.
+//! Measures how far a tabulated BRDF is from reciprocity.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -7,34 +7,34 @@ use super::{
     grid::{Cell, Place},
 };
 
-/// How far a BRDF is from reciprocity, `f(o, i) = f(i, o)`.
+/// The largest deviation of a BRDF from reciprocity, `f(o, i) = f(i, o)`.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Asymmetry {
-    /// The largest difference of two values that should be equal, as a part of the largest value of the same surface.
+    /// The largest difference of two values that should be equal, relative to the largest value of the same surface.
     pub largest: f64,
-    /// Where: `alpha`, if the file has any.
+    /// The alpha of the largest difference, if the file has this axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alpha: Option<f64>,
-    /// The ratio of roughnesses there, if the file has any.
+    /// The ratio of roughnesses of the largest difference, if the file has this axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio: Option<f64>,
-    /// The polar angle of the view there, radians.
+    /// The polar angle of the view, radians.
     pub theta_o: f64,
-    /// The azimuth of the view, if the file has any.
+    /// The azimuth of the view, if the file has this axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phi_o: Option<f64>,
     /// The polar angle of the light, radians.
     pub theta_i: f64,
-    /// The azimuth of the light less that of the view, radians.
+    /// The azimuth of the light relative to the view, radians.
     pub phi: f64,
 }
 
 impl TabulatedBrdf {
-    /// How far the values at nodes are from those with view and light exchanged, interpolated. Lights beyond the last
-    /// view have none to compare with. `None` where nothing can be compared.
+    /// Compares the values at nodes with the interpolated values for exchanged view and light. Lights beyond the last
+    /// view are skipped. `None` if nothing can be compared.
     ///
-    /// The azimuths of exchanged lights lie between nodes where the surface is anisotropic: what interpolation adds there
-    /// counts too.
+    /// On anisotropic surfaces, the azimuths of exchanged lights lie between nodes. The result then includes the error
+    /// of interpolation.
     #[must_use]
     pub fn asymmetry(&self) -> Option<Asymmetry> {
         let [alphas, ratios, azimuths] =
@@ -60,7 +60,7 @@ impl TabulatedBrdf {
         found
     }
 
-    /// The values of one view, those with view and light exchanged, and their nodes of `theta_i` and `phi`.
+    /// The values of one view, the values with view and light exchanged, and their nodes of `theta_i` and `phi`.
     fn exchanged(&self, at: Place, view: usize) -> impl Iterator<Item = (f64, f64, [usize; 2])> {
         let axes = self.axes();
         let [first, last] = [axes.theta_o.first(), axes.theta_o.last()].map(|end| end.copied().unwrap_or(f64::NAN));
@@ -79,14 +79,14 @@ impl TabulatedBrdf {
 }
 
 impl TabulatedAxes {
-    /// The azimuth of the light as that of a view, and the difference from there to the view.
+    /// The azimuth of the light, used as the azimuth of a view, and the azimuth of the old view relative to it.
     fn exchanged_azimuths(&self, phi_o: usize, phi: usize) -> (Cell, Cell) {
         if self.is_isotropic() {
             return (Cell::at(0), Cell::at(phi));
         }
         let apart = self.phi[phi];
         let azimuth = (self.phi_o[phi_o] + apart).rem_euclid(PI);
-        // A mirror image has its light on the other side.
+        // A mirrored surface has its light on the other side.
         let (azimuth, apart) = if azimuth <= FRAC_PI_2 { (azimuth, TAU - apart) } else { (PI - azimuth, apart) };
         (Cell::of(&self.phi_o, azimuth), Cell::of(&self.phi, apart))
     }

@@ -4,25 +4,26 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::TabulatedFault;
 
-/// The ends of axes that have to be reached, and the nearest that two nodes may be: an f32 does not tell less of pi.
+/// The tolerance for the ends of axes and the smallest distance of two nodes. It exceeds the rounding of pi to f32.
 const TOLERANCE: f64 = 1e-6;
 
-/// The nodes of a tabulated BRDF, each axis strictly ascending.
+/// The nodes of a tabulated BRDF. Each axis ascends strictly.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TabulatedAxes {
-    /// Roughness, the alpha of tables, in [0, 1]. Empty for a surface that has no roughness.
+    /// Roughness, the alpha of tables, in [0, 1]. Empty for a surface without a roughness.
     pub alpha: Vec<f64>,
-    /// Smaller over larger roughness, in [0, 1]. Empty for surfaces of one ratio, and where `phi_o` is.
+    /// Smaller divided by larger roughness, in [0, 1]. Empty for surfaces of one ratio, and if `phi_o` is empty.
     pub ratio: Vec<f64>,
-    /// Polar angle of the view direction, radians, within [0, pi/2]; two nodes at least.
+    /// Polar angle of the view direction, radians, within [0, pi/2]; at least two nodes.
     pub theta_o: Vec<f64>,
     /// Azimuth of the view direction from the axis of larger roughness, radians, from 0 to pi/2. Empty for isotropic
     /// surfaces.
     pub phi_o: Vec<f64>,
     /// Polar angle of the light direction, radians, from 0 to pi/2.
     pub theta_i: Vec<f64>,
-    /// Azimuth of the light less that of the view, radians, from 0 (both on one side) to pi; where there is `phi_o`, in
-    /// the sense in which that grows, a whole turn from 0 to 2 pi, its nodes alike on both sides of pi.
+    /// Azimuth of the light relative to the view, radians. For isotropic surfaces it goes from 0 (same side as the
+    /// view) to pi. With `phi_o` it has the same sense as `phi_o` and goes from 0 to 2 pi, with nodes symmetric about
+    /// pi.
     pub phi: Vec<f64>,
 }
 
@@ -34,54 +35,52 @@ impl TabulatedAxes {
         [("alpha", alpha), ("ratio", ratio), ("theta_o", theta_o), ("phi_o", phi_o), ("theta_i", theta_i), ("phi", phi)]
     }
 
-    /// Whether surfaces are the same in all azimuths: there are none of the view.
+    /// True if surfaces look the same from all azimuths: the file has no azimuths of the view.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
         self.phi_o.is_empty()
     }
 
-    /// How many times the light of all `phi` is that of the axis: isotropic surfaces have two sides alike.
+    /// The number of times that the light of the axis `phi` counts. Isotropic surfaces have two equal sides.
     pub(super) fn sides(&self) -> f64 {
         if self.is_isotropic() { 2.0 } else { 1.0 }
     }
 
-    /// Nodes on each axis of the values, an axis without nodes as one: of alpha, `theta_o`, `theta_i` and phi for
-    /// isotropic surfaces, of all six for others.
+    /// The number of nodes on each axis of the values; an axis without nodes counts as one. Isotropic surfaces have the
+    /// axes alpha, `theta_o`, `theta_i` and phi, other surfaces all six.
     #[must_use]
     pub fn shape(&self) -> Vec<usize> {
         let is_whole = !self.is_isotropic() || !self.ratio.is_empty();
-        let told = |name: &str| is_whole || !matches!(name, "ratio" | "phi_o");
-        self.named().iter().filter(|(name, _)| told(name)).map(|(_, nodes)| nodes.len().max(1)).collect()
+        let has_axis = |name: &str| is_whole || !matches!(name, "ratio" | "phi_o");
+        self.named().iter().filter(|(name, _)| has_axis(name)).map(|(_, nodes)| nodes.len().max(1)).collect()
     }
 
-    /// Notes the faults of each axis, and moves ends that are meant for quarter turns there.
+    /// Collects the faults of each axis. Moves ends that are within the tolerance of their limit to it.
     pub(super) fn check(&mut self, faults: &mut Vec<TabulatedFault>) {
         let whole = |end: f64| Some([0.0, end]);
         let (views, turn) = if self.is_isotropic() { (0, PI) } else { (2, TAU) };
         check_axis("alpha", &mut self.alpha, [0.0, 1.0], 0, None, faults);
         check_axis("ratio", &mut self.ratio, [0.0, 1.0], 0, None, faults);
         if self.is_isotropic() && !self.ratio.is_empty() {
-            let detail =
-                "there is no phi_o: surfaces of other ratios than 1 change with the azimuth of the view".to_owned();
+            let detail = "phi_o is missing: surfaces of ratios below 1 change with the azimuth of the view".to_owned();
             faults.push(TabulatedFault { tensor: "ratio", detail });
         }
         check_axis("theta_o", &mut self.theta_o, [0.0, FRAC_PI_2], 2, None, faults);
         check_axis("phi_o", &mut self.phi_o, [0.0, FRAC_PI_2], views, whole(FRAC_PI_2), faults);
         check_axis("theta_i", &mut self.theta_i, [0.0, FRAC_PI_2], 2, whole(FRAC_PI_2), faults);
         check_axis("phi", &mut self.phi, [0.0, turn], 2, whole(turn), faults);
-        // Ends that are missing have been told.
+        // Missing ends are already among the faults.
         if [self.phi.first(), self.phi.last()] == [Some(&0.0), Some(&TAU)] {
             faults.extend(self.phi_fault());
         }
     }
 
-    /// A node of a whole turn of phi that has no mirror image at `2 pi - phi`.
+    /// The fault of the first node of phi that has no mirror image at `2 pi - phi`.
     fn phi_fault(&self) -> Option<TabulatedFault> {
         let pairs = self.phi.iter().zip(self.phi.iter().rev());
         let (at, (node, image)) = pairs.enumerate().find(|(_, (a, b))| (*a + *b - TAU).abs() > 2.0 * TOLERANCE)?;
         let detail = format!(
-            "node {at} is {node}, and its counterpart from the end {image}; allowed: nodes alike on both sides of pi, phi \
-             and 2 pi - phi"
+            "node {at} is {node}, but its mirror image is {image}; nodes must be symmetric about pi: phi and 2 pi - phi"
         );
         Some(TabulatedFault { tensor: "phi", detail })
     }
@@ -98,13 +97,13 @@ impl TabulatedAxes {
 }
 
 fn place_among(axes: &[(&str, &[f64])], mut index: usize) -> String {
-    let mut told = Vec::new();
+    let mut coordinates = Vec::new();
     for (name, nodes) in axes.iter().rev().filter(|(_, nodes)| !nodes.is_empty()) {
-        told.push(format!("{name} {:.4}", nodes[index % nodes.len()]));
+        coordinates.push(format!("{name} {:.4}", nodes[index % nodes.len()]));
         index /= nodes.len();
     }
-    told.reverse();
-    told.join(", ")
+    coordinates.reverse();
+    coordinates.join(", ")
 }
 
 fn check_axis(
@@ -134,11 +133,11 @@ fn check_axis(
     }
     if let Some(at) = nodes.windows(2).position(|pair| pair[1] - pair[0] < TOLERANCE) {
         let [one, next] = [nodes[at], nodes[at + 1]];
-        note(format!("node {} is {next} after {one}; nodes ascend by {TOLERANCE} at least", at + 1));
+        note(format!("node {} is {next} after {one}; nodes must ascend by at least {TOLERANCE}", at + 1));
     }
     if let (Some([low, high]), Some(first), Some(last)) = (ends, nodes.first(), nodes.last())
         && [*first, *last] != [low, high]
     {
-        note(format!("it goes from {first} to {last}; allowed: from {low} to {high}, all of it"));
+        note(format!("nodes go from {first} to {last}; they must go from {low} to {high}"));
     }
 }

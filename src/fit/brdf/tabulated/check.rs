@@ -1,25 +1,25 @@
-//! Checks that numbers are a BRDF.
+//! Checks that values form a BRDF.
 
 use super::{TabulatedAxes, TabulatedBrdf, TabulatedFault, fault::COUNT};
 
-/// The most that a tabulated BRDF may reflect of even light.
+/// The largest part of uniform light that a tabulated BRDF may reflect.
 pub const MOST_ALBEDO: f64 = 1.001;
-/// The most numbers of a tabulated BRDF: 32 MiB of f64.
+/// The largest number of values of a tabulated BRDF: 32 MiB of f64.
 pub const MOST_VALUES: usize = 1 << 22;
-/// The least that it may reflect: a lobe without light has no shape.
+/// The smallest part of uniform light that it may reflect. A lobe without light has no shape.
 const LEAST_ALBEDO: f64 = 1e-12;
-/// How far two values that are one by the symmetry of azimuths may be apart, as a part of the view's largest: more than
-/// what a computation in f32 leaves, and less than what a table tells of.
+/// The tolerance for two values that should be equal by symmetry, relative to the largest value of the view. It is
+/// larger than the error of a computation in f32 and smaller than the accuracy of a table.
 const SAME: f64 = 1e-3;
 
 impl TabulatedBrdf {
-    /// The BRDF of these values, row by row of the last axis: per steradian and without the cosine.
+    /// The BRDF with these values, per steradian and without the cosine. The last axis varies fastest.
     ///
     /// # Errors
-    /// All faults at once: axes that do not ascend, lie outside their ranges or do not span the hemisphere; values that
-    /// are too many, too few, negative or no numbers; and, where axes and number of values are right, more than
-    /// [`MOST_ALBEDO`] or nothing at all of even light reflected, or other values where the symmetry of an anisotropic
-    /// surface has the same. Values that are negative or no numbers count as zero for the light, and for no symmetry.
+    /// All faults at once. Axes must ascend, lie inside their ranges and span the hemisphere. Values must be finite and
+    /// not negative, and their number must match the axes. If it does, the light is checked too: each view must reflect
+    /// some uniform light, at most [`MOST_ALBEDO`]. Anisotropic surfaces must have equal values where their symmetry
+    /// demands it. Invalid values count as zero light, and are not compared.
     pub fn new(mut axes: TabulatedAxes, mut values: Vec<f64>) -> Result<Self, Vec<TabulatedFault>> {
         let mut faults = Vec::new();
         axes.check(&mut faults);
@@ -36,15 +36,15 @@ impl TabulatedBrdf {
         if !fits {
             note(format!("{} numbers{COUNT}{shape}", values.len()));
         }
-        let mut refuse = |what: &str, wrong: fn(&f64) -> bool| {
+        let mut report = |what: &str, wrong: fn(&f64) -> bool| {
             let mut found = values.iter().enumerate().filter(|(_, x)| wrong(x));
             let Some((first, x)) = found.next() else { return };
             let place = if fits { axes.place(first) } else { format!("element {first}") };
             let count = 1 + found.count();
             note(format!("{count} of {} numbers {what}; the first is {x}, at {place}", values.len()));
         };
-        refuse("are not finite", |x| !x.is_finite());
-        refuse("are negative", |x| *x < 0.0);
+        report("are not finite", |x| !x.is_finite());
+        report("are negative", |x| *x < 0.0);
         let is_wrong = |x: &f64| !(x.is_finite() && *x >= 0.0);
         let any_is_wrong = values.iter().any(is_wrong);
         if !axes_are_right || !fits || is_too_large {
@@ -57,7 +57,7 @@ impl TabulatedBrdf {
         if faults.is_empty() { Ok(grid) } else { Err(faults) }
     }
 
-    /// Views for which it reflects too much, or nothing; too much alone if some of its values were wrong.
+    /// The faults of views that reflect too much light or none. If values were wrong, only too much light is a fault.
     fn energy_faults(&self, any_was_wrong: bool) -> Vec<TabulatedFault> {
         let place = |node: usize| self.axes().place_of_view(node);
         let mut faults = Vec::new();
@@ -69,20 +69,20 @@ impl TabulatedBrdf {
         if let Some((node, albedo)) = most.filter(|_| count > 0) {
             let place = place(node);
             note(format!(
-                "{count} of {} views reflect more than {MOST_ALBEDO} of even light; the most is {albedo:.4}, at {place}",
+                "{count} of {} views reflect more than {MOST_ALBEDO} of uniform light, up to {albedo:.4} at {place}",
                 albedos.len()
             ));
         }
         if let Some(node) = albedos.iter().position(|x| *x < LEAST_ALBEDO).filter(|_| !any_was_wrong) {
             let place = place(node);
-            note(format!("nothing is reflected at {place}; end the axis before it, or give it a value"));
+            note(format!("no light is reflected at {place}; end the axis before it, or give it values"));
         }
         faults
     }
 }
 
-/// Values of anisotropic surfaces that differ where they are one: at both ends of a turn of `phi`, and at `phi` and
-/// `2 pi - phi` for views along an axis of the surface. Domain: axes that are right, and as many values.
+/// The faults of values of anisotropic surfaces that should be equal: at both ends of a turn of `phi`, and at `phi` and
+/// `2 pi - phi` for views along an axis of the surface. Domain: valid axes with the right number of values.
 fn azimuth_faults(axes: &TabulatedAxes, values: &[f64]) -> Vec<TabulatedFault> {
     let (azimuths, phis) = (axes.phi_o.len(), axes.phi.len());
     if axes.is_isotropic() {
@@ -101,25 +101,25 @@ fn azimuth_faults(axes: &TabulatedAxes, values: &[f64]) -> Vec<TabulatedFault> {
             }
         }
     }
-    let told = [
-        (turn, "differ at phi 0 and 2 pi, which are one azimuth"),
-        (mirror, "differ at phi and 2 pi - phi where phi_o is 0 or pi/2; the surface is its own mirror image there"),
+    let checks = [
+        (turn, "differ at phi 0 and 2 pi, which are the same azimuth"),
+        (mirror, "differ at phi and 2 pi - phi for phi_o 0 or pi/2, where the surface is symmetric"),
     ];
-    told.into_iter().filter_map(|(apart, what)| apart.fault(what, axes)).collect()
+    checks.into_iter().filter_map(|(apart, what)| apart.fault(what, axes)).collect()
 }
 
-/// Pairs of values that should be one and are not.
+/// Pairs of values that should be equal but differ.
 #[derive(Default)]
 struct Apart {
     pairs: usize,
-    /// The largest difference, as a part of the view's largest value, and the index of its first value.
+    /// The largest difference, relative to the view's largest value, and the index of its first value.
     largest: (f64, usize),
 }
 
 impl Apart {
     fn compare(&mut self, pair: [f64; 2], most: f64, index: usize) {
         let apart = (pair[0] - pair[1]).abs() / most;
-        // Values that are wrong are told of by themselves.
+        // Invalid values have their own message.
         if pair.iter().all(|x| x.is_finite() && *x >= 0.0) && apart > SAME {
             self.pairs += 1;
             if apart > self.largest.0 {
@@ -132,7 +132,7 @@ impl Apart {
         let Self { pairs, largest: (most, index) } = self;
         let place = axes.place(index);
         let detail = format!(
-            "{pairs} pairs of numbers {what}; allowed: {SAME} of the view's largest number, and the most is {most:.4}, at {place}"
+            "{pairs} pairs of numbers {what}, by up to {most:.4} of the view's largest number at {place}; allowed: {SAME}"
         );
         (pairs > 0).then_some(TabulatedFault { tensor: "value", detail })
     }

@@ -4,14 +4,14 @@
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("tensor «{tensor}»: {detail}")]
 pub struct TabulatedFault {
-    /// Which tensor.
+    /// The name of the tensor.
     pub tensor: &'static str,
     /// The fault: the number, and what is allowed.
     pub detail: String,
 }
 
 impl TabulatedFault {
-    /// Whether it is that there are more or fewer numbers than nodes.
+    /// True if the number of values does not match the axes.
     #[must_use]
     pub fn is_of_count(&self) -> bool {
         self.detail.contains(COUNT)

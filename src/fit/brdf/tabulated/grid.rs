@@ -1,10 +1,10 @@
-//! The numbers of a tabulated BRDF, and their integrals.
+//! The values of a tabulated BRDF and their integrals.
 
 use super::TabulatedAxes;
 use crate::math::{sin, sin_cos};
 
-/// Nodes and weights of the Gauss-Legendre rule of eight points on [-1, 1], for its positive half. Over a quarter turn
-/// it is exact to the last digits for `(a + b x) sin(2 x)`.
+/// Nodes and weights of the eight-point Gauss-Legendre rule on [-1, 1]; the positive half. Over a quarter turn it
+/// integrates `(a + b x) sin(2 x)` to the last digits.
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -12,23 +12,23 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
 ];
 
-/// A BRDF on a grid, linear in each of its axes between the nodes and constant beyond their ends.
+/// A BRDF on a grid. It is linear between the nodes of each axis, and constant beyond the ends.
 ///
 /// ```text
-/// f(alpha, theta_o, theta_i, phi)      per steradian, without the cosine; isotropic, as much at -phi
+/// f(alpha, theta_o, theta_i, phi)      per steradian, without the cosine; isotropic, equal at -phi
 /// E(alpha, theta_o) = 2 int_0^(pi/2) int_0^pi f dphi cos(theta_i) sin(theta_i) dtheta_i
 ///
 /// f(alpha, ratio, theta_o, phi_o, theta_i, phi)      anisotropic
 /// E(alpha, ratio, theta_o, phi_o) = int_0^(pi/2) int_0^(2 pi) f dphi cos(theta_i) sin(theta_i) dtheta_i
 /// ```
 ///
-/// An anisotropic surface is its own mirror image in the planes of its axes, so that `f` is the same at
-/// `(-phi_o, -phi)` and `(pi - phi_o, -phi)`: views of one quadrant tell all others, and at its ends `f` is as much at
-/// `-phi`. With the difference of azimuths as an axis a lobe stays where it is while the view turns, which a linear
-/// interpolation between azimuths of the view needs.
+/// An anisotropic surface is symmetric in the planes of its axes: `f` is the same at `(-phi_o, -phi)` and
+/// `(pi - phi_o, -phi)`. The file therefore needs the views of one quadrant only. At the ends of the quadrant `f` is
+/// equal at `phi` and `-phi`. The axis `phi` is the difference of azimuths, so the lobe remains in place while the view
+/// turns. Linear interpolation between azimuths of the view depends on this.
 ///
-/// The integral over `phi` of a linear interpolation is the trapezoid rule's, that over `theta_i` one of
-/// `(a + b x) sin(2 x)`: both are exact, so samples are drawn from the interpolated function itself.
+/// The integral of a linear interpolation over `phi` is the trapezoid rule. The integral over `theta_i` has an
+/// integrand of the form `(a + b x) sin(2 x)`. Both are exact, so samples follow the interpolated function exactly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TabulatedBrdf {
     axes: TabulatedAxes,
@@ -36,14 +36,14 @@ pub struct TabulatedBrdf {
     pub(super) values: Vec<f64>,
     /// `int_0^phi f` at the nodes.
     pub(super) below: Vec<f64>,
-    /// For each interval of `theta_i`, of which `x` is the part from its lower end: the integrals of `(1 - x) sin cos`
-    /// and of `x sin cos`.
+    /// The integrals of `(1 - x) sin cos` and of `x sin cos` over each interval of `theta_i`. `x` is the relative
+    /// position in the interval.
     pub(super) moments: Vec<[f64; 2]>,
     /// `E` at the nodes of surface and view.
     albedo: Vec<f64>,
 }
 
-/// A place on the axes of surface and view.
+/// A point on the axes of surface and view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Place {
     pub(super) alpha: Cell,
@@ -52,24 +52,24 @@ pub(super) struct Place {
     pub(super) phi_o: Cell,
 }
 
-/// A place between two neighbouring nodes.
+/// A point between two neighbouring nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Cell {
     /// The lower node.
     pub(super) node: usize,
-    /// The upper one, the same on an axis of one node.
+    /// The upper node; the lower node again on an axis with one node.
     pub(super) next: usize,
-    /// The part of the way from one to the other, in [0, 1].
+    /// The position between the two nodes, in [0, 1].
     pub(super) part: f64,
 }
 
 impl Cell {
-    /// A node.
+    /// The point at a node.
     pub(super) fn at(node: usize) -> Self {
         Self { node, next: node, part: 0.0 }
     }
 
-    /// The place of `x`, moved to the nearer end where it lies beyond.
+    /// The point at `x`, clamped to the ends of the axis.
     pub(super) fn of(nodes: &[f64], x: f64) -> Self {
         if nodes.len() < 2 {
             return Self::at(0);
@@ -84,14 +84,14 @@ impl Cell {
         [(self.node, 1.0 - self.part), (self.next, self.part)]
     }
 
-    /// The nodes that have any weight.
+    /// The nodes with a weight above zero.
     fn corners(self) -> impl Iterator<Item = (usize, f64)> {
         self.ends().into_iter().filter(|(_, weight)| *weight > 0.0)
     }
 }
 
 impl TabulatedBrdf {
-    /// The grid of axes and values that were checked.
+    /// The grid of axes and values that are already checked.
     pub(super) fn of_checked(axes: TabulatedAxes, values: Vec<f64>) -> Self {
         let phis = axes.phi.len();
         let mut below = Vec::with_capacity(values.len());
@@ -110,13 +110,13 @@ impl TabulatedBrdf {
         Self { axes, values, below, moments, albedo }
     }
 
-    /// Its nodes.
+    /// The nodes of its axes.
     #[must_use]
     pub fn axes(&self) -> &TabulatedAxes {
         &self.axes
     }
 
-    /// `f` at its nodes, `phi` fastest.
+    /// `f` at the nodes; `phi` varies fastest.
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values
@@ -128,12 +128,12 @@ impl TabulatedBrdf {
         &self.albedo
     }
 
-    /// The same between nodes, which is linear there too.
+    /// The albedo between nodes, interpolated linearly.
     pub(super) fn albedo(&self, place: Place) -> f64 {
         self.views(place).map(|(view, weight)| weight * self.albedo[view]).sum()
     }
 
-    /// The nodes of surface and view around a place, in storage order, with their weights.
+    /// The nodes of surface and view around a point, in storage order, with their weights.
     pub(super) fn views(&self, place: Place) -> impl Iterator<Item = (usize, f64)> {
         let [ratios, views, azimuths] =
             [&self.axes.ratio, &self.axes.theta_o, &self.axes.phi_o].map(|nodes| nodes.len().max(1));
@@ -148,12 +148,12 @@ impl TabulatedBrdf {
         })
     }
 
-    /// The first value of a row along `phi`, for a node of surface and view.
+    /// The index of the first value of a row along `phi`, for a node of surface and view.
     pub(super) fn row(&self, view: usize, theta_i: usize) -> usize {
         (view * self.axes.theta_i.len() + theta_i) * self.axes.phi.len()
     }
 
-    /// `f` at a place.
+    /// `f` at a point.
     pub(super) fn value(&self, place: Place, theta_i: Cell, phi: Cell) -> f64 {
         let mut sum = 0.0;
         for (view, weight) in self.views(place) {
@@ -167,12 +167,12 @@ impl TabulatedBrdf {
     }
 }
 
-/// The light that each interval of `theta_i` reflects on one side, from the integrals over `phi` at its ends.
+/// The light reflected into each interval of `theta_i` on one side, from the integrals over `phi` at its ends.
 pub(super) fn masses(rings: &[f64], moments: &[[f64; 2]]) -> impl Iterator<Item = f64> {
     rings.windows(2).zip(moments).map(|(ends, [low, high])| ends[0] * low + ends[1] * high)
 }
 
-/// The integrals of `(1 - x) sin cos` and `x sin cos` from `low` to `high`, `x` the part of the way.
+/// The integrals of `(1 - x) sin cos` and `x sin cos` from `low` to `high`; `x` is the relative position.
 fn moments(low: f64, high: f64) -> [f64; 2] {
     let half = 0.5 * (high - low);
     let mut sums = [0.0; 2];

@@ -1,4 +1,4 @@
-//! A BRDF given as numbers: measured, or computed elsewhere.
+//! A BRDF whose values are measured or computed elsewhere.
 
 mod asymmetry;
 mod axes;
@@ -20,20 +20,20 @@ pub use grid::TabulatedBrdf;
 
 use super::scattering::{Brdf, BrdfRules, PredictionFactors};
 
-/// Tabulated BRDFs as an item of [`super::BrdfKind`]. Their surfaces are those of a file: see [`super::BrdfModel`].
+/// Tabulated BRDFs as an item of [`super::BrdfKind`]. Their surfaces need a file: see [`super::BrdfModel`].
 pub(super) struct TabulatedRules;
 
 impl BrdfRules for TabulatedRules {
     fn surface(&self, _: [f64; 2]) -> Box<dyn Brdf> {
-        panic!("a tabulated model has surfaces with its file alone")
+        panic!("a tabulated model has no surfaces without its file")
     }
 
-    /// But for files with azimuths of the view: see [`super::BrdfModel::is_isotropic`].
+    /// Files with azimuths of the view are anisotropic: see [`super::BrdfModel::is_isotropic`].
     fn is_isotropic(&self) -> bool {
         true
     }
 
-    /// Some do, but no file says so.
+    /// Some tabulated BRDFs follow the reflection, but a file does not state it.
     fn follows_reflection(&self) -> bool {
         false
     }
@@ -42,7 +42,7 @@ impl BrdfRules for TabulatedRules {
         true
     }
 
-    /// The error depends on the file's contents, and is taken to be GGX's.
+    /// The error depends on the file's contents. The prediction assumes the error of GGX.
     fn prediction_factors(&self) -> PredictionFactors {
         PredictionFactors { sample: 7.0, error: 1.0 }
     }

@@ -1,14 +1,14 @@
-//! Known BRDFs as numbers.
+//! Known BRDFs in tabulated form.
 
 use std::sync::{Arc, LazyLock};
 
 use super::{TabulatedAxes, TabulatedBrdf};
 use crate::brdf::{BrdfKind, BrdfModel, TabulatedFile};
 
-/// Oren-Nayar's reflection as numbers.
+/// A tabulated Oren-Nayar reflection.
 ///
 /// # Panics
-/// Never: the numbers are valid.
+/// Never: the values are valid.
 #[must_use]
 pub fn planted() -> BrdfModel {
     let brdf = TabulatedBrdf::tabulate(BrdfKind::OrenNayar, TabulatedAxes::spread(vec![0.05, 0.3, 1.0], 48, 24))
@@ -16,10 +16,10 @@ pub fn planted() -> BrdfModel {
     BrdfModel::tabulated(TabulatedFile::new([7; 32], Arc::new(brdf)))
 }
 
-/// GGX's anisotropic reflection as numbers, of two roughnesses and two ratios.
+/// A tabulated anisotropic GGX with two roughnesses and two ratios.
 ///
 /// # Panics
-/// Never: the numbers are valid.
+/// Never: the values are valid.
 #[must_use]
 pub fn planted_anisotropic() -> BrdfModel {
     static PLANTED: LazyLock<BrdfModel> = LazyLock::new(|| {

@@ -1,4 +1,4 @@
-//! A tabulated BRDF at one roughness, sampled by its own inverse.
+//! A surface of a tabulated BRDF, with a sampler that inverts its distribution exactly.
 
 use std::{
     f64::consts::{PI, TAU},
@@ -17,9 +17,9 @@ use crate::{
     math::{SquarePoint, atan2, sin_cos},
 };
 
-/// Newton's steps within an interval, at most; three or four are taken.
+/// The largest number of Newton steps within an interval. Three or four suffice.
 const STEPS: usize = 40;
-/// The search ends with a step that is shorter than this part of its interval.
+/// The search ends with a step shorter than this part of its interval.
 const SHORT_STEP: f64 = 1e-13;
 
 /// A surface of a tabulated BRDF.
@@ -28,12 +28,12 @@ pub(crate) struct TabulatedSurface {
     data: Arc<TabulatedBrdf>,
     alpha: Cell,
     ratio: Cell,
-    /// Whether its larger roughness, along which files have their x, is that along y.
+    /// True if the larger roughness is along y. Files have it along x.
     is_swapped: bool,
 }
 
 impl TabulatedBrdf {
-    /// The surface of these roughnesses along x and y, or of the nearest that the file has.
+    /// The surface with these roughnesses along x and y. Values outside of the file are clamped to its range.
     pub(crate) fn surface(self: &Arc<Self>, [alpha_x, alpha_y]: [f64; 2]) -> TabulatedSurface {
         let axes = self.axes();
         let larger = alpha_x.max(alpha_y);
@@ -47,12 +47,12 @@ impl TabulatedBrdf {
     }
 }
 
-/// The polar angle of a direction, exact at the pole and the horizon.
+/// The polar angle of a direction. It is accurate at the pole and at the horizon.
 fn polar(w: DVec3) -> f64 {
     atan2((w.x * w.x + w.y * w.y).sqrt(), w.z)
 }
 
-/// The mirrors that bring a view of an anisotropic surface to the quadrant of the file's views.
+/// The reflections that map a view of an anisotropic surface to the quadrant of the file's views.
 #[derive(Debug, Clone, Copy)]
 struct Mirrored {
     is_swapped: bool,
@@ -60,12 +60,12 @@ struct Mirrored {
 }
 
 impl Mirrored {
-    /// A direction as the file has it.
+    /// Converts a direction of the surface to the file's frame.
     fn to_file(self, w: DVec3) -> DVec3 {
         (if self.is_swapped { w.yxz() } else { w }) * self.signs
     }
 
-    /// A direction of the file as the surface has it.
+    /// Converts a direction of the file to the surface's frame.
     fn to_surface(self, w: DVec3) -> DVec3 {
         let w = w * self.signs;
         if self.is_swapped { w.yxz() } else { w }
@@ -73,7 +73,7 @@ impl Mirrored {
 }
 
 impl TabulatedSurface {
-    /// The mirrors of a view, which isotropic surfaces need none of.
+    /// The reflections for a view. Isotropic surfaces need none.
     fn mirrored(&self, wo: DVec3) -> Mirrored {
         let Self { is_swapped, .. } = *self;
         if self.data.axes().is_isotropic() {
@@ -84,16 +84,16 @@ impl TabulatedSurface {
         Mirrored { is_swapped, signs: DVec3::new(sign(wo.x), sign(wo.y), 1.0) }
     }
 
-    /// The place of a view as the file has it.
+    /// The point of a view on the file's axes.
     fn place(&self, wo: DVec3) -> Place {
         let axes = self.data.axes();
-        // A view from the pole may have a zero that is negative.
+        // A view from the pole can have a negative zero.
         let azimuth = || atan2(wo.y.abs(), wo.x.abs());
         let phi_o = if axes.is_isotropic() { Cell::at(0) } else { Cell::of(&axes.phi_o, azimuth()) };
         Place { alpha: self.alpha, ratio: self.ratio, theta_o: Cell::of(&axes.theta_o, polar(wo)), phi_o }
     }
 
-    /// The azimuth of a light from that of a view, as the file has both.
+    /// The azimuth of a light relative to a view, both in the file's frame.
     fn azimuth(&self, wo: DVec3, wi: DVec3) -> f64 {
         if self.data.axes().is_isotropic() {
             return atan2((wo.x * wi.y - wo.y * wi.x).abs(), wo.x * wi.x + wo.y * wi.y);
@@ -104,7 +104,7 @@ impl TabulatedSurface {
     }
 }
 
-/// The azimuth of a view as a direction of the plane: x from the pole.
+/// The azimuth of a view as a direction in the plane. At the pole it is x.
 fn along(wo: DVec3) -> DVec2 {
     let along = (wo.x * wo.x + wo.y * wo.y).sqrt();
     if along > 0.0 { DVec2::new(wo.x / along, wo.y / along) } else { DVec2::X }
@@ -122,7 +122,7 @@ impl Brdf for TabulatedSurface {
         self.data.value(self.place(wo), theta_i, phi) * wi.z
     }
 
-    /// At every node; those of a whole turn lie alike on either side.
+    /// The kinks are the nodes. The nodes of a whole turn of `phi` are symmetric, so half of them suffice.
     fn bends(&self, _: DVec3) -> Bends {
         let TabulatedAxes { theta_i, phi, .. } = self.data.axes();
         let half = phi.iter().copied().filter(|phi| *phi <= PI);
@@ -138,23 +138,24 @@ impl Brdf for TabulatedSurface {
         drawn.extend(points.iter().map(|point| inverse.sample(point.u)));
     }
 
-    /// `f cos / E`: samples are in proportion to the reflected light.
+    /// `f cos / E`: samples are proportional to the reflected light.
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let albedo = self.data.albedo(self.place(self.mirrored(wo).to_file(wo)));
         if albedo > 0.0 { self.eval_cos(wo, wi) / albedo } else { 0.0 }
     }
 }
 
-/// The distribution of lights for one view: a marginal one of polar angles, one of azimuths for each of them.
+/// The distribution of light directions for one view: a marginal distribution of polar angles, and a distribution of
+/// azimuths for each polar angle.
 struct Inverse<'a> {
     data: &'a TabulatedBrdf,
     wo: DVec3,
     mirrored: Mirrored,
-    /// The rows for the nodes around surface and view, with their weights: the first of `theta_i`.
+    /// The first row of values for each node around surface and view, with its weight.
     corners: Vec<(usize, f64)>,
     /// The integral over `phi` at each node of `theta_i`.
     rings: Vec<f64>,
-    /// The light reflected below each node of `theta_i`, on one side where both are alike.
+    /// The light reflected below each node of `theta_i`; on one side only for isotropic surfaces.
     below: Vec<f64>,
 }
 
@@ -180,7 +181,7 @@ impl<'a> Inverse<'a> {
         let total = self.below[self.below.len() - 1];
         let (theta, cell) = self.polar_angle(u[1] * total);
         let azimuth = if self.data.axes().is_isotropic() {
-            // Both sides alike: a full turn of `u` goes from 0 to pi and back.
+            // Both sides are equal: as `u` goes from 0 to 1, the azimuth goes from 0 to pi and back.
             let turn = 2.0 * u[0];
             if turn < 1.0 { self.azimuth(turn, cell) } else { -self.azimuth(2.0 - turn, cell) }
         } else {
@@ -195,8 +196,8 @@ impl<'a> Inverse<'a> {
         BrdfSample { wi, weight, cos_theta_d: cos_theta_d(self.wo, wi) }
     }
 
-    /// The polar angle below which `wanted` is reflected on one side, and its place among the nodes. Newton's method on
-    /// [`mass_below`], within bounds.
+    /// The polar angle below which `wanted` light is reflected on one side, and its position among the nodes. Solved
+    /// with Newton's method on [`mass_below`], within bounds.
     fn polar_angle(&self, wanted: f64) -> (f64, Cell) {
         let nodes = &self.data.axes().theta_i;
         let next = self.below.partition_point(|below| *below <= wanted).clamp(1, nodes.len() - 1);
@@ -227,7 +228,7 @@ impl<'a> Inverse<'a> {
         (low + x, Cell { node, next, part: x / width })
     }
 
-    /// The azimuth from the view's, on the axis of `phi`, below which a part of the ring's light is.
+    /// The azimuth relative to the view, on the axis `phi`, below which the given part of the ring's light lies.
     fn azimuth(&self, part: f64, theta_i: Cell) -> f64 {
         let phi = &self.data.axes().phi;
         let blend = |numbers: &[f64], p: usize| -> f64 {
@@ -238,7 +239,7 @@ impl<'a> Inverse<'a> {
         };
         let below = |p: usize| blend(&self.data.below, p);
         let wanted = part * below(phi.len() - 1);
-        // The last node below which no more than that is: halving.
+        // Binary search for the last node with at most the wanted light below it.
         let (mut node, mut end) = (0, phi.len() - 1);
         while end - node > 1 {
             let middle = usize::midpoint(node, end);
@@ -250,9 +251,10 @@ impl<'a> Inverse<'a> {
     }
 }
 
-/// Where a density that goes from `a` to `b` over `width` has `wanted` below: `a x + (b - a) x^2 / (2 width) = wanted`.
+/// Inverts the integral of a density that is linear from `a` to `b` over `width`:
+/// `a x + (b - a) x^2 / (2 width) = wanted`.
 fn linear_inverse(a: f64, b: f64, width: f64, wanted: f64) -> f64 {
     let root = (a * a + 2.0 * (b - a) * wanted / width).max(0.0).sqrt();
-    // Where both densities are zero nothing is wanted.
+    // If both densities are zero, `wanted` is zero too.
     (2.0 * wanted / (a + root).max(f64::MIN_POSITIVE)).clamp(0.0, width)
 }

@@ -1,20 +1,20 @@
-//! Another scattering model as numbers: a template of the format, and a test of it.
+//! Tabulates another scattering model. It serves as a template of the format, and as a test.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::{TabulatedAxes, TabulatedBrdf, TabulatedFault};
 use crate::{axes::LEAST_ALPHA, brdf::BrdfKind, math::direction};
 
-/// How far from the horizon the last node is evaluated, radians: at it, most formulas are 0 / 0.
+/// The distance of the last evaluated node from the horizon, radians. At the horizon most formulas are 0 / 0.
 const FROM_HORIZON: f64 = 1e-4;
 
-/// The last view, 85 degrees: beyond, models bend too steeply for nodes that lie at an even distance from each other.
+/// The last view, 85 degrees. Beyond it models change too steeply for linear interpolation between these nodes.
 const LAST_VIEW: f64 = 1.483_529_864_195_18;
 
 impl TabulatedAxes {
-    /// Axes that suit most models: `thetas` polar angles from 0 to pi/2, `1 - (1 - u)^2` of the way, so that they lie
-    /// closer towards the horizon, the same for lights and for views, which end at 85 degrees; and `phis` even
-    /// azimuths. Domain: two at least of each.
+    /// Axes that suit most models: `thetas` polar angles from 0 to pi/2, and `phis` uniform azimuths. The polar angles
+    /// are at `1 - (1 - u)^2` of the quarter turn, and therefore denser towards the horizon. Views have the same polar
+    /// angles as lights, but end at 85 degrees. Domain: at least two of each.
     #[must_use]
     pub fn spread(alpha: Vec<f64>, thetas: u16, phis: u16) -> Self {
         let even = |n: u16| (0..n).map(move |i| f64::from(i) / f64::from(n - 1));
@@ -23,9 +23,9 @@ impl TabulatedAxes {
         Self { alpha, theta_o, theta_i, phi: even(phis).map(|u| PI * u).collect(), ..Self::default() }
     }
 
-    /// The same for anisotropic surfaces of these ratios: `views` even azimuths of the view, and as many of the light on either
-    /// side as these axes have, `1 - (1 - u)^2` of the way to pi: lobes are narrow in azimuth across from a grazing view.
-    /// Domain: isotropic axes, and two azimuths at least.
+    /// These axes for anisotropic surfaces of the given ratios, with `views` uniform azimuths of the view. Lights keep
+    /// their number of azimuths on either side, at `1 - (1 - u)^2` of the way to pi. They are denser opposite to the
+    /// view, because lobes of grazing views are narrow there. Domain: isotropic axes, at least two azimuths.
     #[must_use]
     pub fn with_azimuths(self, ratio: Vec<f64>, views: u16) -> Self {
         let phi_o = (0..views).map(|i| FRAC_PI_2 * f64::from(i) / f64::from(views - 1)).collect();
@@ -38,11 +38,12 @@ impl TabulatedAxes {
 }
 
 impl TabulatedBrdf {
-    /// A model of formulas at these nodes. Domain: as [`BrdfKind::surface`]; of an anisotropic model, without `ratio` its
-    /// surfaces of equal roughnesses. A file without `alpha` has the roughest surface.
+    /// Tabulates a model at these nodes. Domain: as [`BrdfKind::surface`]. Without `ratio`, an anisotropic model has
+    /// equal roughnesses. Without `alpha`, the surface has the largest roughness.
     ///
     /// # Errors
-    /// As [`TabulatedBrdf::new`]: linear interpolation between few nodes reflects more light than a sharp lobe does.
+    /// As [`TabulatedBrdf::new`]. Linear interpolation between few nodes reflects more light than a sharp lobe, which
+    /// is a fault.
     pub fn tabulate(kind: BrdfKind, axes: TabulatedAxes) -> Result<Self, Vec<TabulatedFault>> {
         const HORIZON: f64 = FRAC_PI_2 - FROM_HORIZON;
         let or = |nodes: &[f64], only: f64| if nodes.is_empty() { vec![only] } else { nodes.to_vec() };

@@ -26,7 +26,7 @@ fn axes(alpha: &[f64], thetas: usize, phis: usize) -> TabulatedAxes {
     }
 }
 
-/// A constant for all directions; `1 / pi` is Lambert's reflection.
+/// A BRDF that is constant over all directions; `1 / pi` is Lambertian reflection.
 fn lambert(axes: TabulatedAxes, value: f64) -> Result<TabulatedBrdf, Vec<TabulatedFault>> {
     let count = axes.shape().iter().product();
     TabulatedBrdf::new(axes, vec![value; count])
@@ -51,13 +51,13 @@ fn a_constant_reflects_pi_times_itself_however_its_nodes_lie() {
     for u in Lattice::new(256, [0.2, 0.6]).points() {
         let sample = surface.sample(wo, u);
         assert!((sample.weight - 0.25).abs() < 1e-15);
-        // Lambert's marginal distribution: sin^2.
+        // The marginal distribution of Lambertian reflection is sin^2.
         assert!((1.0 - sample.wi.z * sample.wi.z - u[1]).abs() < 1e-12, "{u:?}: {}", sample.wi);
         assert!((surface.pdf(wo, sample.wi) - sample.wi.z / PI).abs() < 1e-14);
     }
 }
 
-/// The fraction of light below the sample of `u` is `u`, in both numbers.
+/// The fraction of light below the sample of `u` equals `u`, in both coordinates.
 #[test]
 fn a_sample_has_the_part_of_light_below_that_drew_it() {
     let brdf = TabulatedBrdf::tabulate(BrdfKind::Ggx, TabulatedAxes::spread(vec![0.5], 32, 32)).expect("a BRDF");
@@ -108,7 +108,7 @@ fn nodes_have_the_models_values_and_roughness_is_interpolated() {
 }
 
 #[test]
-fn every_fault_is_told_at_once() {
+fn every_fault_is_reported_at_once() {
     let good = axes(&[0.2, 0.6], 4, 3);
     let mut values = vec![0.2; 2 * 4 * 4 * 3];
     let bad = TabulatedAxes {
@@ -119,49 +119,50 @@ fn every_fault_is_told_at_once() {
         ..TabulatedAxes::default()
     };
     (values[5], values[7], values[40]) = (-1.0, f64::NAN, -2.0);
-    let told = faults(bad, values.clone());
+    let messages = faults(bad, values.clone());
     let wanted = [
-        "tensor «alpha»: node 1 is 0.2 after 0.6; nodes ascend by 0.000001 at least",
+        "tensor «alpha»: node 1 is 0.2 after 0.6; nodes must ascend by at least 0.000001",
         "tensor «theta_o»: node 3 is 1.6; allowed: 0 to 1.5707963267948966",
-        "tensor «theta_o»: node 2 is 0.5 after 0.5; nodes ascend by 0.000001 at least",
-        "tensor «theta_i»: it goes from 0.1 to 1.5707963267948966; allowed: from 0 to 1.5707963267948966, all of it",
+        "tensor «theta_o»: node 2 is 0.5 after 0.5; nodes must ascend by at least 0.000001",
+        "tensor «theta_i»: nodes go from 0.1 to 1.5707963267948966; they must go from 0 to 1.5707963267948966",
         "tensor «phi»: node 1 is NaN, not a finite number",
         "tensor «value»: 1 of 96 numbers are not finite; the first is NaN, at alpha 0.6000, theta_o 0.0000, theta_i 1.0000, phi NaN",
         "tensor «value»: 2 of 96 numbers are negative; the first is -1, at alpha 0.6000, theta_o 0.0000, theta_i 0.5000, phi 3.1416",
     ];
-    assert_eq!(told, wanted);
+    assert_eq!(messages, wanted);
     values.pop();
-    let told = faults(good.clone(), values);
-    assert!(told.contains(&"tensor «value»: 95 numbers; the axes need 2 x 4 x 4 x 3".to_owned()), "{told:?}");
-    let told = faults(TabulatedAxes::default(), vec![]);
-    assert_eq!(told.len(), 4, "{told:?}");
-    assert!(told[0].ends_with("theta_o»: 0 nodes; allowed: 2 and more"), "{told:?}");
+    let messages = faults(good.clone(), values);
+    assert!(messages.contains(&"tensor «value»: 95 numbers; the axes need 2 x 4 x 4 x 3".to_owned()), "{messages:?}");
+    let messages = faults(TabulatedAxes::default(), vec![]);
+    assert_eq!(messages.len(), 4, "{messages:?}");
+    assert!(messages[0].ends_with("theta_o»: 0 nodes; allowed: 2 and more"), "{messages:?}");
 }
 
 #[test]
 fn energy_is_bounded_above_and_below() {
-    let told =
+    let messages =
         |axes: TabulatedAxes, value: f64| lambert(axes, value).map(|_| ()).map_err(|faults| faults[0].to_string());
     let axes = || axes(&[0.2, 0.6], 4, 3);
-    assert_eq!(told(axes(), 1.0009 / PI), Ok(()));
-    let most = "tensor «value»: 8 of 8 views reflect more than 1.001 of even light; the most is 1.0020, at alpha 0.6000, theta_o 1.5708";
-    assert_eq!(told(axes(), 1.002 / PI), Err(most.to_owned()));
-    let none = "tensor «value»: nothing is reflected at alpha 0.2000, theta_o 0.0000; end the axis before it, or give it a value";
-    assert_eq!(told(axes(), 0.0), Err(none.to_owned()));
-    assert!(told(axes(), f64::MAX).is_err_and(|fault| fault.contains("the most is inf")));
+    assert_eq!(messages(axes(), 1.0009 / PI), Ok(()));
+    let most = "tensor «value»: 8 of 8 views reflect more than 1.001 of uniform light, up to 1.0020 at alpha 0.6000, theta_o 1.5708";
+    assert_eq!(messages(axes(), 1.002 / PI), Err(most.to_owned()));
+    let none = "tensor «value»: no light is reflected at alpha 0.2000, theta_o 0.0000; end the axis before it, or give it values";
+    assert_eq!(messages(axes(), 0.0), Err(none.to_owned()));
+    assert!(messages(axes(), f64::MAX).is_err_and(|fault| fault.contains("up to inf")));
 }
 
-/// Too bright, negative and no number, each told; a view that has nothing but wrong values is not called dark too.
+/// Views that are too bright, negative values and NaN are reported together. A view that has only invalid values is not
+/// reported as dark too.
 #[test]
-fn energy_is_told_beside_wrong_values() {
+fn energy_faults_are_reported_with_wrong_values() {
     let mut values = vec![1.5 / PI; 2 * 4 * 4 * 3];
     (values[0], values[13]) = (-0.001, f64::NAN);
     values[36..48].fill(-1.0);
-    let told = faults(axes(&[0.2, 0.6], 4, 3), values);
-    assert_eq!(told.len(), 3, "{told:?}");
-    assert!(told[0].contains("1 of 96 numbers are not finite"), "{told:?}");
-    assert!(told[1].contains("13 of 96 numbers are negative"), "{told:?}");
-    assert!(told[2].contains("7 of 8 views reflect more than 1.001 of even light; the most is 1.5000"), "{told:?}");
+    let messages = faults(axes(&[0.2, 0.6], 4, 3), values);
+    assert_eq!(messages.len(), 3, "{messages:?}");
+    assert!(messages[0].contains("1 of 96 numbers are not finite"), "{messages:?}");
+    assert!(messages[1].contains("13 of 96 numbers are negative"), "{messages:?}");
+    assert!(messages[2].contains("7 of 8 views reflect more than 1.001 of uniform light, up to 1.5"), "{messages:?}");
 }
 
 #[test]
@@ -186,7 +187,7 @@ fn asymmetry_is_found_where_it_was_planted() {
         TabulatedBrdf::new(axes.clone(), values.clone()).expect("a BRDF").asymmetry().map(|a| a.largest),
         Some(0.0)
     );
-    // theta_o 1, theta_i 3, phi 2.
+    // The value at theta_o 1, theta_i 3, phi 2.
     values[(5 + 3) * 3 + 2] = 0.25;
     let found = TabulatedBrdf::new(axes.clone(), values).expect("a BRDF").asymmetry().expect("views and lights");
     assert!((found.largest - 0.2).abs() < 1e-12, "{found:?}");

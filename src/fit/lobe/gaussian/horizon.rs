@@ -5,32 +5,31 @@ use glam::DVec3;
 use super::SphericalGaussian;
 use crate::math::{exp, sin_cos};
 
-/// Angles of the mean over the plane. It is that of a smooth function around a circle.
+/// The number of angles of the mean over the plane. The mean is of a smooth periodic function, so few suffice.
 const ANGLES: u32 = 256;
 
-/// The square of the radius, in deviations, at which the horizon cuts the ray of the plane towards `s`.
+/// The squared radius, in deviations, at which the ray towards `s` crosses the horizon.
 ///
-/// `s` is a combination of both deviations `cos d1 + sin d2`, with the height `s_z`; the axis has the height `r_z`. A
-/// great circle from the axis along `t = s / |s|` meets the horizon where `r_z cos a + t_z sin a = 0`. The equal-area
-/// projection has it at `|d|^2 = 2 (1 - cos a)`, and the ray has `|d| = radius |s|`:
+/// `s` is the combination `cos d1 + sin d2` of both deviations, with the height `s_z`. The axis has the height `r_z`. A
+/// great circle from the axis along `t = s / |s|` meets the horizon where `r_z cos a + t_z sin a = 0`. In the
+/// equal-area projection this point has `|d|^2 = 2 (1 - cos a)`, and the ray has `|d| = radius |s|`:
 ///
 /// ```text
 /// radius^2 = 2 (1 + h) / |s|^2,    h = s_z / sqrt(s_z^2 + r_z^2 |s|^2)
 /// ```
 ///
-/// Domain: an axis above the horizon. Each great circle from it then crosses the horizon once in half a turn.
+/// Domain: an axis above the horizon. Each great circle from it crosses the horizon once in half a turn.
 #[must_use]
 pub(crate) fn horizon2(axis_height: f64, s_height: f64, s_length2: f64) -> f64 {
     let across2 = axis_height * axis_height * s_length2;
     let both = (s_height * s_height + across2).sqrt();
     let h = s_height / both;
-    // Without cancellation where the ray runs down steeply from an axis near the horizon.
+    // This form avoids cancellation for a ray that runs down steeply from an axis near the horizon.
     let beyond = if h < 0.0 { across2 / (both * both) / (1.0 - h) } else { 1.0 + h };
     2.0 * beyond / s_length2
 }
 
-/// The part of the plane's Gaussian that stands for directions above the horizon, in [0, 1]: the mean over the angle of
-/// `1 - exp(-radius^2)`.
+/// The part of the Gaussian above the horizon, in [0, 1]: the mean of `1 - exp(-radius^2)` over the angle.
 #[must_use]
 pub(crate) fn above_horizon(gaussian: &SphericalGaussian<f64>) -> f64 {
     let [first, second] = gaussian.deviations().map(DVec3::from);

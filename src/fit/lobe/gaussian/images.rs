@@ -1,4 +1,4 @@
-//! The samples of a Gaussian that a fit compares: images of fixed points under a map that is continuous in its shape.
+//! The samples of a Gaussian in a fit. They are images of fixed points, under a map that is continuous in the shape.
 
 use std::f64::consts::TAU;
 
@@ -7,36 +7,36 @@ use glam::{DMat3, DVec3};
 use super::{SphericalGaussian, horizon2};
 use crate::math::{Lattice, exp, ln, sin_cos};
 
-/// Sectors of the plane, around the axis, in which images are even.
+/// Sectors of the plane around the axis. The density of images is constant over the angles of a sector.
 const SECTORS: usize = 64;
-/// A squared radius, in deviations, beyond which nothing of a Gaussian is left in f64.
+/// The squared radius, in deviations, beyond which a Gaussian is zero in f64.
 const NOTHING_BEYOND: f64 = 40.0;
 
-/// A point of the unit square: a part of a turn around the axis, and a part of the ray's density from the axis
+/// A point of the unit square: the part of a turn around the axis, and the part of the ray's density from the axis
 /// outwards.
 #[derive(Debug, Clone, Copy)]
 struct Point {
     around: f64,
     outwards: f64,
-    /// The image of the point by every Gaussian that the horizon does not cut: cosine and sine of the angle, and the
+    /// The image of the point for all Gaussians that the horizon does not cut: cosine and sine of the angle, and the
     /// radius.
     cos: f64,
     sin: f64,
     radius: f64,
 }
 
-/// Fixed points of the unit square, whose images under a map of each Gaussian have its density above the horizon.
+/// Fixed points of the unit square. A map for each Gaussian gives their images its density above the horizon.
 ///
-/// In the plane of deviations a ray has the part `1 - exp(-radius^2)` up to the radius. With `q` of the `W` of it that
-/// is above the horizon the radius is `sqrt(-ln(1 - q W))`. The angle of the ray is that at which the cumulative sum of
-/// `W` over sectors reaches the point's part, by linear interpolation.
+/// In the plane of deviations, the part `1 - exp(-radius^2)` of a ray's density is inside of the radius. If `W` is the
+/// part above the horizon, the radius with the part `q` of `W` inside is `sqrt(-ln(1 - q W))`. The angle of the ray
+/// inverts the cumulative sum of `W` over sectors, by linear interpolation.
 #[derive(Debug)]
 pub(crate) struct Images {
     points: Vec<Point>,
 }
 
 impl Images {
-    /// The images of a lattice's points.
+    /// The images of the points of a lattice.
     pub(crate) fn new(lattice: Lattice) -> Self {
         let point = |[around, outwards]: [f64; 2]| {
             let (sin, cos) = sin_cos(TAU * around);
@@ -49,14 +49,14 @@ impl Images {
         self.points.len()
     }
 
-    /// The directions of all points, as offsets from +z in the frame that `to_lobe` maps to.
+    /// The directions of all points, as offsets from +z in the frame to which `to_lobe` maps.
     pub(crate) fn offsets(&self, shape: &SphericalGaussian<f64>, to_lobe: &DMat3, offsets: &mut Vec<DVec3>) {
         let plane = Plane::of(shape);
         let axis = *to_lobe * DVec3::from(shape.axis);
         let offset = |d: DVec3| {
             let d2 = d.length_squared().min(4.0);
             let w = axis * (1.0 - 0.5 * d2) + *to_lobe * d * (1.0 - 0.25 * d2).sqrt();
-            // Without cancellation where the direction is near +z.
+            // This form avoids cancellation for directions near +z.
             DVec3::new(w.x, w.y, if w.z > 0.0 { -(w.x * w.x + w.y * w.y) / (1.0 + w.z) } else { w.z - 1.0 })
         };
         offsets.clear();
@@ -83,7 +83,7 @@ impl Plane {
         Self { height: shape.axis[2], deviations: shape.deviations().map(DVec3::from) }
     }
 
-    /// One deviation along an angle.
+    /// The vector of one deviation along an angle.
     fn ray(&self, cos: f64, sin: f64) -> DVec3 {
         self.deviations[0] * cos + self.deviations[1] * sin
     }
@@ -93,13 +93,13 @@ impl Plane {
     }
 }
 
-/// How much of the plane is above the horizon before each edge between sectors, as parts of all.
+/// The cumulative part of the plane above the horizon, before each edge between sectors.
 struct Sectors {
     before: [f64; SECTORS + 1],
 }
 
 impl Sectors {
-    /// `None` where the horizon cuts nothing off.
+    /// `None` if the horizon cuts off nothing.
     fn of(plane: &Plane) -> Option<Self> {
         let edge = |k: usize| {
             let (sin, cos) = sin_cos(TAU * k as f64 / SECTORS as f64);
@@ -118,7 +118,7 @@ impl Sectors {
         Some(Self { before: before.map(|part| part * whole) })
     }
 
-    /// The part of a turn before which this part of all lies.
+    /// The part of a turn at which the cumulative part is `part`.
     fn turn(&self, part: f64) -> f64 {
         let sector = self.before.partition_point(|before| *before <= part).clamp(1, SECTORS) - 1;
         let (from, to) = (self.before[sector], self.before[sector + 1]);
@@ -132,7 +132,7 @@ mod tests {
     use super::*;
     use crate::lobe::{LobeModel, gaussian::Gaussian};
 
-    /// The report has a map of its own. Both are of one distribution: the means of both samples agree.
+    /// The report has its own map. Both sample the same distribution, so the means of the samples agree.
     #[test]
     fn images_have_the_distribution_of_the_report_s_samples() {
         let frame = DMat3::from_rotation_x(0.4) * DMat3::from_rotation_y(0.3);

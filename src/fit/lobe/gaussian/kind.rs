@@ -1,13 +1,13 @@
-//! The Gaussians that there are.
+//! The kinds of Gaussians.
 
 use crate::named_list;
 
 named_list! {
-    /// The Gaussian that stands for a lobe.
+    /// The Gaussian that represents a lobe.
     pub enum Gaussian {
-        /// A spherical Gaussian: round, of the peak and the integral of the stretched one.
+        /// A spherical Gaussian: round, with the peak and the integral of the stretched Gaussian.
         Sg = "sg",
-        /// An anisotropic spherical Gaussian: stretched as the warp stretches it.
+        /// An anisotropic spherical Gaussian, stretched like the warped lobe.
         Asg = "asg",
     }
 }

@@ -1,8 +1,9 @@
-//! One Gaussian on the sphere: its shape, its integral over polygons, and the part of it above the horizon.
+//! One Gaussian on the sphere: its shape, its integral over polygons, and its part above the horizon.
 //!
-//! In the equal-area projection around its axis `r`, `d = w_p sqrt(2 / (1 + w . r))` with `w_p = w - (w . r) r`, it is
-//! `exp(-x^2 - y^2)` of two linear functions of `d`. Areas of the plane are solid angles, and `|d| = 2 sin(angle / 2)`,
-//! so that a spherical Gaussian `exp(L (w . r - 1))` is the round one with `x^2 + y^2 = L d^2 / 2`.
+//! The equal-area projection around its axis `r` is `d = w_p sqrt(2 / (1 + w . r))` with `w_p = w - (w . r) r`. In it
+//! the Gaussian is `exp(-x^2 - y^2)` of two linear functions of `d`. Areas of the plane are solid angles, and
+//! `|d| = 2 sin(angle / 2)`. A spherical Gaussian `exp(L (w . r - 1))` is therefore round, with
+//! `x^2 + y^2 = L d^2 / 2`.
 
 mod horizon;
 mod images;

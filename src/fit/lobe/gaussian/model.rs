@@ -13,13 +13,13 @@ use crate::{
     math::{exp, from_row_major, ln, sin_cos},
 };
 
-/// Gaussians as items of [`crate::LobeModel`]; the nine numbers are the matrix of [`SphericalGaussian::of_columns`],
+/// Gaussians as items of [`crate::LobeModel`]. The nine numbers are the matrix of [`SphericalGaussian::of_columns`],
 /// row-major.
 pub(in crate::lobe) struct GaussianLobeModel(Gaussian);
 
-/// The round one.
+/// The round Gaussian.
 pub(in crate::lobe) const SG: GaussianLobeModel = GaussianLobeModel(Gaussian::Sg);
-/// The stretched one.
+/// The stretched Gaussian.
 pub(in crate::lobe) const ASG: GaussianLobeModel = GaussianLobeModel(Gaussian::Asg);
 
 impl LobeModelRules for GaussianLobeModel {
@@ -42,9 +42,9 @@ impl LobeModelRules for GaussianLobeModel {
         }
     }
 
-    /// A round Gaussian is told by its axis and its area: its deviations may be those of the reflection, scaled, which
-    /// change with roughness and view like the reflection's own. Round ones, relative to the long and thin ones of a
-    /// grazing view, grow without bound.
+    /// A round Gaussian depends only on its axis and its area. Its deviations are chosen as the deviations of the
+    /// reflection, scaled. They change with roughness and view like the reflection. Round deviations would grow without
+    /// bound relative to the long and thin deviations of a grazing view.
     fn relative_to(&self, reflection: &DMat3, matrix: &DMat3) -> DMat3 {
         let columns = |m: &DMat3| [m.x_axis, m.y_axis, m.z_axis].map(|column| column.to_array());
         let area = |shape: &SphericalGaussian<f64>| shape.peak();
@@ -60,18 +60,18 @@ impl LobeModelRules for GaussianLobeModel {
     }
 }
 
-/// Sectors of the plane in which samples are even.
+/// Sectors of the plane. The density of samples is constant over the angles of a sector.
 const SECTORS: usize = 256;
 
-/// A Gaussian cut at the horizon, as a distribution: its part above the horizon integrates to one.
+/// A Gaussian cut at the horizon, as a distribution. Its part above the horizon integrates to one.
 struct AboveHorizon {
     shape: SphericalGaussian<f64>,
-    /// The same with the axes by which polygons are integrated.
+    /// The same Gaussian with the axes for the integral over polygons.
     over_polygons: SphericalGaussian<f64>,
     deviations: [DVec3; 2],
-    /// The part of the distribution above the horizon in the sectors before each edge.
+    /// The cumulative part of the distribution above the horizon, before each edge between sectors.
     before: Vec<f64>,
-    /// The part of the plane that is above the horizon.
+    /// The part of the plane above the horizon.
     above: f64,
 }
 
@@ -95,7 +95,8 @@ impl AboveHorizon {
         found
     }
 
-    /// The ray at a part of a turn: the squared radius of the horizon on it, and the vector of one deviation along it.
+    /// The ray at a part of a turn: the squared radius at which it meets the horizon, and the vector of one deviation
+    /// along it.
     fn ray(&self, turn: f64) -> (f64, DVec3) {
         let (sin, cos) = sin_cos(TAU * turn);
         let s = self.deviations[0] * cos + self.deviations[1] * sin;
@@ -104,8 +105,8 @@ impl AboveHorizon {
 }
 
 impl LobeDistribution for AboveHorizon {
-    /// By the inverse of the cumulative distributions: around the axis, which is tabulated, and outwards, in closed
-    /// form.
+    /// Inverts the cumulative distributions. The distribution of angles is tabulated, the distribution of radii has a
+    /// closed form.
     fn sample(&self, [around, outwards]: [f64; 2]) -> DVec3 {
         let sector = self.before.partition_point(|part| *part <= around).clamp(1, SECTORS) - 1;
         let (from, to) = (self.before[sector], self.before[sector + 1]);
@@ -131,7 +132,7 @@ mod tests {
     use super::*;
     use crate::math::{Lattice, row_major};
 
-    /// A narrow one, one that the horizon cuts, and one with its axis almost on it.
+    /// A narrow Gaussian, a Gaussian cut by the horizon, and a Gaussian with its axis close to the horizon.
     fn matrices() -> [DMat3; 3] {
         [
             ([0.1, 0.02, 0.03], [-0.03, 0.06, 0.0], [-0.6, 0.2, 0.8]),
@@ -141,7 +142,7 @@ mod tests {
         .map(|(x, y, z): ([f64; 3], [f64; 3], [f64; 3])| DMat3::from_cols(x.into(), y.into(), z.into()))
     }
 
-    /// Integrals over the sphere's upper half of the density, and of the density times each of some functions.
+    /// The integrals over the upper hemisphere of the density, and of the density times each function.
     fn by_quadrature(shape: &SphericalGaussian<f64>, functions: &[&dyn Fn(DVec3) -> f64]) -> Vec<f64> {
         const SIDE: u32 = 500;
         let mut sums = vec![0.0; functions.len()];
@@ -191,7 +192,7 @@ mod tests {
         let of = |m: DMat3| ASG.distribution(&row_major(&m)).expect("regular").covered(&[DVec3::X, DVec3::Y, DVec3::Z]);
         let wanted = of(m);
         for other in [m * DMat3::from_rotation_z(0.7), m * DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0)), m * 3.0] {
-            // The polygon's rule looks along the deviations: turned ones see its edges at other points.
+            // The polygon's rule depends on the axes of the deviations. Turned axes give a slightly different result.
             assert!((of(other) - wanted).abs() < 0.04, "{} {wanted}", of(other));
         }
         assert!(ASG.distribution(&[0.0; 9]).is_none());

@@ -1,4 +1,4 @@
-//! The part of a Gaussian that a polygon covers.
+//! The part of a Gaussian over a polygon.
 
 use super::SphericalGaussian;
 use crate::{
@@ -6,14 +6,14 @@ use crate::{
     math::{Scalar, Triple, cross, dot, minus, plus, scaled},
 };
 
-/// Beside the vertices an edge has two more points: as many deviations before and after where it passes closest to the
-/// middle. Of 0.5 to 1.2, the number for which random lights have the least error; more points follow the Gaussian
-/// closer, and the lobe of GGX, whose tails are longer, less.
+/// The distance, in deviations, of two extra points of an edge before and after its foot, the point closest to the
+/// centre. Among 0.5 to 1.2 this distance has the least error for random lights. More points would follow the Gaussian
+/// more closely, but GGX's lobe, which has longer tails, less closely.
 const BESIDE_FOOT: f64 = 0.7;
-/// The square of the cosine between the axis and an edge's foot: below the first number the edge has its middle in
-/// place of the foot, between them what lies between.
+/// Limits of the squared cosine between the axis and an edge's foot. Below the first limit the edge's midpoint replaces
+/// its foot; between the limits they are blended.
 const FAR: [f64; 2] = [0.005, 0.02];
-/// The sine of the angle behind the axis from which on an end is behind it.
+/// The sine of the angle behind the axis at which an end counts as fully behind.
 const BEHIND: f64 = 0.25;
 
 /// Half of the error function, from -1/2 to 1/2, within 2.5e-4 [Abramowitz and Stegun 1964, 7.1.27].
@@ -25,16 +25,16 @@ fn half_erf<T: Scalar>(x: T) -> T {
     if x < T::ZERO { -half } else { half }
 }
 
-/// The part of a Gaussian of weight one that a convex polygon covers, in [0, 1].
+/// The part of a Gaussian of weight one over a convex polygon, in [0, 1].
 ///
 /// `(x, y) -> (erf x, erf y) / 2` maps the plane to a square of area one, and `exp(-x^2 - y^2) / pi dx dy` to the area
-/// of the square. The covered part is the area of the polygon's image there; edges are followed by the straight lines
-/// between their ends and two points around their foot, the point closest to the middle. Far from the middle all is in
-/// the corners and on the sides of the square: in the limit of a mirror the part is 1 or 0 exactly.
+/// of the square. The result is the area of the polygon's image. Each edge is approximated by straight lines between
+/// its ends and two points around its foot, the point closest to the centre. Far from the centre, everything lies on
+/// the sides and in the corners of the square. In the limit of a mirror the result is therefore exactly 1 or 0.
 #[must_use]
 pub fn covered<T: Scalar>(lobe: &SphericalGaussian<T>, vertices: &[Triple<T>], sides: Sides) -> T {
     let Some(last) = vertices.last() else { return T::ZERO };
-    if sides == Sides::One && is_seen_from_behind(vertices) {
+    if sides == Sides::One && is_anticlockwise(vertices) {
         return T::ZERO;
     }
     let square = Square { lobe, origin: lobe.at(*last).map(half_erf) };
@@ -64,8 +64,8 @@ pub fn covered<T: Scalar>(lobe: &SphericalGaussian<T>, vertices: &[Triple<T>], s
     area.abs().min(T::ONE)
 }
 
-/// Whether the vertices of a polygon run anticlockwise as seen from the origin.
-fn is_seen_from_behind<T: Scalar>(vertices: &[Triple<T>]) -> bool {
+/// True if the vertices of a polygon run anticlockwise as seen from the origin.
+fn is_anticlockwise<T: Scalar>(vertices: &[Triple<T>]) -> bool {
     let Some(start) = vertices.first() else { return false };
     let normal = vertices
         .windows(2)
@@ -73,16 +73,16 @@ fn is_seen_from_behind<T: Scalar>(vertices: &[Triple<T>]) -> bool {
     dot(normal, *start) < T::ZERO
 }
 
-/// The direction in which the edge between vertices on either side of the horizon meets it.
+/// The direction in which an edge crosses the horizon. Its vertices are on either side.
 fn crossing<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
     let (from, to) = (b[2].abs(), a[2].abs());
     [a[0] * from + b[0] * to, a[1] * from + b[1] * to, T::ZERO]
 }
 
-/// The square that the error function maps a Gaussian's plane to.
+/// The square to which the error function maps a Gaussian's plane.
 struct Square<'a, T> {
     lobe: &'a SphericalGaussian<T>,
-    /// A point near the outline: areas relative to it lose no digits.
+    /// A point near the outline. Areas relative to it lose no digits.
     origin: [T; 2],
 }
 
@@ -108,8 +108,8 @@ impl<T: Scalar> Square<'_, T> {
     }
 }
 
-/// 1 where an edge's foot is so far from the axis that its position is uncertain, 0 where it is well known; see
-/// [`FAR`].
+/// 1 if an edge's foot is so far from the axis that its position is uncertain, 0 if it is well known, blended between;
+/// see [`FAR`].
 fn is_far<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Triple<T>) -> T {
     let normal = cross(from, to);
     let (height, normal2) = (dot(normal, lobe.axis), dot(normal, normal).max(T::of(1e-36)));
@@ -117,21 +117,22 @@ fn is_far<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Triple<T>
     far.max(T::ZERO).min(T::ONE)
 }
 
-/// Two parts of an edge, from 0 to 1 and in order, at which it lies [`BESIDE_FOOT`] deviations before and after its
-/// foot; its ends where it does not lie there.
+/// The positions on an edge, from 0 to 1 and in order, of the points [`BESIDE_FOOT`] deviations before and after its
+/// foot. They are clamped to the ends of the edge.
 ///
-/// In the central projection around the axis an edge is straight. With `(x, y, z)` the products of a direction with the
-/// rows and the axis, the edge runs along `e`, perpendicular to the first two of `a x b`, and is `s` deviations beyond
-/// its foot where `e . (x, y) = s z`.
+/// In the central projection around the axis an edge is straight. Let `(x, y, z)` be the products of a direction with
+/// the rows and the axis. The edge runs along `e`, which is perpendicular to the first two numbers of `a x b`. It is
+/// `s` deviations beyond its foot where `e . (x, y) = s z`.
 ///
-/// - An edge to behind the axis turns by up to half a turn around it, most of it far away. Its two points are the foot
-///   and where it passes: so it turns by a quarter at most between two of its points, and a straight line between their
-///   images stays on its side of the middle. An end that is hardly behind, by [`BEHIND`], has what lies between.
-/// - A foot a quarter of a turn away from the axis may be anywhere, and rounding would say where: the middle of such an
-///   edge takes its place.
+/// - An edge with one end behind the axis turns by up to half a turn around the axis, mostly far away. Its two points
+/// are the foot and the point at which it passes the axis. Between two points it then turns by a quarter at most, and
+/// the straight line between their images stays on its side of the centre. For an end that is hardly behind, by less
+/// than [`BEHIND`], the points are blended.
+/// - The foot can be at a right angle to the axis, where its position depends on rounding. The midpoint of the edge
+/// replaces such a foot.
 fn around_foot<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Triple<T>) -> [T; 2] {
-    let seen = |w: Triple<T>| [dot(w, lobe.rows[0]), dot(w, lobe.rows[1]), dot(w, lobe.axis)];
-    let (a, b) = (seen(from), seen(to));
+    let coordinates = |w: Triple<T>| [dot(w, lobe.rows[0]), dot(w, lobe.rows[1]), dot(w, lobe.axis)];
+    let (a, b) = (coordinates(from), coordinates(to));
     let line = cross(a, b);
     let length = (line[0] * line[0] + line[1] * line[1]).sqrt().max(T::of(1e-30));
     let along = |w: Triple<T>| (line[1] * w[0] - line[0] * w[1]) / length;
@@ -151,7 +152,7 @@ fn around_foot<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Trip
         let behind = -(a[2] / from).min(b[2] / to) / T::of(BEHIND);
         let behind = behind.min(T::ONE);
         let (foot, passing) = (beyond_foot(T::ZERO), a[2] / (a[2] - b[2]));
-        // In the order in which the edge has them: the foot is on the side that is in front of the axis.
+        // The foot is on the side of the edge in front of the axis.
         let [first, second] = if a[2] > T::ZERO { [foot, passing] } else { [passing, foot] };
         parts = [mixed(parts[0], first, behind), mixed(parts[1], second, behind)];
     }

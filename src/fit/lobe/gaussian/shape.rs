@@ -1,32 +1,32 @@
-//! The shape of a Gaussian: where it is and how wide.
+//! The shape of a Gaussian: its direction and its width.
 
 use super::Gaussian;
 use crate::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
 
-/// The least height of an axis that a matrix gives: a Gaussian has its middle above the surface.
+/// The smallest height of an axis. The centre of a Gaussian is above the surface.
 const LEAST_HEIGHT: f64 = 1e-6;
-/// A smaller area between deviations counts as this one.
+/// The smallest area between deviations.
 const LEAST_AREA: f64 = 1e-30;
 
 /// A Gaussian over directions, of weight one in the plane of its equal-area projection.
 ///
-/// Per steradian it is `peak exp(-x^2 - y^2)` at [`SphericalGaussian::at`].
+/// Its value per steradian is `peak exp(-x^2 - y^2)` at the point [`SphericalGaussian::at`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SphericalGaussian<T> {
-    /// The middle, of length one.
+    /// The centre, of unit length.
     pub axis: Triple<T>,
-    /// The vectors whose products with a direction, projected, are x and y; perpendicular to the axis.
+    /// The vectors whose products with a projected direction are x and y. They are perpendicular to the axis.
     pub rows: [Triple<T>; 2],
 }
 
 impl<T: Scalar> SphericalGaussian<T> {
-    /// The Gaussian around an axis whose deviations, where x or y is one, are these vectors perpendicular to it; for a
-    /// round one the same area, round. Domain: an axis of length one.
+    /// The Gaussian around an axis with these deviations, which are perpendicular to the axis and have x or y of one. A
+    /// round Gaussian has the area of the deviations. Domain: an axis of unit length.
     ///
-    /// x and y of a round one matter where polygons are integrated. They are the perpendicular vectors closest to the
-    /// directions of both deviations, the rotation of their polar decomposition: its x is along `d1 + d2'`, where `d2'`
-    /// is the second deviation turned back by a right angle. So neither deviation comes first, and scenes mirrored by
-    /// the diagonal are lit equally.
+    /// The axes x and y of a round Gaussian matter for the integral over polygons. They are the perpendicular vectors
+    /// closest to both deviations, which is the rotation of their polar decomposition. The axis x is along `d1 + d2'`,
+    /// where `d2'` is the second deviation turned back by a right angle. Both deviations are treated alike, so scenes
+    /// mirrored about the diagonal have equal light.
     #[must_use]
     pub fn new(gaussian: Gaussian, axis: Triple<T>, deviations: [Triple<T>; 2]) -> Self {
         let [first, second] = deviations;
@@ -42,20 +42,20 @@ impl<T: Scalar> SphericalGaussian<T> {
         Self { axis, rows }
     }
 
-    /// The Gaussian of a table's matrix, by columns: the third is the axis, up to its length, and the other two are the
-    /// deviations in units of that length, up to a component along the axis.
+    /// The Gaussian of a table's matrix, by columns. The third column is the axis, up to its length. The other two are
+    /// the deviations in units of this length, up to a component along the axis.
     ///
-    /// A sharp Gaussian is then where the LTC of the same matrix is, and about as wide. Like that, it stays the same
-    /// when the first two columns turn into each other, and when the matrix is scaled. So layouts store both in the
-    /// same way. An axis below the horizon, which interpolation may leave, is raised onto it.
+    /// A sharp Gaussian then has about the place and width of the LTC of the same matrix. Like the LTC, it does not
+    /// change if the first two columns turn into each other, or if the matrix is scaled. Layouts can therefore store
+    /// both in the same way. An axis below the horizon, a possible result of interpolation, is raised to the horizon.
     #[must_use]
     pub fn of_columns(gaussian: Gaussian, columns: [Triple<T>; 3]) -> Self {
         let (axis, deviations) = axis_and_deviations(columns);
         Self::new(gaussian, axis, deviations)
     }
 
-    /// As [`SphericalGaussian::of_columns`], with x of a round one along the first deviation. It is the same Gaussian,
-    /// but a fit's samples and sums lie along x and y: with other ones, a recipe would give other bytes.
+    /// Like [`SphericalGaussian::of_columns`], but x of a round Gaussian is along the first deviation. The Gaussian is
+    /// the same. A fit's samples and sums lie along x and y, and other axes would change the bytes of a recipe's table.
     #[must_use]
     pub(crate) fn along_first(gaussian: Gaussian, columns: [Triple<T>; 3]) -> Self {
         let (axis, [first, second]) = axis_and_deviations(columns);
@@ -66,14 +66,14 @@ impl<T: Scalar> SphericalGaussian<T> {
         Self { axis, rows }
     }
 
-    /// The vectors by which a direction moves from the axis for one in x, and for one in y: what
-    /// [`SphericalGaussian::new`] takes.
+    /// The displacements of a direction from the axis for an x of one and for a y of one, as [`SphericalGaussian::new`]
+    /// takes them.
     #[must_use]
     pub fn deviations(&self) -> [Triple<T>; 2] {
         dual(self.axis, self.rows)
     }
 
-    /// Where a direction of any length lies in the plane of the Gaussian, in its deviations.
+    /// The point of a direction of any length in the plane of the Gaussian, in deviations.
     #[must_use]
     pub fn at(&self, w: Triple<T>) -> [T; 2] {
         let length = dot(w, w).sqrt();
@@ -82,7 +82,7 @@ impl<T: Scalar> SphericalGaussian<T> {
         self.rows.map(|row| dot(w, row) * scale)
     }
 
-    /// Density in its middle, per steradian: `1 / (pi a1 a2)`.
+    /// Density at the centre, per steradian: `1 / (pi a1 a2)`.
     #[must_use]
     pub fn peak(&self) -> T {
         let [x, y] = self.rows;
@@ -106,7 +106,7 @@ fn axis_and_deviations<T: Scalar>([x, y, z]: [Triple<T>; 3]) -> (Triple<T>, [Tri
     (axis, [across(x), across(y)])
 }
 
-/// The vectors that give x and y of a stretched Gaussian: dual to its deviations.
+/// The vectors that give x and y of a stretched Gaussian. They are dual to its deviations.
 fn dual<T: Scalar>(axis: Triple<T>, [first, second]: [Triple<T>; 2]) -> [Triple<T>; 2] {
     let area = dot(axis, cross(first, second));
     let size = area.abs().max(T::of(LEAST_AREA));
@@ -114,7 +114,8 @@ fn dual<T: Scalar>(axis: Triple<T>, [first, second]: [Triple<T>; 2]) -> [Triple<
     [scaled(cross(second, axis), per_area), scaled(cross(axis, first), per_area)]
 }
 
-/// The vectors that give x and y of a round Gaussian, x along a vector perpendicular to the axis.
+/// The vectors that give x and y of a round Gaussian. The axis x is along `along_x`, which is perpendicular to the
+/// axis.
 fn round<T: Scalar>(axis: Triple<T>, along_x: Triple<T>, area: T) -> [Triple<T>; 2] {
     let sharp = T::ONE / area.abs().max(T::of(LEAST_AREA)).sqrt();
     let x = unit(along_x);

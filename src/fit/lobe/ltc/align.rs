@@ -1,20 +1,20 @@
-//! From fitted matrices to stored ones: a representative of each distribution that varies smoothly.
+//! Converts fitted matrices to stored matrices. The stored matrix of a distribution varies smoothly with it.
 
 use glam::DMat3;
 
 use crate::{brdf::Mirrors, math::rotation_from_z};
 
-/// The matrix of the same distribution whose first two columns are turned so that, seen along the third, their
-/// block is symmetric and positive definite.
+/// The matrix of the same distribution whose first two columns are turned about the third, such that their block is
+/// symmetric and positive definite.
 ///
-/// `M R_z` makes the same distribution as `M` for every rotation `R_z`, and so does `M diag(1, -1, 1)` [KT et al. 2022,
-/// section 5]; neither moves the third column. Let `M = R M'`, where `R` is the smallest rotation that takes +z to that
-/// column's direction. Then `det M'` is the determinant of the upper-left block times a length, so the block has a
-/// positive determinant where `M` has one. Exactly one rotation, the block's polar factor, makes the block symmetric
-/// and positive definite. This rotation is continuous in `M`. The paper's choice, the matrix nearest to the identity,
-/// jumps where a lobe is far from the pole. Domain: `M` regular, its third column not along -z.
+/// For every rotation `R_z`, `M R_z` has the same distribution as `M`, and so has `M diag(1, -1, 1)` [KT et al. 2022,
+/// section 5]. Neither changes the third column. Let `M = R M'`, where `R` is the smallest rotation from +z to the
+/// direction of the third column. Then `det M'` is the determinant of the upper-left block times a length, so the block
+/// has a positive determinant if `M` has. Exactly one rotation, the block's polar factor, makes the block symmetric and
+/// positive definite. This rotation is continuous in `M`. The paper chooses the matrix nearest to the identity, which
+/// jumps if a lobe is far from the pole. Domain: `M` regular, its third column not along -z.
 ///
-/// The block is opened until its eigenvalues have at least the ratio `flattest`.
+/// The block is widened until the ratio of its eigenvalues is at least `flattest`.
 #[must_use]
 pub fn align(m: &DMat3, mirrors: Mirrors, flattest: f64) -> DMat3 {
     let frame = rotation_from_z(m.z_axis.normalize());
@@ -22,24 +22,24 @@ pub fn align(m: &DMat3, mirrors: Mirrors, flattest: f64) -> DMat3 {
     if local.determinant() < 0.0 {
         local.y_axis = -local.y_axis;
     }
-    symmetrised(frame * opened(turned(local), flattest), mirrors)
+    symmetrised(frame * widened(turned(local), flattest), mirrors)
 }
 
-/// The matrix `K^-1 M` between a lobe's reflection `K` and its matrix `M`. It is opened like an aligned matrix, and its
-/// first two columns are turned so that their upper block is symmetric.
+/// The matrix `K^-1 M` between a lobe's reflection `K` and its matrix `M`. It is widened like an aligned matrix. Its
+/// first two columns are turned such that their upper block is symmetric.
 ///
-/// `K` is smooth, so this gauge is as continuous as that of [`align`].
+/// `K` is smooth, so the result is as continuous as the result of [`align`].
 pub(crate) fn align_to(reflection: &DMat3, m: &DMat3, mirrors: Mirrors, flattest: f64) -> DMat3 {
     symmetrised(turned(align(&(reflection.inverse() * *m), mirrors, flattest)), mirrors)
 }
 
-/// Turns the first two columns by the polar factor of their upper block. The block becomes symmetric and, where its
-/// determinant is positive, positive definite.
+/// Turns the first two columns by the polar factor of their upper block. The block becomes symmetric. It also becomes
+/// positive definite if its determinant is positive.
 #[must_use]
 pub fn turned(mut local: DMat3) -> DMat3 {
     let (x, y) = (local.x_axis, local.y_axis);
     let (cos, sin) = (x.x + y.y, x.y - y.x);
-    // Zero only for a block without positive determinant.
+    // The length is zero only if the determinant of the block is not positive.
     let length = (cos * cos + sin * sin).sqrt();
     if length > 0.0 {
         let (cos, sin) = (cos / length, sin / length);
@@ -49,9 +49,9 @@ pub fn turned(mut local: DMat3) -> DMat3 {
     local
 }
 
-/// Opens a block that is nearly a line: adds to its diagonal as much as the smaller eigenvalue lacks of `flattest`
-/// times the larger one.
-fn opened(mut m: DMat3, flattest: f64) -> DMat3 {
+/// Widens a block that is nearly a line. Adds to its diagonal until the smaller eigenvalue reaches `flattest` times the
+/// larger eigenvalue.
+fn widened(mut m: DMat3, flattest: f64) -> DMat3 {
     let (xx, xy, yy) = (m.x_axis.x, m.x_axis.y, m.y_axis.y);
     let (half_trace, half_difference) = (0.5 * (xx + yy), 0.5 * (xx - yy));
     let larger = half_trace + (half_difference * half_difference + xy * xy).sqrt();
@@ -62,7 +62,7 @@ fn opened(mut m: DMat3, flattest: f64) -> DMat3 {
     m
 }
 
-/// Zeros where the lobe's mirror symmetries demand them [KT et al. 2022, equation 16].
+/// Sets elements to zero as the lobe's mirror symmetries demand [KT et al. 2022, equation 16].
 fn symmetrised(mut m: DMat3, mirrors: Mirrors) -> DMat3 {
     for (axis, mirrored) in [mirrors.x, mirrors.y].into_iter().enumerate() {
         for other in (0..3).filter(|other| mirrored && *other != axis) {

@@ -1,4 +1,4 @@
-//! The distribution that a matrix makes of a clamped cosine.
+//! The distribution that a matrix makes from a clamped cosine.
 
 use std::f64::consts::PI;
 
@@ -8,7 +8,7 @@ use crate::math::cosine_hemisphere;
 
 /// A Linearly Transformed Cosine: directions `M c / |M c|` for `c` with density `max(c.z, 0) / pi` [Heitz 2016].
 ///
-/// `M R` makes the same distribution for every rotation `R` about z and every flip of x or y, and so does `s M` for
+/// For every rotation `R` about z and every flip of x or y, `M R` has the same distribution as `M`. So has `s M` for
 /// every `s > 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ltc {
@@ -19,7 +19,7 @@ pub struct Ltc {
 }
 
 impl Ltc {
-    /// The distribution of `matrix`, or `None` when that is singular or not finite.
+    /// The distribution of `matrix`; `None` if it is singular or not finite.
     #[must_use]
     pub fn new(matrix: DMat3) -> Option<Self> {
         let determinant = matrix.determinant();
@@ -49,13 +49,13 @@ impl Ltc {
         c.z.max(0.0) / PI * self.inverse_determinant / (length2 * length2)
     }
 
-    /// A direction from a point of the unit square [KT et al. 2022, Algorithm 2].
+    /// Maps a point of the unit square to a direction [KT et al. 2022, Algorithm 2].
     #[must_use]
     pub fn sample(&self, u: [f64; 2]) -> DVec3 {
         (self.matrix * cosine_hemisphere(u)).normalize()
     }
 
-    /// The point of the unit square from which [`Ltc::sample`] makes `wi`; `None` where the density is zero.
+    /// The point of the unit square that [`Ltc::sample`] maps to `wi`; `None` if the density is zero.
     #[must_use]
     pub fn invert(&self, wi: DVec3) -> Option<[f64; 2]> {
         let c = (self.inverse * wi).normalize();
@@ -92,7 +92,7 @@ mod tests {
         assert_eq!(ltc.invert(-ltc.sample([0.3, 0.3])), None);
     }
 
-    /// The mean of `g(w) / pdf(w)` over samples is the integral of g: here the solid angle of a cap.
+    /// The mean of `g(w) / pdf(w)` over samples is the integral of g. Here it is the solid angle of a cap.
     #[test]
     fn pdf_is_the_density_of_the_samples() {
         let ltc = Ltc::new(skewed()).expect("regular");

@@ -1,4 +1,4 @@
-//! Linearly Transformed Cosines: the distribution, its integral over polygons, and caps that stand for lights.
+//! Linearly Transformed Cosines: the distribution, its integral over polygons, and the form factor of spherical caps.
 
 mod align;
 mod distribution;

@@ -8,7 +8,7 @@ use crate::{
     math::{concentric_cosine, from_row_major},
 };
 
-/// LTCs as an item of [`crate::LobeModel`]; the nine numbers are the matrix, row-major.
+/// LTCs as an item of [`crate::LobeModel`]. The nine numbers are the matrix, row-major.
 pub(in crate::lobe) struct LtcLobeModel;
 
 impl LobeModelRules for LtcLobeModel {
@@ -18,8 +18,8 @@ impl LobeModelRules for LtcLobeModel {
 }
 
 impl LobeDistribution for Ltc {
-    /// By another map of the square than [`Ltc::sample`], which resembles that of the fit's loss: a report shares no
-    /// code with the loss.
+    /// Uses another map of the square than [`Ltc::sample`], which resembles the map in the fit's loss. A report shares
+    /// no code with the loss.
     fn sample(&self, u: [f64; 2]) -> DVec3 {
         (self.matrix() * concentric_cosine(u)).normalize()
     }

@@ -2,26 +2,26 @@
 //!
 //! Seen from the origin, a polygon's edges are arcs of great circles. The integral of the clamped cosine over the
 //! polygon is the z of its vector form factor, `1/(2 pi) sum acos(a . b) (a x b).z / |a x b|` over its edges from `a`
-//! to `b` on the unit sphere, once the part below the horizon is cut off [Lambert 1760; Heitz, Dupuy, Hill, Neubelt
+//! to `b` on the unit sphere. The part below the horizon is cut off first [Lambert 1760; Heitz, Dupuy, Hill, Neubelt
 //! 2016, equation 11].
 //!
-//! For a small polygon the terms `(a x b).z` cancel: each is of the size of an edge, their sum is of the size of the
-//! area. Around a closed outline the terms `((a - o) x (b - o)).z` have the same sum for any `o`. With `o` on the
-//! polygon, they are as small as their sum. So an edge adds this term, and `(a x b).z (acos(a . b) / |a x b| - 1)` for
-//! its bend.
+//! For a small polygon the terms `(a x b).z` cancel: each has the size of an edge, their sum has the size of the area.
+//! Around a closed outline the terms `((a - o) x (b - o)).z` have the same sum for any `o`. With `o` on the polygon,
+//! they are as small as their sum. So an edge adds this term, and `(a x b).z (acos(a . b) / |a x b| - 1)` for its
+//! curvature.
 //!
 //! A convex polygon crosses the horizon at most twice. So edges can be cut and added one after another, and one arc
-//! along the horizon closes the outline. No list of clipped vertices is made.
+//! along the horizon closes the outline. No list of clipped vertices is needed.
 
 use glam::DVec3;
 
 use super::Ltc;
 use crate::math::{Scalar, cross, dot, minus, unit};
 
-/// Most vertices of a light in the shaders. A light that is cut at the horizon has one more.
+/// The largest number of vertices of a light in the shaders. A light cut at the horizon has one more vertex.
 pub const MAX_VERTICES: usize = 8;
 
-/// The sides from which a polygon can be seen.
+/// The sides from which a polygon is visible.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sides {
     /// Only the side from which the vertices run clockwise.
@@ -30,7 +30,7 @@ pub enum Sides {
     Two,
 }
 
-/// The integral of the clamped cosine over a convex polygon, added up edge by edge.
+/// The integral of the clamped cosine over a convex polygon, accumulated edge by edge.
 #[derive(Debug, Clone, Copy)]
 pub struct Clip<T> {
     /// Twice pi times the integral so far.
@@ -40,13 +40,13 @@ pub struct Clip<T> {
     previous: [T; 3],
     /// `previous` on the unit sphere.
     previous_unit: [T; 3],
-    /// Where the outline dips below the horizon and where it comes back, on the unit circle.
+    /// The points where the outline crosses the horizon downwards and upwards, on the unit circle.
     leaves: [T; 3],
     enters: [T; 3],
 }
 
 impl<T: Scalar> Clip<T> {
-    /// Begins at a vertex: [`Clip::edge_to`] is then called for each of the others in turn, and for this one last.
+    /// Begins at a vertex. Call [`Clip::edge_to`] for each other vertex in turn, and for this vertex last.
     #[must_use]
     pub fn begin(vertex: [T; 3]) -> Self {
         let (origin, nowhere) = (unit(vertex), [T::ZERO; 3]);
@@ -76,41 +76,41 @@ impl<T: Scalar> Clip<T> {
         self.previous
     }
 
-    /// Goes on at a vertex; the border up to it is added by [`Clip::border`].
+    /// Moves to a vertex without an edge. [`Clip::border`] adds the border to it.
     pub fn go_to(&mut self, vertex: [T; 3]) {
         (self.previous, self.previous_unit) = (vertex, unit(vertex));
     }
 
-    /// The direction on the horizon where the outline dips below it.
+    /// Sets the direction in which the outline crosses the horizon downwards.
     pub fn leave(&mut self, direction: [T; 3]) {
         self.leaves = unit(direction);
     }
 
-    /// The direction on the horizon where the outline rises above it.
+    /// Sets the direction in which the outline crosses the horizon upwards.
     pub fn enter(&mut self, direction: [T; 3]) {
         self.enters = unit(direction);
     }
 
-    /// Adds a curved border between two directions, all of it above the horizon: `integral` is that of
+    /// Adds a curved border between two directions, all of it above the horizon. `integral` is the integral of
     /// `(p x dp)_z / |p|^2` along it.
     pub fn border(&mut self, ends: [[T; 3]; 2], integral: T) {
-        // In place of the chord between the ends, with `o` as in `arc`.
+        // Replaces the chord between the ends, with `o` as in `arc`.
         let [p, q] = ends.map(unit);
         let moved = cross(minus(p, self.origin), minus(q, self.origin))[2] - cross(p, q)[2];
         self.sum = self.sum + integral + moved;
     }
 
-    /// The integral, in [-1, 1]; negative when the vertices, seen from the origin, run anticlockwise.
+    /// The integral, in [-1, 1]. It is negative if the vertices, seen from the origin, run anticlockwise.
     #[must_use]
     pub fn finish(self) -> T {
-        // Without a crossing both are the zero vector.
+        // Both are the zero vector if nothing crosses the horizon.
         let is_cut = self.leaves != self.enters;
         let closing = if is_cut { self.arc(self.leaves, self.enters) } else { T::ZERO };
         (self.sum + closing) / T::TAU
     }
 
-    /// An edge's part of the sum. Its angle comes from sine and cosine, which is accurate for every length of arc;
-    /// `acos` is not.
+    /// The contribution of an edge to the sum. Its angle comes from sine and cosine, which is accurate for every length
+    /// of arc. `acos` is not.
     fn arc(&self, a: [T; 3], b: [T; 3]) -> T {
         let c = cross(a, b);
         let sin = dot(c, c).sqrt();
@@ -120,13 +120,13 @@ impl<T: Scalar> Clip<T> {
 }
 
 impl Ltc {
-    /// The part of the distribution that a convex polygon covers, seen from the origin: in [0, 1].
+    /// The part of the distribution over a convex polygon seen from the origin, in [0, 1].
     ///
     /// `I(P) = I_cosine(M^-1 P)` [Heitz 2016, section 3]. Zero for fewer than three vertices. Domain: finite vertices.
     #[must_use]
     pub fn polygon(&self, vertices: &[DVec3], sides: Sides) -> f64 {
         let inverse = self.inverse();
-        // A matrix that mirrors reverses the polygon's winding.
+        // A matrix with a negative determinant reverses the polygon's winding.
         let side = if inverse.determinant() < 0.0 { -1.0 } else { 1.0 };
         let Some(last) = vertices.last() else { return 0.0 };
         let mut clip = Clip::begin((inverse * *last).to_array());
@@ -140,11 +140,11 @@ impl Ltc {
         covered.clamp(0.0, 1.0)
     }
 
-    /// The vector form factor of a convex polygon in cosine space, without a horizon, towards the polygon: of the
-    /// length `sin^2 sigma` of a cap of half angle sigma. What the horizon leaves of it, [`super::clipped_form_factor`]
-    /// guesses by the sphere of the same vector form factor [Hill and Heitz 2016].
+    /// The vector form factor of a convex polygon in cosine space, without a horizon, pointing towards the polygon. A
+    /// cap of half angle sigma has the same length `sin^2 sigma`. [`super::clipped_form_factor`] approximates the part
+    /// above the horizon by the cap with the same vector form factor [Hill and Heitz 2016].
     ///
-    /// Zero for fewer than three vertices. Domain: finite vertices; a polygon that the origin does not lie in.
+    /// Zero for fewer than three vertices. Domain: finite vertices; a polygon that does not contain the origin.
     #[must_use]
     pub fn vector_form_factor(&self, vertices: &[DVec3]) -> DVec3 {
         let corners: Vec<DVec3> = vertices.iter().map(|v| (self.inverse() * *v).normalize_or_zero()).collect();

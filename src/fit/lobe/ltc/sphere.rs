@@ -1,53 +1,53 @@
-//! The form factor of a light that is a cap of the sphere of directions, clipped at the horizon.
+//! The form factor of a light that is a spherical cap, clipped at the horizon.
 
 use std::f64::consts::PI;
 
 use crate::math::atan2;
 
-/// The form factor of a cap that the horizon clips, over that of the same cap unclipped and straight ahead: the
-/// cosine-weighted solid angle of its part above the horizon, over `pi length`.
+/// The form factor of a cap clipped at the horizon, relative to the same cap unclipped and straight above. It is the
+/// cosine-weighted solid angle of its part above the horizon, divided by `pi length`.
 ///
-/// `cos_elevation` is the cosine `c` between the cap's axis and the normal. `length` is that of its vector form factor,
-/// `sin^2 sigma` for a cap of half angle `sigma`, up to a hemisphere. Shaders take the vector form factor of any light,
-/// and multiply its length by this [Hill and Heitz 2016].
+/// `cos_elevation` is the cosine `c` between the cap's axis and the normal. `length` is the length of its vector form
+/// factor, `sin^2 sigma` for a cap of half angle `sigma`, up to a hemisphere. Shaders take the vector form factor of
+/// any light, and multiply its length by the result [Hill and Heitz 2016].
 ///
-/// By Stokes, the cosine-weighted solid angle of a part of the sphere is half the integral of `(r x dr)_z` along its
-/// border. With `s = sqrt(1 - c^2)`, the cap's circle is above the horizon for `|t| < tau`, where `r_z = cos sigma c +
-/// sin sigma s cos t`, and it hides an arc of the horizon of `2 beta`:
+/// By Stokes' theorem, the cosine-weighted solid angle of a part of the sphere is half the integral of `(r x dr)_z`
+/// along its border. With `s = sqrt(1 - c^2)`, the cap's circle is above the horizon for `|t| < tau`, where
+/// `r_z = cos sigma c + sin sigma s cos t`. It hides an arc of `2 beta` of the horizon:
 ///
 /// ```text
-/// cos tau  = -cot sigma c / s        (0 and pi where the circle does not meet the horizon)
+/// cos tau  = -cot sigma c / s        (tau is 0 or pi if the circle does not meet the horizon)
 /// cos beta = cos sigma / s
 /// E = tau sin^2 sigma c - sin sigma cos sigma s sin tau + beta
 /// ```
 ///
-/// A cap that does not meet the horizon has `max(c, 0)`, and so has a cap without width. Domain: `cos_elevation` in
+/// A cap that does not meet the horizon has `max(c, 0)`, and so has a cap of zero width. Domain: `cos_elevation` in
 /// [-1, 1], `length` in [0, 1].
 #[must_use]
 pub fn clipped_form_factor(cos_elevation: f64, length: f64) -> f64 {
     let c = cos_elevation;
     let (sin_sigma, cos_sigma) = (length.sqrt(), (1.0 - length).max(0.0).sqrt());
-    // The axis is farther from the horizon than the border is from the axis.
+    // The axis is farther from the horizon than from the border of the cap.
     if c.abs() >= sin_sigma {
         return c.max(0.0);
     }
-    // tau and beta by sine and cosine up to one length each, since sin^2 sigma s^2 - cos^2 sigma c^2 = sin^2 sigma -
+    // tau and beta come from sine and cosine, each up to one length: sin^2 sigma s^2 - cos^2 sigma c^2 = sin^2 sigma -
     // c^2.
     let met = (length - c * c).sqrt();
     let tau = atan2(met, -cos_sigma * c);
     let beta = atan2(met, cos_sigma);
-    let seen = tau * length * c - cos_sigma * met + beta;
-    (seen / (PI * length)).max(0.0)
+    let projected_solid_angle = tau * length * c - cos_sigma * met + beta;
+    (projected_solid_angle / (PI * length)).max(0.0)
 }
 
-/// [`clipped_form_factor`] by two additions and a division: `(length + c) / (length + 1)`, zero where that is below
-/// zero [Hill and Heitz 2016].
+/// [`clipped_form_factor`] with two additions and a division: `(length + c) / (length + 1)`, clamped at zero [Hill and
+/// Heitz 2016].
 ///
-/// It is exact for a light straight above and for one without width. Any other it takes for brighter: by up to 0.180 at
-/// `length` 0.64 and `c` 0.225, and by 0.106 where the cap does not meet the horizon; for darker by 0.029 at most. As a
-/// part of the light of a hemisphere, which is `length` times that, it is off by 0.042 on average over `c` and
-/// `length`, by +0.135 (`length` 0.82, `c` 0.165) and -0.0075 at most, and by +0.051 where the cap does not meet the
-/// horizon.
+/// It is exact for a light straight above and for a light of zero width. Other lights are too bright, by up to 0.180 at
+/// `length` 0.64 and `c` 0.225, and by up to 0.106 if the cap does not meet the horizon. They are too dark by at most
+/// 0.029. Multiplied by `length`, the error is relative to the light of a hemisphere. It is then 0.042 on average over
+/// `c` and `length`, at most +0.135 (`length` 0.82, `c` 0.165) and -0.0075, and at most +0.051 if the cap does not meet
+/// the horizon.
 #[must_use]
 pub fn cheap_form_factor(cos_elevation: f64, length: f64) -> f64 {
     ((length + cos_elevation) / (length + 1.0)).max(0.0)
@@ -57,7 +57,7 @@ pub fn cheap_form_factor(cos_elevation: f64, length: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The midpoint rule in the angle from the cap's axis and around it.
+    /// The midpoint rule in polar angle and azimuth about the cap's axis.
     fn by_quadrature(c: f64, length: f64) -> f64 {
         let (sigma, s) = (length.sqrt().asin(), (1.0 - c * c).sqrt());
         let (rings, sectors) = (400, 800);
@@ -84,13 +84,13 @@ mod tests {
 
     #[test]
     fn known_caps_have_known_values() {
-        // The hemisphere above, that beside, of which half is seen, and that below.
+        // The hemisphere above; the hemisphere to the side, half of which is visible; the hemisphere below.
         assert!((clipped_form_factor(1.0, 1.0) - 1.0).abs() < 1e-15);
         assert!((clipped_form_factor(0.0, 1.0) - 0.5).abs() < 1e-15);
         assert!(clipped_form_factor(-1.0, 1.0) < 1e-15);
-        // A hemisphere at any elevation: (1 + c) / 2.
+        // A hemisphere at any elevation gives (1 + c) / 2.
         assert!((clipped_form_factor(0.6, 1.0) - 0.8).abs() < 1e-14);
-        // Without width, a light is seen by its cosine.
+        // A light of zero width gives its cosine.
         assert_eq!([clipped_form_factor(0.3, 0.0), clipped_form_factor(-0.3, 0.0)], [0.3, 0.0]);
     }
 

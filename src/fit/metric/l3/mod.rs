@@ -6,18 +6,18 @@
 //! loss = (integral |g - D|^3 / integral g^3)^(1/3)
 //! ```
 //!
-//! Heitz et al. minimise the integral of `|f cos - albedo D|^3`. It has the same minimum: it is the cube of this, up to
-//! a factor of the lobe's own. Their albedo is the norm of the LTC, as here.
+//! Heitz et al. minimise the integral of `|f cos - albedo D|^3`. It has the same minimum, because it is the cube of
+//! this loss times a constant of the lobe. Their albedo is the norm of the LTC, as here.
 //!
-//! The integral is estimated from samples of both densities, weighed by the balance heuristic [Veach and Guibas 1995]:
-//! with `n_b` samples of the lobe and `n_l` of the LTC, a sample `w` of either counts
-//! `|g - D|^3 / (n_b p_b(w) + n_l D(w))`. Below the horizon, where a BRDF's sampler may draw too, only the samples of
-//! the LTC count, and `p_b` is zero.
+//! The integral is estimated from samples of both densities, weighted by the balance heuristic [Veach and Guibas 1995].
+//! With `n_b` samples of the lobe and `n_l` of the LTC, a sample `w` of either contributes
+//! `|g - D|^3 / (n_b p_b(w) + n_l D(w))`. A BRDF's sampler can draw directions below the horizon. There only the
+//! samples of the LTC count, and `p_b` is zero.
 //!
 //! [`Loss::value`] moves the samples of the LTC with its matrix, as the code of 2017 does. A gradient through moving
-//! samples would need that of the BRDF. [`Loss::value_and_gradient`] leaves the samples of the LTC, and the densities
-//! by which all are weighed, where they are at its first matrix. It is then a smooth function of the matrix, whose
-//! gradient is exact, and an estimate of the same integral; the nearer the matrix stays to the first one, the better.
+//! samples would need the gradient of the BRDF. [`Loss::value_and_gradient`] therefore keeps the samples of the LTC,
+//! and the densities for all weights, at its first matrix. It is a smooth function of the matrix with an exact
+//! gradient. It estimates the same integral, and more accurately if the matrix is closer to the first matrix.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -30,12 +30,13 @@ use crate::{
     stop_check::StopCheck,
 };
 
-/// A coarse evaluation takes one sample in so many, but this many at least.
+/// A coarse evaluation takes this part of the samples, but at least this many.
 const COARSE: usize = 8;
 const LEAST_COARSE: usize = 64;
-/// Work of a sample of the LTC, in projections of a sample on a direction: the cost of the BRDF and its density.
+/// Work of a sample of the LTC, in units of a projection of a sample on a direction. It covers the BRDF and its
+/// density.
 const SAMPLE_WORK: usize = 8;
-/// Seconds of an evaluation for each sample of the LTC: two samples of the lobe are in it.
+/// Seconds of an evaluation for each sample of the LTC, including two samples of the lobe.
 const SAMPLE_SECONDS: f64 = 70e-9;
 
 /// The L3 norm as an item of [`super::Metric`].
@@ -53,7 +54,7 @@ impl MetricRules for L3 {
     }
 }
 
-/// The metric with its fixed samples of the clamped cosine, coarse and full, shared by all entries.
+/// The metric with its fixed samples of the clamped cosine, coarse and full. All entries share them.
 #[derive(Debug, Clone)]
 struct L3Distance {
     cosines: Arc<[Vec<DVec3>; 2]>,
@@ -70,13 +71,14 @@ impl Distance for L3Distance {
     }
 }
 
-/// A direction in the lobe's frame at which the densities are compared.
+/// A direction in the lobe's frame for the comparison of densities.
 #[derive(Debug, Clone, Copy)]
 struct DensitySample {
     direction: DVec3,
     /// The lobe's density `g`.
     lobe: f64,
-    /// The density with which it was drawn, times the number of samples: by the lobe's sampler alone, or by both.
+    /// The density of the drawn direction times the number of samples, for the lobe's sampler alone or for both
+    /// samplers.
     drawn: f64,
 }
 
@@ -100,7 +102,7 @@ impl Density {
     }
 }
 
-/// The integral of the cubes and its slopes, sample by sample.
+/// The integral of the cubes and its gradient, accumulated sample by sample.
 ///
 /// With `N = M^-1`, `c = N w` and `D = c_z |det N| / (pi |c|^4)`:
 ///
@@ -119,7 +121,7 @@ impl Slopes {
         Self { density, sum: 0.0, by_inverse: DMat3::ZERO, by_determinant: 0.0 }
     }
 
-    /// Adds a direction that was drawn with a density of `1 / weight`, where the lobe's is `lobe`.
+    /// Adds a direction drawn with a density of `1 / weight`. `lobe` is the lobe's density there.
     fn add(&mut self, direction: DVec3, lobe: f64, weight: f64) {
         let (c, ltc) = self.density.at(direction);
         let off = ltc - lobe;
@@ -133,7 +135,7 @@ impl Slopes {
         }
     }
 
-    /// The gradient of the sum by the matrix.
+    /// The gradient of the sum with respect to the matrix.
     fn by_matrix(&self, m: &DMat3) -> DMat3 {
         let by_inverse = self.by_inverse + m.transpose() * self.by_determinant;
         let transposed = self.density.inverse.transpose();
@@ -152,8 +154,8 @@ struct L3Loss<'a> {
     /// `1 / integral g^3`.
     inv_whole: f64,
     spread: f64,
-    /// The samples of lobe and LTC that gradients are taken at: those of the first matrix that was asked about.
-    held: [Option<Vec<DensitySample>>; 2],
+    /// The fixed samples of lobe and LTC for gradients. They belong to the first matrix of an evaluation.
+    fixed: [Option<Vec<DensitySample>>; 2],
 }
 
 impl<'a> L3Loss<'a> {
@@ -164,8 +166,8 @@ impl<'a> L3Loss<'a> {
         let mut samples = Vec::with_capacity(target.points.len());
         for point in &target.points {
             let direction = *point + DVec3::Z;
-            let [value, pdf] = seen(brdf, wo, target.frame * direction);
-            // By rounding, a sampler may draw a direction whose density is zero.
+            let [value, pdf] = value_and_pdf(brdf, wo, target.frame * direction);
+            // Due to rounding, a sampler can draw a direction whose density is zero.
             if pdf > 0.0 {
                 albedo += value / pdf;
                 cubes += value * value * value / pdf;
@@ -179,16 +181,16 @@ impl<'a> L3Loss<'a> {
         }
         let whole = cubes / count * inv_albedo * inv_albedo * inv_albedo;
         let half_trace = 0.5 * (target.core.scatter.x_axis.x + target.core.scatter.y_axis.y);
-        Self { lobe, cosines, samples, albedo, inv_whole: 1.0 / whole, spread: half_trace.sqrt(), held: [None, None] }
+        Self { lobe, cosines, samples, albedo, inv_whole: 1.0 / whole, spread: half_trace.sqrt(), fixed: [None, None] }
     }
 
-    /// The sample of the LTC of `m` that a clamped cosine's sample becomes.
+    /// Maps a sample of the clamped cosine to a sample of the LTC of `m`.
     fn moved(&self, m: &DMat3, factor: f64, cosine: DVec3, count: f64) -> (DensitySample, f64) {
         let image = *m * cosine;
         let length = image.length();
         let direction = image * (1.0 / length);
         let density = cosine.z * factor * (length * length * length);
-        let [value, pdf] = seen(self.lobe.brdf, self.lobe.wo, self.lobe.target.frame * direction);
+        let [value, pdf] = value_and_pdf(self.lobe.brdf, self.lobe.wo, self.lobe.target.frame * direction);
         (DensitySample { direction, lobe: value / self.albedo, drawn: count * pdf }, density)
     }
 
@@ -197,15 +199,15 @@ impl<'a> L3Loss<'a> {
         self.spread * pow(sum * self.inv_whole, 1.0 / 3.0)
     }
 
-    /// The loss and its gradient by the matrix, of the sum and its slopes.
+    /// The loss and its gradient with respect to the matrix, from the sum and its gradient.
     fn of(&self, slopes: &Slopes, m: &DMat3) -> (f64, DMat3) {
         let loss = self.loss(slopes.sum);
-        // The slope of the cube root, and none where the two are equal.
+        // The slope of the cube root. It is set to zero if lobe and LTC are equal.
         let scale = if slopes.sum > 0.0 { loss / (3.0 * slopes.sum) } else { 0.0 };
         (loss, slopes.by_matrix(m) * scale)
     }
 
-    fn hold(&self, m: &DMat3, grain: Grain) -> Vec<DensitySample> {
+    fn fix_samples(&self, m: &DMat3, grain: Grain) -> Vec<DensitySample> {
         let cosines = &self.cosines[grain as usize];
         let (count, density) = (cosines.len() as f64, Density::new(m));
         let stride = self.stride(grain);
@@ -222,7 +224,7 @@ impl<'a> L3Loss<'a> {
         own.chain(of_ltc).collect()
     }
 
-    /// The step through the lobe's samples: a coarse evaluation takes every n-th.
+    /// The step through the lobe's samples: a coarse evaluation takes every n-th sample.
     fn stride(&self, grain: Grain) -> usize {
         match grain {
             Grain::Coarse => (self.cosines[1].len() / self.cosines[0].len()).max(1),
@@ -231,8 +233,8 @@ impl<'a> L3Loss<'a> {
     }
 }
 
-/// `f cos` and the density with which the lobe's sampler draws a direction above the horizon; zeros below.
-fn seen(brdf: &dyn Brdf, wo: DVec3, wi: DVec3) -> [f64; 2] {
+/// `f cos`, and the density with which the lobe's sampler draws a direction above the horizon; zeros below.
+fn value_and_pdf(brdf: &dyn Brdf, wo: DVec3, wi: DVec3) -> [f64; 2] {
     if wi.z > 0.0 { [brdf.eval_cos(wo, wi), brdf.pdf(wo, wi)] } else { [0.0; 2] }
 }
 
@@ -262,18 +264,18 @@ impl Loss for L3Loss<'_> {
     }
 
     fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, stop_check: &mut StopCheck) -> Option<(f64, DMat3)> {
-        let held = if let Some(held) = self.held[grain as usize].take() {
-            held
+        let fixed = if let Some(fixed) = self.fixed[grain as usize].take() {
+            fixed
         } else {
             stop_check.worked(SAMPLE_WORK * self.cosines[grain as usize].len())?;
-            self.hold(m, grain)
+            self.fix_samples(m, grain)
         };
-        stop_check.worked(2 * held.len())?;
+        stop_check.worked(2 * fixed.len())?;
         let mut slopes = Slopes::new(Density::new(m));
-        for sample in &held {
+        for sample in &fixed {
             slopes.add(sample.direction, sample.lobe, 1.0 / sample.drawn);
         }
-        self.held[grain as usize] = Some(held);
+        self.fixed[grain as usize] = Some(fixed);
         Some(self.of(&slopes, m))
     }
 
@@ -284,13 +286,13 @@ impl Loss for L3Loss<'_> {
         let mut slopes = Slopes::new(Density::new(m));
         let count = draws.lobe.len() as f64;
         for direction in draws.lobe.iter().copied().chain(images) {
-            let [value, _] = seen(brdf, wo, direction);
+            let [value, _] = value_and_pdf(brdf, wo, direction);
             let lobe = value / self.albedo;
             let (_, ltc) = slopes.density.at(direction);
             slopes.add(direction, lobe, 1.0 / (count * (lobe + ltc)));
         }
         let (_, by_m) = self.of(&slopes, m);
-        // A matrix without an inverse has no density, and a step from it no direction.
+        // A singular matrix has no density. A step from it has no direction.
         Some(if by_m.is_finite() { by_m * rate } else { DMat3::ZERO })
     }
 }

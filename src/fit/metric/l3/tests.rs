@@ -14,7 +14,7 @@ fn target(brdf: &dyn Brdf, wo: DVec3) -> Target {
     Target::sample(brdf, wo, Mirrors::of(wo), &points)
 }
 
-/// Calls `check` with the loss to a lobe over this many samples of the LTC.
+/// Calls `check` with the loss to a lobe, with this many samples of the LTC.
 fn with_loss<T>(lobe: &Lobe, samples: usize, check: impl FnOnce(&mut dyn Loss, &mut StopCheck) -> T) -> T {
     let mut distance = Metric::L3.rules().distance(&Samples { count: samples, directions: 4, shift: [0.2, 0.7] });
     let mut go_on = unstopped;
@@ -23,18 +23,18 @@ fn with_loss<T>(lobe: &Lobe, samples: usize, check: impl FnOnce(&mut dyn Loss, &
     check(&mut *loss, &mut stop_check)
 }
 
-/// A lobe near that of `GGX`, in its frame.
+/// A lobe close to the lobe of `GGX`, in its frame.
 fn near() -> DMat3 {
     DMat3::from_cols(DVec3::new(0.5, 0.0, 0.05), DVec3::new(0.0, 0.45, 0.0), DVec3::new(0.1, 0.0, 1.0))
 }
 
-/// By the midpoint rule over the whole sphere, in the lobe's frame, on half a million directions.
+/// The loss by the midpoint rule over the whole sphere, in the lobe's frame, with half a million directions.
 fn by_quadrature(lobe: &Lobe, m: &DMat3) -> f64 {
     let ltc = Ltc::new(*m).expect("a regular matrix");
     let (rows, columns) = (1000, 500);
     let (mut albedo, mut values) = (0.0, Vec::new());
     for (i, j) in (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))) {
-        // Dense around the pole.
+        // The rows are dense around the pole.
         let t = (f64::from(i) + 0.5) / f64::from(rows);
         let (theta, phi) = (PI * t * t, 2.0 * PI * (f64::from(j) + 0.5) / f64::from(columns));
         let area = theta.sin() * 2.0 * PI * t / f64::from(rows) * 2.0 * PI / f64::from(columns);
@@ -57,15 +57,15 @@ fn the_value_is_that_of_quadrature() {
         let lobe = Lobe { brdf: &ggx, wo, target: &target };
         let m = DMat3::from_cols(DVec3::X * 1.5 * alpha, DVec3::Y * 1.4 * alpha, DVec3::new(0.1 * alpha, 0.0, 1.0));
         let expected = by_quadrature(&lobe, &m);
-        let (found, held) = with_loss(&lobe, 2048, |loss, stop_check| {
+        let (found, fixed) = with_loss(&lobe, 2048, |loss, stop_check| {
             let spread = loss.spread();
             let value = loss.value(&m, stop_check).expect("nothing stops it") / spread;
-            let (held, _) = loss.value_and_gradient(&m, Grain::Full, stop_check).expect("nothing stops it");
-            (value, held / spread)
+            let (fixed, _) = loss.value_and_gradient(&m, Grain::Full, stop_check).expect("nothing stops it");
+            (value, fixed / spread)
         });
         assert!((found / expected - 1.0).abs() < 0.02, "{alpha} {theta}: {found} {expected}");
-        // At the matrix whose samples it holds it is the same estimate.
-        assert!((held / found - 1.0).abs() < 1e-12, "{alpha} {theta}: {held} {found}");
+        // At the matrix of the fixed samples both estimates are the same.
+        assert!((fixed / found - 1.0).abs() < 1e-12, "{alpha} {theta}: {fixed} {found}");
     }
 }
 
@@ -77,7 +77,7 @@ fn the_gradient_is_that_of_central_differences() {
     with_loss(&lobe, 512, |loss, stop_check| {
         for grain in [Grain::Coarse, Grain::Full] {
             let start = loss.value_and_gradient(&near(), grain, stop_check).expect("nothing stops it").0;
-            // Beside the matrix whose samples are held.
+            // A matrix close to the matrix of the fixed samples.
             let m = near() * 1.03 + DMat3::from_cols(DVec3::Z * 0.01, DVec3::ZERO, DVec3::Y * 0.02);
             let (value, gradient) = loss.value_and_gradient(&m, grain, stop_check).expect("nothing stops it");
             assert!(value != start);
@@ -96,7 +96,7 @@ fn the_gradient_is_that_of_central_differences() {
     });
 }
 
-/// A lobe that is an LTC has no distance to it, and some to every other.
+/// A lobe that is an LTC has a distance of zero to it, and a positive distance to all others.
 #[test]
 fn only_the_lobe_itself_is_at_distance_zero() {
     let planted =

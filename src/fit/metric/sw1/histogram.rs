@@ -1,22 +1,23 @@
-//! Samples counted into cells, in whole numbers: their sums are exact, so their order decides nothing.
+//! Counts samples in cells with integers. Integer sums are exact, so their order does not matter.
 
 use super::cells::{CELLS, FRACTION_BITS};
 
-/// Bits of a sample's place inside its cell that are kept: a sample of weight [`WHOLE`] then fits 32 bits twice.
+/// Bits of a sample's position inside of its cell. A sample of weight [`WHOLE`] then fits 32 bits twice.
 const PLACE_BITS: u32 = 14;
-/// The weight of all samples together, at most.
+/// The largest total weight of all samples.
 pub(super) const WHOLE: u32 = 1 << 30;
-/// The weight of a sample where all weigh the same. Its part of a cell is the part that is counted.
+/// The weight of a sample if all samples have the same weight. It makes the lower half of a word the plain sum of
+/// parts.
 pub(super) const EQUAL: u32 = 1 << PLACE_BITS;
-/// Most samples of that weight.
+/// The largest number of samples of this weight.
 pub(super) const MOST_SAMPLES: usize = (WHOLE / EQUAL) as usize;
 
-/// How much lies in each cell, and below the node after it.
+/// The weight in each cell, and the cumulative weight below the node after it.
 ///
-/// The two nodes around a sample share it in proportion (cloud-in-cell). Of a sample at the part `f` of its cell, the
-/// node before it has `1 - f` and the one after it `f`. Below the node after a cell there are then all samples up to
-/// and in the cell, but for the parts `f` of those in the cell. One update of a word counts both: the weight in its
-/// upper half, and the weight times `f` in its lower half.
+/// The two nodes around a sample share its weight in proportion (cloud-in-cell). For a sample at the part `f` of its
+/// cell, the node before it gets `1 - f` and the node after it `f`. The cumulative weight below the node after a cell
+/// is the weight of all samples up to and in the cell, minus the parts `f` of the samples in the cell. One update of a
+/// word adds both: the weight in its upper half, and the weight times `f` in its lower half.
 #[derive(Debug)]
 pub(super) struct Histogram {
     words: Box<[u64; CELLS]>,
@@ -29,11 +30,11 @@ impl Default for Histogram {
     }
 }
 
-/// Where samples lie among the cells.
+/// The positions of samples in cells.
 #[derive(Debug, Default)]
 pub(super) struct Places {
     pub(super) cells: Vec<u32>,
-    /// The parts of their cells, in units of `2^-PLACE_BITS`.
+    /// The positions inside of the cells, in units of `2^-PLACE_BITS`.
     pub(super) parts: Vec<u32>,
 }
 
@@ -44,7 +45,7 @@ impl Places {
     }
 }
 
-/// Cell and part of a fixed-point position. Domain: not below zero.
+/// Cell and part of a fixed-point position. Domain: not negative.
 #[inline]
 pub(super) fn split(position: i32) -> (u32, u32) {
     let position = position.cast_unsigned();
@@ -52,7 +53,7 @@ pub(super) fn split(position: i32) -> (u32, u32) {
 }
 
 impl Histogram {
-    /// Adds samples of the weights. Domain: all weights together are [`WHOLE`] at most, up to the rounding of each.
+    /// Adds samples with weights. Domain: the total weight is at most [`WHOLE`], up to the rounding of each weight.
     pub(super) fn add(&mut self, places: &Places, weights: &[u32]) {
         for ((cell, part), weight) in places.cells.iter().zip(&places.parts).zip(weights) {
             let (weight, part) = (u64::from(*weight), u64::from(*part));
@@ -67,7 +68,7 @@ impl Histogram {
         }
     }
 
-    /// Sums up the first `cells` cells, and empties them.
+    /// Accumulates the first `cells` cells and clears them.
     pub(super) fn drain(&mut self, cells: usize) {
         self.below.resize(cells, 0);
         let mut upto = 0;
@@ -78,7 +79,7 @@ impl Histogram {
         }
     }
 
-    /// The counts below the node after each drained cell.
+    /// The cumulative weights below the node after each drained cell.
     pub(super) fn below(&self) -> &[i32] {
         &self.below
     }
@@ -105,7 +106,7 @@ mod tests {
         assert_eq!(below(&mut histogram), [0.0; 4]);
     }
 
-    /// Nothing carries from one half of a word into the other, nor over its end.
+    /// Nothing carries from one half of a word into the other half or beyond the word.
     #[test]
     fn all_samples_fit_one_cell() {
         let mut histogram = Histogram::default();

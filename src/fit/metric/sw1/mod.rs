@@ -1,8 +1,8 @@
 //! The sliced Wasserstein-1 distance between a lobe and an LTC, and its gradient, without sorting.
 //!
 //! On one direction `d` the distance is the area between two cumulative distributions, `integral |F(x) - G(x)| dx`. G
-//! belongs to the lobe and never changes; it is tabulated once. F belongs to the LTC's samples, projected on `d`. Both
-//! are histograms on the same nodes. The two nodes around a sample share it in proportion (cloud-in-cell), so F moves
+//! belongs to the lobe, does not change, and is tabulated once. F belongs to the LTC's samples, projected on `d`. Both
+//! are histograms on the same nodes. The two nodes around a sample share it in proportion (cloud-in-cell). So F moves
 //! continuously with the samples, and the cost is linear in their number.
 
 mod cells;
@@ -30,17 +30,17 @@ use crate::{
     stop_check::StopCheck,
 };
 
-/// Directions whose gradients are added to the samples together.
+/// The number of directions whose gradients are added to the samples together.
 const GROUP: usize = 4;
 /// A coarse evaluation takes every n-th sample and every n-th direction, but at least [`LEAST_COARSE`] samples.
 const COARSE_SAMPLES: usize = 4;
 const COARSE_DIRECTIONS: usize = 2;
 const LEAST_COARSE: usize = 64;
 
-/// Seconds of one evaluation of loss and gradient, for each sample and direction; those of the lobe's projections and
-/// of the measured error are in it.
+/// Seconds of one evaluation of loss and gradient, for each sample and direction. The projections of the lobe and the
+/// measured error are included.
 const EVALUATION_SECONDS: f64 = 2.4e-9;
-/// Seconds of one evaluation for each direction, whatever the number of samples: the histograms.
+/// Seconds of one evaluation for each direction, independent of the number of samples. They are for the histograms.
 const DIRECTION_SECONDS: f64 = 0.48e-6;
 
 /// The sliced Wasserstein distance as an item of [`super::Metric`].
@@ -69,7 +69,7 @@ impl MetricRules for Sw1 {
     }
 }
 
-/// The metric with its fixed samples and directions, shared by all entries.
+/// The metric with its fixed samples and directions. All entries share them.
 #[derive(Debug)]
 struct SlicedWasserstein {
     samples: Arc<[CosineSamples; 2]>,
@@ -96,21 +96,21 @@ impl Distance for SlicedWasserstein {
 struct SlicedLoss<'a> {
     samples: &'a [CosineSamples; 2],
     slices: Vec<Slice>,
-    /// Mean standard deviation of the target over the directions: the unit in which losses are measured.
+    /// Mean standard deviation of the target over the directions. It is the unit of losses.
     spread: f64,
     buffers: &'a mut Buffers,
 }
 
-/// Buffers of tabulations and evaluations, kept from one to the next.
+/// Buffers that tabulations and evaluations reuse.
 #[derive(Debug, Default)]
 struct Buffers {
     target: TargetSamples,
-    /// Offsets of the LTC's samples from the lobe's axis, one array a coordinate.
+    /// Offsets of the LTC's samples from the lobe's axis, with one array for each coordinate.
     x: Vec<f32>,
     y: Vec<f32>,
     z: Vec<f32>,
     inv_length: Vec<f32>,
-    /// Gradient of the loss by each sample's direction, in parts of a sample.
+    /// Gradient of the loss with respect to each sample's direction, in parts of a sample.
     gx: Vec<f32>,
     gy: Vec<f32>,
     gz: Vec<f32>,
@@ -119,7 +119,7 @@ struct Buffers {
 }
 
 impl Buffers {
-    /// Room for `n` samples, and a gradient of zero.
+    /// Resizes the buffers for `n` samples, and sets the gradient to zero.
     fn prepare(&mut self, n: usize) {
         let buffers =
             [&mut self.x, &mut self.y, &mut self.z, &mut self.inv_length, &mut self.gx, &mut self.gy, &mut self.gz];
@@ -136,14 +136,14 @@ impl Buffers {
     }
 }
 
-/// The data of one direction that the gradient needs.
+/// The data of one direction for the gradient.
 #[derive(Debug)]
 struct Row {
-    /// Where each sample is among the direction's nodes.
+    /// The position of each sample among the direction's nodes.
     places: Places,
-    /// The direction in which the samples of each cell lower the loss: -1, 0 or 1.
+    /// The direction in which samples of each cell reduce the loss: -1, 0 or 1.
     push: Box<[f32; CELLS]>,
-    /// The same for each sample.
+    /// The slope of each sample, from `push`.
     slopes: Vec<f32>,
 }
 
@@ -154,7 +154,7 @@ impl Default for Row {
 }
 
 impl<'a> SlicedLoss<'a> {
-    /// Tabulates `target` along `directions` (unit vectors in the lobe's frame); `None` when `stop_check` stops it.
+    /// Tabulates `target` along `directions` (unit vectors in the lobe's frame); `None` if `stop_check` stops it.
     fn new(
         target: &Target,
         samples: &'a [CosineSamples; 2],
@@ -173,7 +173,7 @@ impl<'a> SlicedLoss<'a> {
         Some(Self { samples, slices, spread, buffers })
     }
 
-    /// Fills the buffers with the directions that `m` makes of the samples.
+    /// Fills the buffers with the samples transformed by `m`.
     fn transform(&mut self, m: &DMat3, grain: Grain) {
         let CosineSamples { x: cx, y: cy, z: cz, .. } = &self.samples[grain as usize];
         let work = &mut *self.buffers;
@@ -190,7 +190,7 @@ impl<'a> SlicedLoss<'a> {
             let tangential2 = x * x + y * y;
             let length = (tangential2 + z * z).sqrt();
             let inv = 1.0 / length;
-            // The offset of `w / length` from z, without cancellation where w.z is close to the length.
+            // The offset of `w / length` from z. The form for positive z avoids cancellation near z.
             let above = -tangential2 / (length + z);
             let offset = if z > 0.0 { above } else { z - length };
             xs[i] = x * inv;
@@ -207,12 +207,13 @@ impl<'a> SlicedLoss<'a> {
         work.prepare(samples.len());
         for (to, from) in [&mut work.x, &mut work.y, &mut work.z].into_iter().zip(offsets) {
             to[..*count].copy_from_slice(&from[..*count]);
-            // The padding of the arrays consists of directions too.
+            // The padding of the arrays must be valid directions.
             to[*count..].fill(0.0);
         }
     }
 
-    /// The mean distance along the slices; leaves its gradient by each sample's direction in the buffers when asked to.
+    /// The mean distance over the slices. With `GRADIENT`, adds its gradient with respect to each sample's direction to
+    /// the buffers.
     fn mean<const GRADIENT: bool>(&mut self, grain: Grain, stop_check: &mut StopCheck) -> Option<f64> {
         let count = self.samples[grain as usize].count;
         let stride = Self::stride(grain);
@@ -233,12 +234,12 @@ impl<'a> SlicedLoss<'a> {
         Some(sum / self.slices.len().div_ceil(stride) as f64)
     }
 
-    /// The parts that an evaluation's gradient is the sum of: samples times directions.
+    /// The number of summands of an evaluation's gradient: samples times directions.
     fn parts(&self, grain: Grain) -> usize {
         self.slices.len().div_ceil(Self::stride(grain)) * self.samples[grain as usize].count
     }
 
-    /// The step through the directions: a coarse evaluation takes every n-th.
+    /// The step through the directions: a coarse evaluation takes every n-th direction.
     fn stride(grain: Grain) -> usize {
         match grain {
             Grain::Coarse => COARSE_DIRECTIONS,
@@ -246,7 +247,7 @@ impl<'a> SlicedLoss<'a> {
         }
     }
 
-    /// From the gradient by directions `f = M c / |M c|` to that by `M`:
+    /// Converts the gradient with respect to directions `f = M c / |M c|` to the gradient with respect to `M`:
     /// `dL/dM = sum_i ((g_i - f_i (f_i . g_i)) / |M c_i|) c_i^T`.
     fn pull_back(&self, grain: Grain) -> DMat3 {
         let work = &*self.buffers;
@@ -263,7 +264,7 @@ impl<'a> SlicedLoss<'a> {
             let c = [cx, cy, cz].map(lanes);
             let mut by_w = [[0.0; LANES]; 3];
             for k in 0..LANES {
-                // With f = (x, y, 1 + z): f . g = beside + gz, and the third component without its cancellation.
+                // With f = (x, y, 1 + z), f . g = beside + gz. The third component is written without cancellation.
                 let beside = x[k] * gx[k] + y[k] * gy[k] + z[k] * gz[k];
                 let along = beside + gz[k];
                 by_w[0][k] = (gx[k] - x[k] * along) * inv[k];
@@ -325,14 +326,14 @@ impl ImageLoss for SlicedLoss<'_> {
 }
 
 impl Row {
-    /// The distance along one slice of the samples in the histogram; leaves in which direction those of each cell lower
-    /// it.
+    /// The distance along one slice of the samples in the histogram. Sets `push`, the direction in which samples of
+    /// each cell reduce the distance.
     fn compare(&mut self, slice: &Slice, count: usize, histogram: &mut Histogram) -> f64 {
         let cells = slice.length.len();
         histogram.drain(cells);
         let whole = 1.0 / (count as f32 * EQUAL as f32);
         let mut loss = [0.0_f32; LANES];
-        // Cells come in whole lanes.
+        // The number of cells is a multiple of the lanes.
         let (below, _) = histogram.below().as_chunks::<LANES>();
         let (cumulative, _) = slice.cumulative.as_chunks::<LANES>();
         let (length, _) = slice.length.as_chunks::<LANES>();
@@ -341,25 +342,25 @@ impl Row {
             for k in 0..LANES {
                 let gap = below[k] as f32 * whole - cumulative[k];
                 loss[k] += gap.abs() * length[k];
-                // A sample that moves up by dx takes dx / (n length) out of F at the node after its cell.
+                // A sample that moves up by dx takes dx / (n length) from F at the node after its cell.
                 push[k] = -1.0_f32.copysign(gap);
             }
         }
-        // Samples off the end are held in the outermost cells and do not move.
+        // Samples beyond the ends are clamped to the outermost cells and do not move.
         self.push[0] = 0.0;
         self.push[cells - 1] = 0.0;
         loss.iter().map(|loss| f64::from(*loss)).sum()
     }
 }
 
-/// Adds the gradient of a few slices by each sample's direction.
+/// Adds the gradient of a few slices with respect to each sample's direction.
 fn add_gradient<'s>(
     slices: impl Iterator<Item = &'s Slice>,
     rows: &mut [Row; GROUP],
     count: usize,
     gradient: [&mut Vec<f32>; 3],
 ) {
-    // Fewer slices than rows: the others have no direction.
+    // If there are fewer slices than rows, the remaining rows have a zero direction.
     let mut d = [[0.0; 3]; GROUP];
     for ((slice, row), d) in slices.zip(&mut *rows).zip(&mut d) {
         *d = slice.direction;

@@ -5,13 +5,14 @@ use glam::DVec3;
 use super::histogram::MOST_SAMPLES;
 use crate::math::{Lattice, cosine_hemisphere};
 
-/// Numbers of a sum, each the sum of every eighth summand: the same order whatever vectors the processor has.
+/// The number of partial sums of a sum; each adds every eighth summand. It is fixed, so the order does not depend on
+/// the processor's vector width.
 pub(super) const LANES: usize = 8;
-/// Fixed samples of the clamped cosine, one array a coordinate, filled up with zeros to whole [`LANES`].
+/// Fixed samples of the clamped cosine, with one array for each coordinate. Arrays are padded to whole [`LANES`].
 #[derive(Debug, Clone)]
 pub(super) struct CosineSamples {
     pub(super) count: usize,
-    /// The points of the unit square that they are images of.
+    /// The points of the unit square from which the samples come.
     pub(super) lattice: Lattice,
     pub(super) x: Vec<f32>,
     pub(super) y: Vec<f32>,
@@ -19,7 +20,7 @@ pub(super) struct CosineSamples {
 }
 
 impl CosineSamples {
-    /// The images of a lattice's points under [`cosine_hemisphere`].
+    /// Maps the points of a lattice with [`cosine_hemisphere`].
     pub(super) fn new(lattice: Lattice) -> Self {
         let points: Vec<DVec3> = lattice.points().map(cosine_hemisphere).collect();
         let count = points.len();
@@ -30,7 +31,7 @@ impl CosineSamples {
             numbers
         };
         let mut z = coordinate(|c| c.z);
-        // The padding of the arrays is a direction too.
+        // The padding must be valid directions.
         z[count..].fill(1.0);
         Self { count, lattice, x: coordinate(|c| c.x), y: coordinate(|c| c.y), z }
     }

@@ -1,9 +1,9 @@
-//! A target along one direction, tabulated.
+//! A target tabulated along one direction.
 //!
-//! The nodes lie at `centre +- width (2^e (1 + k / 16) - 1)`: evenly spaced in the lobe's core, and in its tails spaced
-//! in proportion to the distance from the core, so that lobes with a sharp core and far tails lose neither. The
-//! exponent and mantissa of the f32 number `1 + |x - centre| / width` give the position among the nodes; no logarithm
-//! is taken.
+//! The nodes are at `centre +- width (2^e (1 + k / 16) - 1)`. They are evenly spaced in the lobe's core. In its tails
+//! the spacing grows in proportion to the distance from the core. This resolves lobes with a sharp core and far tails.
+//! Exponent and mantissa of the f32 number `1 + |x - centre| / width` give the position among the nodes, without a
+//! logarithm.
 
 use glam::DVec3;
 
@@ -13,32 +13,32 @@ use super::{
 };
 use crate::metric::target::LobeCore;
 
-/// One cell in the fixed-point positions.
+/// The size of a cell in fixed-point positions.
 const CELL: i32 = 1 << FRACTION_BITS;
-/// Bits of 1.0, where positions start.
+/// The bits of 1.0, where positions begin.
 const ONE_BITS: i32 = 0x3f80_0000;
-/// Most octaves on each side: a tail of 4 million widths.
+/// The largest number of octaves on each side: a tail of 4 million widths.
 const MOST_OCTAVES: i32 = 22;
 const _: () = assert!((2 * MOST_OCTAVES as usize) << CELL_BITS <= CELLS);
 
-/// Numbers of a running maximum, so that its order does not keep the compiler from vector instructions.
+/// The number of partial maxima. Their fixed order lets the compiler use vector instructions.
 const LANES: usize = 8;
 
-/// The samples of a target, one array a coordinate.
+/// The samples of a target, with one array for each coordinate.
 #[derive(Debug, Default)]
 pub(super) struct TargetSamples {
     pub(super) x: Vec<f32>,
     pub(super) y: Vec<f32>,
     pub(super) z: Vec<f32>,
-    /// Weights, as parts of [`WHOLE`].
+    /// Weights in parts of [`WHOLE`].
     pub(super) weights: Vec<u32>,
-    /// Distances from the centre in widths, and places, on the current direction.
+    /// Distances from the centre in widths along the current direction. `places` has the cells.
     distance: Vec<f32>,
     places: Places,
 }
 
 impl TargetSamples {
-    /// Takes over the offsets of a lobe's samples and their weights, whose sum is one.
+    /// Sets the offsets of a lobe's samples and their weights, which add up to one.
     pub(super) fn fill(&mut self, points: &[DVec3], weights: &[f64]) {
         let coordinate = |to: &mut Vec<f32>, of: fn(&DVec3) -> f64| {
             to.clear();
@@ -77,19 +77,20 @@ impl Slice {
         }
     }
 
-    /// Fixed-point position of a distance in widths. Monotonic; off the end and for NaN just before the last node.
+    /// Fixed-point position of a distance in widths. It is monotonic. Distances beyond the end and NaN are just before
+    /// the last node.
     #[inline]
     fn locate(&self, distance: f32) -> i32 {
         let last = f32::from_bits((ONE_BITS + self.middle - 1) as u32);
         let from_centre = 1.0 + distance.abs();
         let from_centre = if from_centre < last { from_centre } else { last };
         let from_middle = from_centre.to_bits().cast_signed() - ONE_BITS;
-        // All ones for a negative distance, else zero: negates without a branch.
+        // All ones for a negative distance, else zero. It negates without a branch.
         let sign = distance.to_bits().cast_signed() >> 31;
         ((from_middle ^ sign) - sign) + self.middle
     }
 
-    /// Places of offsets among the cells.
+    /// Positions of offsets among the cells.
     pub(super) fn locate_all(&self, [x, y, z]: [&[f32]; 3], places: &mut Places) {
         let [dx, dy, dz] = self.direction;
         let n = x.len();
@@ -120,7 +121,7 @@ impl Slice {
         let TargetSamples { x, y, z, weights, distance, places } = target;
         slice.distances([x, y, z], distance);
         let farthest = largest(distance);
-        // One octave more than the target needs: an LTC may be wider.
+        // Has one octave more than the target needs, because an LTC can be wider.
         let octaves = (((1.0 + farthest).to_bits().cast_signed() - ONE_BITS) >> (FRACTION_BITS + CELL_BITS)) + 2;
         let octaves = octaves.min(MOST_OCTAVES);
         let side = octaves << CELL_BITS;
@@ -133,7 +134,7 @@ impl Slice {
         let whole = 1.0 / weights.iter().sum::<u32>() as f32;
         histogram.drain(2 * side as usize);
         slice.cumulative.extend(histogram.below().iter().map(|below| *below as f32 * whole));
-        // An octave's cells are all as long.
+        // All cells of an octave have the same length.
         slice.length.resize(2 * side as usize, 0.0);
         let (below, above) = slice.length.split_at_mut(side as usize);
         for (octave, (below, above)) in below.rchunks_mut(OCTAVE).zip(above.chunks_mut(OCTAVE)).enumerate() {
@@ -145,7 +146,7 @@ impl Slice {
     }
 }
 
-/// The largest absolute value, zero of none.
+/// The largest absolute value; zero for an empty slice.
 fn largest(values: &[f32]) -> f32 {
     let (chunks, rest) = values.as_chunks::<LANES>();
     let larger = |a: f32, b: f32| if b.abs() > a { b.abs() } else { a };

@@ -4,12 +4,12 @@ use glam::{DMat3, DVec3};
 
 use crate::{metric::distance::Draws, stop_check::StopCheck};
 
-/// Work of a step for each sample and direction, in projections: two sorts.
+/// Work of a step for each sample and direction, in units of a projection. It covers two sorts.
 const SORTING: usize = 16;
 
-/// On each direction, the samples of lobe and LTC in the order of their projections are pairs, and the LTC's moves
-/// towards the lobe's. Back through `f = M c / |M c|` these slopes are the gradient by `M`, of which this is `rate`
-/// times.
+/// Returns `rate` times the gradient with respect to `M`. On each direction, the sorted projections of lobe and LTC
+/// form pairs, and each sample of the LTC moves towards its partner. The chain rule through `f = M c / |M c|` converts
+/// these slopes to the gradient.
 pub(super) fn step(m: &DMat3, rate: f64, draws: &Draws, stop_check: &mut StopCheck) -> Option<DMat3> {
     let Draws { lobe, cosines, directions } = draws;
     let n = lobe.len();

@@ -5,7 +5,7 @@ use crate::{brdf::Mirrors, metric::planted, stop_check::unstopped};
 
 const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
 
-/// As many samples for a coarse evaluation as for a full one.
+/// Uses the same number of samples for coarse and full evaluations.
 fn samples(n: usize) -> [CosineSamples; 2] {
     [0; 2].map(|_: u32| CosineSamples::new(Lattice::new(n, [0.0; 2])))
 }
@@ -36,15 +36,15 @@ fn value(loss: &mut SlicedLoss<'_>, m: &DMat3) -> f64 {
     loss.value(m, &mut StopCheck::new(&mut unstopped)).expect("nothing stops it")
 }
 
-/// A neighbour of the lobe in its own frame.
+/// A matrix close to the lobe, in its frame.
 fn near(target: &Target, scale: f64) -> DMat3 {
     let m = target.frame.transpose() * lobe(scale);
-    // The slope shrinks with the lobe. With a larger slope, a sample or two would fall behind a sharp lobe.
+    // The slope shrinks with the lobe. With a larger slope, one or two samples would move behind a sharp lobe.
     let slope = scale * DVec2::new(0.02, -0.03);
     m * DMat3::from_cols(DVec3::new(1.1, 0.05, slope.x), DVec3::new(0.05, 0.9, slope.y), DVec3::new(0.1, -0.05, 1.0))
 }
 
-/// Equation 10 of KT et al. 2022 on the loss's own samples: sorted projections, quantile by quantile.
+/// Equation 10 of KT et al. 2022 on the loss's own samples: sorted projections, compared quantile by quantile.
 fn by_sorting(target: &Target, m: &DMat3, samples: &[CosineSamples; 2], directions: &[DVec3]) -> f64 {
     let sorted = |values: &mut Vec<f64>| values.sort_by(f64::total_cmp);
     let mut sum = 0.0;
@@ -74,7 +74,7 @@ fn equals_the_distance_by_sorting() {
     }
 }
 
-/// Numbers of samples that do not fill the last lanes, and many.
+/// Tests numbers of samples that do not fill the last lanes, and a large number.
 #[test]
 fn any_number_of_samples_gives_the_distance() {
     let target = planted(lobe(0.3), NO_MIRRORS);
@@ -90,9 +90,9 @@ fn any_number_of_samples_gives_the_distance() {
     }
 }
 
-/// Invalid directions land inside too.
+/// Invalid directions must get a cell too.
 #[test]
-fn what_is_not_finite_has_a_place() {
+fn directions_that_are_not_finite_get_a_cell() {
     let target = planted(lobe(0.3), NO_MIRRORS);
     let (samples, directions, mut buffers) = (samples(64), directions(8), Buffers::default());
     let mut loss = loss(&target, &samples, &directions, &mut buffers);
@@ -109,15 +109,15 @@ fn gradient_is_that_of_central_differences() {
         let (samples, directions) = (samples(8192), directions(16));
         let mut buffers = Buffers::default();
         let mut loss = loss(&target, &samples, &directions, &mut buffers);
-        // Far enough from the lobe for the two cumulatives to cross in few places: at a crossing the
-        // distance has a kink.
+        // The matrix is so far from the lobe that the two cumulatives cross at few points. The distance has a kink at
+        // each crossing.
         let far = DMat3::from_cols(DVec3::new(1.8, 0.3, 0.0), DVec3::new(0.3, 0.5, 0.1), DVec3::new(0.5, -0.4, 1.0));
         let m = near(&target, scale) * far;
         let found = loss.value_and_gradient(&m, Grain::Full, &mut StopCheck::new(&mut unstopped));
         let (at_m, gradient) = found.expect("nothing stops it");
         assert_eq!(at_m, value(&mut loss, &m));
-        // Small compared with the lobe's width, large compared with the spacing of its samples, so that their kinks
-        // average out.
+        // The step is small compared with the lobe's width, and large compared with the spacing of its samples, so
+        // their kinks average out.
         let step = 3e-3 * scale;
         let norm = gradient.to_cols_array().iter().map(|g| g * g).sum::<f64>().sqrt();
         for k in 0..9 {

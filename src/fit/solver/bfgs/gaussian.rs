@@ -1,18 +1,17 @@
-//! One lobe's Gaussian by BFGS.
+//! Fits the Gaussian of one lobe with BFGS.
 //!
-//! The numbers are those of the LTC without its slope, for the columns of [`SphericalGaussian::of_columns`]: in the
-//! lobe's frame, with `C^2` and `c` the block and the centre of a first guess,
+//! The variables are the variables of the LTC without its slope, for the columns of [`SphericalGaussian::of_columns`].
+//! In the lobe's frame, with `C^2` and `c` the block and the centre of an initial guess,
 //!
 //! ```text
 //! [x y] = C (I + A) C,    z = (c + C^2 a, 1)      A symmetric, for a round Gaussian a multiple of I
 //! ```
 //!
-//! The axis stays above the horizon: where it would move down by more than a part of its height, it moves down
-//! exponentially.
+//! The axis stays above the horizon. If a step would move it below, its height decreases exponentially instead.
 //!
-//! The gradient by directions is the metric's; how directions move with the numbers is found by differences of fixed
-//! steps. They are differences of a smooth map, so that its digits are hardly lost, and the sum over samples has no
-//! noise of the metric's.
+//! The metric supplies the gradient with respect to directions. The derivatives of directions with respect to the
+//! variables are finite differences with fixed steps. The map is smooth, so they lose few digits, and their sum over
+//! samples contains no noise of the metric.
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
@@ -28,20 +27,20 @@ use crate::{
     stop_check::StopCheck,
 };
 
-/// The square of a deviation over the scatter of the lobe's core: the tails of GGX widen the best Gaussian.
+/// The squared deviation divided by the scatter of the lobe's core. The tails of GGX widen the best Gaussian.
 const DEVIATION2_OVER_SCATTER: f64 = 5.0;
-/// Step of the differences. All numbers are of order one; see [`super`].
+/// Step of the finite differences. All variables are of order one; see [`super`].
 const STEP: f64 = 1e-5;
-/// Cost of deviations of length one, growing with the fourth power, in units of the lobe's width: without it the
-/// Gaussian of a lobe that is nearly even over the hemisphere would be infinitely wide. It hardly changes those of
-/// other lobes.
+/// Cost of deviations of length one, in units of the lobe's width. It grows with the fourth power. Without it, the
+/// Gaussian of a lobe that is nearly uniform over the hemisphere would be infinitely wide. It hardly changes the
+/// Gaussians of other lobes.
 const BREADTH_COST: f64 = 1e-4;
-/// Work of an image, in projections of a sample on a direction.
+/// Work of an image, in units of a projection of a sample on a direction.
 const IMAGE_WORK: usize = 20;
-/// Seconds of an image of a Gaussian that the horizon cuts, as most are.
+/// Seconds of an image of a Gaussian that the horizon cuts, which is the common case.
 const IMAGE_SECONDS: f64 = 120e-9;
 
-/// Seconds of an evaluation for each sample, beside the metric's: its image, and again for each number that is free.
+/// Seconds of an evaluation for each sample, in addition to the metric: one image, and one more for each free variable.
 pub(super) fn image_seconds(gaussian: Gaussian) -> f64 {
     IMAGE_SECONDS
         * match gaussian {
@@ -50,7 +49,7 @@ pub(super) fn image_seconds(gaussian: Gaussian) -> f64 {
         }
 }
 
-/// A lobe's frame and the guess that the numbers are relative to.
+/// A lobe's frame and the guess to which the variables are relative.
 struct Family<'a> {
     gaussian: Gaussian,
     guess: Guess,
@@ -77,7 +76,7 @@ impl<'a> Family<'a> {
         (shape, DVec2::new(ax, ay))
     }
 
-    /// The Gaussian of the numbers. Domain: a shape that is positive definite.
+    /// The Gaussian of the variables. Domain: a positive definite shape.
     fn shape(&self, v: &Vector) -> SphericalGaussian<f64> {
         let (shape, shift) = self.parts(v);
         let Guess { root, centre } = self.guess;
@@ -109,7 +108,7 @@ impl<'a> Family<'a> {
     }
 }
 
-/// The loss over the numbers of a family, with the points of a grain.
+/// The loss as a function of the variables, with coarse or full samples.
 struct Search<'a, 'b> {
     family: &'a Family<'a>,
     loss: &'b mut dyn ImageLoss,
@@ -117,7 +116,7 @@ struct Search<'a, 'b> {
     grain: Grain,
     images: Images,
     to_lobe: DMat3,
-    /// The images of the points, by the Gaussian and by one beside it.
+    /// The images of the points by the Gaussian. `moved` has the images by a neighbouring Gaussian.
     base: Vec<DVec3>,
     moved: Vec<DVec3>,
 }
@@ -130,8 +129,9 @@ impl<'a, 'b> Search<'a, 'b> {
         Self { family, loss, inv_spread, grain, images, to_lobe, base: Vec::new(), moved: Vec::new() }
     }
 
-    /// Loss and cost, and their gradient by the free numbers: that of the loss by the images' directions is exact, and
-    /// these move by differences. `None` when `stop_check` stops the search.
+    /// Loss plus cost, and their gradient with respect to the free variables. The gradient of the loss with respect to
+    /// directions is exact; the derivatives of directions are finite differences. `None` if `stop_check` stops the
+    /// search.
     fn at(&mut self, v: &Vector, stop_check: &mut StopCheck) -> Option<(f64, Vector)> {
         let Self { family, loss, inv_spread, grain, images, to_lobe, base, moved } = self;
         let (block, _) = family.parts(v);
@@ -157,7 +157,7 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 }
 
-/// The columns of the Gaussian with the lowest loss, in the tangent frame; `None` when `stop_check` stops the search.
+/// The columns of the Gaussian with the lowest loss, in the tangent frame; `None` if `stop_check` stops the search.
 pub(super) fn solve(
     gaussian: Gaussian,
     (loss, spread): (&mut dyn ImageLoss, f64),
@@ -179,12 +179,12 @@ pub(super) fn solve(
     Some(DMat3::from_cols(x, y, shape.axis.into()))
 }
 
-/// Directions in 32 bits, one array a coordinate, as the metric takes them.
+/// Directions in f32, with one array for each coordinate, as the metric takes them.
 pub(crate) fn in_arrays(offsets: &[DVec3]) -> Offsets {
     [|o: &DVec3| o.x, |o: &DVec3| o.y, |o: &DVec3| o.z].map(|of| offsets.iter().map(|o| of(o) as f32).collect())
 }
 
-/// The change of the distance, to first order, where directions move from `base` to `moved`.
+/// The first-order change of the distance if directions move from `base` to `moved`.
 fn pulled([x, y, z]: &Offsets, base: &[DVec3], moved: &[DVec3]) -> f64 {
     let slopes = x.iter().zip(y).zip(z).map(|((x, y), z)| DVec3::new(f64::from(*x), f64::from(*y), f64::from(*z)));
     slopes.zip(base).zip(moved).map(|((slope, base), moved)| slope.dot(*moved - *base)).sum()
@@ -207,7 +207,7 @@ mod tests {
         let mut distance = Metric::Sw1.rules().distance(&Samples { count: 1024, directions: 24, shift: [0.0; 2] });
         let mut go_on = unstopped;
         let mut stop_check = StopCheck::new(&mut go_on);
-        // The metric looks at the samples alone.
+        // This metric only compares the samples.
         let lobe = Lobe { brdf: &Ggx { alpha_x: 0.5, alpha_y: 0.5 }, wo: DVec3::Z, target };
         let mut loss = distance.to(&lobe, &mut stop_check).expect("nothing stops it");
         let spread = loss.spread();
@@ -216,13 +216,13 @@ mod tests {
         solve(gaussian, (images, spread), target, stop, &mut stop_check).expect("nothing stops it")
     }
 
-    /// A lobe that is itself a Gaussian cut at the horizon.
+    /// A lobe that is a Gaussian cut at the horizon.
     fn planted(model: LobeModel, m: &DMat3, mirrors: Mirrors) -> Target {
         let model = model.distribution(&row_major(m)).expect("a regular matrix");
         planted_directions(Lattice::new(8192, [0.3, 0.8]).points().map(|u| model.sample(u)).collect(), mirrors)
     }
 
-    /// A search finds its way with a gradient that is somewhat off; the differences of the loss itself tell.
+    /// A search also works with a slightly wrong gradient, so this test compares with differences of the loss.
     #[test]
     fn the_gradient_is_that_of_central_differences() {
         const STEP: f64 = 1e-3;
@@ -271,7 +271,7 @@ mod tests {
             let m = DMat3::from_cols(x * a, y * b, axis);
             let found = fitted(Gaussian::Asg, &planted(LobeModel::Asg, &m, NO_MIRRORS));
             assert!((found.z_axis - axis).length() < 0.05 * a, "{a} {b}: {} not {axis}", found.z_axis);
-            // The square of the block does not depend on how the deviations are turned in their plane.
+            // The square of the block does not depend on a turn of the deviations in their plane.
             let square = |m: DMat3| {
                 [[x, x], [x, y], [y, y]]
                     .map(|[u, v]| m.x_axis.dot(u) * m.x_axis.dot(v) + m.y_axis.dot(u) * m.y_axis.dot(v))

@@ -1,24 +1,24 @@
 //! Minimisation of a function of a few variables by BFGS with backtracking [Nocedal and Wright 2006, chapters 3, 6].
 
-/// Most variables.
+/// The largest number of variables.
 pub(super) const VARIABLES: usize = 7;
 
 /// A point, a gradient or a direction.
 pub(super) type Vector = [f64; VARIABLES];
 
-/// A step must give at least this part of the decrease that the gradient promises (Armijo).
+/// The smallest part of the decrease predicted by the gradient that a step must achieve (Armijo).
 const SUFFICIENT_DECREASE: f64 = 1e-4;
-/// Halvings of a step before the direction is given up.
+/// The number of halvings of a step before the direction is abandoned.
 const MOST_HALVINGS: u32 = 12;
-/// No step moves the variables by more than this: past it the quadratic model says nothing.
+/// The largest step of the variables. The quadratic model does not hold beyond it.
 const LONGEST_STEP: f64 = 1.0;
 
-/// When to stop.
+/// The criteria to stop.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StopRule {
-    /// Most steps.
+    /// The largest number of steps.
     pub(super) steps: u32,
-    /// Stop after a step that lowered the value by less than this part of it.
+    /// Stops after a step that reduces the value by less than this part of it.
     pub(super) relative_decrease: f64,
 }
 
@@ -26,11 +26,11 @@ fn dot(a: &Vector, b: &Vector) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The inverse of the Hessian as BFGS knows it.
+/// The estimate of BFGS for the inverse Hessian.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct InverseHessian {
     rows: [Vector; VARIABLES],
-    /// Whether a step has taught it anything.
+    /// True after the first update.
     has_learnt: bool,
 }
 
@@ -47,8 +47,9 @@ impl InverseHessian {
         self.rows.map(|row| dot(&row, v))
     }
 
-    /// `H <- (I - rho s y^T) H (I - rho y s^T) + rho s s^T` with `rho = 1 / (y^T s)`, for the step `s` and the change
-    /// `y` of the gradient. A step along which the slope fell is ignored: it shows no positive curvature.
+    /// Updates `H <- (I - rho s y^T) H (I - rho y s^T) + rho s s^T` with `rho = 1 / (y^T s)`, for the step `s` and the
+    /// change `y` of the gradient. A step along which the slope decreases is ignored, because it shows no positive
+    /// curvature.
     fn learn(&mut self, s: &Vector, y: &Vector) {
         let ys = dot(y, s);
         let yy = dot(y, y);
@@ -67,11 +68,11 @@ impl InverseHessian {
     }
 }
 
-/// Minimises `function`, which gives value and gradient, from `start`. `hessian` is an estimate of the inverse
-/// Hessian, and afterwards a better one; where it misleads, the search goes on with the diagonal `curvature`.
-/// Variables that are not `free` stay put. Where `function` gives `None` the search ends with `None`.
+/// Minimises `function`, which returns value and gradient, from `start`. `hessian` is an estimate of the inverse
+/// Hessian, and is improved. If it gives a bad direction, the search continues with the diagonal `curvature`. Variables
+/// that are not `free` do not change. Returns `None` if `function` does.
 ///
-/// Returns the lowest point that was found. A value that is not finite counts as too high.
+/// Returns the lowest point. A value that is not finite counts as too high.
 pub(super) fn minimise(
     start: Vector,
     curvature: &Vector,
@@ -130,7 +131,7 @@ pub(super) fn minimise(
         hessian.learn(&s, &y);
         let decrease = value - next_value;
         (point, value, gradient) = (next_point, next_value, next_gradient);
-        // The line search may cause one short step. Two in a row mean convergence.
+        // The line search can cause one short step. Two short steps in a row mean convergence.
         small_steps = if decrease <= stop.relative_decrease * value { small_steps + 1 } else { 0 };
         if small_steps == 2 {
             break;
@@ -146,7 +147,7 @@ mod tests {
     const ONES: Vector = [1.0; VARIABLES];
     const ALL: [bool; VARIABLES] = [true; VARIABLES];
 
-    /// A quadratic bowl with curvatures from 1 to 64, its bottom at (1, 2, ..., 7) / 10.
+    /// A quadratic bowl with curvatures from 1 to 64 and its minimum at (1, 2, ..., 7) / 10.
     fn bowl(x: &Vector) -> (f64, Vector) {
         let mut gradient = [0.0; VARIABLES];
         let mut value = 0.5;
@@ -170,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn gives_up_when_told_to() {
+    fn returns_none_if_the_function_does() {
         let mut left = 3;
         let stop = StopRule { steps: 100, relative_decrease: 0.0 };
         let stopped = minimise([0.0; VARIABLES], &ONES, &mut InverseHessian::diagonal(&ONES), ALL, stop, |x| {

@@ -1,6 +1,6 @@
-//! One lobe's matrix by BFGS.
+//! Fits the matrix of one lobe with BFGS.
 //!
-//! In the lobe's frame, with `C^2` and `c` the block and the centre of a first guess, seven numbers make
+//! In the lobe's frame, with `C^2` and `c` the block and the centre of an initial guess, seven variables form
 //!
 //! ```text
 //!     | 1  0  0 |   | C (I + A) C   c + C^2 a |
@@ -8,11 +8,11 @@
 //!     | lx ly 1 |   |   0    0          1     |
 //! ```
 //!
-//! The symmetry of the block removes the rotation about z that leaves a clamped cosine unchanged. The 1 in the corner
-//! removes the scale. All seven numbers are of order one for every lobe, however sharp or thin: `A` changes the lobe's
-//! axes, `a` moves the lobe, in units of its width, and `l` is the slope of the plane that the first two columns span,
-//! which is zero in the limit of a mirror. Where the lobe has a mirror symmetry, the numbers that would break it are
-//! not free.
+//! The symmetry of the block removes the rotation about z, which leaves a clamped cosine unchanged. The 1 in the corner
+//! removes the scale. All seven variables are of order one for every lobe, also for sharp and thin lobes. `A` changes
+//! the lobe's axes, and `a` moves the lobe, in units of its width. `l` is the slope of the plane of the first two
+//! columns, which is zero in the limit of a mirror. If the lobe has a mirror symmetry, the variables that would break
+//! it are not free.
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
@@ -37,16 +37,16 @@ use crate::{
     stop_check::StopCheck,
 };
 
-/// BFGS stops when two steps in a row lower the loss by less than this part: after some 7 evaluations. A limit of a
-/// tenth of this lowers a table's error by a tenth of a per cent.
+/// BFGS stops when two steps in a row reduce the loss by less than this part, after some 7 evaluations. With a tenth of
+/// this limit, a table's error falls by only a tenth of a per cent.
 const RELATIVE_DECREASE: f64 = 1e-3;
-/// Evaluations until BFGS has converged, counting eight coarse ones as one.
+/// Evaluations until BFGS has converged. Eight coarse evaluations count as one.
 const EVALUATIONS: u32 = 9;
 /// The slope's part of [`curvature`], in units of the lobe's width.
 const SLOPE_CURVATURE: f64 = 8.0;
 
-/// About the diagonal of the inverse Hessian. The first five numbers are of order one for every lobe. The slope changes
-/// a lobe the less the sharper it is; that of a sharp one is not to follow the samples' noise.
+/// The approximate diagonal of the inverse Hessian. The first five variables are of order one for every lobe. The slope
+/// has less effect on sharper lobes, and must not follow the samples' noise.
 fn curvature(spread: f64) -> Vector {
     let slope = SLOPE_CURVATURE * spread;
     [1.0, 1.0, 1.0, 1.0, 1.0, slope, slope]
@@ -61,7 +61,7 @@ impl SolverRules for Bfgs {
         let target = objective.target;
         if let Some(gaussian) = objective.model.gaussian() {
             let spread = objective.loss.spread();
-            // Recipes have a Gaussian with a metric that compares images alone.
+            // Recipes allow a Gaussian only with a metric that compares images.
             return gaussian::solve(gaussian, (objective.loss.images()?, spread), target, stop, stop_check);
         }
         let guess = Guess::of(&target.core);
@@ -75,11 +75,11 @@ impl SolverRules for Bfgs {
     }
 }
 
-/// Cost of a slope of one, in units of the lobe's width. The slope of its columns hardly changes a sharp lobe; without
-/// this cost the samples' noise would set it. The cost hardly changes the fit of a broad lobe.
+/// Cost of a slope of one, in units of the lobe's width. The slope hardly changes a sharp lobe, and without this cost
+/// the samples' noise would determine it. The cost hardly changes the fit of a broad lobe.
 const SLOPE_COST: f64 = 1e-4;
 
-/// The seven numbers as matrices.
+/// The seven variables as matrices.
 struct SearchMatrices {
     /// `I + A`.
     shape: DMat2,
@@ -106,7 +106,7 @@ impl SearchMatrices {
         DMat3::from_cols(block.x_axis.extend(0.0), block.y_axis.extend(0.0), centre.extend(1.0))
     }
 
-    /// Puts the slope into a flat matrix.
+    /// Applies the slope to a flat matrix.
     fn tilted(&self, mut flat: DMat3) -> DMat3 {
         for column in [&mut flat.x_axis, &mut flat.y_axis, &mut flat.z_axis] {
             column.z += self.slope.dot(column.truncate());
@@ -114,12 +114,12 @@ impl SearchMatrices {
         flat
     }
 
-    /// The gradient by the seven numbers, from that by the elements of `M`.
+    /// Converts the gradient with respect to the elements of `M` to the gradient with respect to the seven variables.
     fn pull_back(&self, guess: &Guess, flat: &DMat3, by_m: &DMat3) -> Vector {
         let by_slope = by_m.x_axis.z * flat.x_axis.truncate()
             + by_m.y_axis.z * flat.y_axis.truncate()
             + by_m.z_axis.z * flat.z_axis.truncate();
-        // Through the slope, an element of the flat matrix also moves the third row's element below it.
+        // Through the slope, an element of the flat matrix also changes the third row in its column.
         let by_flat = |column: DVec3| column.truncate() + self.slope * column.z;
         let by_block = DMat2::from_cols(by_flat(by_m.x_axis), by_flat(by_m.y_axis));
         let by_shape = guess.root * by_block * guess.root;
@@ -139,8 +139,8 @@ impl SearchMatrices {
     }
 }
 
-/// The matrix near `guess` with the lowest loss; `None` when `stop_check` stops the search. It maps cosine space to the
-/// lobe's frame.
+/// The matrix near `guess` with the lowest loss, from cosine space to the lobe's frame; `None` if `stop_check` stops
+/// the search.
 fn refine(
     loss: &mut dyn Loss,
     guess: &Guess,
@@ -148,7 +148,7 @@ fn refine(
     stop: StopRule,
     stop_check: &mut StopCheck,
 ) -> Option<DMat3> {
-    // The loss is in units of the lobe's width, so that one set of step lengths serves sharp and broad lobes.
+    // The loss is in units of the lobe's width, so the same step lengths suit sharp and broad lobes.
     let inv_spread = 1.0 / loss.spread();
     let mut lowest = [0.0; VARIABLES];
     let curvature = curvature(loss.spread());
@@ -157,8 +157,8 @@ fn refine(
         let stop = StopRule { relative_decrease, ..stop };
         lowest = minimise(lowest, &curvature, &mut hessian, free_variables(mirrors), stop, |v| {
             let parts = SearchMatrices::of(v);
-            // Only upright matrices are searched: a mirrored `M` makes the same distribution as an upright one, and a
-            // flat one makes none.
+            // The search is limited to positive determinants. A mirrored `M` has the same distribution as one of them,
+            // and a singular `M` has none.
             if parts.shape.determinant() <= 0.0 || parts.shape.x_axis.x <= 0.0 {
                 return Some((f64::INFINITY, [0.0; VARIABLES]));
             }
@@ -198,7 +198,7 @@ mod tests {
         target.frame * found.expect("nothing stops it")
     }
 
-    /// The representative that scale and gauge do not change.
+    /// A canonical matrix that does not depend on scale and alignment.
     fn canonical(m: DMat3, mirrors: Mirrors) -> DMat3 {
         let aligned = align(&m, mirrors, 1e-9);
         aligned * (1.0 / aligned.z_axis.length())
@@ -209,20 +209,20 @@ mod tests {
         let cases = [
             (DVec3::new(0.5, 0.1, 0.2), DVec3::new(-0.1, 0.3, 0.1), DVec3::new(-0.6, 0.2, 0.8)),
             (DVec3::new(0.05, 0.0, 0.02), DVec3::new(0.01, 0.02, 0.0), DVec3::new(-0.7, -0.5, 0.4)),
-            // A sharp lobe. A tilt would not show, so the planted matrix has none.
+            // A sharp lobe. A tilt would have no effect, so the planted matrix has a tilt of zero.
             (DVec3::new(8e-4, 0.0, -6e-4), DVec3::new(0.0, 2e-4, 0.0), DVec3::new(0.6, 0.0, 0.8)),
         ];
         for (x, y, z) in cases {
             let (planted, mirrors) = (DMat3::from_cols(x, y, z), Mirrors { x: false, y: false });
             let (wanted, found) =
                 (canonical(planted, mirrors), canonical(fitted(Metric::Sw1, planted, mirrors), mirrors));
-            // Within 3 % of the lobe's own width, column by column.
+            // Each column is within 3 % of the lobe's width.
             let width = wanted.x_axis.length().max(wanted.y_axis.length());
             assert!(found.abs_diff_eq(wanted, 0.03 * width), "{wanted}\n{found}");
         }
     }
 
-    /// A lobe above the horizon, which metrics of densities see as a whole.
+    /// A lobe entirely above the horizon, because metrics of densities compare only that part.
     #[test]
     fn a_planted_matrix_is_recovered_by_every_metric() {
         let (x, y, z) = (DVec3::new(0.2, 0.02, 0.06), DVec3::new(-0.03, 0.1, 0.0), DVec3::new(-0.3, 0.1, 0.95));

@@ -1,18 +1,18 @@
-//! Nelder and Mead's downhill simplex [Nelder and Mead 1965], in few variables and without any chance.
+//! Nelder and Mead's downhill simplex [Nelder and Mead 1965], in few variables and without randomness.
 
-/// Vertices may differ by this part of their values at the end.
+/// At convergence, the values of vertices differ by at most this part.
 const RELATIVE_DIFFERENCE: f64 = 1e-4;
-/// And by this much in each variable: a simplex that lies on a level line has not converged.
+/// At convergence, vertices differ by at most this in each variable. A simplex along a level line has not converged.
 const SMALLEST: f64 = 2e-3;
 
 /// A vertex and its value.
 type Vertex<const N: usize> = ([f64; N], f64);
 
-/// The point with the lowest value that at most `steps` steps find from the simplex of `start` and of the points `side`
-/// away from it along each variable; `None` when `value` gives up.
+/// The point with the lowest value after at most `steps` steps. The simplex starts from `start` and the points at a
+/// distance of `side` along each variable. `None` if `value` returns `None`.
 ///
-/// Reflection, expansion, contraction and shrinking have their usual factors of 1, 2, 1/2 and 1/2. Of two equal values
-/// the one that was found first counts as lower. A value that is not a number counts as the highest.
+/// Reflection, expansion, contraction and shrinking have their usual factors of 1, 2, 1/2 and 1/2. Of two equal values,
+/// the older value counts as lower. NaN counts as the highest value.
 pub(super) fn minimise<const N: usize>(
     start: [f64; N],
     side: f64,
@@ -30,7 +30,7 @@ pub(super) fn minimise<const N: usize>(
         vertices.push(at(point)?);
     }
     for _ in 0..steps {
-        // Stable: equal values keep their order.
+        // The sort is stable: equal values keep their order.
         vertices.sort_by(|a, b| a.1.total_cmp(&b.1));
         let (lowest, second, highest) = (vertices[0], vertices[N - 1], vertices[N]);
         if has_converged(&vertices) {
@@ -72,7 +72,7 @@ fn has_converged<const N: usize>(vertices: &[Vertex<N>]) -> bool {
 mod tests {
     use super::*;
 
-    /// A curved valley, whose bottom is at (1, 1) [Rosenbrock 1960].
+    /// A curved valley with its minimum at (1, 1) [Rosenbrock 1960].
     fn valley([x, y]: &[f64; 2]) -> f64 {
         let (along, across) = (1.0 - x, y - x * x);
         1.0 + along * along + 100.0 * across * across
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn gives_up_when_told_to() {
+    fn returns_none_if_the_function_does() {
         let mut left = 5;
         let stopped = minimise([-1.2, 1.0], 0.1, 500, |point| {
             left -= 1;

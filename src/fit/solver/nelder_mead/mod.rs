@@ -1,7 +1,7 @@
-//! One isotropic lobe's matrix by Nelder and Mead's simplex, as Heitz et al. 2016 and the code of 2017 find it.
+//! Fits the matrix of one isotropic lobe with Nelder and Mead's simplex, like Heitz et al. 2016 and the code of 2017.
 //!
-//! In the frame of the lobe's mean direction, whose y axis is perpendicular to the plane of incidence, three numbers
-//! make
+//! The frame is the frame of the lobe's mean direction. Its y axis is perpendicular to the plane of incidence. Three
+//! numbers form
 //!
 //! ```text
 //!     | m11  0  m13 |                       | m11  0   0 |
@@ -9,13 +9,13 @@
 //!     |  0   0   1  |                       | m31  0   1 |
 //! ```
 //!
-//! The mean direction is the lobe's own and is not searched. That leaves one number less than the distribution has, and
-//! entries that change smoothly with their lobes. Where lobes are not symmetric in a plane of incidence, three numbers
-//! are too few: recipes with this solver have a ratio of one.
+//! The search keeps the lobe's mean direction. The lobe then has one free number less than the distribution, and
+//! entries change smoothly with their lobes. Three numbers suffice only for lobes that are symmetric about a plane of
+//! incidence, so recipes with this solver have a ratio of one.
 //!
-//! The simplex searches the logarithms of `m11` and `m22` over those of the start, and the shear in units in which it
-//! is of order one for every lobe: `m13` in those of `m11`, `m31` in its own. The code of 2017 searches the numbers
-//! themselves, from a simplex with sides of 0.05, several hundred times the width of its sharpest lobes.
+//! The variables of the simplex are the logarithms of `m11` and `m22` relative to the start, and the shear in a unit
+//! that makes it of order one for every lobe: `m13` in units of `m11`, `m31` without a unit. The code of 2017 searches
+//! the numbers directly, from a simplex with sides of 0.05, several hundred times the width of its sharpest lobes.
 
 use glam::{DMat3, DVec3};
 
@@ -34,13 +34,13 @@ use crate::{
     stop_check::StopCheck,
 };
 
-/// Side of the first simplex.
+/// Side of the initial simplex.
 const SIDE: f64 = 0.1;
-/// Evaluations until the simplex has converged, if its steps are not fewer.
+/// Evaluations until the simplex has converged, unless the recipe allows fewer steps.
 const EVALUATIONS: u32 = 70;
-/// Evaluations of a step.
+/// Mean evaluations of a step.
 const STEP_EVALUATIONS: f64 = 1.8;
-/// Least `m11` and `m22`: far below the widths of the sharpest lobes that are fitted.
+/// The smallest `m11` and `m22`, far below the widths of the sharpest fitted lobes.
 const LEAST: f64 = 1e-9;
 
 /// The simplex as an item of [`super::Solver`].
@@ -67,7 +67,7 @@ impl SolverRules for NelderMead {
     }
 }
 
-/// The three numbers.
+/// The three numbers of a matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Numbers {
     m11: f64,
@@ -78,17 +78,17 @@ struct Numbers {
 }
 
 impl Numbers {
-    /// Those of the lobe's own location and scatter.
+    /// The numbers for the location and scatter of the lobe.
     fn guessed(target: &Target, shear: Shear) -> Self {
         let mut flat = Guess::of(&target.core).matrix();
         if shear == Shear::Z {
-            // The mean direction is the frame's own: where the core lies beside it, the start's lobe does not.
+            // The frame already has the mean direction, so the start has no offset from it.
             flat.z_axis = DVec3::Z;
         }
         Self::of(&flat, shear)
     }
 
-    /// Those of a matrix in the frame of its lobe.
+    /// The numbers of a matrix in the frame of its lobe.
     fn of(m: &DMat3, shear: Shear) -> Self {
         let scale = 1.0 / m.z_axis.z;
         let skew = match shear {
@@ -107,7 +107,7 @@ impl Numbers {
         m
     }
 
-    /// The numbers that a step of the simplex leads to.
+    /// The numbers at a point of the simplex.
     fn moved(&self, [x, y, skew]: [f64; 3]) -> Self {
         let unit = match self.shear {
             Shear::X => self.m11,
@@ -117,8 +117,8 @@ impl Numbers {
     }
 }
 
-/// The matrix near `start` with the lowest loss, in the lobe's frame; `None` when `stop_check` stops the search. A lobe
-/// with two mirror symmetries, seen from above, has no skew.
+/// The matrix near `start` with the lowest loss, in the lobe's frame; `None` if `stop_check` stops the search. A lobe
+/// with two mirror symmetries is seen from above and has no skew.
 fn search(
     loss: &mut dyn Loss,
     start: Numbers,

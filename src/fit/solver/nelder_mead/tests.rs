@@ -6,8 +6,8 @@ use crate::{
     stop_check::unstopped,
 };
 
-/// The three numbers that are found for the lobe of `m`, a matrix in the frame of its mean direction up to a small
-/// turn, from a start of its own or near another matrix.
+/// The matrix found for the lobe of `m`, a matrix in the frame of its mean direction up to a small turn. The search
+/// starts from the lobe's own guess, or near another matrix.
 fn found(metric: Metric, shear: Shear, m: DMat3, near: Option<DMat3>) -> DMat3 {
     let planted = PlantedBrdf::new(DMat3::from_rotation_y(0.4) * m);
     let points: Vec<SquarePoint> = Lattice::new(4096, [0.3, 0.8]).points().map(SquarePoint::new).collect();
@@ -22,7 +22,7 @@ fn found(metric: Metric, shear: Shear, m: DMat3, near: Option<DMat3>) -> DMat3 {
     target.frame * matrix
 }
 
-/// A symmetric lobe, whose mean direction is its axis: the planted numbers are those of its own frame.
+/// The mean direction of a symmetric lobe is its axis, so the planted numbers are in its own frame.
 #[test]
 fn planted_numbers_are_recovered_by_every_metric_from_any_start() {
     let planted = DMat3::from_diagonal(DVec3::new(0.2, 0.3, 1.0));
@@ -38,7 +38,7 @@ fn planted_numbers_are_recovered_by_every_metric_from_any_start() {
     }
 }
 
-/// A step of the simplex changes a lobe as much whatever its width, and numbers become a matrix and back.
+/// A step of the simplex changes lobes of any width in proportion. The numbers of a matrix give the matrix again.
 #[test]
 fn numbers_are_those_of_their_matrix() {
     for shear in Shear::ALL {

@@ -3,7 +3,7 @@
 use super::{BrdfKind, Layout, PerAxis, SMOOTH_NUMBERS, THETA_CEILING, Table, roughness_of, view_of};
 use crate::lobe::LobeModel;
 
-/// Numbers that are polynomials of low degree in the function's own variables.
+/// Numbers that are polynomials of low degree in the variables of the function.
 #[must_use]
 pub fn planted(layout: Layout) -> Table {
     let theta_end = if layout == Layout::Reflected { THETA_CEILING } else { std::f64::consts::FRAC_PI_2 };

@@ -1,4 +1,4 @@
-//! Planted polynomials, and tables that are refused.
+//! Tests of planted polynomials and of rejected tables.
 
 use super::{
     planted::{planted, wanted},
@@ -11,7 +11,7 @@ fn planted_polynomials_are_found() {
     for alpha in [0.0, 0.003, 0.2, 0.55, 1.0] {
         for theta in [0.0, 0.4, 1.1, 1.5] {
             for (found, wanted) in found.numbers(alpha, theta).into_iter().zip(wanted(alpha, theta)) {
-                // A hundred coefficients, each off by at most half of a step.
+                // The sum of a hundred coefficients, each rounded to half a step.
                 assert!((found - wanted).abs() < 2e-3, "{alpha} {theta}: {found} {wanted}");
             }
         }
@@ -54,8 +54,8 @@ fn tables_that_are_no_function_are_refused_by_name() {
     table.matrix[5] = [f32::NAN; 9];
     assert_eq!(IsotropicFunction::of(&table), Err(FunctionError::Entry { entry: 5 }));
     let ranges = PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: [0.0, 1.5], phi: [0.0, 1.5] };
-    for (resolution, said) in [
-        (PerAxis { alpha: 32, ratio: 2, theta: 32, phi: 3 }, "2 ratios and 3 phi; allowed: the one ratio 1"),
+    for (resolution, message) in [
+        (PerAxis { alpha: 32, ratio: 2, theta: 32, phi: 3 }, "2 ratios and 3 phi; it must have only ratio 1"),
         (PerAxis { alpha: 31, ratio: 1, theta: 32, phi: 1 }, "31 nodes of alpha; allowed: at least 32"),
         (PerAxis { alpha: 32, ratio: 1, theta: 3, phi: 1 }, "3 nodes of theta"),
     ] {
@@ -66,7 +66,7 @@ fn tables_that_are_no_function_are_refused_by_name() {
         let entries = axes.lengths().named().iter().map(|(_, n)| **n).product::<usize>();
         let numbers = vec![wanted(0.5, 0.5); entries];
         let table = Table::of_smooth_numbers((BrdfKind::Ggx, LobeModel::Ltc, Layout::Reflected), axes, &numbers, true);
-        let error = IsotropicFunction::of(&table).expect_err(said).to_string();
-        assert!(error.contains(said), "{error}");
+        let error = IsotropicFunction::of(&table).expect_err(message).to_string();
+        assert!(error.contains(message), "{error}");
     }
 }

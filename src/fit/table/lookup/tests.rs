@@ -12,7 +12,7 @@ use crate::{
     table::Terms,
 };
 
-/// A table of 3 x 2 x 3 x 3 entries whose numbers are linear in the node's place: interpolation must be exact.
+/// A table of 3 x 2 x 3 x 3 entries whose numbers are linear in the values of the node. Interpolation must be exact.
 fn linear() -> Table {
     let axes = PerAxis {
         alpha: vec![0.1, 0.4, 1.0],
@@ -50,7 +50,7 @@ fn matrix(a: f64, r: f64, t: f64, p: f64) -> [f64; 9] {
     [1.0 + a, 0.1 * p, 0.2 * t, 0.05 * r, 1.0 + r, 0.3 * p, 0.1 * a, 0.2 * p, 1.0 + t]
 }
 
-/// A bound of the rounding error of a number of order one in f32.
+/// A bound for the rounding error of a number of order one in f32.
 const F32: f64 = 3e-7;
 
 fn close(a: [f64; 9], b: [f64; 9]) -> bool {
@@ -98,7 +98,7 @@ fn on_a_node_the_stored_entry_answers_exactly() {
     let table = linear();
     for (index, stored) in table.matrix.iter().enumerate() {
         let (a, r) = (table.axes.alpha[index / 18], table.axes.ratio[index / 9 % 2]);
-        // The lookup finds a ratio of 1 exactly, and 0.2 only where a * 0.2 / a is 0.2 again.
+        // The lookup finds a ratio of 1 exactly. It finds 0.2 exactly only if a * 0.2 / a equals 0.2.
         if a * r / a == r {
             let phi = table.axes.phi[index % 3];
             let found = at(a, a * r, table.axes.theta[index / 3 % 3], phi);
@@ -128,7 +128,7 @@ fn an_isotropic_table_turns_with_the_view() {
     let m = from_row_major(&stored);
     for phi in [0.0, 0.4, FRAC_PI_2, 2.0, PI, 4.0, 5.5, -0.3] {
         let found = table.lookup(&Configuration { alpha_x: 0.5, alpha_y: 0.5, theta: 0.7, phi });
-        // Both are equal up to the gauge: a rotation about z changes neither the third column nor M M^T.
+        // Both are equal up to a rotation about z, which changes neither the third column nor M M^T.
         let (found, wanted) = (from_row_major(&found.matrix), turned_about_z(m, phi));
         assert!((found.z_axis - wanted.z_axis).length() < F32, "{phi}: {found} {wanted}");
         let square = |m: glam::DMat3| m * m.transpose();
@@ -136,7 +136,7 @@ fn an_isotropic_table_turns_with_the_view() {
     }
 }
 
-/// A table of layout `reflected` with the same matrix in every entry, and with terms that are the reflection's own.
+/// A table of layout `reflected` with the same matrix in every entry, and with the terms of the reflection.
 fn reflections(axes: PerAxis<Vec<f64>>, matrix: [f32; 9]) -> Table {
     let entries = axes.named().iter().map(|(_, nodes)| nodes.len()).product();
     Table {
@@ -166,8 +166,8 @@ proptest! {
         prop_assert!((found.fresnel.expect("terms") - reflection.amplitude * reflection.grazing.powi(5)).abs() < F32);
     }
 
-    /// Outside its ranges a table answers as at the nearest configuration inside, its reflection included. Sharper
-    /// surfaces than 1e-4 have another ratio: both roughnesses are raised to 1e-5 first.
+    /// Outside of its ranges a table returns the result of the nearest configuration inside, including its reflection.
+    /// Surfaces with roughness below 1e-4 have another ratio, because both roughnesses are first raised to 1e-5.
     #[test]
     fn outside_its_nodes_a_reflected_table_answers_as_at_their_end(a in 1e-4..0.1, r in 0.0..0.2, t in 1.5..FRAC_PI_2) {
         let table = reflections(linear().axes, IDENTITY);
@@ -189,8 +189,8 @@ fn a_reflected_isotropic_table_turns_with_the_view() {
     }
 }
 
-/// The lookup of an engine's sampler and shader in a table of 5 x 4 texels: texel centres at i / (n - 1), the stored
-/// numbers weighed bilinearly, then inverted where the layout stores an inverse.
+/// The lookup of an engine's sampler and shader in a table of 5 x 4 texels. Texel centres are at i / (n - 1). The
+/// stored numbers are interpolated bilinearly, then inverted if the layout stores an inverse.
 fn as_an_engine_samples(table: &Table, stores_inverse: bool, [u, v]: [f64; 2]) -> DMat3 {
     let (x, y) = (u * 4.0, v * 3.0);
     let (i, j) = ((x as usize).min(3), (y as usize).min(2));
@@ -202,7 +202,7 @@ fn as_an_engine_samples(table: &Table, stores_inverse: bool, [u, v]: [f64; 2]) -
     if stores_inverse { sampled.inverse() } else { sampled }
 }
 
-/// An isotropic table of 5 x 4 entries that are not smooth at all.
+/// An isotropic table of 5 x 4 entries that do not vary smoothly.
 fn of_engines(layout: Layout) -> Table {
     let ranges = layout.only_ranges().expect("the layout has one domain");
     let axes = layout.nodes(&ranges, &PerAxis { alpha: 5, ratio: 1, theta: 4, phi: 1 });
@@ -223,7 +223,7 @@ fn of_engines(layout: Layout) -> Table {
 }
 
 proptest! {
-    /// From the least roughness on, to which a lookup raises any other.
+    /// Tests roughnesses from the smallest on. A lookup raises smaller values to it.
     #[test]
     fn isotropic_layouts_are_what_engines_sample(u in 0.004..=1.0, v in 0.0..=1.0, phi in 0.0..=FRAC_PI_2) {
         for (layout, stores_inverse, theta) in [
@@ -237,10 +237,10 @@ proptest! {
             let table = of_engines(layout);
             let found = table.lookup(&Configuration { alpha_x: u * u, alpha_y: u * u, theta, phi });
             let wanted = turned_about_z(as_an_engine_samples(&table, stores_inverse, [u, v]), phi);
-            // Equal up to scale and, since the view turns, up to the gauge.
+            // The matrices are equal up to scale and, since the view turns, up to a rotation about z.
             let canonical = |m: DMat3| m * m.transpose() * (1.0 / m.z_axis.length_squared());
             let (found, wanted) = (canonical(from_row_major(&found.matrix)), canonical(wanted));
-            // acos loses half the digits near the normal.
+            // acos loses half of the digits near the normal.
             prop_assert!(found.abs_diff_eq(wanted, 1e-5), "{layout} {found} {wanted}");
         }
     }

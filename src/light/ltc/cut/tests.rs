@@ -18,7 +18,7 @@ impl Draw {
         DVec3::new(self.within(-1.0, 1.0), self.within(-1.0, 1.0), self.within(-1.0, 1.0))
     }
 
-    /// A lobe that the surface cuts, of a matrix that mirrors every other time.
+    /// A lobe that the surface cuts. Every other matrix has a negative determinant.
     fn matrix(&mut self, index: usize) -> DMat3 {
         let [alpha_x, alpha_y] = [0, 1].map(|_| 10_f64.powf(self.within(-1.3, 0.0)));
         let m = mirror_like(alpha_x, alpha_y, self.within(0.8, 1.55), self.within(0.0, TAU));
@@ -26,7 +26,7 @@ impl Draw {
     }
 }
 
-/// A light, by its shape.
+/// A light of each shape.
 #[derive(Debug, Clone)]
 enum Light {
     Polygon(Vec<DVec3>),
@@ -37,7 +37,7 @@ enum Light {
 }
 
 impl Light {
-    /// One of each shape around a lobe, of any size.
+    /// A light of each shape around a lobe, of any size.
     fn all(draw: &mut Draw, m: DMat3) -> [Self; 5] {
         let centre = (m * (draw.vector() + 0.3 * DVec3::Z)).normalize();
         let size = 10_f64.powf(draw.within(-1.5, 0.7));
@@ -85,7 +85,7 @@ impl Light {
         }
     }
 
-    /// Whether the shaded point is inside: all is lit then, above and below.
+    /// True if the shaded point is inside of the light. Everything above and below is then lit.
     fn is_around(&self) -> bool {
         match self {
             Self::Sphere(centre, radius) => centre.length() <= *radius,
@@ -97,7 +97,7 @@ impl Light {
         }
     }
 
-    /// Whether a ray meets it; of lines none does.
+    /// True if a ray hits the light. No ray hits a line.
     fn meets(&self, w: DVec3) -> bool {
         let in_sphere = |centre: DVec3, radius: f64| {
             let along = centre.dot(w);
@@ -115,7 +115,7 @@ impl Light {
                 inverse.z > 0.0 && inverse.x.hypot(inverse.y) < inverse.z
             }
             Self::Sphere(centre, radius) => in_sphere(*centre, *radius),
-            // The distance of the ray grows to both sides of the nearest place of the line.
+            // The distance of the ray grows on both sides of the nearest point of the line.
             Self::Tube([a, b], radius) => {
                 let at = |t: f64| *a + (*b - *a) * t;
                 let distance = |t: f64| (at(t) - w * at(t).dot(w).max(0.0)).length();
@@ -131,12 +131,13 @@ impl Light {
     }
 }
 
-/// The part of a distribution above the surface, and of the one that is turned over.
+/// The parts above the surface of a distribution and of the same distribution turned over.
 fn parts(ltc: &Ltc, below: &Ltc) -> [f64; 2] {
     [ltc, below].map(|ltc| CosineSpace::from(ltc).part_above())
 }
 
-/// What lies above and what lies below are together what there is, for every shape: the same code seen from below.
+/// The parts above and below add up to the whole light, for every shape. The part below comes from the same code,
+/// turned over.
 #[test]
 fn above_and_below_make_a_whole() {
     let mut draw = Draw(Xoshiro256PlusPlus::seed_from_u64(3));
@@ -161,7 +162,7 @@ fn above_and_below_make_a_whole() {
     assert!(cut.iter().all(|count| *count > 200), "{cut:?}");
 }
 
-/// Samples of the distribution above the surface, counted.
+/// Compares with the number of samples above the surface.
 #[test]
 fn samples_above_the_surface_are_counted() {
     const COUNT: usize = 1 << 14;
@@ -181,7 +182,7 @@ fn samples_above_the_surface_are_counted() {
     }
 }
 
-/// A wide light just above the surface is all that a lobe sees, and one below is nothing.
+/// A wide light just above the surface covers the whole lobe. A light below covers nothing.
 #[test]
 fn a_sky_is_all_and_a_ground_nothing() {
     let mut draw = Draw(Xoshiro256PlusPlus::seed_from_u64(5));
@@ -197,7 +198,7 @@ fn a_sky_is_all_and_a_ground_nothing() {
     }
 }
 
-/// Each light is lit from one side alone, the same whether the matrix mirrors or not.
+/// Each light is lit from one side only, for positive and negative determinants.
 #[test]
 fn a_light_has_a_dark_side() {
     let mut draw = Draw(Xoshiro256PlusPlus::seed_from_u64(6));
@@ -212,7 +213,7 @@ fn a_light_has_a_dark_side() {
         let two = above.polygon(&vertices, Sides::Two);
         let sides = [&vertices, &reversed].map(|vertices| above.polygon(vertices, Sides::One));
         assert!((sides[0] + sides[1] - two).abs() < 1e-12 && sides[0].min(sides[1]) < 1e-12, "{sides:?} {two}");
-        // The corners run anticlockwise around the first half axis cross the second.
+        // The corners run anticlockwise around the cross product of the half axes.
         let faces = centre.dot(axes[0].cross(axes[1])) < 0.0;
         assert!((sides[usize::from(faces)] - two).abs() < 1e-12, "{sides:?} {two} {faces}");
         let disk = |sides| above.ellipse(centre, axes, sides);

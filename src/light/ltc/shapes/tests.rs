@@ -30,13 +30,13 @@ impl Draw {
         DVec3::new(self.within(-1.0, 1.0), self.within(-1.0, 1.0), self.within(-1.0, 1.0))
     }
 
-    /// A lobe: of any roughness from `10^least` on, seen from any direction.
+    /// A lobe with a roughness of at least `10^least`, seen from any direction.
     fn matrix(&mut self, least: f64) -> DMat3 {
         let (alpha_x, alpha_y) = (10_f64.powf(self.within(least, 0.0)), 10_f64.powf(self.within(least, 0.0)));
         mirror_like(alpha_x, alpha_y, self.within(0.0, 1.5), self.within(0.0, TAU))
     }
 
-    /// A light of any size around where the lobe is.
+    /// A light of any size around the lobe.
     fn ellipse(&mut self, m: DMat3) -> (DVec3, [DVec3; 2]) {
         let towards = m * (self.vector() + 0.3 * DVec3::Z).normalize();
         let size = 10_f64.powf(self.within(-3.0, 1.0));
@@ -74,13 +74,13 @@ fn spheres_are_the_disks_that_are_seen_of_them() {
         let centre = draw.ellipse(m).0 * 10_f64.powf(draw.within(-2.0, 2.0));
         let sine = draw.within(0.0, 1.0).powi(3);
         let (x, y) = centre.normalize().any_orthonormal_pair();
-        let seen = [x, y].map(|axis| axis * (sine * centre.length()));
-        let disk = by_quadrature(m, centre * (1.0 - sine * sine).sqrt(), seen);
+        let outline_axes = [x, y].map(|axis| axis * (sine * centre.length()));
+        let disk = by_quadrature(m, centre * (1.0 - sine * sine).sqrt(), outline_axes);
         let ltc = Ltc::new(m).expect("regular");
         let found = space(&ltc).sphere(centre, sine * centre.length());
         assert!((found - disk).abs() < 1e-9, "{found} {disk}: {m} {centre} {sine}");
         assert_eq!(space(&ltc).sphere(centre, 1.0001 * centre.length()), 1.0);
-        // The clamped cosine itself has a closed form for caps.
+        // The clamped cosine has a closed form for caps.
         let cap = sine * sine * clipped_form_factor(centre.normalize().z, sine * sine);
         let found = space(&cosine).sphere(centre, sine * centre.length());
         assert!((found - cap).abs() < 1e-12, "{found} {cap}");
@@ -90,7 +90,7 @@ fn spheres_are_the_disks_that_are_seen_of_them() {
 #[test]
 fn lines_agree_with_quadrature() {
     let mut draw = Draw::new(9);
-    let (mut cut, mut seen) = (0, 0);
+    let (mut cut, mut visible) = (0, 0);
     for _ in 0..1000 {
         let m = draw.matrix(-2.0);
         let (centre, [half, _]) = draw.ellipse(m);
@@ -101,14 +101,14 @@ fn lines_agree_with_quadrature() {
         assert_eq!(found, space(&ltc).line([ends[1], ends[0]], 1e-3));
         let heights = ends.map(|end| (ltc.inverse() * end).z);
         cut += usize::from(heights[0] * heights[1] < 0.0 && wanted > 1e-5);
-        seen += usize::from(heights[0] > 0.0 && heights[1] > 0.0 && wanted > 1e-5);
-        // The limit of thin tubes and strips, as the library's polygon of a line is one.
+        visible += usize::from(heights[0] > 0.0 && heights[1] > 0.0 && wanted > 1e-5);
+        // Compares with the limit of thin tubes and strips. The library's polygon of a line is a thin strip.
         let across = ends[0].cross(ends[1]).normalize() * 5e-7;
         let strip = ltc.polygon(&[ends[0] - across, ends[0] + across, ends[1] + across, ends[1] - across], Sides::Two);
         assert!((1e3 * strip - found).abs() < 2e-3 * found + 1e-6, "{strip} {found}");
     }
-    assert!(cut > 100 && seen > 100, "{cut} {seen}");
-    // Towards the origin, through it and below the horizon nothing is seen of a line.
+    assert!(cut > 100 && visible > 100, "{cut} {visible}");
+    // A line towards the origin, through it, or below the horizon has no light.
     let cosine = Ltc::new(DMat3::IDENTITY).expect("regular");
     assert_eq!(space(&cosine).line([DVec3::Z, 2.0 * DVec3::Z], 0.1), 0.0);
     assert_eq!(space(&cosine).line([DVec3::NEG_X, DVec3::X], 0.1), 0.0);
@@ -144,17 +144,17 @@ fn outline_of_tube(ends: [DVec3; 2], radius: f64) -> Vec<DVec3> {
 fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let chain = |points: &mut dyn Iterator<Item = DVec2>| {
-        let mut kept: Vec<DVec2> = Vec::new();
+        let mut hull: Vec<DVec2> = Vec::new();
         for point in points {
-            while let [.., a, b] = kept[..]
+            while let [.., a, b] = hull[..]
                 && (b - a).perp_dot(point - b) >= 0.0
             {
-                kept.pop();
+                hull.pop();
             }
-            kept.push(point);
+            hull.push(point);
         }
-        kept.pop();
-        kept
+        hull.pop();
+        hull
     };
     let upper = chain(&mut points.iter().copied());
     upper.into_iter().chain(chain(&mut points.iter().rev().copied())).collect()
@@ -163,14 +163,14 @@ fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
 #[test]
 fn tubes_agree_with_their_outline_as_a_polygon() {
     let mut draw = Draw::new(10);
-    let (mut seen, mut cut, mut alone) = (0, 0, 0);
+    let (mut visible, mut cut, mut alone) = (0, 0, 0);
     for _ in 0..400 {
         let m = draw.matrix(-2.0);
         let (centre, [half, _]) = draw.ellipse(m);
         let ends = [centre - half, centre + half];
         let nearest =
             (0..=1000).map(|i| ends[0].lerp(ends[1], f64::from(i) / 1000.0).length()).fold(f64::MAX, f64::min);
-        // The polygon of the circles through the horizon of each sphere, not too near to see them all from one side.
+        // The polygon of both spheres' circles works only if the origin is far enough to see them from one side.
         let radius = nearest * draw.within(0.0, 0.9);
         if ends.iter().any(|end| end.normalize().dot(ends[0].lerp(ends[1], 0.5).normalize()) < 0.2) || radius == 0.0 {
             continue;
@@ -186,13 +186,13 @@ fn tubes_agree_with_their_outline_as_a_polygon() {
         let inverse = m.inverse();
         let up = outline.iter().filter(|p| (inverse * **p).z > 0.0).count();
         let found = space(&Ltc::new(m).expect("regular")).tube(ends, radius);
-        seen += usize::from(up == outline.len() && found > 1e-3);
+        visible += usize::from(up == outline.len() && found > 1e-3);
         cut += usize::from(up > 0 && up < outline.len() && found > 1e-3);
         alone += usize::from(outline.len() >= 3000);
     }
-    assert!(seen > 50 && cut > 50 && alone > 10, "{seen} {cut} {alone}");
+    assert!(visible > 50 && cut > 50 && alone > 10, "{visible} {cut} {alone}");
     let cosine = Ltc::new(DMat3::IDENTITY).expect("regular");
-    // From inside everything is a tube; one without length is a sphere, and a thin one a line.
+    // From inside, the whole distribution is covered. A tube of zero length is a sphere, and a thin tube is a line.
     assert_eq!(space(&cosine).tube([DVec3::NEG_X, DVec3::new(1.0, 0.1, 0.0)], 0.2), 1.0);
     let (point, ends) = (DVec3::new(0.3, 0.2, 1.0), [DVec3::new(-0.5, 0.2, 1.0), DVec3::new(0.4, 0.1, -0.3)]);
     assert_eq!(space(&cosine).tube([point; 2], 0.4), space(&cosine).sphere(point, 0.4));
@@ -200,7 +200,7 @@ fn tubes_agree_with_their_outline_as_a_polygon() {
     assert!((thin[0] / thin[1] - 1.0).abs() < 1e-4, "{thin:?}");
 }
 
-/// The map as the shaders have it: in f32, scaled by its largest number.
+/// The map as in the shaders: in f32, divided by its largest number.
 fn in_f32(m: DMat3) -> CosineSpace<f32> {
     let inverse = m.inverse();
     let scale = inverse.to_cols_array().into_iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
@@ -280,7 +280,7 @@ fn hard_matrix() -> impl Strategy<Value = DMat3> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
-    /// Any vectors, also those of no light.
+    /// Any vectors, including vectors without a light.
     #[test]
     fn never_negative_never_nan(
         m in hard_matrix(), centre in hard_vector(), x in hard_vector(), y in hard_vector(), radius in prop_oneof![0.0..2.0, Just(0.0), Just(1e-9), Just(1e4)],
@@ -305,7 +305,7 @@ proptest! {
         }
     }
 
-    /// A light that moves by a millionth of its distance changes by no more than a light can, in either type.
+    /// A light that moves by a millionth of its distance changes only slightly, in f64 and in f32.
     #[test]
     fn a_small_step_is_a_small_change(
         alpha_x in 0.05..1.0, alpha_y in 0.05..1.0, theta in 0.0..1.4, phi in 0.0..TAU, centre in prop::array::uniform3(-1.0..1.0),
@@ -327,7 +327,7 @@ proptest! {
                 space(&ltc).tube(ends, 0.5 * size),
             ]
         });
-        // The density is up to 1 / (pi 0.05^2), and the border of the light one or two radians long.
+        // The density is up to 1 / (pi 0.05^2), and the border of the light is one or two radians long.
         let most = 1000.0 * step.length() / centre.length() + 3e-5;
         for (before, after) in before.into_iter().zip(after) {
             prop_assert!((before - after).abs() < most, "{} {} {}", before, after, most);
@@ -335,8 +335,9 @@ proptest! {
     }
 }
 
-/// Others take for an ellipse the octagon of its area; and for the part of its form factor above the horizon that of a
-/// sphere which is seen in the same direction and as large [Heitz and Hill 2017], by the closed form or by a cheap fit.
+/// Measures two common approximations. The first replaces an ellipse by an octagon of its area. The second replaces the
+/// part of its form factor above the horizon by the part of a sphere of the same direction and size [Heitz and Hill
+/// 2017], with the closed form or a cheap fit.
 #[test]
 fn the_approximations_are_off_by_what_the_documents_say() {
     let mut draw = Draw::new(12);
@@ -366,7 +367,7 @@ fn the_approximations_are_off_by_what_the_documents_say() {
             errors.push((found - exact).abs());
         }
     }
-    // Mean and 95th percentile, above the horizon and cut by it.
+    // Mean and 95th percentile, for lights above the horizon and for lights cut by it.
     let wanted = [[[8e-4, 4.4e-3], [2e-5, 0.0], [2.6e-3, 0.017]], [[1.5e-3, 5.9e-3], [4.4e-3, 0.0184], [0.033, 0.123]]];
     for (errors, wanted) in errors.into_iter().zip(wanted) {
         for (errors, wanted) in errors.into_iter().zip(wanted) {

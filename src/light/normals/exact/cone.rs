@@ -1,11 +1,11 @@
-//! The cone of normals that reflect an edge of a light.
+//! The cone of normals that reflect a light's edge.
 
 use ltcforge_fit::math::{Scalar, Triple, cross, dot};
 
 /// The cone `c^T K c = 0` with `K = A B A`, `B = wo n^T + n wo^T - k I` and `k = wo . n`, which is not negative.
 ///
-/// B has the eigenvalues `|n|`, `-|n|` and `-k`, so by Sylvester's law one of K's is positive and none of the others
-/// is.
+/// B has the eigenvalues `|n|`, `-|n|` and `-k`. By Sylvester's law, K has one positive eigenvalue, and the others are
+/// not positive.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgeCone<T> {
     alpha: [T; 2],
@@ -17,18 +17,18 @@ pub(super) struct EdgeCone<T> {
 }
 
 impl<T: Scalar> EdgeCone<T> {
-    /// Domain: `wo . n >= 0`, `n` of any length but zero.
+    /// Domain: `wo . n >= 0`, `n` of any length except zero.
     ///
-    /// With the sum t of the eigenvalues, that of their products m and their product d, the one that is farthest from
-    /// the others is `t / 3 +- 2 p cos(acos(x) / 3)`, `p^2 = t^2 / 9 - m / 3`, where x in [0, 1] is
-    /// `((t / 3)^3 - t m / 6 + d / 2) / p^3` without its sign [Smith 1961]. The product of the others is d over it, and
-    /// their sum is m less that product over it: so they keep their digits where they are small beside it. Where it is
-    /// itself the small one, it is d over their product.
+    /// Let t be the sum of the eigenvalues, m the sum of their pairwise products, and d their product. The eigenvalue
+    /// farthest from the others is `t / 3 +- 2 p cos(acos(x) / 3)`, `p^2 = t^2 / 9 - m / 3`, where x in [0, 1] is the
+    /// absolute value of `((t / 3)^3 - t m / 6 + d / 2) / p^3` [Smith 1961]. The product of the other two is d divided
+    /// by it, and their sum is m minus this product, divided by it. In this form they keep their digits if they are
+    /// relatively small. If the isolated eigenvalue is the small one, it is d divided by the product of the others.
     pub(super) fn new(alpha: [T; 2], wo: Triple<T>, n: Triple<T>) -> Self {
         let (half, third, two) = (T::of(0.5), T::of(1.0 / 3.0), T::of(2.0));
         let k = dot(wo, n);
         let [x2, y2] = alpha.map(|alpha| alpha * alpha);
-        // Diagonal and principal minors of B.
+        // The diagonal and the principal minors of B.
         let across = cross(wo, n);
         let diagonal = [0, 1, 2].map(|i| two * wo[i] * n[i] - k);
         let minors = [0, 1, 2].map(|i| k * diagonal[i] - across[i] * across[i]);
@@ -66,14 +66,15 @@ impl<T: Scalar> EdgeCone<T> {
         Self { alpha, wo, n, k, values }
     }
 
-    /// The vector of the first eigenvalue, of any length, on the side of the cone's normals.
+    /// The eigenvector of the first eigenvalue, not normalised, on the side of the cone's normals.
     ///
-    /// `K v = l1 v` for `v = A^-1 u` is `(k A^2 + l1 I) u = A^2 (wo s + n t)`, `s = n . u`, `t = wo . u`. With
-    /// `W = A^2 (k A^2 + l1 I)^-1`, which is positive, `u = W (wo s + n t)`, and so `s (1 - wo . W n) = t (n . W n)`.
-    /// The difference is at least a half: it is `sqrt((wo . W wo) (n . W n))`, which is not less than `wo . W n`.
+    /// `K v = l1 v` for `v = A^-1 u` is `(k A^2 + l1 I) u = A^2 (wo s + n t)`, `s = n . u`, `t = wo . u`. With the
+    /// positive definite `W = A^2 (k A^2 + l1 I)^-1`, this gives `u = W (wo s + n t)`, and
+    /// `s (1 - wo . W n) = t (n . W n)`. The factor `1 - wo . W n` is at least one half: it equals
+    /// `sqrt((wo . W wo) (n . W n))`, which is not less than `wo . W n`.
     pub(super) fn axis(&self) -> Triple<T> {
         let Self { alpha: [x, y], wo, n, k, values: [first, ..] } = *self;
-        // A^-1 W and W, times `sum`.
+        // The diagonals of A^-1 W and W, times `sum`.
         let sum = k + first;
         let [sum_x, sum_y] = [x, y].map(|alpha| k * alpha * alpha + first);
         let scale = [x * sum / sum_x, y * sum / sum_y, T::ONE];
@@ -91,17 +92,17 @@ impl<T: Scalar> EdgeCone<T> {
         [0, 1, 2].map(|i| a[i] * (wo[i] * by_wo + n[i] * by_n - k * u[i]))
     }
 
-    /// `(a . K b) det K^-1` for the unit vectors `a` and `b` of normals that reflect to directions `wi` of length one,
-    /// by their lengths before and the distance between the directions: `k (1 - wi . wi') / (lengths) / det K`, where k
-    /// cancels.
+    /// `(a . K b) det K^-1` for the unit vectors `a` and `b` of normals that reflect to the unit directions `wi` and
+    /// `wi'`. The arguments are the lengths of the normals before they were normalised, and the squared distance of the
+    /// directions. The value is `k (1 - wi . wi') / (lengths) / det K`, where k cancels.
     pub(super) fn bend(&self, lengths: [T; 2], apart2: T) -> T {
         let [x, y] = self.alpha;
         T::of(0.5) * apart2 / (lengths[0] * lengths[1] * dot(self.n, self.n) * (x * x * y * y)).max(T::of(1e-36))
     }
 }
 
-/// `cos(acos(x) / 3)` for x in [0, 1]: the root in [sqrt(3)/2, 1] of `4 g^3 - 3 g = x`, by a polynomial and steps of
-/// Newton's method.
+/// `cos(acos(x) / 3)` for x in [0, 1]: the root of `4 g^3 - 3 g = x` in [sqrt(3)/2, 1], from a polynomial and Newton
+/// steps.
 pub(crate) fn cos_of_third<T: Scalar>(x: T) -> T {
     let mut g = T::of(0.866_025_4) + x * (T::of(0.166_666_7) + x * (T::of(-0.042_520_7) + T::of(0.009_828_6) * x));
     for _ in 0..T::NEWTON_STEPS {
@@ -115,7 +116,7 @@ mod tests {
     use super::*;
     use ltcforge_fit::math::{direction, minus, scaled};
 
-    /// Eigenvalues and axis satisfy their definitions, for mirrors and needles too, and planes through the view.
+    /// Eigenvalues and axis satisfy their definitions, also for mirrors, needles, and planes through the view.
     #[test]
     fn values_and_axis_are_those_of_the_matrix() {
         let fraction = |i: u32, step: f64| (f64::from(i) * step).fract();
@@ -136,7 +137,7 @@ mod tests {
             let off = minus(cone.image(axis), scaled(axis, l1));
             let size = l1.max(-l3) * dot(axis, axis).sqrt();
             assert!(dot(off, off).sqrt() < 1e-11 * size, "{cone:?} {axis:?} {off:?}");
-            // Normals are on the axis's side of the cone.
+            // Normals are on the same side of the cone as the axis.
             let side = [1.0 / alpha[0], 1.0 / alpha[1], 1.0];
             let w = direction(std::f64::consts::FRAC_PI_2 * b, std::f64::consts::TAU * e).to_array();
             let w = minus(w, scaled(n, dot(w, n) / dot(n, n)));

@@ -4,10 +4,10 @@ use super::cone::EdgeCone;
 use crate::normals::outline::Corner;
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
-/// The contribution of the edge from `a` to `b` to the integral of `c x dc`, beyond the plane triangle's `a.c x b.c`.
+/// The contribution of the edge from `a` to `b` to the integral of `c x dc`, without the plane triangle's `a.c x b.c`.
 ///
-/// Lights are sums of such edges. The plane part is summed separately, around an origin near the light, because it
-/// cancels to a small area in a small light.
+/// Lights are sums of these contributions. The plane part is summed separately, around an origin near the light,
+/// because it cancels to a small area for a small light.
 pub(super) fn curved_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>) -> Triple<T> {
     let apart = minus(b.w, a.w);
     if dot(apart, apart) < T::SAME2 {
@@ -18,16 +18,16 @@ pub(super) fn curved_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>
 
 /// The integral of `c x dc` along an edge's image, from `a.c` to `b.c`.
 ///
-/// An edge lies on `w . n = 0`, `n = a x b`. With `w = 2 (h . wo) h - wo` its normals `h` lie on the cone
-/// `h^T (wo n^T + n wo^T - k I) h = 0`, `k = wo . n`, and their images `c` on that of [`EdgeCone`]. The integral is
-/// `psi(M) (a.c x b.c)` with `M = (a.c . b.c) I - (a.c . K b.c) K^-1` and `psi` of [`per_sine`]. `docs/normals.md`
-/// derives it.
+/// An edge lies on `w . n = 0`, `n = a x b`. With `w = 2 (h . wo) h - wo`, its normals `h` lie on the cone
+/// `h^T (wo n^T + n wo^T - k I) h = 0`, `k = wo . n`, and their images `c` lie on the cone of [`EdgeCone`]. The
+/// integral is `psi(M) (a.c x b.c)` with `M = (a.c . b.c) I - (a.c . K b.c) K^-1` and `psi` of [`per_sine`].
+/// `docs/normals.md` has the derivation.
 ///
-/// Along K's first vector `psi` is the angle around the cone over its sine, and the angle may be more than half of the
-/// turn. Its sense is that of the edge. Where its cosine is negative, the angle is half a turn and another that passes
-/// through zero there.
+/// Along K's first eigenvector `psi` is the angle around the cone divided by its sine. The angle can exceed half a
+/// turn. It has the sense of the edge. If its cosine is negative, it is written as half a turn plus an angle that
+/// passes through zero there.
 fn exact<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>, apart: Triple<T>) -> Triple<T> {
-    // Not a x b, whose rounding errors are as large as those of a and b themselves.
+    // Replaces a x b, whose rounding errors are as large as the errors of a and b.
     let n = cross(a.w, apart);
     let sense = if dot(wo, n) < T::ZERO { -T::ONE } else { T::ONE };
     let cone = EdgeCone::new(alpha, wo, scaled(n, sense));
@@ -35,18 +35,18 @@ fn exact<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>, 
     let axis = cone.axis();
     let per_axis2 = T::ONE / dot(axis, axis).max(T::of(1e-36));
 
-    // The components of a x b along each of K's vectors.
+    // The components of a x b along each of K's eigenvectors.
     let normal = cross(a.c, b.c);
     let on_axis = dot(axis, normal);
     let rest = minus(normal, scaled(axis, on_axis * per_axis2));
     let shifted = minus(cone.image(rest), scaled(rest, second));
     let level = minus(shifted, scaled(axis, dot(shifted, axis) * per_axis2));
-    // Where the two are one, any division between them will do.
+    // If the two eigenvalues are equal, any division between their eigenvectors is valid.
     let gap = (second - third).max(-T::UNCERTAINTY * third);
     let on_third = scaled(level, -T::ONE / gap);
     let on_second = minus(rest, on_third);
 
-    // M's eigenvalues.
+    // The eigenvalues of M.
     let apart2 = dot(apart, apart);
     let bend = cone.bend([a.length, b.length], apart2);
     let ends = dot(a.c, b.c);
@@ -56,7 +56,7 @@ fn exact<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>, 
     let per_axis = per_axis2.sqrt();
     let beside = on_axis * per_axis;
     let acute = per_sine(cos_first.abs().min(T::ONE));
-    // No short edge runs nearly all around the axis: an angle against its sense is a rounding error.
+    // A short edge never runs nearly all around the axis. An angle against its sense is a rounding error.
     let is_short = apart2 < T::of(1e3) * T::UNCERTAINTY * T::UNCERTAINTY;
     let is_far = apart2 > T::of(0.2) || !is_short && beside.abs() > T::of(0.01) * by_angle;
     let along_first = if cos_first < T::ZERO {
@@ -77,11 +77,10 @@ fn exact<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>, 
     plus(sum, scaled(on_third, along_third))
 }
 
-/// `psi(x) = acos(x) / sqrt(1 - x^2)`, an angle over its sine by its cosine; for `x > 1` the same of hyperbolic
-/// functions, `ln(x + sqrt(x^2 - 1)) / sqrt(x^2 - 1)`. Domain: x >= 0.
+/// `psi(x) = acos(x) / sqrt(1 - x^2)`, the angle divided by its sine, as a function of the cosine. For `x > 1` it
+/// continues as `ln(x + sqrt(x^2 - 1)) / sqrt(x^2 - 1)`. Domain: x >= 0.
 ///
-/// It has no kink at one, where it is the series of `(n + 1) / (2 n + 3)`, each term that times `1 - x` times the one
-/// before.
+/// It is smooth at one. There it is a series in `1 - x`, with the factor `(n + 1) / (2 n + 3)` from term to term.
 fn per_sine<T: Scalar>(x: T) -> T {
     let v = T::ONE - x;
     if v.abs() < T::of(0.02) {
@@ -98,7 +97,7 @@ mod tests {
     use crate::normals::view::View;
     use ltcforge_fit::math::{direction, unit};
 
-    /// Inverse functions of the standard library, on either side of one and of the series' ends.
+    /// Compares with inverse functions of the standard library, on both sides of one and of the ends of the series.
     #[test]
     fn an_angle_per_sine_is_that_of_the_standard_library() {
         for x in [0.0, 0.3, 0.9, 0.97, 0.9801, 0.985, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.015, 1.0199, 1.03, 2.0, 50.0, 1e6]
@@ -108,7 +107,7 @@ mod tests {
                 x if x < 1.0 => f64::acos(x) / (1.0 - x * x).sqrt(),
                 x => f64::acosh(x) / (x * x - 1.0).sqrt(),
             };
-            // The standard library's own digits are few next to one.
+            // The standard library loses digits near one.
             let tolerance = if (x - 1.0_f64).abs() < 1e-6 { 1e-7 } else { 1e-13 };
             assert!((per_sine(x) - expected).abs() < tolerance * expected, "{x}: {} {expected}", per_sine(x));
             let single = f64::from(per_sine(x as f32));
@@ -116,9 +115,9 @@ mod tests {
         }
     }
 
-    /// Short edges next to the middle of lobes, many of them seen at a grazing angle: where the angle is small, a
-    /// rounding error is not taken for a whole turn. (An edge through the very middle may pass on its other side in
-    /// f32: there the angle is pi.)
+    /// Tests short edges near the centre of lobes, many at grazing angles. If the angle is small, a rounding error must
+    /// not add a whole turn. (An edge through the exact centre can pass on its other side in f32. The angle there is
+    /// pi.)
     #[test]
     fn short_edges_have_no_whole_turns_in_f32() {
         let fraction = |i: u32, step: f64| (f64::from(i) * step).fract();

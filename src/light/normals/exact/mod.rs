@@ -1,4 +1,4 @@
-//! The exact integral over the image of a light's edge, to which the arcs of great circles are held.
+//! The exact integral over the image of a light's edge. It is the reference for the arcs of great circles.
 
 mod cone;
 mod edge;
@@ -14,7 +14,8 @@ pub(super) fn edges<T: Scalar>(view: &View<T>, corners: &[Corner<T>]) -> Vec<Tri
     beyond_chords(view, corners).map(|(from, to, beyond)| plus(beyond, cross(from.c, minus(to.c, from.c)))).collect()
 }
 
-/// Their sum. What lies under the chords is summed up around the first corner, where it is small for a small light.
+/// The sum of the integrals. The part under the chords is summed around the first corner, where it is small for a small
+/// light.
 pub(super) fn flux<T: Scalar>(view: &View<T>, corners: &[Corner<T>]) -> Triple<T> {
     let origin = corners[0].c;
     beyond_chords(view, corners).fold([T::ZERO; 3], |sum, (from, to, beyond)| {
@@ -22,7 +23,7 @@ pub(super) fn flux<T: Scalar>(view: &View<T>, corners: &[Corner<T>]) -> Triple<T
     })
 }
 
-/// Each edge's corners, and its integral beyond that of the chord, `a x c`.
+/// The corners of each edge, and its integral without the chord's part `a x c`.
 fn beyond_chords<'a, T: Scalar>(
     view: &'a View<T>,
     corners: &'a [Corner<T>],

@@ -1,9 +1,9 @@
-// Elements, made without markup in strings.
+// Creates elements. No markup is parsed from strings.
 
 const SVG = 'http://www.w3.org/2000/svg';
 
 /**
- * An element. Attributes that begin with `on` are listeners; `null`, `undefined` and `false` leave an attribute or child out.
+ * Creates an element. Attributes that begin with `on` are listeners. Attributes and children that are `null`, `undefined` or `false` are skipped.
  *
  * @param {string} tag
  * @param {Object<string, *>} attributes
@@ -16,7 +16,7 @@ export function el( tag, attributes = {}, ...children ) {
 
 }
 
-/** As `el`, an element of SVG. */
+/** Creates an SVG element, as `el` does for HTML. */
 export function svg( tag, attributes = {}, ...children ) {
 
 	return filled( document.createElementNS( SVG, tag ), attributes, children );
@@ -45,14 +45,14 @@ export function fill( element, ...children ) {
 
 }
 
-/** A button that copies the text that `read` returns, and says that it did. */
+/** A button that copies the text from `read`. Its label then confirms the copy. */
 export function copyButton( label, read ) {
 
 	const button = el( 'button', { type: 'button', class: 'quiet', onclick: async () => {
 
-		// Without https a browser has no clipboard; the text is there to be selected.
+		// Browsers have no clipboard without https. Users then copy the text themselves.
 		const isCopied = await navigator.clipboard?.writeText( read() ).then( () => true, () => false );
-		button.textContent = isCopied ? 'Copied' : 'Select it and press Ctrl C';
+		button.textContent = isCopied ? 'Copied' : 'Select the text, press Ctrl+C';
 		setTimeout( () => button.textContent = label, 1500 );
 
 	} }, label );
@@ -60,7 +60,7 @@ export function copyButton( label, read ) {
 
 }
 
-/** A text to copy, with its label and button. */
+/** A text with its title and a button that copies it. `label` is for screen readers. */
 export function copyLine( title, label, text ) {
 
 	const code = el( 'code', { tabindex: 0, role: 'textbox', 'aria-readonly': 'true', 'aria-label': label }, text );
@@ -68,32 +68,32 @@ export function copyLine( title, label, text ) {
 
 }
 
-/** Pairs of a name and a value, in rows. */
+/** A list of names and values. */
 export function facts( pairs ) {
 
 	return el( 'dl', { class: 'facts' }, pairs.filter( Boolean ).map( ( [ name, ...value ] ) => el( 'div', {}, el( 'dt', {}, name ), el( 'dd', {}, value ) ) ) );
 
 }
 
-/** A message about something that went wrong. */
+/** An error message. */
 export const notice = ( text ) => el( 'p', { class: 'notice', role: 'alert' }, text );
 
-/** A line in the background. */
+/** A paragraph of secondary text. */
 export const muted = ( ...children ) => el( 'p', { class: 'muted' }, children );
 
 /** A link that looks like a button. */
 export const button = ( href, text, kind = 'button' ) => el( 'a', { class: kind, href }, text );
 
-/** A part of a page under a heading. */
+/** A section of a page with its heading. */
 export const section = ( id, heading, ...children ) => el( 'section', { 'aria-labelledby': id }, el( 'h2', { id }, heading ), children );
 
-/** A heading of a page with what stands on its line, the last parts at its end. */
+/** The heading of a page. `start` follows it on the same line, and `end` is at the right end of the line. */
 export const bar = ( heading, start, ...end ) => el( 'div', { class: 'bar' }, el( 'h1', {}, heading ), start, el( 'span', { class: 'grow' } ), end );
 
-/** A row of a table's head. */
+/** The header row of a table. */
 export const headings = ( ...names ) => el( 'tr', {}, names.map( ( name ) => el( 'th', { scope: 'col' }, name ) ) );
 
-/** A field to open a file with, which looks like a button. */
+/** A file input that looks like a button. `take` gets the file. */
 export function fileField( id, accept, label, take, kind = 'button quiet' ) {
 
 	const input = el( 'input', { type: 'file', id, accept, class: 'hidden', onchange: () => input.files[ 0 ] && take( input.files[ 0 ] ) } );
@@ -101,7 +101,7 @@ export function fileField( id, accept, label, take, kind = 'button quiet' ) {
 
 }
 
-/** Calls `take` with a file that is dropped on an element. */
+/** Calls `take` with the file that a user drops on an element. */
 export function takeDrops( element, take ) {
 
 	element.addEventListener( 'dragover', ( event ) => event.preventDefault() );

@@ -1,6 +1,6 @@
-// Numbers, times and sizes as people read them.
+// Formats numbers, times and sizes for people.
 
-/** Three significant digits without an exponent, as far as that is short. */
+/** Three significant digits. Very small and very large numbers have an exponent. */
 export function number( value ) {
 
 	if ( value === null || value === undefined ) return '–';
@@ -9,10 +9,10 @@ export function number( value ) {
 
 }
 
-/** A whole number with its thousands apart. */
+/** An integer with commas between thousands. */
 export const whole = ( count ) => count.toLocaleString( 'en' );
 
-/** A part of a whole in percent. */
+/** A fraction in percent. */
 export const percent = ( part, digits = 1 ) => `${ ( 100 * part ).toFixed( digits ) } %`;
 
 /** An angle in whole degrees. */
@@ -26,7 +26,7 @@ export function bytes( count ) {
 
 }
 
-/** A time span in its two largest units at most. */
+/** A duration in at most two units. */
 export function span( seconds ) {
 
 	if ( seconds < 1 ) return '< 1 s';
@@ -37,7 +37,7 @@ export function span( seconds ) {
 
 }
 
-/** The time since a date, in its largest unit. */
+/** The time since a date, in the largest unit that fits. */
 export function age( time ) {
 
 	const seconds = Math.max( 0, ( Date.now() - Date.parse( time ) ) / 1000 );

@@ -1,15 +1,15 @@
-// Recipes as people read them, and in links to the form.
+// Formats recipes for people, and links to the form.
 
 import { button, el, section } from './dom.js';
 
-/** JSON in lines, with lists of numbers in one. */
+/** Indented JSON. A list of numbers or strings takes one line. */
 export function json( value ) {
 
 	return JSON.stringify( value, null, 2 ).replace( /\[[^[\]{}]*\]/g, ( list ) => list.replace( /\s+/g, ' ' ) );
 
 }
 
-/** A recipe in a few words. */
+/** A short title of a recipe. */
 export function title( { brdf, layout, resolution, precision, lobe, fresnel } ) {
 
 	const nodes = [ 'alpha', 'ratio', 'theta', 'phi' ].map( ( axis ) => resolution[ axis ] ).filter( ( count ) => count > 1 );
@@ -21,20 +21,20 @@ export function title( { brdf, layout, resolution, precision, lobe, fresnel } ) 
 /** Whether all surfaces of a recipe are isotropic. */
 export const isIsotropic = ( { range } ) => range.ratio[ 0 ] === 1;
 
-/** A complete recipe without the version of the fitter, which the service fills in. */
+/** A complete recipe without the fitter version, which the service fills in. */
 export function ownRecipe( { fitter, ...own } ) {
 
 	return own;
 
 }
 
-/** The address of the form with a recipe in it. */
+/** The address of the form with a recipe. */
 export const formOf = ( recipe ) => `#/new?${ new URLSearchParams( { recipe: JSON.stringify( recipe ) } ) }`;
 
-/** A link to the form with a complete recipe to change. */
+/** A link to the form that starts from a complete recipe. */
 export const variation = ( recipe ) => button( formOf( ownRecipe( recipe ) ), 'Fit a variation' );
 
-/** A recipe in JSON. */
+/** The section that shows a recipe as JSON. */
 export function recipeSection( recipe ) {
 
 	return section( 'recipe', 'Recipe', el( 'pre', { tabindex: 0, role: 'region', 'aria-label': 'Recipe as JSON' }, json( recipe ) ) );

@@ -1,21 +1,21 @@
-// The recipe as JSON, to be copied, edited, or replaced by another that is pasted: it says what the form has no field for.
+// The recipe as JSON, which users can copy, edit or replace. It can contain fields that the form does not have.
 
 import { el } from '../elements/dom.js';
 import { json } from '../elements/recipe.js';
 
-/** Lines that are shown at most without scrolling. */
+/** Maximum number of lines without scrolling. */
 const MOST_LINES = 24;
 
-/** Reads a document that may be a recipe. */
+/** Parses a text as a JSON object. */
 export function parsed( text ) {
 
 	const value = JSON.parse( text );
-	if ( Object.prototype.toString.call( value ) !== '[object Object]' ) throw new Error( 'A recipe is an object: { … }' );
+	if ( Object.prototype.toString.call( value ) !== '[object Object]' ) throw new Error( 'A recipe must be a JSON object: { … }' );
 	return value;
 
 }
 
-/** A field for the document; `take` gets the document that was entered, `refuse` is called where it is none. */
+/** A text field for the recipe. `take` gets an edited recipe. `refuse` is called if the text is not a JSON object. */
 export function documentField( take, refuse ) {
 
 	const fault = el( 'p', { class: 'fault', id: 'document-fault' } );
@@ -24,19 +24,19 @@ export function documentField( take, refuse ) {
 		try {
 
 			const entered = parsed( field.value );
-			blame( '' );
+			showFault( '' );
 			take( entered );
 
 		} catch ( { name, message } ) {
 
-			blame( name === 'SyntaxError' ? `This is not JSON: ${ message }` : message );
+			showFault( name === 'SyntaxError' ? `This is not JSON: ${ message }` : message );
 			refuse();
 
 		}
 
 	} } );
 
-	function blame( text ) {
+	function showFault( text ) {
 
 		fault.textContent = text;
 		field.setAttribute( 'aria-invalid', text !== '' );
@@ -44,12 +44,12 @@ export function documentField( take, refuse ) {
 
 	}
 
-	/** Shows a recipe; one that is just being edited stays as it was written. */
+	/** Shows a recipe. A text that the user is editing does not change. */
 	function show( recipe ) {
 
 		if ( document.activeElement === field ) return;
 		field.value = json( recipe );
-		blame( '' );
+		showFault( '' );
 
 	}
 

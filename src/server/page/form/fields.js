@@ -1,9 +1,9 @@
-// The fields of a recipe that the form has. The service says what they allow, fills in defaults and finds errors.
+// The recipe fields of the form. The service knows their bounds and defaults, and checks the recipe.
 
 const ALPHA_AND_RATIO = [ 'alpha', 'ratio' ];
 const AXES = Object.fromEntries( [ ...ALPHA_AND_RATIO, 'theta', 'phi' ].map( ( axis ) => [ axis, axis ] ) );
 
-/** Labels of the fields by their groups and pointers (RFC 6901). */
+/** Labels of the fields by group and JSON pointer (RFC 6901). */
 const GROUPS = {
 	Surface: { brdf: 'Scattering model', fresnel: 'Materials', lobe: 'Lobe' },
 	Table: { layout: 'Layout', materials: 'Roughnesses', precision: 'Numbers', terms: 'Terms' },
@@ -12,13 +12,13 @@ const GROUPS = {
 	Fit: { fit: { metric: 'Metric', solver: 'Solver', samples: 'Samples', directions: 'Directions', steps: 'Steps', seed: 'Seed' } },
 };
 
-/** Recipes to begin with, by their use. */
+/** Recipes to start from, by use. */
 export const STARTS = {
-	'metal and dielectrics, of any direction': { preset: 'standard', fresnel: 'two_lobes' },
+	'metals and dielectrics, anisotropic': { preset: 'standard', fresnel: 'two_lobes' },
 	'brushed metal on phones': { preset: 'paper', precision: 'f16', range: { alpha: [ 0.05, 0.4 ], ratio: [ 0.2, 1 ] }, resolution: { alpha: 7, ratio: 5, theta: 8, phi: 6 } },
-	'round surfaces, as engines load it': { preset: 'standard', layout: 'ltc2017' },
-	'round surfaces in a kilobyte': { preset: 'paper', precision: 'f16', range: { ratio: [ 1, 1 ], phi: [ 0, 0 ] }, resolution: { alpha: 9, ratio: 1, theta: 8, phi: 1 } },
-	'sheen of glTF': { preset: 'paper', brdf: 'charlie_neubelt', range: { alpha: [ 0.0049, 1 ] }, resolution: { alpha: 24, theta: 32 }, precision: 'f16' },
+	'isotropic surfaces, in the layout of engines': { preset: 'standard', layout: 'ltc2017' },
+	'isotropic surfaces, one kilobyte': { preset: 'paper', precision: 'f16', range: { ratio: [ 1, 1 ], phi: [ 0, 0 ] }, resolution: { alpha: 9, ratio: 1, theta: 8, phi: 1 } },
+	'glTF sheen': { preset: 'paper', brdf: 'charlie_neubelt', range: { alpha: [ 0.0049, 1 ] }, resolution: { alpha: 24, theta: 32 }, precision: 'f16' },
 };
 
 /** The kind of input for a field by its JSON Schema. */
@@ -32,8 +32,8 @@ function kindOf( { enum: options, anyOf, type, items } ) {
 }
 
 /**
- * Groups of fields by the schema of recipes: each with its pointer, label, schema and kind. A list of roughnesses is of one
- * layout, and a change of it leaves out the fields that it decides.
+ * The groups of fields, from the JSON Schema of recipes. Each field has a pointer, a label, a schema and a kind. The list of
+ * roughnesses needs layout `materials`. It determines the fields in `decided`, so a change of the list removes them.
  */
 export function groupsOf( schema ) {
 
@@ -48,19 +48,19 @@ export function groupsOf( schema ) {
 
 }
 
-/** The member of a document at a pointer. */
+/** The value at a pointer of a document. */
 export function get( document, pointer ) {
 
 	return pointer.slice( 1 ).split( '/' ).reduce( ( value, key ) => value?.[ key ], document ?? undefined );
 
 }
 
-/** Sets the member at a pointer, or removes it where the value is undefined. */
+/** Sets the value at a pointer, or removes it if `value` is undefined. */
 export function set( document, pointer, value ) {
 
 	const keys = pointer.slice( 1 ).split( '/' );
 	const last = keys.pop();
-	// A document that was pasted may have anything there.
+	// A pasted document may have a value of any type there.
 	const inner = keys.reduce( ( at, key ) => at[ key ] = Object( at[ key ] ) === at[ key ] ? at[ key ] : {}, document );
 	if ( value === undefined ) delete inner[ last ];
 	else inner[ last ] = value;

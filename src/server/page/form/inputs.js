@@ -1,15 +1,15 @@
-// Inputs of the form: each reads and shows one member of a recipe.
+// The inputs of the form. Each reads and shows one field of a recipe.
 
 import { el } from '../elements/dom.js';
 import { number } from '../elements/format.js';
 
-/** Positions of a slider: the top of a range is reached to the last digit. */
+/** Positions of a slider. The last position is exactly the maximum. */
 const STEPS = 200;
 
-/** A number from its text; the service refuses the others, which JSON has as null. */
+/** Parses a number. JSON writes NaN as null, which the service rejects. */
 const numberOf = ( text ) => text.trim() === '' ? NaN : Number( text );
-/** Whether a member is being edited, so that it stays as it is written. */
-const isHeld = ( input ) => document.activeElement === input;
+/** Whether the user is editing an input. Its text must not change then. */
+const isEdited = ( input ) => document.activeElement === input;
 
 function choice( { schema: { enum: options } }, id, changed ) {
 
@@ -20,11 +20,11 @@ function choice( { schema: { enum: options } }, id, changed ) {
 
 function whole( { schema: { minimum: min, maximum: max } }, id, changed ) {
 
-	// An empty field is that of the preset.
+	// An empty input means the preset's value.
 	const main = el( 'input', { type: 'number', id, min, max, step: 1, inputmode: 'numeric', oninput: () => changed( main.value === '' ? undefined : Number( main.value ) ) } );
 	const show = ( value ) => {
 
-		if ( ! isHeld( main ) && value !== undefined ) main.value = value;
+		if ( ! isEdited( main ) && value !== undefined ) main.value = value;
 
 	};
 
@@ -35,11 +35,11 @@ function whole( { schema: { minimum: min, maximum: max } }, id, changed ) {
 function interval( { label, schema: { items: { maximum } } }, id, changed ) {
 
 	const output = el( 'output', { class: 'number' } );
-	const tell = ( values ) => output.textContent = values.map( number ).join( ' – ' );
+	const showText = ( values ) => output.textContent = values.map( number ).join( ' – ' );
 	const read = () => {
 
 		const values = ends.map( ( { value } ) => Number( value ) === STEPS ? maximum : Number( value ) / STEPS * maximum );
-		tell( values );
+		showText( values );
 		changed( values );
 
 	};
@@ -48,9 +48,9 @@ function interval( { label, schema: { items: { maximum } } }, id, changed ) {
 	const show = ( values ) => {
 
 		if ( ! Array.isArray( values ) || values.length !== 2 || ! values.every( Number.isFinite ) ) return;
-		tell( values );
-		// A value between two positions stays what it is until the slider is moved.
-		ends.forEach( ( end, i ) => isHeld( end ) || ( end.value = Math.round( values[ i ] / maximum * STEPS ) ) );
+		showText( values );
+		// The slider shows the nearest position. The recipe keeps its value until the user moves the slider.
+		ends.forEach( ( end, i ) => isEdited( end ) || ( end.value = Math.round( values[ i ] / maximum * STEPS ) ) );
 
 	};
 
@@ -58,14 +58,14 @@ function interval( { label, schema: { items: { maximum } } }, id, changed ) {
 
 }
 
-/** An input of a list in text: items with commas between, which `parse` reads and `write` writes. */
+/** A text input for a list with commas. `parse` reads an item, and `write` writes one. */
 function list( attributes, parse, write, changed ) {
 
 	const input = el( 'input', { type: 'text', ...attributes, oninput: () => changed() } );
 	const read = () => input.value.split( ',' ).map( parse );
 	const show = ( value ) => {
 
-		if ( ! isHeld( input ) ) input.value = Array.isArray( value ) ? value.map( ( item ) => write( Object( item ) ) ).join( ', ' ) : '';
+		if ( ! isEdited( input ) ) input.value = Array.isArray( value ) ? value.map( ( item ) => write( Object( item ) ) ).join( ', ' ) : '';
 
 	};
 
@@ -73,7 +73,7 @@ function list( attributes, parse, write, changed ) {
 
 }
 
-/** Materials by name, or by a list of F0, each with its weight where it is not 1: `1, 0.04 × 4`. */
+/** The input of materials: a name, or a list of F0 with weights other than 1, such as `1, 0.04 × 4`. */
 function materials( { schema: { anyOf: [ { enum: names } ] } }, id, changed ) {
 
 	const parse = ( text ) => {
@@ -83,18 +83,18 @@ function materials( { schema: { anyOf: [ { enum: names } ] } }, id, changed ) {
 
 	};
 
-	const tell = () => changed( input.hidden ? names[ main.selectedIndex ] : read() );
-	const { input, read, show: showList } = list( { hidden: true, 'aria-label': 'F0 of the materials, each with its weight where it is not 1, with commas between', placeholder: '1, 0.04 × 4' }, parse, ( { f0, weight = 1 } ) => weight === 1 ? f0 : `${ f0 } × ${ weight }`, tell );
+	const pass = () => changed( input.hidden ? names[ main.selectedIndex ] : read() );
+	const { input, read, show: showList } = list( { hidden: true, 'aria-label': 'F0 of the materials, with commas; a weight follows ×', placeholder: '1, 0.04 × 4' }, parse, ( { f0, weight = 1 } ) => weight === 1 ? f0 : `${ f0 } × ${ weight }`, pass );
 	const main = el( 'select', { id, onchange: () => {
 
 		input.hidden = main.selectedIndex < names.length;
 		input.value ||= '0.04';
-		tell();
+		pass();
 
-	} }, [ ...names, 'by F0' ].map( ( option ) => el( 'option', {}, option ) ) );
+	} }, [ ...names, 'list of F0' ].map( ( option ) => el( 'option', {}, option ) ) );
 	const show = ( value = names[ 0 ] ) => {
 
-		if ( isHeld( input ) ) return;
+		if ( isEdited( input ) ) return;
 		input.hidden = ! Array.isArray( value );
 		main.selectedIndex = input.hidden ? names.indexOf( value ) : names.length;
 		if ( ! input.hidden ) showList( value );
@@ -105,7 +105,7 @@ function materials( { schema: { anyOf: [ { enum: names } ] } }, id, changed ) {
 
 }
 
-/** Surfaces in a list: alpha, `0.3`; alpha and ratio, `0.3 × 0.5`; or the roughness along and across, `0.4 / 0.1`. */
+/** The input of roughnesses: alpha `0.3`, alpha and ratio `0.3 × 0.5`, or alpha along and across `0.4 / 0.1`. */
 function roughnesses( field, id, changed ) {
 
 	const parse = ( text ) => {
@@ -117,8 +117,8 @@ function roughnesses( field, id, changed ) {
 	};
 
 	const write = ( { alpha, ratio = 1, alpha_x, alpha_y } ) => alpha_x !== undefined ? `${ alpha_x } / ${ alpha_y }` : ratio === 1 ? alpha : `${ alpha } × ${ ratio }`;
-	// No text is no list, which other layouts need.
-	const { input, read, show } = list( { id, placeholder: '0.4 / 0.1, 0.3 × 0.5, 0.09', title: 'Each alpha, alpha × ratio, or alpha along / across, with commas between' }, parse, write, () => changed( input.value.trim() === '' ? undefined : read() ) );
+	// An empty text removes the list, which other layouts do not allow.
+	const { input, read, show } = list( { id, placeholder: '0.4 / 0.1, 0.3 × 0.5, 0.09', title: 'A list with commas. Each item: alpha, alpha × ratio, or alpha along / alpha across' }, parse, write, () => changed( input.value.trim() === '' ? undefined : read() ) );
 	return { parts: [ input ], main: input, show };
 
 }
@@ -126,8 +126,8 @@ function roughnesses( field, id, changed ) {
 const KINDS = { choice, whole, interval, materials, roughnesses };
 
 /**
- * A field with its label and the place of its errors. `changed` gets the value that was entered; `show` takes the one that is
- * in force, `blame` its errors.
+ * A field with its label and its errors. `changed` gets the value that the user enters. `show` sets the value, and `showFaults`
+ * the errors.
  */
 export function input( field, changed ) {
 
@@ -136,7 +136,7 @@ export function input( field, changed ) {
 	const fault = el( 'p', { class: 'fault', id: `${ id }-fault` } );
 	main.setAttribute( 'aria-describedby', fault.id );
 	const row = el( 'div', { class: `field ${ field.kind }` }, el( 'label', { for: id }, field.label ), el( 'div', { class: 'inputs' }, parts ), fault );
-	const blame = ( details ) => {
+	const showFaults = ( details ) => {
 
 		fault.textContent = details.join( '; ' );
 		main.setAttribute( 'aria-invalid', details.length > 0 );
@@ -144,6 +144,6 @@ export function input( field, changed ) {
 
 	};
 
-	return { field, row, show, blame };
+	return { field, row, show, showFaults };
 
 }

@@ -1,15 +1,15 @@
-// Triangles and materials of a glTF 2.0 file that was dropped on the page. Nothing beside the file itself is read.
+// Reads triangles and materials of a glTF 2.0 file. Other files that it refers to are not read.
 //
-// Invariant: a file that is broken or too large gives an error that names every fault found, within bounded time and memory.
+// Invariant: time and memory are bounded. A broken or too large file gives an error that lists the faults.
 
 import { textureReader } from './textures.js';
 
-/** Bytes of a file, triangles of all instances, nodes of a scene, and nodes below each other. */
+/** Limits: bytes of a file, triangles of all instances, nodes of a scene, and depth of the node tree. */
 const [ MOST_BYTES, MOST_TRIANGLES, MOST_NODES, MOST_DEPTH ] = [ 2 ** 26, 2 ** 18, 2 ** 16, 64 ];
 
 const COMPONENTS = { 5120: Int8Array, 5121: Uint8Array, 5122: Int16Array, 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array };
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
-/** Extensions that change nothing of the triangles, or that are read. */
+/** Required extensions that this module reads or can ignore. */
 const KNOWN = /^KHR_(materials_.*|texture_.*|mesh_quantization|lights_punctual)$/;
 
 const list = ( value ) => Array.isArray( value ) ? value : [];
@@ -18,16 +18,16 @@ const numberOf = ( value, otherwise ) => Number.isFinite( value ) ? value : othe
 /** The JSON of a file and its binary chunk. */
 function parts( buffer ) {
 
-	if ( buffer.byteLength > MOST_BYTES ) throw new Error( `the file has ${ buffer.byteLength } bytes; at most ${ MOST_BYTES } are read` );
+	if ( buffer.byteLength > MOST_BYTES ) throw new Error( `the file has ${ buffer.byteLength } bytes; the limit is ${ MOST_BYTES }` );
 	const view = new DataView( buffer );
 	if ( buffer.byteLength < 20 || view.getUint32( 0, true ) !== 0x46546c67 ) return { document: parsed( new Uint8Array( buffer ) ), binary: null };
 	const version = view.getUint32( 4, true );
-	if ( version !== 2 ) throw new Error( `the GLB is of version ${ version }; version 2 is read` );
+	if ( version !== 2 ) throw new Error( `the GLB has version ${ version }; only version 2 is supported` );
 	let [ document, binary ] = [ null, null ];
 	for ( let at = 12; at + 8 <= buffer.byteLength; ) {
 
 		const [ length, type ] = [ view.getUint32( at, true ), view.getUint32( at + 4, true ) ];
-		if ( at + 8 + length > buffer.byteLength ) throw new Error( `the chunk at byte ${ at } has ${ length } bytes, and the file ends after ${ buffer.byteLength - at - 8 }` );
+		if ( at + 8 + length > buffer.byteLength ) throw new Error( `the chunk at byte ${ at } has ${ length } bytes, but the file has only ${ buffer.byteLength - at - 8 } more` );
 		const chunk = buffer.slice( at + 8, at + 8 + length );
 		if ( type === 0x4e4f534a ) document ??= parsed( new Uint8Array( chunk ) );
 		if ( type === 0x004e4942 ) binary ??= chunk;
@@ -35,7 +35,7 @@ function parts( buffer ) {
 
 	}
 
-	if ( ! document ) throw new Error( 'the GLB has no JSON' );
+	if ( ! document ) throw new Error( 'the GLB has no JSON chunk' );
 	return { document, binary };
 
 }
@@ -49,37 +49,37 @@ function parsed( bytes ) {
 
 	} catch {
 
-		throw new Error( 'this is neither a GLB nor the JSON of a glTF file' );
+		throw new Error( 'the file is neither a GLB nor a glTF file in JSON' );
 
 	}
 
-	if ( ! /^2\./.test( document?.asset?.version ) ) throw new Error( `asset.version is ${ JSON.stringify( document?.asset?.version ) }; 2.0 is read` );
+	if ( ! /^2\./.test( document?.asset?.version ) ) throw new Error( `asset.version is ${ JSON.stringify( document?.asset?.version ) }; only 2.x is supported` );
 	const needed = list( document.extensionsRequired ).filter( ( name ) => ! KNOWN.test( name ) );
-	if ( needed.length ) throw new Error( `the file needs ${ needed.join( ', ' ) }, which is not read here` );
+	if ( needed.length ) throw new Error( `the file requires ${ needed.join( ', ' ) }, which the viewer does not support; export it without` );
 	return document;
 
 }
 
-/** The bytes of a buffer: those in the file itself. */
+/** The bytes of a buffer inside the file. */
 function bufferOf( document, index, binary ) {
 
 	const { uri } = document.buffers?.[ index ] || {};
 	if ( uri === undefined && index === 0 && binary ) return binary;
 	const [ , data ] = /^data:[^,]*;base64,(.*)$/s.exec( uri || '' ) || [];
-	if ( data === undefined ) throw new Error( `buffers/${ index } is ${ uri === undefined ? 'not in the file' : `the file «${ String( uri ).slice( 0, 60 ) }» beside it` }; save it as one GLB` );
+	if ( data === undefined ) throw new Error( `buffers/${ index } is ${ uri === undefined ? 'missing' : `in another file, «${ String( uri ).slice( 0, 60 ) }»` }; save the scene as one GLB` );
 	try {
 
 		return Uint8Array.from( atob( data ), ( byte ) => byte.charCodeAt( 0 ) ).buffer;
 
 	} catch {
 
-		throw new Error( `buffers/${ index }/uri is no base64` );
+		throw new Error( `buffers/${ index }/uri is not valid base64` );
 
 	}
 
 }
 
-/** What finds the bytes of buffers, each decoded once. */
+/** Returns a function that decodes buffers, each once. */
 function bufferReader( document, binary ) {
 
 	const known = new Map();
@@ -92,27 +92,27 @@ function bufferReader( document, binary ) {
 
 }
 
-/** What reads accessors: each as numbers one behind the other, whole ones of normalized types from -1 to 1. */
+/** Returns a function that reads accessors as contiguous numbers. Normalized integers are scaled to -1 to 1 or 0 to 1. */
 function reader( document, bufferOf ) {
 
 	const known = new Map();
-	return ( index, type, what ) => {
+	return ( index, type, path ) => {
 
-		// Instances read the same numbers again.
+		// Several instances can read the same accessor.
 		if ( known.has( `${ index } ${ type }` ) ) return known.get( `${ index } ${ type }` );
-		const at = `${ what }: accessors/${ index }`;
+		const at = `${ path }: accessors/${ index }`;
 		const accessor = document.accessors?.[ index ];
-		if ( ! accessor ) throw new Error( `${ at } is not there` );
-		if ( accessor.sparse ) throw new Error( `${ at } is sparse, which is not read here` );
-		if ( accessor.type !== type ) throw new Error( `${ at } is ${ accessor.type }, not ${ type }` );
+		if ( ! accessor ) throw new Error( `${ at } does not exist` );
+		if ( accessor.sparse ) throw new Error( `${ at } is sparse, which the viewer does not support` );
+		if ( accessor.type !== type ) throw new Error( `${ at } has type ${ accessor.type }; it must be ${ type }` );
 		const [ Of, view ] = [ COMPONENTS[ accessor.componentType ], document.bufferViews?.[ accessor.bufferView ] ];
-		if ( ! Of || ! view ) throw new Error( `${ at } has ${ Of ? 'no buffer view' : `the component type ${ accessor.componentType }` }` );
+		if ( ! Of || ! view ) throw new Error( `${ at } has ${ Of ? 'no buffer view' : `the unknown component type ${ accessor.componentType }` }` );
 		const buffer = bufferOf( view.buffer );
 		const width = WIDTHS[ type ];
 		const { count } = accessor;
 		const stride = view.byteStride || width * Of.BYTES_PER_ELEMENT;
 		const start = ( view.byteOffset || 0 ) + ( accessor.byteOffset || 0 );
-		if ( ! ( Number.isInteger( count ) && count > 0 && Number.isInteger( start ) && start >= 0 && Number.isInteger( stride ) && stride > 0 ) || start + stride * ( count - 1 ) + width * Of.BYTES_PER_ELEMENT > buffer.byteLength ) throw new Error( `${ at } has ${ count } elements from byte ${ start }, and its buffer ends at byte ${ buffer.byteLength }` );
+		if ( ! ( Number.isInteger( count ) && count > 0 && Number.isInteger( start ) && start >= 0 && Number.isInteger( stride ) && stride > 0 ) || start + stride * ( count - 1 ) + width * Of.BYTES_PER_ELEMENT > buffer.byteLength ) throw new Error( `${ at } has ${ count } elements from byte ${ start }, but its buffer ends at byte ${ buffer.byteLength }` );
 		const read = new DataView( buffer );
 		const method = `get${ Of.name.replace( 'Array', '' ) }`;
 		const scale = accessor.normalized && Of !== Float32Array ? 1 / ( 2 ** ( 8 * Of.BYTES_PER_ELEMENT - ( Of.name.startsWith( 'Int' ) ? 1 : 0 ) ) - 1 ) : 1;
@@ -125,7 +125,7 @@ function reader( document, bufferOf ) {
 
 }
 
-/** What GGX needs of a material: its roughnesses, the turn of its tangent, the reflectance at normal incidence; and what textures multiply of it. */
+/** The parameters of GGX for a material: both roughnesses, rotation of the tangent, reflectance at normal incidence, and the factors of textures. */
 export function materialOf( { pbrMetallicRoughness: pbr = {}, normalTexture, extensions = {} } = {} ) {
 
 	const alpha = Math.min( 1, Math.max( 0, numberOf( pbr.roughnessFactor, 1 ) ) ) ** 2;
@@ -136,13 +136,13 @@ export function materialOf( { pbrMetallicRoughness: pbr = {}, normalTexture, ext
 	const metal = Math.min( 1, Math.max( 0, numberOf( pbr.metallicFactor, 1 ) ) );
 	const base = [ 0, 1, 2 ].map( ( c ) => numberOf( pbr.baseColorFactor?.[ c ], 1 ) );
 	const f0 = base.map( ( colour ) => dielectric + ( colour - dielectric ) * metal );
-	// What textures multiply.
+	// Textures multiply these factors.
 	const factors = { base, factors: [ metal, Math.sqrt( alpha ), dielectric, strength * strength ], normal_scale: numberOf( normalTexture?.scale, 1 ) };
 	return { factors, alpha_x: alpha + ( 1 - alpha ) * strength * strength, alpha_y: alpha, rotation: numberOf( anisotropyRotation, 0 ), f0 };
 
 }
 
-/** Columns of a node's own matrix. */
+/** The local matrix of a node, by columns. */
 function matrixOf( { matrix, translation: t = [ 0, 0, 0 ], rotation: [ x, y, z, w ] = [ 0, 0, 0, 1 ], scale: [ a, b, c ] = [ 1, 1, 1 ] } ) {
 
 	if ( matrix ) return matrix;
@@ -157,7 +157,7 @@ function matrixOf( { matrix, translation: t = [ 0, 0, 0 ], rotation: [ x, y, z, 
 
 const product = ( a, b ) => Array.from( { length: 16 }, ( _, i ) => [ 0, 1, 2, 3 ].reduce( ( sum, k ) => sum + a[ 4 * k + i % 4 ] * b[ 4 * Math.floor( i / 4 ) + k ], 0 ) );
 
-/** Every mesh of the scene with its matrix in the world. */
+/** Every mesh of the scene with its world matrix. */
 function instances( document ) {
 
 	const nodes = list( document.nodes );
@@ -168,9 +168,9 @@ function instances( document ) {
 	const visit = ( index, above, depth ) => {
 
 		const node = nodes[ index ];
-		if ( ! node ) throw new Error( `nodes/${ index } is not there` );
-		if ( depth > MOST_DEPTH ) throw new Error( `nodes/${ index } is below ${ depth } others; at most ${ MOST_DEPTH } are read` );
-		if ( ++ visited > MOST_NODES ) throw new Error( `the scene has more than ${ MOST_NODES } nodes` );
+		if ( ! node ) throw new Error( `nodes/${ index } does not exist` );
+		if ( depth > MOST_DEPTH ) throw new Error( `nodes/${ index } is nested ${ depth } levels deep; the limit is ${ MOST_DEPTH }` );
+		if ( ++ visited > MOST_NODES ) throw new Error( `the scene has too many nodes; the limit is ${ MOST_NODES }` );
 		const world = product( above, matrixOf( node ) );
 		if ( node.mesh !== undefined ) found.push( { mesh: node.mesh, world } );
 		for ( const child of list( node.children ) ) visit( child, world, depth + 1 );
@@ -182,7 +182,7 @@ function instances( document ) {
 
 }
 
-/** Corners of triangles, three each, from indices of a mode; null for points and lines. */
+/** The indices of triangles, three each, from the indices of a mode; null for points and lines. */
 function triangles( mode, indices ) {
 
 	if ( mode === 4 ) return indices.subarray( 0, indices.length - indices.length % 3 );
@@ -191,36 +191,36 @@ function triangles( mode, indices ) {
 
 		const [ triangle, corner ] = [ Math.floor( i / 3 ), i % 3 ];
 		if ( mode === 6 ) return indices[ corner ? triangle + corner : 0 ];
-		// Every second triangle of a strip runs the other way.
+		// Every second triangle of a strip has the opposite orientation.
 		return indices[ triangle + ( triangle % 2 && corner ? 3 - corner : corner ) ];
 
 	} );
 
 }
 
-/** Appends the triangles of an instance of a primitive, in the world: place, normal and tangent with its side, ten numbers a corner, and its place in textures where they are shown. */
-function append( { numbers, uv, textures }, budget, primitive, world, read, what ) {
+/** Appends the triangles of a primitive in world space: position, normal, and tangent with its sign, ten numbers per corner; and texture coordinates if it has textures. Returns a note or ''. */
+function append( { numbers, uv, textures }, budget, primitive, world, read, path ) {
 
 	const { attributes = {} } = primitive;
-	if ( attributes.POSITION === undefined ) throw new Error( `${ what }/attributes/POSITION is missing` );
-	const positions = read( attributes.POSITION, 'VEC3', `${ what }/attributes/POSITION` );
-	const normals = attributes.NORMAL === undefined ? null : read( attributes.NORMAL, 'VEC3', `${ what }/attributes/NORMAL` );
-	const tangents = attributes.TANGENT === undefined ? null : read( attributes.TANGENT, 'VEC4', `${ what }/attributes/TANGENT` );
-	const places = textures ? read( attributes.TEXCOORD_0, 'VEC2', `${ what }/attributes/TEXCOORD_0` ) : null;
+	if ( attributes.POSITION === undefined ) throw new Error( `${ path }/attributes/POSITION is missing` );
+	const positions = read( attributes.POSITION, 'VEC3', `${ path }/attributes/POSITION` );
+	const normals = attributes.NORMAL === undefined ? null : read( attributes.NORMAL, 'VEC3', `${ path }/attributes/NORMAL` );
+	const tangents = attributes.TANGENT === undefined ? null : read( attributes.TANGENT, 'VEC4', `${ path }/attributes/TANGENT` );
+	const places = textures ? read( attributes.TEXCOORD_0, 'VEC2', `${ path }/attributes/TEXCOORD_0` ) : null;
 	const count = positions.length / 3;
-	if ( places && places.length !== 2 * count ) throw new Error( `${ what }: ${ places.length / 2 } places in textures of ${ count } corners` );
-	const all = primitive.indices === undefined ? Uint32Array.from( { length: count }, ( _, i ) => i ) : read( primitive.indices, 'SCALAR', `${ what }/indices` );
+	if ( places && places.length !== 2 * count ) throw new Error( `${ path }: TEXCOORD_0 has ${ places.length / 2 } elements, but POSITION has ${ count }` );
+	const all = primitive.indices === undefined ? Uint32Array.from( { length: count }, ( _, i ) => i ) : read( primitive.indices, 'SCALAR', `${ path }/indices` );
 	const corners = triangles( primitive.mode ?? 4, all );
-	if ( ! corners ) return 'points and lines are left out';
+	if ( ! corners ) return 'points and lines are not shown';
 	const most = corners.reduce( ( most, index ) => Math.max( most, index ), 0 );
-	if ( most >= count || normals && normals.length !== positions.length || tangents && 3 * tangents.length !== 4 * positions.length ) throw new Error( `${ what }: index ${ most } of ${ count } places, ${ normals ? normals.length / 3 : 'no' } normals, ${ tangents ? tangents.length / 4 : 'no' } tangents` );
+	if ( most >= count || normals && normals.length !== positions.length || tangents && 3 * tangents.length !== 4 * positions.length ) throw new Error( `${ path }: index ${ most } is too large or the counts differ: ${ count } positions, ${ normals ? normals.length / 3 : 'no' } normals, ${ tangents ? tangents.length / 4 : 'no' } tangents` );
 	budget.triangles += corners.length / 3;
-	if ( budget.triangles > MOST_TRIANGLES ) throw new Error( `${ what } has triangle ${ budget.triangles }; at most ${ MOST_TRIANGLES } are shown` );
+	if ( budget.triangles > MOST_TRIANGLES ) throw new Error( `${ path }: the scene has ${ budget.triangles } triangles up to here; the limit is ${ MOST_TRIANGLES }` );
 	const m = world;
 	const turned = ( [ x, y, z ], w = 0 ) => [ 0, 1, 2 ].map( ( r ) => m[ r ] * x + m[ 4 + r ] * y + m[ 8 + r ] * z + m[ 12 + r ] * w );
 	const column = ( c ) => m.slice( 4 * c, 4 * c + 3 );
 	const cross = ( a, b ) => [ a[ 1 ] * b[ 2 ] - a[ 2 ] * b[ 1 ], a[ 2 ] * b[ 0 ] - a[ 0 ] * b[ 2 ], a[ 0 ] * b[ 1 ] - a[ 1 ] * b[ 0 ] ];
-	// Normals turn by the cofactors, which a matrix that mirrors turns over; corners then run the other way.
+	// The cofactor matrix transforms normals. If the world matrix mirrors, `side` flips normals and the order of corners.
 	const cofactors = [ cross( column( 1 ), column( 2 ) ), cross( column( 2 ), column( 0 ) ), cross( column( 0 ), column( 1 ) ) ];
 	const side = Math.sign( cofactors[ 0 ].reduce( ( sum, x, r ) => sum + x * m[ r ], 0 ) ) || 1;
 	for ( let i = 0; i < corners.length; i += 3 ) {
@@ -239,11 +239,11 @@ function append( { numbers, uv, textures }, budget, primitive, world, read, what
 
 	}
 
-	return tangents ? '' : 'without tangents, anisotropy runs around the vertical';
+	return tangents ? '' : 'the file has no tangents: anisotropy runs around the vertical axis';
 
 }
 
-/** Moves and scales all places so that they lie in the sphere of radius one around the origin. */
+/** Moves and scales all positions into the unit sphere around the origin. */
 function fitted( meshes ) {
 
 	const bounds = [ 0, 1, 2 ].map( ( r ) => {
@@ -256,13 +256,13 @@ function fitted( meshes ) {
 	const middle = bounds.map( ( [ least, most ] ) => ( least + most ) / 2 );
 	let radius = 0;
 	for ( const { numbers } of meshes ) for ( let i = 0; i < numbers.length; i += 10 ) radius = Math.max( radius, Math.hypot( ...middle.map( ( x, r ) => numbers[ i + r ] - x ) ) );
-	if ( ! ( radius > 0 && Number.isFinite( radius ) ) ) throw new Error( 'the triangles have no extent' );
+	if ( ! ( radius > 0 && Number.isFinite( radius ) ) ) throw new Error( 'all triangles are in one point, or not finite' );
 	for ( const { numbers } of meshes ) for ( let i = 0; i < numbers.length; i += 10 ) for ( let r = 0; r < 3; r ++ ) numbers[ i + r ] = ( numbers[ i + r ] - middle[ r ] ) / radius;
 	return meshes.map( ( mesh ) => ( { ...mesh, numbers: new Float32Array( mesh.numbers ), uv: mesh.textures && new Float32Array( mesh.uv ) } ) );
 
 }
 
-/** The meshes of a file, one a material, in a sphere of radius one, and notes on what was not read. */
+/** Reads a file: one mesh per material, scaled into the unit sphere, and notes about parts that are not shown. */
 export async function readGltf( buffer ) {
 
 	try {
@@ -271,7 +271,7 @@ export async function readGltf( buffer ) {
 
 	} catch ( error ) {
 
-		// A member of another type than glTF has it.
+		// A member has a type that glTF does not allow.
 		throw error instanceof TypeError ? new Error( `the glTF is malformed: ${ error.message }` ) : error;
 
 	}
@@ -290,7 +290,7 @@ async function found( buffer ) {
 	for ( const { mesh, world } of instances( document ) ) {
 
 		const { primitives } = document.meshes?.[ mesh ] || {};
-		if ( ! primitives ) faults.add( `meshes/${ mesh } is not there` );
+		if ( ! primitives ) faults.add( `meshes/${ mesh } does not exist` );
 		for ( const [ i, primitive ] of list( primitives ).entries() ) {
 
 			const material = document.materials?.[ primitive.material ];

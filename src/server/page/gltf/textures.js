@@ -1,27 +1,27 @@
-// Textures of glTF materials: PNG and JPEG images inside the file, within bounds that their headers are held to before they
-// are decoded. What is left out is noted with its reason, and the material's factors are shown in its place.
+// Textures of glTF materials: PNG and JPEG images inside the file. The size in the header is checked before an image is
+// decoded. A note has the reason for each texture that is not shown. The factors of the material apply then.
 
-/** Pixels of a side of an image, and of all images that are kept. */
+/** Limits: pixels per side of an image, and pixels of all images. */
 const [ MOST_SIDE, MOST_PIXELS ] = [ 4096, 2 ** 25 ];
 const [ REPEAT, CLAMP, MIRROR ] = [ 10497, 33071, 33648 ];
 
-/** The textures that are shown: their names for shaders, and where a material has them. */
+/** The supported textures: name in shaders, and place in a material. */
 const SHOWN = [
 	[ 'base_texture', 'baseColorTexture', ( { pbrMetallicRoughness } ) => pbrMetallicRoughness ],
 	[ 'rough_texture', 'metallicRoughnessTexture', ( { pbrMetallicRoughness } ) => pbrMetallicRoughness ],
 	[ 'normal_texture', 'normalTexture', ( material ) => material ],
 ];
 
-/** What stands for an image that a textured material lacks: one pixel that leaves its factors as they are, in the order of SHOWN. */
+/** The image for a missing texture of a textured material: one white pixel, which does not change the factors. */
 const NO_IMAGES = Object.fromEntries( SHOWN.map( ( [ name ] ) => [ name, { pixel: new Uint8Array( [ 255, 255, 255, 255 ] ), wrap: [ CLAMP, CLAMP ] } ] ) );
 
-/** The type and extents of an image by its first bytes; null where it is neither PNG nor JPEG. */
+/** Type and size of an image from its header; null if it is neither PNG nor JPEG. */
 export function header( bytes ) {
 
 	const view = new DataView( bytes.buffer, bytes.byteOffset, bytes.byteLength );
 	if ( bytes.length >= 24 && view.getUint32( 0 ) === 0x89504e47 && view.getUint32( 4 ) === 0x0d0a1a0a ) return { type: 'image/png', width: view.getUint32( 16 ), height: view.getUint32( 20 ) };
 	if ( bytes.length < 4 || view.getUint16( 0 ) !== 0xffd8 ) return null;
-	// Segments up to the start of a frame, ITU-T T.81, B.1.1.
+	// Segments up to the start of a frame [ITU-T T.81, B.1.1].
 	for ( let at = 2; at + 9 <= bytes.length && bytes[ at ] === 0xff; at += 2 + view.getUint16( at + 2 ) ) {
 
 		const marker = bytes[ at + 1 ];
@@ -39,19 +39,19 @@ function bytesOf( { bufferView, uri }, index, document, bufferOf ) {
 	if ( bufferView === undefined ) {
 
 		const [ , data ] = /^data:[^,]*;base64,(.*)$/s.exec( uri || '' ) || [];
-		if ( data === undefined ) throw new Error( `images/${ index } is not in the file` );
+		if ( data === undefined ) throw new Error( `images/${ index } is not inside the file` );
 		return Uint8Array.from( atob( data ), ( byte ) => byte.charCodeAt( 0 ) );
 
 	}
 
 	const { buffer, byteOffset = 0, byteLength } = document.bufferViews?.[ bufferView ] || {};
 	const whole = bufferOf( buffer );
-	if ( ! ( Number.isInteger( byteOffset ) && Number.isInteger( byteLength ) && byteOffset >= 0 && byteLength > 0 && byteOffset + byteLength <= whole.byteLength ) ) throw new Error( `images/${ index } ends behind its buffer` );
+	if ( ! ( Number.isInteger( byteOffset ) && Number.isInteger( byteLength ) && byteOffset >= 0 && byteLength > 0 && byteOffset + byteLength <= whole.byteLength ) ) throw new Error( `images/${ index } ends after the end of its buffer` );
 	return new Uint8Array( whole, byteOffset, byteLength );
 
 }
 
-/** What finds the textures of materials, each image once a way of reading it; `notes` gets what is left out. */
+/** Returns a function that reads the textures of a material. Images are decoded once per way of use. Reasons for missing textures go to `notes`. */
 export function textureReader( document, bufferOf, notes ) {
 
 	const known = new Map();
@@ -60,13 +60,13 @@ export function textureReader( document, bufferOf, notes ) {
 	async function decoded( index, isColour, wrap ) {
 
 		const image = document.images?.[ index ];
-		if ( ! image ) throw new Error( 'its image is not there, or of a format that is not read here' );
+		if ( ! image ) throw new Error( 'its image is missing, or its format is not supported' );
 		const bytes = bytesOf( image, index, document, bufferOf );
 		const found = header( bytes );
 		if ( ! found ) throw new Error( `images/${ index } is neither PNG nor JPEG` );
 		const { type, width, height } = found;
-		if ( Math.max( width, height ) > MOST_SIDE ) throw new Error( `images/${ index } has ${ width } x ${ height } pixels; at most ${ MOST_SIDE } a side are shown` );
-		if ( ( pixels += width * height ) > MOST_PIXELS ) throw new Error( `images/${ index } is behind the first ${ MOST_PIXELS } pixels` );
+		if ( Math.max( width, height ) > MOST_SIDE ) throw new Error( `images/${ index } has ${ width } x ${ height } pixels; the limit is ${ MOST_SIDE } per side` );
+		if ( ( pixels += width * height ) > MOST_PIXELS ) throw new Error( `images/${ index } exceeds the limit of ${ MOST_PIXELS } pixels for all images` );
 		try {
 
 			return { isColour, wrap, image: await createImageBitmap( new Blob( [ bytes ], { type } ), { premultiplyAlpha: 'none', colorSpaceConversion: 'none' } ) };
@@ -79,10 +79,10 @@ export function textureReader( document, bufferOf, notes ) {
 
 	}
 
-	async function one( name, { index, texCoord = 0, extensions } ) {
+	async function textureOf( name, { index, texCoord = 0, extensions } ) {
 
-		if ( texCoord !== 0 ) throw new Error( `it is of TEXCOORD_${ texCoord }` );
-		if ( extensions?.KHR_texture_transform ) throw new Error( 'it has a KHR_texture_transform' );
+		if ( texCoord !== 0 ) throw new Error( `it uses TEXCOORD_${ texCoord }; only TEXCOORD_0 is supported` );
+		if ( extensions?.KHR_texture_transform ) throw new Error( 'KHR_texture_transform is not supported' );
 		const { source, sampler } = document.textures?.[ index ] || {};
 		const { wrapS = REPEAT, wrapT = REPEAT } = document.samplers?.[ sampler ] || {};
 		const wrap = [ wrapS, wrapT ].map( ( way ) => [ REPEAT, CLAMP, MIRROR ].includes( way ) ? way : REPEAT );
@@ -92,7 +92,7 @@ export function textureReader( document, bufferOf, notes ) {
 
 	}
 
-	/** The textures of a material by their names, in one order; null where there are none to show. `isBent` says whether normals are among them. */
+	/** The textures of a material by their names in shaders, or null if none of them can be shown. `isBent` says whether there is a normal texture. */
 	return async ( material, hasPlaces ) => {
 
 		const found = {};
@@ -102,19 +102,19 @@ export function textureReader( document, bufferOf, notes ) {
 			if ( ! texture ) continue;
 			try {
 
-				if ( ! hasPlaces ) throw new Error( 'there is no TEXCOORD_0' );
-				found[ name ] = await one( name, texture );
+				if ( ! hasPlaces ) throw new Error( 'TEXCOORD_0 is missing' );
+				found[ name ] = await textureOf( name, texture );
 
 			} catch ( error ) {
 
-				notes.add( `${ member } is left out: ${ error.message }` );
+				notes.add( `${ member } is not shown: ${ error.message }` );
 
 			}
 
 		}
 
 		const others = JSON.stringify( material, ( key, value ) => SHOWN.some( ( [ , member ] ) => member === key ) ? undefined : value );
-		if ( /"index":/.test( others ) ) notes.add( 'of other textures than base colour, metal, roughness and normals the factors are shown' );
+		if ( /"index":/.test( others ) ) notes.add( 'only textures of base colour, metallic-roughness and normals are shown; the factors replace other textures' );
 		return { textures: Object.keys( found ).length ? { ...NO_IMAGES, ...found } : null, isBent: Boolean( found.normal_texture ) };
 
 	};

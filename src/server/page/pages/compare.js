@@ -1,4 +1,4 @@
-// Two or three tables side by side: figures, with the best of each row, pictures and plots.
+// Compares up to three tables: figures with the best value of each row, pictures and plots.
 
 import { bar, el, fill } from '../elements/dom.js';
 import { bytes, number, percent, short, whole } from '../elements/format.js';
@@ -6,23 +6,23 @@ import { isIsotropic, title } from '../elements/recipe.js';
 import { call, manifest } from '../service/api.js';
 import { load, previewOf } from '../service/pictures.js';
 
-/** Most tables beside each other. */
+/** Maximum number of tables side by side. */
 const MOST = 3;
 
-/** Figures of a table, of which less is better: name, value and format. */
+/** Figures of a table: label, value and format. Smaller is better. */
 const FIGURES = [
-	[ 'Error between nodes', ( { report } ) => report.between.width.mean, percent ],
-	[ 'One lobe in twenty exceeds', ( { report } ) => report.between.width.p95, percent ],
-	[ 'Largest error between nodes', ( { report } ) => report.between.width.max, percent ],
+	[ 'Error between nodes, mean', ( { report } ) => report.between.width.mean, percent ],
+	[ 'Error between nodes, 95th percentile', ( { report } ) => report.between.width.p95, percent ],
+	[ 'Error between nodes, largest', ( { report } ) => report.between.width.max, percent ],
 	[ 'Error of light, mean', ( { report } ) => report.between.light.mean, ( part ) => percent( part, 2 ) ],
 	[ 'Error of light, largest', ( { report } ) => report.between.light.max, ( part ) => percent( part, 2 ) ],
 	[ 'Error of amplitude, mean', ( { report } ) => report.between.amplitude?.mean, number ],
-	[ 'Error at nodes', ( { report } ) => report.nodes.width.mean, percent ],
+	[ 'Error at nodes, mean', ( { report } ) => report.nodes.width.mean, percent ],
 	[ 'Size', ( table ) => table.bytes, bytes ],
 	[ 'Entries', ( table ) => table.entries, whole ],
 ];
 
-/** A row of figures, the best of which is marked. */
+/** A row of figures with the best one marked. */
 function figures( name, values, write ) {
 
 	const given = values.filter( ( value ) => value !== undefined );
@@ -52,7 +52,7 @@ export async function show( root, rest, parameters, signal ) {
 	}
 
 	const added = known.length > digests.length ? choices.slice( digests.length ) : null;
-	fill( root, bar( 'Compare', el( 'span', { class: 'muted' }, 'the best of each row is marked' ), added ) );
+	fill( root, bar( 'Compare', el( 'span', { class: 'muted' }, 'the best value of each row is marked' ), added ) );
 	if ( ! known.length ) {
 
 		root.append( el( 'p', { class: 'empty' }, 'No table is stored yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to make one.' ) );
@@ -60,11 +60,11 @@ export async function show( root, rest, parameters, signal ) {
 
 	}
 
-	const later = [];
-	const pictures = ( name, what, width, path ) => el( 'tr', {}, el( 'th', { scope: 'row' }, name ), tables.map( ( table, i ) => {
+	const loads = [];
+	const pictures = ( name, caption, width, path ) => el( 'tr', {}, el( 'th', { scope: 'row' }, name ), tables.map( ( table, i ) => {
 
-		const image = el( 'img', { alt: `${ what } table ${ i + 1 }`, width } );
-		later.push( [ image, path( table ) ] );
+		const image = el( 'img', { alt: `${ caption } table ${ i + 1 }`, width } );
+		loads.push( [ image, path( table ) ] );
 		return el( 'td', {}, image );
 
 	} ) );
@@ -77,7 +77,7 @@ export async function show( root, rest, parameters, signal ) {
 			pictures( 'Picture', 'A sphere lit by', 256, ( { recipe, table } ) => previewOf( recipe, table, 512 ) ),
 			pictures( 'Errors', 'Errors of', 320, ( table ) => plot( table, `error.png${ isIsotropic( table.recipe ) ? '' : '?ratio=0.25&phi=0.7' }` ) ),
 			pictures( 'Numbers', 'Stored numbers of', 320, ( table ) => plot( table, 'matrix.png' ) ) ) ) ) );
-	later.forEach( ( [ image, from ] ) => load( image, from, signal ) );
+	loads.forEach( ( [ image, from ] ) => load( image, from, signal ) );
 	return () => {};
 
 }

@@ -1,4 +1,4 @@
-// One job: its progress, its end, and its recipe.
+// One job: progress, result and recipe.
 
 import { button, el, facts, fill, notice } from '../elements/dom.js';
 import { percent, span, whole } from '../elements/format.js';
@@ -8,14 +8,14 @@ import { follow, isActive } from '../service/jobs.js';
 
 const MARKS = { queued: '○', running: '◐', done: '●', failed: '✕', cancelled: '–' };
 
-/** The state of a job as a word with a mark, which does not rest on colour. */
+/** The state of a job as a mark and a word, readable without colours. */
 export function badge( state ) {
 
 	return el( 'span', { class: `state ${ state }` }, el( 'span', { 'aria-hidden': 'true' }, MARKS[ state ] ), ` ${ state }` );
 
 }
 
-/** How far a job is. */
+/** The progress of a job. */
 export function bar( { progress: { entries_done, entries_total, seconds_left }, state } ) {
 
 	const left = state === 'running' && seconds_left !== null ? `${ span( seconds_left ) } left` : '';
@@ -25,7 +25,7 @@ export function bar( { progress: { entries_done, entries_total, seconds_left }, 
 
 }
 
-/** A button that cancels a job, and passes on the job as it is then. */
+/** A button that cancels a job. `onJob` gets the cancelled job. */
 export function cancelButton( id, onJob, onError ) {
 
 	const pressed = el( 'button', { type: 'button', class: 'quiet', onclick: () => {
@@ -58,11 +58,11 @@ export async function show( root, id, parameters, signal ) {
 			expected && [ 'Shards', whole( expected.shards ) ],
 			expected && [ 'Expected time', span( expected.seconds ) ],
 			expected && [ 'Expected error', percent( expected.error ) ],
-			job.started_at && job.finished_at && [ 'Took', span( ( Date.parse( job.finished_at ) - Date.parse( job.started_at ) ) / 1000 ) ],
+			job.started_at && job.finished_at && [ 'Duration', span( ( Date.parse( job.finished_at ) - Date.parse( job.started_at ) ) / 1000 ) ],
 			[ 'Attempts', job.attempts ],
 			[ 'Submitted', new Date( job.created_at ).toLocaleString() ],
 		] ) );
-		// Buttons keep the focus while the state stays.
+		// While the state does not change, the buttons stay and keep the focus.
 		if ( job.state === shown ) return;
 		shown = job.state;
 		fill( state, badge( shown ), job.error ? el( 'p', { class: 'notice' }, job.error.title, ': ', job.error.detail ) : null );
@@ -91,7 +91,7 @@ export async function show( root, id, parameters, signal ) {
 	const job = await ask();
 	fill( root, el( 'h1', {}, title( job.recipe ) ), fault, state, figures, actions, recipeSection( job.recipe ) );
 	watch( job );
-	// The stream is opened again by itself; this asks for what has happened meanwhile.
+	// `follow` opens the stream again. This call shows the changes in between.
 	return () => ask().then( update, failed );
 
 }

@@ -1,4 +1,4 @@
-// Jobs: those that run, and those that ended.
+// The list of jobs.
 
 import { bar as titled, button, el, fill, headings, notice } from '../elements/dom.js';
 import { age } from '../elements/format.js';
@@ -7,12 +7,12 @@ import { call } from '../service/api.js';
 import { isActive } from '../service/jobs.js';
 import { badge, bar, cancelButton } from './job.js';
 
-/** How often the list is asked for while jobs run, and while none does, in milliseconds. */
+/** Milliseconds between two requests of the list: with active jobs, and without. */
 const [ BUSY, IDLE ] = [ 1500, 10_000 ];
-/** Jobs of a page of the list, and those that are asked for again at most. */
+/** Jobs per page of the list, and the maximum number in a refresh. */
 const [ PAGE, MOST ] = [ 50, 1000 ];
 
-/** The progress of a job, or how it ended. */
+/** The progress or the result of a job. */
 function outcome( job, onJob, onError ) {
 
 	if ( isActive( job ) ) return [ bar( job ), cancelButton( job.id, onJob, onError ) ];
@@ -30,7 +30,7 @@ export async function show( root, rest, parameters, signal ) {
 	const fault = el( 'div' );
 	const more = el( 'button', { type: 'button', hidden: true, onclick: () => read( next ).catch( failed ) }, 'Older jobs' );
 	const list = el( 'table', { class: 'list jobs' }, el( 'caption', { class: 'hidden' }, 'Jobs' ), el( 'thead', {}, headings( 'State', 'Recipe', 'Progress', 'Age' ) ), body );
-	const empty = el( 'p', { class: 'empty', hidden: true }, 'No job is known. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to begin one.' );
+	const empty = el( 'p', { class: 'empty', hidden: true }, 'There are no jobs yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to start one.' );
 	fill( root, titled( 'Jobs', count, button( '#/new', 'New' ) ), fault, list, empty, more );
 
 	const failed = ( error ) => signal.aborted || fill( fault, notice( error.message ) );
@@ -39,15 +39,15 @@ export async function show( root, rest, parameters, signal ) {
 
 		const { row = el( 'tr' ), text } = rows.get( job.id ) || {};
 		rows.set( job.id, { job, row, text: JSON.stringify( job ) } );
-		// A button that is pressed stays in its place.
+		// An unchanged row stays, so that a pressed button is not replaced.
 		if ( text === JSON.stringify( job ) ) return;
-		const held = row.contains( document.activeElement ) && document.activeElement.tagName;
+		const focusedTag = row.contains( document.activeElement ) && document.activeElement.tagName;
 		fill( row,
 			el( 'td', {}, badge( job.state ) ),
 			el( 'th', { scope: 'row' }, el( 'a', { href: `#/jobs/${ job.id }` }, title( job.recipe ) ) ),
 			el( 'td', {}, outcome( job, update, failed ) ),
 			el( 'td', { class: 'number' }, el( 'time', { datetime: job.created_at, title: new Date( job.created_at ).toLocaleString() }, age( job.created_at ) ) ) );
-		if ( held ) row.querySelector( held )?.focus();
+		if ( focusedTag ) row.querySelector( focusedTag )?.focus();
 
 	}
 
@@ -64,7 +64,7 @@ export async function show( root, rest, parameters, signal ) {
 		empty.hidden = rows.size > 0;
 		list.hidden = rows.size === 0;
 		fill( fault );
-		fill( count, active() ? `${ active() } under way` : 'none under way' );
+		fill( count, active() ? `${ active() } active` : 'none active' );
 
 	}
 

@@ -1,7 +1,7 @@
-// A recipe in a form, with its forecast.
+// The form of a recipe, with its forecast.
 //
-// The document is a preset and its changes. The service fills in the rest and finds the errors, so that the form knows no
-// default.
+// The document is a preset with changes. The service fills in the other fields and finds the errors, so the form needs no
+// defaults.
 
 import { copyButton, el, facts, fill, muted, notice } from '../elements/dom.js';
 import { bytes, percent, short, span, whole } from '../elements/format.js';
@@ -14,13 +14,13 @@ import { tradeoff } from '../form/tradeoff.js';
 import { address, call, constant } from '../service/api.js';
 import { hasToken } from '../service/token.js';
 
-/** How long a change waits for the next one before the service is asked, in milliseconds. */
+/** Milliseconds without a change before the page requests a forecast. */
 const PAUSE = 120;
 
-/** A word of a shell's line, whatever is in it: recipes come from links of others too. */
+/** Quotes any text as one word for a shell. Recipes can come from untrusted links. */
 const quoted = ( text ) => `'${ text.replaceAll( "'", "'\\''" ) }'`;
 
-/** The call of a shell that submits a recipe. */
+/** The shell command that submits a recipe. */
 function curlOf( recipe ) {
 
 	const token = hasToken() ? '  -H "authorization: Bearer $TOKEN" \\\n' : '';
@@ -28,7 +28,7 @@ function curlOf( recipe ) {
 
 }
 
-/** The recipe in the page's address, or the default. */
+/** The recipe in the address, or the default. */
 function initial( parameters ) {
 
 	try {
@@ -37,7 +37,7 @@ function initial( parameters ) {
 
 	} catch {
 
-		// A link that was cut short shows the default.
+		// An incomplete link shows the default.
 		return { preset: 'standard' };
 
 	}
@@ -50,17 +50,17 @@ export async function show( root, rest, parameters, signal ) {
 	let recipe = initial( parameters );
 	let timer = 0;
 	let asked = 0;
-	/** The last complete recipe, which has the values that a document with errors does not say. */
+	/** The last complete recipe. While the document has errors, missing values come from here. */
 	let filled = null;
 	const groups = groupsOf( schema ).map( ( { name, fields } ) => ( { name, inputs: fields.map( ( field ) => input( field, ( value ) => change( field, value ) ) ) } ) );
 	const inputs = groups.flatMap( ( { inputs } ) => inputs );
-	// Until the service has told the layout.
+	// Fields of one layout stay hidden until the service has returned the layout.
 	for ( const { field, row } of inputs ) row.hidden = Boolean( field.layout );
 	const presets = schema.properties.preset.enum.map( ( value ) => el( 'label', {}, el( 'input', { type: 'radio', name: 'preset', value, onchange: () => change( { pointer: '/preset' }, value ) } ), value ) );
 	const expected = el( 'div', { 'aria-live': 'polite' } );
 	const others = el( 'div' );
 	const entered = documentField( take, () => submit.disabled = true );
-	const curl = el( 'pre', { tabindex: 0, role: 'region', 'aria-label': 'Call by curl' } );
+	const curl = el( 'pre', { tabindex: 0, role: 'region', 'aria-label': 'curl command' } );
 	const submit = el( 'button', { type: 'submit', class: 'primary' }, 'Submit' );
 	const reset = el( 'button', { type: 'button', class: 'quiet', onclick: () => take( { preset: recipe.preset || 'standard' } ) }, 'Back to the preset' );
 	const answer = el( 'div' );
@@ -78,8 +78,8 @@ export async function show( root, rest, parameters, signal ) {
 				answer, el( 'p', { class: 'actions' }, submit, reset ) ),
 			el( 'aside', { 'aria-label': 'Forecast' },
 				el( 'h2', {}, 'Forecast' ), expected, others, chart.root,
-				copied( 'Recipe', entered.text ), muted( 'Edit it, or paste another. It may say more than the form has fields for.' ), entered.root,
-				copied( 'The same by curl', () => curl.textContent ), curl ) ) );
+				copied( 'Recipe', entered.text ), muted( 'Edit the recipe, or paste another one. It can have fields that the form does not show.' ), entered.root,
+				copied( 'Submit with curl', () => curl.textContent ), curl ) ) );
 
 	function change( { pointer, decided = [] }, value ) {
 
@@ -89,7 +89,7 @@ export async function show( root, rest, parameters, signal ) {
 
 	}
 
-	/** Takes another recipe in place of what was entered. */
+	/** Replaces the recipe. */
 	function take( other ) {
 
 		recipe = other;
@@ -102,24 +102,24 @@ export async function show( root, rest, parameters, signal ) {
 		entered.show( recipe );
 		for ( const radio of root.querySelectorAll( '[name=preset]' ) ) radio.checked = radio.value === ( recipe.preset ?? ( recipe.fit ? '' : 'standard' ) );
 		fill( curl, curlOf( recipe ) );
-		// A page that is loaded again has the same recipe.
+		// The address has the recipe, so reloading the page keeps it.
 		history.replaceState( null, '', formOf( recipe ) );
 		clearTimeout( timer );
-		timer = setTimeout( foresee, PAUSE );
+		timer = setTimeout( requestForecast, PAUSE );
 
 	}
 
-	async function foresee() {
+	async function requestForecast() {
 
 		const turn = ++ asked;
 		const ask = ( body ) => call( '/v1/recipes', { method: 'POST', body, signal } );
 		try {
 
-			const foreseen = await ask( recipe );
+			const response = await ask( recipe );
 			if ( turn !== asked ) return;
-			tell( foreseen );
-			// A link may bring a recipe with errors; all that it does not say is that of the preset.
-			if ( ! foreseen.recipe && ! filled ) fillIn( ( await ask( { preset: recipe.preset || 'standard' } ) ).recipe );
+			showForecast( response );
+			// A link can have a recipe with errors. Its missing values then come from the preset.
+			if ( ! response.recipe && ! filled ) fillIn( ( await ask( { preset: recipe.preset || 'standard' } ) ).recipe );
 
 		} catch ( error ) {
 
@@ -129,7 +129,7 @@ export async function show( root, rest, parameters, signal ) {
 
 	}
 
-	/** Shows the document's values, and those of a complete recipe where it has none. */
+	/** Shows the values of the document. Missing values come from a complete recipe. */
 	function fillIn( complete ) {
 
 		filled = complete;
@@ -137,16 +137,16 @@ export async function show( root, rest, parameters, signal ) {
 
 	}
 
-	/** Shows the recipe in force, its forecast and its errors, each at its field. */
-	function tell( { recipe: complete, entries, expected: forecast, table, recipe_digest, problem } ) {
+	/** Shows the complete recipe, its forecast, and each error at its field. */
+	function showForecast( { recipe: complete, entries, expected: forecast, table, recipe_digest, problem } ) {
 
 		const faults = new Set( problem?.errors );
-		for ( const { field: { pointer, layout }, row, blame } of inputs ) {
+		for ( const { field: { pointer, layout }, row, showFaults } of inputs ) {
 
 			const own = [ ...faults ].filter( ( fault ) => `${ fault.pointer }/`.startsWith( `${ pointer }/` ) );
 			own.forEach( ( fault ) => faults.delete( fault ) );
-			// Of a list, the item and its member too.
-			blame( own.map( ( fault ) => fault.pointer === pointer ? fault.detail : `${ fault.pointer.slice( 1 ) }: ${ fault.detail }` ) );
+			// An error inside a list also names the item and its member.
+			showFaults( own.map( ( fault ) => fault.pointer === pointer ? fault.detail : `${ fault.pointer.slice( 1 ) }: ${ fault.detail }` ) );
 			row.hidden = Boolean( layout ) && ! own.length && ( complete || recipe ).layout !== layout;
 
 		}
@@ -157,7 +157,7 @@ export async function show( root, rest, parameters, signal ) {
 		chart.show( forecast );
 		fill( submit, table ? 'Open the table' : 'Submit' );
 		fill( expected, complete ? facts( [
-			[ 'Time', table ? 'fitted already' : forecast ? span( forecast.seconds ) : '–' ],
+			[ 'Time', table ? 'already fitted' : forecast ? span( forecast.seconds ) : '–' ],
 			[ 'Error', forecast ? percent( forecast.error ) : '–' ],
 			[ 'Size', forecast ? bytes( forecast.bytes ) : '–' ],
 			[ 'Entries', whole( entries ) ],
@@ -185,6 +185,6 @@ export async function show( root, rest, parameters, signal ) {
 	}
 
 	changed();
-	return foresee;
+	return requestForecast;
 
 }

@@ -1,4 +1,4 @@
-// One table: its identity, its quality, and its files for each engine.
+// One table: digest, quality, and files for engines.
 
 import { bar, button, copyLine, el, facts, fill, section } from '../elements/dom.js';
 import { bytes, short, whole } from '../elements/format.js';
@@ -12,7 +12,7 @@ export async function show( root, digest, parameters, signal ) {
 
 	const about = await manifest( digest );
 	const { recipe, report, recipe_digest } = about;
-	const picture = el( 'img', { alt: 'A sphere under a rectangle of light: the reference, this table, and their difference', width: 776, height: 314 } );
+	const picture = el( 'img', { alt: 'A sphere under a rectangular light: the reference, this table, and their difference', width: 776, height: 314 } );
 	const isShown = load( picture, previewOf( recipe, digest, 256, 'strip' ), signal );
 	fill( root,
 		bar( title( recipe ), null, variation( recipe ), button( `#/compare?tables=${ digest }`, 'Compare' ), button( `#/viewer?${ new URLSearchParams( { table: digest } ) }`, 'View' ) ),
@@ -30,7 +30,7 @@ export async function show( root, digest, parameters, signal ) {
 		plots( digest, recipe, isShown, signal ),
 		downloads( digest, signal ),
 		recipeSection( recipe ) );
-	// A table never changes, and nothing is asked again.
+	// A table never changes, so there is nothing to refresh.
 	return () => {};
 
 }

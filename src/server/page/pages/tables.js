@@ -1,4 +1,4 @@
-// The list of tables: search, sort, and a choice of tables to compare.
+// The list of tables: search, sort, and select tables to compare.
 
 import { bar, button, el, fill } from '../elements/dom.js';
 import { age, bytes, percent, short } from '../elements/format.js';
@@ -6,18 +6,18 @@ import { title } from '../elements/recipe.js';
 import { call, each, manifest } from '../service/api.js';
 import { load, previewOf } from '../service/pictures.js';
 
-/** Tables of a page of the list. */
+/** Tables per page of the list. */
 const PAGE = 200;
-/** Manifests that are asked for at the same time: the service hashes a table for each. */
+/** Manifests that are requested at the same time. The service hashes a table for each. */
 const AT_ONCE = 4;
-/** Pixels of a picture, for screens of twice the density. */
+/** Pixels per side of a picture, enough for screens of double density. */
 const PICTURE = 96;
 
-/** The columns: their names, the values that they sort by, and their meaning. */
+/** The columns: name, value to sort by, and meaning. */
 const COLUMNS = [
 	[ 'Table', ( row ) => row.title ],
 	[ 'Error', ( row ) => row.error, 'Mean error between nodes, as a part of the lobe’s width' ],
-	[ 'Light', ( row ) => row.light, 'Mean error of the light of square lights, as a part of the lobe’s energy' ],
+	[ 'Light', ( row ) => row.light, 'Mean error of the reflected light of square lights, as a part of the lobe’s energy' ],
 	[ 'Size', ( row ) => row.bytes ],
 	[ 'Age', ( row ) => - Date.parse( row.created_at ) ],
 ];
@@ -38,8 +38,8 @@ export async function show( root, rest, parameters, signal ) {
 	const body = el( 'tbody' );
 	const more = el( 'button', { type: 'button', hidden: true, onclick: older }, 'Older tables' );
 	const headings = COLUMNS.map( ( [ name, , title ], column ) => el( 'th', { scope: 'col', class: column ? 'number' : null }, el( 'button', { type: 'button', class: 'sort', title, onclick: () => sort( column ) }, name ) ) );
-	const ends = [ [ 'picture', 'Picture' ], [ 'choose', 'Compare' ] ].map( ( [ name, text ] ) => el( 'th', { scope: 'col', class: name }, hidden( text ) ) );
-	const list = el( 'table', { class: 'list' }, hidden( 'Tables', 'caption' ), el( 'thead', {}, el( 'tr', {}, ends[ 0 ], headings, ends[ 1 ] ) ), body );
+	const outer = [ [ 'picture', 'Picture' ], [ 'choose', 'Compare' ] ].map( ( [ name, text ] ) => el( 'th', { scope: 'col', class: name }, hidden( text ) ) );
+	const list = el( 'table', { class: 'list' }, hidden( 'Tables', 'caption' ), el( 'thead', {}, el( 'tr', {}, outer[ 0 ], headings, outer[ 1 ] ) ), body );
 	const empty = el( 'p', { class: 'empty', hidden: true }, 'No table is stored yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to make one.' );
 	fill( root, bar( 'Tables', count, el( 'label', { for: 'search', class: 'hidden' }, 'Search' ), search, compare ), list, empty, more );
 
@@ -63,7 +63,7 @@ export async function show( root, rest, parameters, signal ) {
 			cell( 'Size', bytes( item.bytes ) ),
 			cell( 'Age', el( 'time', { datetime: item.created_at, title: new Date( item.created_at ).toLocaleString() }, age( item.created_at ) ) ),
 			el( 'td', { class: 'choose' }, choose ) );
-		// Until the manifest is there, a table is behind all others.
+		// A table without its manifest is sorted after all others.
 		rows.set( item.digest, { ...item, row, link, picture, cells: [ error, light ], title: '', error: Infinity, light: Infinity } );
 
 	}
@@ -123,7 +123,7 @@ export async function show( root, rest, parameters, signal ) {
 		const page = await call( `/v1/tables?limit=${ PAGE }${ cursor ? `&cursor=${ cursor }` : '' }`, { signal } );
 		const fresh = page.items.filter( ( { digest } ) => ! rows.has( digest ) );
 		page.items.forEach( add );
-		// The first page, asked for again, does not say where the oldest known table is followed by others.
+		// A refresh requests only the first page, so its `next` must not replace the cursor after the oldest table in the list.
 		if ( cursor || next === null ) next = page.next;
 		draw();
 		each( fresh.map( ( { digest } ) => rows.get( digest ) ), AT_ONCE, signal, detail ).then( () => signal.aborted || draw() );

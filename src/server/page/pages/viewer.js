@@ -1,4 +1,4 @@
-// The viewer: a table, model normals or the shading of engines on the visitor's own GPU, beside the truth or each other.
+// The viewer: compares tables, model normals and the shading of engines with the reference or each other, on the user's GPU.
 
 import { bar, copyButton, el, facts, fileField, fill, muted, notice, svg, takeDrops } from '../elements/dom.js';
 import { short, whole } from '../elements/format.js';
@@ -6,23 +6,23 @@ import { call } from '../service/api.js';
 import { choice, drag, slider } from '../viewer/controls.js';
 import { lightsPanel } from '../viewer/lights.js';
 import { modelOf, PUBLISHED, textOf } from '../viewer/models.js';
-import { camera, CHOICES, isPictured, link, METALS, moved, outline, PARAMETERS, placed, read, seen, uniformsOf } from '../viewer/scene.js';
+import { camera, CHOICES, isPictured, link, METALS, moved, outline, PARAMETERS, placed, projected, read, uniformsOf } from '../viewer/scene.js';
 import { shaderBall } from '../viewer/shader_ball.js';
 import { device } from '../webgl/device.js';
 
-/** Pixels a side. */
+/** Pixels per side. */
 const SIZE = 512;
-/** Samples of a frame, and those after which the reference is still. */
+/** Samples per frame, and samples of a finished reference. */
 const [ PER_FRAME, MOST ] = [ 8, 1024 ];
-/** The difference, in radiance, at the end of the colours. */
+/** The difference in radiance at the end of the colour scale. */
 const DIFFERENCE = 0.2;
-/** Members of the scene that change only how the samples are shown. */
+/** Members of the scene that do not affect the samples, only their display. */
 const SHOWN = [ 'show', 'split', 'exposure' ];
 
-/** Sides to show, by their names in a link. */
+/** The sides to show: name in a link, and label. */
 const SIDES = [ [ 'split', 'both' ], [ 'model', 'left' ], [ 'reference', 'right' ], [ 'difference', 'difference' ] ];
 
-/** Surfaces by their names in a link. */
+/** The surfaces: name in a link, and label. */
 const SURFACES = CHOICES.surface.map( ( name ) => [ name, name.replace( '_', ' ' ) ] );
 
 export async function show( root, rest, parameters, signal ) {
@@ -37,61 +37,61 @@ export async function show( root, rest, parameters, signal ) {
 	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && name !== 'normals' && ! Object.hasOwn( PUBLISHED, name ) );
 	const models = [ ...Object.entries( PUBLISHED ), ...known.map( ( digest ) => [ digest, `table ${ short( digest ) }` ] ) ];
 	const chosen = ( name, label, options, id = `view-${ name }` ) => choice( id, label, options, scene[ name ], ( value ) => change( name, value ) );
-	const table = chosen( 'table', 'Lit by', [ [ '', 'normals, no table' ], ...models ], 'model' );
-	const against = chosen( 'against', 'Beside', [ [ '', 'Monte Carlo integration' ], [ 'normals', 'normals, no table' ], ...models ], 'against' );
-	const [ surface, metal, sides ] = [ chosen( 'surface', 'Surface', SURFACES ), chosen( 'metal', 'Material', CHOICES.metal ), chosen( 'show', 'Shown', SIDES ) ];
+	const table = chosen( 'table', 'Left side', [ [ '', 'normals, no table' ], ...models ], 'model' );
+	const against = chosen( 'against', 'Right side', [ [ '', 'Monte Carlo integration' ], [ 'normals', 'normals, no table' ], ...models ], 'against' );
+	const [ surface, metal, sides ] = [ chosen( 'surface', 'Surface', SURFACES ), chosen( 'metal', 'Material', CHOICES.metal ), chosen( 'show', 'Show', SIDES ) ];
 	const sliders = PARAMETERS.map( ( field ) => slider( field, '', change ) );
 	const split = slider( { name: 'split', label: 'Split at', min: 0, max: 1, step: 0.01 }, '', change );
 	const opened = el( 'div', { role: 'status' } );
 	const group = ( legend, ...rows ) => el( 'fieldset', {}, el( 'legend', {}, legend ), rows );
-	const rows = ( ...names ) => sliders.filter( ( { name } ) => names.some( ( begin ) => name.startsWith( begin ) ) ).map( ( { row } ) => row );
+	const rows = ( ...names ) => sliders.filter( ( { name } ) => names.some( ( prefix ) => name.startsWith( prefix ) ) ).map( ( { row } ) => row );
 	const ofSurface = el( 'div', { class: 'controls' }, metal.row, rows( 'alpha', 'rotation' ) );
-	const lights = lightsPanel( scene, () => change( 'lights', scene.lights ), () => begin() );
+	const lights = lightsPanel( scene, () => change( 'lights', scene.lights ), () => restart() );
 
 	fill( root,
 		bar( 'Viewer', null, copyButton( 'Copy link', () => location.href ) ),
 		el( 'div', { class: 'view' },
 			el( 'div', {}, el( 'div', { class: 'stage' }, canvas, overlay ),
-				muted( 'Drag to orbit. Drag a light to move it, with Shift nearer and farther.' ), figures ),
+				muted( 'Drag to orbit. Drag a light to move it. Hold Shift to move it nearer or farther.' ), figures ),
 			el( 'form', { class: 'controls', onsubmit: ( event ) => event.preventDefault() },
-				group( 'Compared', table.row, against.row, sides.row, split.row ),
+				group( 'Compare', table.row, against.row, sides.row, split.row ),
 				group( 'Surface', surface.row, el( 'div', { class: 'field' }, el( 'label', { for: 'mesh' }, 'glTF' ), el( 'div', { class: 'file' }, fileField( 'mesh', '.glb,.gltf', 'Open or drop a file', open ) ) ), opened, ofSurface ),
 				group( 'Lights', lights.row ),
 				group( 'Camera', rows( 'camera', 'exposure' ) ) ) ) );
 
-	/** The meshes of a glTF file that was opened; they are no part of the link. */
+	/** The meshes of an opened glTF file. Links do not contain them. */
 	let mesh = null;
-	/** The device that draws; null where the browser has none. */
-	let drawn = null;
-	/** The models of both sides, null where the right one is the reference, and the text that prefilters pictures on lights. */
+	/** The WebGL device; null if the browser has none. */
+	let gpu = null;
+	/** The models of both sides, with null for the reference, and the shader text that prefilters pictures on lights. */
 	let lit = null;
 	let prefilter = null;
 	let asked = 0;
 	let samples = 0;
-	let isSeen = false;
+	let isDrawn = false;
 	let isMoving = false;
 	let isWaiting = false;
 
 	function start() {
 
-		drawn = device( canvas );
-		begin();
+		gpu = device( canvas );
+		restart();
 
 	}
 
-	/** Shows an error in place of the figures. */
+	/** Shows an error instead of the figures. */
 	const failed = ( error ) => signal.aborted || fill( figures, notice( error.message ) );
-	// Without this a lost context never comes back.
+	// Browsers restore a lost context only if the default action is prevented.
 	canvas.addEventListener( 'webglcontextlost', ( event ) => signal.aborted || event.preventDefault() );
 	canvas.addEventListener( 'webglcontextrestored', start );
 	signal.addEventListener( 'abort', () => {
 
-		drawn?.release();
+		gpu?.release();
 		lights.release();
 
 	} );
 
-	/** Asks for the models that the scene names. */
+	/** Loads the models that the scene names. */
 	async function choose() {
 
 		const turn = ++ asked;
@@ -104,7 +104,7 @@ export async function show( root, rest, parameters, signal ) {
 			if ( turn !== asked || signal.aborted ) return;
 			prefilter = found.pop();
 			lit = found;
-			begin();
+			restart();
 
 		} catch ( error ) {
 
@@ -136,12 +136,12 @@ export async function show( root, rest, parameters, signal ) {
 
 	takeDrops( canvas.parentElement, open );
 
-	/** Shows the scene from its first sample. */
-	function begin() {
+	/** Draws the scene again from its first sample. */
+	function restart() {
 
 		samples = 0;
-		isSeen = false;
-		later();
+		isDrawn = false;
+		requestFrame();
 
 	}
 
@@ -149,24 +149,24 @@ export async function show( root, rest, parameters, signal ) {
 
 		scene[ name ] = value;
 		history.replaceState( null, '', `#/viewer?${ link( scene ) }` );
-		tell();
-		const isOther = scene.lights.some( isPictured ) !== ( prefilter !== null );
-		if ( name === 'table' || name === 'against' || isOther ) choose();
-		else if ( SHOWN.includes( name ) ) later();
-		else begin();
+		showValues();
+		const needsOtherModels = scene.lights.some( isPictured ) !== ( prefilter !== null );
+		if ( name === 'table' || name === 'against' || needsOtherModels ) choose();
+		else if ( SHOWN.includes( name ) ) requestFrame();
+		else restart();
 
 	}
 
-	function tell() {
+	function showValues() {
 
-		for ( const control of [ split, ...sliders ] ) control.tell( scene );
-		lights.tell();
-		// A mesh has its own materials.
+		for ( const control of [ split, ...sliders ] ) control.show( scene );
+		lights.show();
+		// The materials of a glTF file replace this one.
 		ofSurface.hidden = scene.surface === 'mesh';
 
 	}
 
-	function later() {
+	function requestFrame() {
 
 		if ( isWaiting || signal.aborted ) return;
 		isWaiting = true;
@@ -178,7 +178,7 @@ export async function show( root, rest, parameters, signal ) {
 
 		isWaiting = false;
 		outlineLights();
-		if ( signal.aborted || ! lit || ! drawn || drawn.isLost() ) return;
+		if ( signal.aborted || ! lit || ! gpu || gpu.isLost() ) return;
 		const since = performance.now();
 		let calls = 0;
 		try {
@@ -195,11 +195,11 @@ export async function show( root, rest, parameters, signal ) {
 		const isReference = ! right && scene.show !== 'model';
 		canvas.dataset.samples = right ? MOST : samples;
 		fill( figures,
-			facts( [ [ 'Samples', isReference ? samples : '–' ], [ 'Frame', `${ ( performance.now() - since ).toFixed( 1 ) } ms` ], [ 'Draw calls', calls ] ] ),
-			right && right.brdf !== left.brdf ? muted( `Two scattering models: ${ left.brdf } on the left, ${ right.brdf } on the right. Both have the colour of the left one.` ) : null,
-			scene.show === 'difference' ? el( 'div', { class: 'scale muted' }, el( 'span', {}, 'no difference' ), el( 'span', { class: 'ramp difference' } ), el( 'span', {}, `${ DIFFERENCE } of radiance and more` ) ) : null );
-		if ( isMoving ) begin();
-		else if ( isReference && samples < MOST ) later();
+			facts( [ [ 'Samples', isReference ? samples : '–' ], [ 'Frame time', `${ ( performance.now() - since ).toFixed( 1 ) } ms` ], [ 'Draw calls', calls ] ] ),
+			right && right.brdf !== left.brdf ? muted( `Two scattering models: ${ left.brdf } on the left, ${ right.brdf } on the right. Both use the colour of the left side.` ) : null,
+			scene.show === 'difference' ? el( 'div', { class: 'scale muted' }, el( 'span', {}, 'no difference' ), el( 'span', { class: 'ramp difference' } ), el( 'span', {}, `radiance differs by ${ DIFFERENCE } or more` ) ) : null );
+		if ( isMoving ) restart();
+		else if ( isReference && samples < MOST ) requestFrame();
 
 	}
 
@@ -211,39 +211,39 @@ export async function show( root, rest, parameters, signal ) {
 		const numbers = { ...uniforms, eye, size: SIZE };
 		const [ left, other ] = lit;
 		let calls = 1;
-		if ( ! isSeen ) {
+		if ( ! isDrawn ) {
 
 			const shown = lights.layers();
 			isMoving = shown.isMoving;
-			calls += drawn.picture( shown.layers, prefilter );
+			calls += gpu.picture( shown.layers, prefilter );
 			const isWhite = left.brdf !== 'ggx';
 			const ofMaterial = ( { alpha_x, alpha_y, rotation, f0, factors } ) => ( { ...factors, is_white: Number( isWhite ), f0: isWhite ? METALS.white : f0, material: [ alpha_x, alpha_y, Math.cos( rotation ), Math.sin( rotation ) ] } );
 			const view = { ...numbers, right, up, forward };
 			const own = { ...scene, f0: METALS[ scene.metal ] };
 			const meshes = { mesh, shader_ball: [ { numbers: shaderBall(), material: own } ] }[ scene.surface ];
-			if ( meshes ) drawn.seeMeshes( view, meshes.map( ( { material, ...of } ) => ( { ...of, ofMaterial: ofMaterial( material ) } ) ) );
-			else drawn.see( { ...view, ...ofMaterial( own ), pixel_width: 2 * half / SIZE, surface: CHOICES.surface.indexOf( scene.surface ) } );
-			drawn.light( 'left', left, numbers, shapes );
-			if ( other ) drawn.light( 'right', other, numbers, shapes );
+			if ( meshes ) gpu.drawMeshes( view, meshes.map( ( { material, ...of } ) => ( { ...of, ofMaterial: ofMaterial( material ) } ) ) );
+			else gpu.drawSurface( { ...view, ...ofMaterial( own ), pixel_width: 2 * half / SIZE, surface: CHOICES.surface.indexOf( scene.surface ) } );
+			gpu.light( 'left', left, numbers, shapes );
+			if ( other ) gpu.light( 'right', other, numbers, shapes );
 			calls += ( meshes?.length || 1 ) + ( other ? 2 : 1 );
-			isSeen = true;
+			isDrawn = true;
 
 		}
 
 		if ( ! other && scene.show !== 'model' && samples < MOST ) {
 
-			drawn.sample( left.brdf, numbers, shapes, samples, PER_FRAME );
+			gpu.sample( left.brdf, numbers, shapes, samples, PER_FRAME );
 			samples += PER_FRAME;
 			calls ++;
 
 		}
 
-		drawn.display( { size: SIZE, exposure: scene.exposure, split: scene.split, show: CHOICES.show.indexOf( scene.show ), difference_scale: DIFFERENCE }, other ? null : samples );
+		gpu.display( { size: SIZE, exposure: scene.exposure, split: scene.split, show: CHOICES.show.indexOf( scene.show ), difference_scale: DIFFERENCE }, other ? null : samples );
 		return calls;
 
 	}
 
-	/** The lights' outlines over the picture, which are dragged. */
+	/** Draws the outlines of the lights over the picture. Users drag them. */
 	function outlineLights() {
 
 		const from = camera( scene );
@@ -251,8 +251,8 @@ export async function show( root, rest, parameters, signal ) {
 		while ( outlines.length < scene.lights.length ) outlines.push( dragged( outlines.length ) );
 		outlines.forEach( ( polygon, i ) => {
 
-			const seenAt = outline( scene.lights[ i ], from.eye ).map( ( corner ) => seen( from, corner ) );
-			polygon.setAttribute( 'points', seenAt.every( Boolean ) ? seenAt.map( ( { x, y } ) => `${ x },${ - y }` ).join( ' ' ) : '' );
+			const points = outline( scene.lights[ i ], from.eye ).map( ( corner ) => projected( from, corner ) );
+			polygon.setAttribute( 'points', points.every( Boolean ) ? points.map( ( { x, y } ) => `${ x },${ - y }` ).join( ' ' ) : '' );
 			polygon.classList.toggle( 'other', i !== lights.chosen() );
 
 		} );
@@ -268,7 +268,7 @@ export async function show( root, rest, parameters, signal ) {
 
 			const light = scene.lights[ i ];
 			const from = camera( scene );
-			const distance = seen( from, placed( light ).centre )?.distance || 0;
+			const distance = projected( from, placed( light ).centre )?.distance || 0;
 			const way = isNear ? from.forward.map( ( part ) => 2 * y * part ) : moved( from, distance, x, y );
 			lights.take( i );
 			[ 'x', 'y', 'z' ].forEach( ( name, axis ) => light[ name ] = Number( ( light[ name ] + way[ axis ] ).toFixed( 3 ) ) );
@@ -286,7 +286,7 @@ export async function show( root, rest, parameters, signal ) {
 		change( 'camera_elevation', Math.min( 1.5, Math.max( - 1.5, scene.camera_elevation - 2 * y ) ) );
 
 	} );
-	tell();
+	showValues();
 	try {
 
 		start();
@@ -298,7 +298,7 @@ export async function show( root, rest, parameters, signal ) {
 
 	}
 
-	// Models that a service that went did not bring.
+	// The service may have stopped before it returned the models.
 	return () => lit || choose();
 
 }

@@ -1,45 +1,45 @@
-// The files of a table for each engine, and where they go.
+// The files of a table for each engine, and the steps to use them.
 
 import { el, fill, muted, notice, section } from '../elements/dom.js';
 import { bytes, short } from '../elements/format.js';
 import { address, call, reach } from '../service/api.js';
 import { hasToken } from '../service/token.js';
 
-/** Saves the file of a link at its click: with a token, which a browser does not send for links, by the page itself. */
+/** Handles a click on a download link. Browsers send no token with links, so with a token the page downloads the file itself. */
 export async function save( event ) {
 
 	if ( ! hasToken() ) return;
 	event.preventDefault();
 	const link = event.currentTarget;
 	const response = await reach( link.href );
-	if ( ! response.ok ) return link.after( notice( `the answer was ${ response.status }` ) );
+	if ( ! response.ok ) return link.after( notice( `the download failed: the service returned status ${ response.status }` ) );
 	const [ , given ] = /filename="([^"]+)"/.exec( response.headers.get( 'content-disposition' ) ) || [];
 	const saved = el( 'a', { href: URL.createObjectURL( await response.blob() ), download: given || link.pathname.split( '/' ).pop() } );
 	saved.click();
-	// The browser has read it by then.
+	// The browser has read the file by then.
 	setTimeout( () => URL.revokeObjectURL( saved.href ), 60_000 );
 
 }
 
-/** The files of an export, which the service makes when they are asked for. */
+/** The files of one export. Opening the element requests them, and the service then makes them. */
 function files( digest, name, signal ) {
 
 	const inside = el( 'div', {}, muted( 'Making the files…' ) );
 	const details = el( 'details', { ontoggle: open }, el( 'summary', {}, name ), inside );
-	let asked = null;
+	let request = null;
 	function open() {
 
 		if ( ! details.open ) return;
-		asked ??= call( `/v1/tables/${ digest }/exports/${ name }`, { signal } ).then( tell, ( error ) => {
+		request ??= call( `/v1/tables/${ digest }/exports/${ name }`, { signal } ).then( showFiles, ( error ) => {
 
-			asked = null;
+			request = null;
 			if ( ! signal.aborted ) fill( inside, notice( error.message ) );
 
 		} );
 
 	}
 
-	function tell( { files, steps } ) {
+	function showFiles( { files, steps } ) {
 
 		fill( inside,
 			el( 'table', { class: 'files' }, el( 'tbody', {}, files.map( ( file ) => el( 'tr', {},
@@ -54,19 +54,19 @@ function files( digest, name, signal ) {
 
 }
 
-/** The section of a table's files. */
+/** The section with all exports of a table. */
 export function downloads( digest, signal ) {
 
 	const list = el( 'div' );
-	const tell = ( { items } ) => {
+	const showExports = ( { items } ) => {
 
-		// Formats have points and dashes in their names, engines have none.
+		// Names of formats contain a dot or a dash. Names of engines do not.
 		const [ engines, others ] = [ false, true ].map( ( isFormat ) => items.filter( ( { name } ) => /[.-]/.test( name ) === isFormat ).map( ( { name } ) => files( digest, name, signal ) ) );
 		fill( list, engines, el( 'details', { class: 'group' }, el( 'summary', {}, `Other formats (${ others.length })` ), el( 'div', { class: 'inner' }, others ) ) );
 
 	};
 
-	call( `/v1/tables/${ digest }/exports`, { signal } ).then( tell, ( error ) => signal.aborted || fill( list, notice( error.message ) ) );
+	call( `/v1/tables/${ digest }/exports`, { signal } ).then( showExports, ( error ) => signal.aborted || fill( list, notice( error.message ) ) );
 	return section( 'downloads', 'Files for engines', list );
 
 }

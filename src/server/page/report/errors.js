@@ -1,23 +1,23 @@
-// The errors of a table over view angle and roughness: two maps, of which the cell under the pointer or the keys is told.
+// Two error maps of a table over view angle and roughness. The page prints the errors of the selected cell.
 
 import { el, fill, notice, svg } from '../elements/dom.js';
 import { degrees, number, percent } from '../elements/format.js';
 import { call } from '../service/api.js';
 
-/** Errors at the ends of the colours, which are even in the logarithm. */
+/** Errors at both ends of the logarithmic colour scale. */
 const ENDS = [ 1e-3, 1 ];
-const MAPS = { width: 'Lobe, % of its width', light: 'Light, % of the lobe' };
-/** Cells that an arrow key goes by, in columns and rows; rows go up with alpha. */
+const MAPS = { width: 'Lobe error, % of its width', light: 'Light error, % of the lobe’s energy' };
+/** Columns and rows by which an arrow key moves the selection. Rows go up with alpha. */
 const KEYS = { ArrowLeft: [ - 1, 0 ], ArrowRight: [ 1, 0 ], ArrowUp: [ 0, 1 ], ArrowDown: [ 0, - 1 ] };
 
 const clamped = ( x, most = 1 ) => Math.min( most, Math.max( 0, x ) );
-/** Parts of a row from its start to its end. */
+/** A row of texts. An empty text is the colour ramp. */
 const row = ( kind, ...parts ) => el( 'div', { class: `${ kind } muted` }, parts.map( ( part ) => el( 'span', part === '' ? { class: 'ramp' } : {}, part ) ) );
 
-/** Black, purple, orange, pale yellow: linear colours at even steps, those of `view::picture`. */
+/** Linear colours of the scale at equal steps, from black to pale yellow; as in `view::picture`. */
 const STOPS = [ [ 0, 0, 0.004 ], [ 0.1, 0.004, 0.2 ], [ 0.5, 0.038, 0.12 ], [ 0.95, 0.26, 0.012 ], [ 0.98, 0.97, 0.45 ] ];
 
-/** The colour of an error in bytes of sRGB. */
+/** The sRGB bytes of an error's colour. */
 function colour( error ) {
 
 	const place = 4 * clamped( Math.log( Math.max( error, ENDS[ 0 ] ) / ENDS[ 0 ] ) / Math.log( ENDS[ 1 ] / ENDS[ 0 ] ) );
@@ -31,8 +31,8 @@ function colour( error ) {
 
 }
 
-/** Errors in a grid as a picture, rows from below. */
-function drawn( errors, count ) {
+/** A canvas with a pixel per cell. The first row is at the bottom. */
+function heatMap( errors, count ) {
 
 	const canvas = el( 'canvas', { width: count, height: count } );
 	const image = new ImageData( count, count );
@@ -42,10 +42,10 @@ function drawn( errors, count ) {
 
 }
 
-/** The maps of a table; `show` measures them at a ratio and an azimuth. */
+/** The maps of a table. `show` requests them for a ratio and an azimuth. */
 export function errorMaps( digest, signal ) {
 
-	const output = el( 'output', { class: 'told', 'aria-live': 'polite' } );
+	const output = el( 'output', { class: 'cell-errors', 'aria-live': 'polite' } );
 	const figures = el( 'div', { class: 'maps' } );
 	let at = null;
 	let asked = 0;
@@ -73,7 +73,7 @@ export function errorMaps( digest, signal ) {
 		const last = count - 1;
 		const marks = Object.keys( MAPS ).map( () => svg( 'rect', { width: 1, height: 1 } ) );
 
-		function tell( cell ) {
+		function select( cell ) {
 
 			at = cell.map( ( x ) => clamped( x, last ) );
 			const [ c, r ] = at;
@@ -85,15 +85,15 @@ export function errorMaps( digest, signal ) {
 			}
 
 			const roughness = [ alpha[ r ], ...( ratio === 1 ? [] : [ ratio * alpha[ r ] ] ) ].map( number ).join( ', ' );
-			const view = `seen at ${ degrees( theta[ c ] ) }${ ratio === 1 ? '' : `, azimuth ${ degrees( phi ) }` }`;
-			output.textContent = `alpha ${ roughness }, ${ view }: lobe off by ${ percent( errors.width[ r ][ c ] ) } of its width, light by ${ percent( errors.light[ r ][ c ], 2 ) }`;
+			const view = `view angle ${ degrees( theta[ c ] ) }${ ratio === 1 ? '' : `, azimuth ${ degrees( phi ) }` }`;
+			output.textContent = `alpha ${ roughness }, ${ view }: lobe error ${ percent( errors.width[ r ][ c ] ) } of its width, light error ${ percent( errors.light[ r ][ c ], 2 ) } of its energy`;
 
 		}
 
 		function point( { currentTarget, clientX, clientY } ) {
 
 			const { left, bottom, width, height } = currentTarget.getBoundingClientRect();
-			tell( [ Math.floor( ( clientX - left ) / width * count ), Math.floor( ( bottom - clientY ) / height * count ) ] );
+			select( [ Math.floor( ( clientX - left ) / width * count ), Math.floor( ( bottom - clientY ) / height * count ) ] );
 
 		}
 
@@ -102,18 +102,18 @@ export function errorMaps( digest, signal ) {
 			const way = KEYS[ event.key ];
 			if ( ! way ) return;
 			event.preventDefault();
-			tell( [ at[ 0 ] + way[ 0 ], at[ 1 ] + way[ 1 ] ] );
+			select( [ at[ 0 ] + way[ 0 ], at[ 1 ] + way[ 1 ] ] );
 
 		}
 
 		fill( figures, Object.entries( MAPS ).map( ( [ of, title ], i ) => el( 'figure', {}, el( 'figcaption', {}, title ), row( 'ends', `alpha ${ number( alpha[ last ] ) }` ),
 			el( 'div', {
 				class: 'map', tabindex: 0, role: 'application', 'aria-roledescription': 'map', onpointermove: point, onkeydown: step,
-				'aria-label': `${ title }, over view angle and roughness; arrow keys choose a cell`,
-			}, drawn( errors[ of ], count ), svg( 'svg', { viewBox: `0 0 ${ count } ${ count }`, 'aria-hidden': 'true' }, marks[ i ] ) ),
+				'aria-label': `${ title }, over view angle and roughness; arrow keys select a cell`,
+			}, heatMap( errors[ of ], count ), svg( 'svg', { viewBox: `0 0 ${ count } ${ count }`, 'aria-hidden': 'true' }, marks[ i ] ) ),
 			row( 'ends', `alpha ${ number( alpha[ 0 ] ) }, ${ degrees( theta[ 0 ] ) }`, degrees( theta[ last ] ) ) ) ),
 		row( 'scale', '0.1 %', '', '100 %' ) );
-		tell( at ?? [ Math.floor( count / 2 ), Math.floor( count / 2 ) ] );
+		select( at ?? [ Math.floor( count / 2 ), Math.floor( count / 2 ) ] );
 
 	}
 

@@ -1,4 +1,4 @@
-// A table's report in words, and its plots.
+// The report of a table in words, and its plots.
 
 import { el, facts, section } from '../elements/dom.js';
 import { degrees, number, percent } from '../elements/format.js';
@@ -6,21 +6,21 @@ import { isIsotropic } from '../elements/recipe.js';
 import { load } from '../service/pictures.js';
 import { errorMaps } from './errors.js';
 
-/** The roughness of a surface, or both where they differ. */
+/** The roughness of a surface: one alpha, or two if they differ. */
 export const roughness = ( x, y ) => x === y ? `alpha ${ number( x ) }` : `alpha ${ number( x ) }, ${ number( y ) }`;
 
-/** The rows of the table of numbers: name, and the figure's name in a report. */
+/** The rows of the table of figures: label, and name in the report. */
 const ROWS = { 'lobe, in widths': 'width', 'lobe, SW1': 'sw1', light: 'light', amplitude: 'amplitude', 'Fresnel term': 'fresnel' };
 
-/** The report in sentences and a table of numbers. */
+/** The report as sentences and a table of figures. */
 export function inWords( { nodes, between, poor, matrices } ) {
 
 	const [ worst ] = between.worst;
 	const sentences = [
-		`Between its nodes a lobe is off by ${ percent( between.width.mean ) } of its width on average; one in twenty by more than ${ percent( between.width.p95 ) }.`,
-		`Light of square lights is off by ${ percent( between.light.mean, 2 ) } of the lobe’s energy on average, ${ percent( between.light.max ) } at worst.`,
-		`The worst lobe is at ${ roughness( worst.alpha_x, worst.alpha_y ) }, seen at ${ degrees( worst.theta ) }: ${ percent( worst.width, 0 ) } of its width.`,
-		poor.nodes && `At ${ poor.nodes } of the ${ nodes.points } measured nodes the model itself is off by more than ${ percent( poor.limit, 0 ) }: alpha ${ poor.alpha.map( number ).join( ' to ' ) }, views ${ poor.theta.map( degrees ).join( ' to ' ) }.`,
+		`Between nodes, a lobe has a mean error of ${ percent( between.width.mean ) } of its width. One lobe in twenty has more than ${ percent( between.width.p95 ) }.`,
+		`The reflected light of square lights has a mean error of ${ percent( between.light.mean, 2 ) } of the lobe’s energy. The largest error is ${ percent( between.light.max ) }.`,
+		`The worst lobe (${ roughness( worst.alpha_x, worst.alpha_y ) }, view angle ${ degrees( worst.theta ) }) has an error of ${ percent( worst.width, 0 ) } of its width.`,
+		poor.nodes && `At ${ poor.nodes } of ${ nodes.points } measured nodes, even the best lobe has an error above ${ percent( poor.limit, 0 ) }: alpha ${ poor.alpha.map( number ).join( ' to ' ) }, view angle ${ poor.theta.map( degrees ).join( ' to ' ) }. More nodes do not help there.`,
 		matrices.singular && `${ matrices.singular } matrices have no inverse.`,
 	];
 	const both = [ nodes, between ];
@@ -32,12 +32,12 @@ export function inWords( { nodes, between, poor, matrices } ) {
 		el( 'tbody', {}, Object.entries( ROWS ).map( ( [ name, of ] ) => el( 'tr', {}, el( 'th', { scope: 'row' }, name ), both.map( ( where ) => cells( where[ of ] ) ) ) ) ) );
 	return el( 'div', { class: 'halves' },
 		el( 'div', {}, sentences.filter( Boolean ).map( ( sentence ) => el( 'p', {}, sentence ) ),
-			facts( [ [ 'Condition of matrices', `${ number( matrices.condition.min ) } to ${ number( matrices.condition.max ) }` ], [ 'Turned over', matrices.negative_determinants ] ] ) ),
+			facts( [ [ 'Condition number of matrices', `${ number( matrices.condition.min ) } to ${ number( matrices.condition.max ) }` ], [ 'Negative determinants', matrices.negative_determinants ] ] ) ),
 		el( 'div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Figures' }, figures ) );
 
 }
 
-/** A slider of a plot, over an axis of the recipe. */
+/** A slider over an axis of the recipe. */
 function slider( axis, label, { range, nodes }, usual, onchange ) {
 
 	const [ min, max ] = range?.[ axis ] ?? [ nodes[ axis ][ 0 ], nodes[ axis ].at( - 1 ) ];
@@ -48,11 +48,11 @@ function slider( axis, label, { range, nodes }, usual, onchange ) {
 
 }
 
-/** The plots of errors and of the stored numbers, at a ratio and an azimuth where the table has several; asked for after `before`. */
+/** The section with the error maps and the stored numbers. Tables of anisotropic surfaces have sliders for ratio and azimuth. Requests start after `before`. */
 export function plots( digest, recipe, before, signal ) {
 
 	const errors = errorMaps( digest, signal );
-	const numbers = el( 'img', { alt: 'Every stored number of the table, a tile for each ratio and azimuth' } );
+	const numbers = el( 'img', { alt: 'All stored numbers of the table, a tile for each ratio and azimuth' } );
 	const isRound = isIsotropic( recipe );
 	const ratio = slider( 'ratio', 'Ratio of roughnesses', recipe, 0.25, draw );
 	const phi = slider( 'phi', 'Azimuth', recipe, 0.7, draw );

@@ -1,16 +1,16 @@
-// Calls of the service, by addresses relative to the page's own.
+// Calls to the service. Addresses are relative to the page.
 
 import { anotherThan, authorization, hasToken } from './token.js';
 
 const BASE = new URL( '.', document.baseURI );
 
-/** How often a service that does not answer is asked again, and one that does while somebody sees the page, in milliseconds. */
+/** Milliseconds between checks of the service: while it does not answer, and while it does. Hidden pages check only in the first case. */
 const [ RETRY, WATCH ] = [ 1500, 5000 ];
 
-/** The absolute address of a path of the service, such as `/v1/jobs`: below the path at which the page is. */
+/** The absolute address of a path such as `/v1/jobs`. A prefix in the page's own address is kept. */
 export const address = ( path ) => new URL( path.replace( /^\//, '' ), BASE ).href;
 
-/** An answer of the service that is a problem document [RFC 9457]. */
+/** The error of a problem document [RFC 9457] from the service. */
 export class Problem extends Error {
 
 	constructor( document ) {
@@ -22,7 +22,7 @@ export class Problem extends Error {
 
 }
 
-/** The answer to a request; where the service wants a token, the visitor is asked for one until it is the right one. */
+/** The response to a request. If the service needs a token, the page asks the user until the token is valid or they decline. */
 export async function reach( path, { headers = {}, ...init } = {} ) {
 
 	for ( ;; ) {
@@ -36,7 +36,7 @@ export async function reach( path, { headers = {}, ...init } = {} ) {
 
 }
 
-/** The address of a picture; with a token it is fetched first, since a browser sends none for pictures. */
+/** The address of a picture. Browsers send no token with pictures, so with a token the page downloads the picture itself. */
 export async function pictureFrom( path ) {
 
 	if ( ! hasToken() ) return address( path );
@@ -46,8 +46,8 @@ export async function pictureFrom( path ) {
 }
 
 /**
- * The JSON answer to a call. `body` is sent as JSON, `raw` as it is under its media type. A GET is asked again once a service
- * that went is back.
+ * The JSON response to a call. `body` is sent as JSON, `raw` unchanged with media type `type`. If the service does not answer, a
+ * GET waits until it is back and tries again.
  */
 export async function call( path, { method = 'GET', body, raw, type = 'application/json', signal } = {} ) {
 
@@ -61,7 +61,7 @@ export async function call( path, { method = 'GET', body, raw, type = 'applicati
 
 		if ( error.name === 'AbortError' ) throw error;
 		const isBack = awaitService();
-		if ( method !== 'GET' ) throw new Error( 'the service does not answer' );
+		if ( method !== 'GET' ) throw new Error( 'the service does not answer; try again later' );
 		await isBack;
 		signal?.throwIfAborted();
 		return call( path, { signal } );
@@ -70,31 +70,31 @@ export async function call( path, { method = 'GET', body, raw, type = 'applicati
 
 	const answer = /json/.test( response.headers.get( 'content-type' ) ) ? await response.json() : null;
 	if ( response.ok ) return answer;
-	throw new Problem( answer || { title: `the answer was ${ response.status }` } );
+	throw new Problem( answer || { title: `the service returned status ${ response.status }` } );
 
 }
 
-const answers = new Map();
+const responses = new Map();
 
-/** The answer at a path where it never changes. */
+/** The response of a path whose response never changes. */
 export function constant( path ) {
 
-	if ( ! answers.has( path ) ) {
+	if ( ! responses.has( path ) ) {
 
 		const pending = call( path );
-		answers.set( path, pending );
-		pending.catch( () => answers.delete( path ) );
+		responses.set( path, pending );
+		pending.catch( () => responses.delete( path ) );
 
 	}
 
-	return answers.get( path );
+	return responses.get( path );
 
 }
 
 /** The manifest of a table. */
 export const manifest = ( digest ) => constant( `/v1/tables/${ digest }/manifest` );
 
-/** Runs `work` on items, a few at a time, until `signal` ends it. */
+/** Runs `work` on all items, `atOnce` at a time, until `signal` aborts. */
 export async function each( items, atOnce, signal, work ) {
 
 	const left = [ ...items ];
@@ -109,31 +109,31 @@ export async function each( items, atOnce, signal, work ) {
 }
 
 let awaited = null;
-const isThere = () => fetch( address( '/healthz' ) ).then( ( { ok } ) => ok, () => false );
+const isUp = () => fetch( address( '/healthz' ) ).then( ( { ok } ) => ok, () => false );
 
-/** Asks until the service answers again. The window gets the events `servicelost` and `serviceback`. */
+/** Waits until the service answers again. Dispatches `servicelost` and `serviceback` on the window. */
 export function awaitService() {
 
-	awaited ??= untilItAnswers().finally( () => awaited = null );
+	awaited ??= untilUp().finally( () => awaited = null );
 	return awaited;
 
 }
 
-async function untilItAnswers() {
+async function untilUp() {
 
 	window.dispatchEvent( new Event( 'servicelost' ) );
 	do await new Promise( ( done ) => setTimeout( done, RETRY ) );
-	while ( ! await isThere() );
+	while ( ! await isUp() );
 	window.dispatchEvent( new Event( 'serviceback' ) );
 
 }
 
-/** Notices a service that stops while a page has nothing to ask. */
+/** Checks the service regularly, so that a page without calls also notices that it stopped. */
 export function watchService() {
 
 	const ask = async () => {
 
-		if ( ! document.hidden && ! awaited && ! await isThere() ) awaitService();
+		if ( ! document.hidden && ! awaited && ! await isUp() ) awaitService();
 
 	};
 

@@ -1,11 +1,11 @@
-// A job as it changes, by Server-Sent Events.
+// Follows the changes of a job with Server-Sent Events.
 
 import { awaitService, reach } from './api.js';
 
-/** Whether a job may still change. */
+/** Whether a job can still change. */
 export const isActive = ( { state } ) => state === 'queued' || state === 'running';
 
-/** Calls `onEvent` with the type and the data of each event of a stream until its end. EventSource cannot send a token. */
+/** Calls `onEvent` with type and data of each event in a stream. `EventSource` is no option: it cannot send a token. */
 async function events( body, onEvent ) {
 
 	const reader = body.pipeThrough( new TextDecoderStream() ).getReader();
@@ -25,8 +25,8 @@ async function events( body, onEvent ) {
 }
 
 /**
- * Calls `onJob` with each change of a job until its end or that of `signal`. While nobody sees the page no stream is open: a
- * browser has six connections to a service for all its tabs.
+ * Calls `onJob` with each change of a job until the job ends or `signal` aborts. The stream is closed while the page is hidden,
+ * because a browser opens only six connections to a service for all its tabs.
  */
 export function follow( id, signal, onJob ) {
 
@@ -43,7 +43,7 @@ export function follow( id, signal, onJob ) {
 		if ( type !== 'state' && type !== 'progress' ) return;
 		const job = JSON.parse( data );
 		if ( ! isActive( job ) ) end();
-		// An error of `onJob` is no end of the stream.
+		// An error in `onJob` must not end the stream.
 		queueMicrotask( () => onJob( job ) );
 
 	};
@@ -59,18 +59,18 @@ export function follow( id, signal, onJob ) {
 
 		} catch {
 
-			// The stream broke off, or it was closed here.
+			// The connection broke, or `close` was called.
 
 		}
 
 		if ( own !== stream ) return;
-		// The service stopped, or a proxy did.
+		// The service or a proxy stopped.
 		close();
 		awaitService();
 
 	}
 
-	const seen = () => document.hidden ? close() : open();
+	const onVisibility = () => document.hidden ? close() : open();
 	const ended = new AbortController();
 	function end() {
 
@@ -79,7 +79,7 @@ export function follow( id, signal, onJob ) {
 
 	}
 
-	document.addEventListener( 'visibilitychange', seen, { signal: ended.signal } );
+	document.addEventListener( 'visibilitychange', onVisibility, { signal: ended.signal } );
 	window.addEventListener( 'serviceback', open, { signal: ended.signal } );
 	signal.addEventListener( 'abort', end );
 	open();

@@ -1,13 +1,13 @@
-// Pictures that the service renders, asked for two at a time: a browser has six connections to a service.
+// Pictures that the service renders. Two are requested at a time, because a browser opens only six connections to a service.
 
 import { isIsotropic } from '../elements/recipe.js';
 import { pictureFrom } from './api.js';
 
-/** The last picture of each queue. */
+/** The promise of the last picture in each queue. */
 const queues = [ Promise.resolve(), Promise.resolve() ];
 let asked = 0;
 
-/** The address of a table's picture in a mode: its own kind of surface on a sphere under a rectangle. */
+/** The address of a preview: a sphere under a rectangle, of a surface that suits the table. */
 export function previewOf( recipe, table, size, mode = 'ltc' ) {
 
 	const roughness = isIsotropic( recipe ) ? { alpha_x: 0.2, alpha_y: 0.2 } : { alpha_x: 0.5, alpha_y: 0.1, rotation: 0.6 };
@@ -16,7 +16,7 @@ export function previewOf( recipe, table, size, mode = 'ltc' ) {
 
 }
 
-/** Shows the picture at an address in an image element once its turn comes, unless the page was left by then; done when it is shown. */
+/** Queues a picture for an image element. Resolves when it is shown, or `signal` has aborted. */
 export function load( image, from, signal ) {
 
 	const queue = asked ++ % queues.length;
@@ -33,7 +33,7 @@ async function shown( image, from, signal ) {
 
 	} catch {
 
-		// A picture that fails leaves its text in its place, and may only lack the service.
+		// The page shows the alternative text. If the service was lost, the picture is loaded again when it is back.
 		window.addEventListener( 'serviceback', () => load( image, from, signal ), { once: true, signal } );
 
 	}

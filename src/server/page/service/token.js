@@ -1,4 +1,4 @@
-// The visitor's token, where the service wants one. It is kept in memory alone and gone with the page.
+// The user's token, if the service needs one. The page keeps it in memory only, until it is reloaded.
 
 import { el, fill, notice } from '../elements/dom.js';
 
@@ -6,10 +6,10 @@ let token = '';
 let asking = null;
 let isDeclined = false;
 
-/** Whether there is a token, without which links and pictures are asked for as they are. */
+/** Whether the user has entered a token. Links and pictures then need `reach`. */
 export const hasToken = () => token !== '';
 
-/** The header by which a request is allowed; none without a token. */
+/** The `authorization` header, or nothing without a token. */
 export function authorization() {
 
 	return token ? { authorization: `Bearer ${ token }` } : {};
@@ -17,8 +17,8 @@ export function authorization() {
 }
 
 /**
- * Whether there is another token than the one that was refused, after the visitor was asked for one. All calls that wait are
- * answered by one question, and who does not answer it is asked again on the next page.
+ * Whether there is a token to try after `refused`. Asks the user for one if necessary, once for all waiting calls. A user who
+ * declines is asked again on the next page.
  */
 export async function anotherThan( { authorization: refused } ) {
 
@@ -52,11 +52,11 @@ function asked( isRefused ) {
 
 		} } );
 		const dialog = el( 'dialog', { 'aria-labelledby': 'token-title', oncancel: () => end( false ) }, form );
-		fill( form, el( 'h2', { id: 'token-title' }, 'This service wants a token' ),
-			isRefused ? notice( 'The service refused this token.' ) : null,
-			el( 'p', {}, 'It stays in the memory of this page and is gone when the page is loaded again.' ),
+		fill( form, el( 'h2', { id: 'token-title' }, 'This service needs a token' ),
+			isRefused ? notice( 'The service rejected this token.' ) : null,
+			el( 'p', {}, 'The page keeps the token in memory until you reload it.' ),
 			el( 'div', { class: 'field' }, el( 'label', { for: 'token' }, 'Token' ), field ),
-			el( 'p', { class: 'actions' }, el( 'button', { type: 'submit', class: 'primary' }, 'Go on' ), el( 'button', { type: 'button', onclick: () => end( false ) }, 'Not now' ) ) );
+			el( 'p', { class: 'actions' }, el( 'button', { type: 'submit', class: 'primary' }, 'Continue' ), el( 'button', { type: 'button', onclick: () => end( false ) }, 'Not now' ) ) );
 		document.body.append( dialog );
 		dialog.showModal();
 

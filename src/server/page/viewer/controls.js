@@ -1,9 +1,9 @@
-// Inputs of the viewer: each shows one member of an object and tells when it is changed.
+// Inputs of the viewer. Each shows one member of an object and reports changes.
 
 import { el, fill } from '../elements/dom.js';
 import { number } from '../elements/format.js';
 
-/** A slider of a number; `tell` shows the value of an object, under the label that is given or its own. */
+/** A slider. `show` displays its member of `values`, with another label if one is given. The label null hides the slider. */
 export function slider( { name, label, min, max, step }, prefix, change ) {
 
 	const id = `view-${ prefix }${ name }`;
@@ -11,7 +11,7 @@ export function slider( { name, label, min, max, step }, prefix, change ) {
 	const output = el( 'output', { for: id } );
 	const input = el( 'input', { type: 'range', id, min, max, step, oninput: () => change( name, Number( input.value ) ) } );
 	const row = el( 'div', { class: 'slider' }, caption, input, output );
-	const tell = ( values, text = label ) => {
+	const show = ( values, text = label ) => {
 
 		row.hidden = text === null;
 		caption.textContent = text;
@@ -20,11 +20,11 @@ export function slider( { name, label, min, max, step }, prefix, change ) {
 
 	};
 
-	return { name, row, tell };
+	return { name, row, show };
 
 }
 
-/** A choice of one of several; options are values, or pairs of a value and a label. */
+/** A select element. Options are values, or pairs of a value and a label. */
 export function choice( id, label, options, value, change ) {
 
 	const select = el( 'select', { id, onchange: () => change( select.value ) } );
@@ -40,7 +40,7 @@ export function choice( id, label, options, value, change ) {
 
 }
 
-/** Tells how far a pointer is dragged over an element, in halves of the picture, y upwards, and whether Shift is held. */
+/** Calls `onMove` while a pointer is dragged over an element: x, y upwards, both in halves of the picture, and whether Shift is down. */
 export function drag( element, onMove ) {
 
 	element.addEventListener( 'pointerdown', ( event ) => {

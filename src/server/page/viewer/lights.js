@@ -1,11 +1,11 @@
-// The viewer's lights in its form: the light to change, its shape and numbers, and whether there are more.
+// The form of the lights: select, add and remove lights; change shape and numbers of the selected one.
 
 import { el, fill } from '../elements/dom.js';
 import { choice, slider } from './controls.js';
 import { addedLight, LIGHT_SHAPES, MOST_LIGHTS, OF_LIGHT } from './scene.js';
 import { screens } from './screens.js';
 
-/** Fields of a scene's lights; `changed` is called after each change of them, `again` where a picture on one goes on to move. */
+/** The fields of a scene's lights. `changed` is called after each change, `again` when the user starts or pauses a video. */
 export function lightsPanel( scene, changed, again ) {
 
 	let chosen = 0;
@@ -37,7 +37,7 @@ export function lightsPanel( scene, changed, again ) {
 	} );
 	const numbers = el( 'span', { class: 'chosen', role: 'group', 'aria-label': 'Light to change' } );
 
-	function tell() {
+	function show() {
 
 		const light = scene.lights[ chosen ];
 		const [ width, height ] = LIGHT_SHAPES[ light.shape ].sizes;
@@ -45,8 +45,8 @@ export function lightsPanel( scene, changed, again ) {
 		add.disabled = scene.lights.length === MOST_LIGHTS;
 		remove.disabled = scene.lights.length === 1;
 		shape.offer( shapes, light.shape );
-		shown.tell( light );
-		for ( const control of sliders ) control.tell( light, { width, height }[ control.name ] );
+		shown.show( light );
+		for ( const control of sliders ) control.show( light, { width, height }[ control.name ] );
 
 	}
 
@@ -54,14 +54,14 @@ export function lightsPanel( scene, changed, again ) {
 
 		chosen = i;
 		changed();
-		// The button is a new one and keeps the focus.
+		// `changed` has replaced the buttons, so the new one needs the focus.
 		numbers.children[ i ].focus();
 
 	}
 
 	return {
 		row: [ el( 'div', { class: 'bar' }, numbers, el( 'span', { class: 'grow' } ), add, remove ), shape.row, shown.row, sliders.map( ( { row } ) => row ) ],
-		tell,
+		show,
 		take: ( i ) => chosen = i,
 		chosen: () => chosen,
 		layers: () => shown.layers( scene.lights ),

@@ -1,26 +1,26 @@
-// The models by which the viewer lights: the service's tables, model normals, and tables that others published.
+// The models that light the surface: tables of the service, model normals, and published tables of others.
 
 import { call, manifest, reach } from '../service/api.js';
 import { hasReference } from '../webgl/reference.js';
 
-/** The names in a link of published tables: what engines ship, and that of KT et al. */
+/** Published tables: name in a link, and label. */
 export const PUBLISHED = { engines: 'engines, table of 2017', kt2022: 'KT et al., table of 2022' };
 
 async function fetched( path ) {
 
 	const response = await reach( path );
-	if ( ! response.ok ) throw new Error( `${ path }: the answer was ${ response.status }` );
+	if ( ! response.ok ) throw new Error( `${ path }: the service returned status ${ response.status }` );
 	return response;
 
 }
 
-/** The texels of a KTX2 file of 32-bit numbers without levels: their bytes and the extents. */
+/** Size and texels of an uncompressed KTX2 file with 32-bit floats. */
 function texels( buffer ) {
 
 	const view = new DataView( buffer );
 	const word = ( at ) => view.getUint32( at, true );
-	// The header is that of section 3 of the KTX 2.0 specification; format 109 is R32G32B32A32_SFLOAT.
-	if ( word( 12 ) !== 109 || word( 44 ) !== 0 ) throw new Error( 'the texture is not of 32-bit numbers' );
+	// Header: KTX 2.0 specification, section 3. Format 109 is R32G32B32A32_SFLOAT.
+	if ( word( 12 ) !== 109 || word( 44 ) !== 0 ) throw new Error( 'the texture must have four 32-bit floats per texel without compression' );
 	const [ width, height, depth ] = [ word( 20 ), word( 24 ), Math.max( word( 28 ), 1 ) ];
 	return { width, height, depth, numbers: new Float32Array( buffer.slice( word( 80 ), word( 80 ) + 16 * width * height * depth ) ) };
 
@@ -28,7 +28,7 @@ function texels( buffer ) {
 
 const known = new Map();
 
-/** What `make` gives, kept by a name that always stands for the same. */
+/** The result of `make` for a name, from memory after the first call. */
 async function once( name, make ) {
 
 	if ( ! known.has( name ) ) known.set( name, await make( name ) );
@@ -36,7 +36,7 @@ async function once( name, make ) {
 
 }
 
-/** A text of the service to include. */
+/** A shader text of the service. */
 export const textOf = ( file ) => once( file, async () => ( await fetched( `/page/${ file }` ) ).text() );
 
 /** The textures and uniforms of a table, as `ltcforge export --for wgpu` makes them. */
@@ -48,25 +48,25 @@ async function tableOf( at ) {
 
 }
 
-/** A published table of 2017, a DDS file of 64 x 64 half floats behind a header of 128 bytes. */
+/** A texture of the table of 2017: a DDS file with a header of 128 bytes and 64 x 64 texels of half floats. */
 async function shipped( name, file ) {
 
 	return { name, width: 64, height: 64, halves: new Uint16Array( await ( await fetched( `/page/${ file }` ) ).arrayBuffer(), 128, 4 * 64 * 64 ) };
 
 }
 
-/** Why a table is not shown: the text reads LTCs, and the reference beside it knows few scattering models. */
-function unfit( { brdf, lobe, layout } ) {
+/** The reason why the viewer cannot show a table, or an empty text. Its shaders read LTCs only, and its reference has few scattering models. */
+function unsupported( { brdf, lobe, layout } ) {
 
-	if ( ! hasReference( brdf ) ) return `The reference here is of GGX and sheen, and this table is of ${ brdf }; its page has a picture beside its own.`;
-	if ( layout === 'materials' ) return 'This table is of a list of materials, which a shader looks up by number; its page has a picture.';
-	return lobe ? `This table is of lobe ${ lobe }, and the shader here reads LTCs.` : '';
+	if ( ! hasReference( brdf ) ) return `The viewer has references for GGX and sheen only, and this table is for ${ brdf }. Its page has a picture with a reference.`;
+	if ( layout === 'materials' ) return 'This table has a list of materials, which a shader looks up by number. The viewer cannot show it. Its page has a picture.';
+	return lobe ? `The viewer shows LTCs only, and this table has lobes of type ${ lobe }. Its page has a picture.` : '';
 
 }
 
 /**
- * A model by its name in a link: '' for normals, one of those that are published, or a table's digest. `kind` says which
- * program, `source` which text of the service, `brdf` the scattering model that it stands for.
+ * Loads a model by its name in a link: '' for normals, a name of `PUBLISHED`, or the digest of a table. `kind` selects the
+ * program, and `source` the shader text of the service. `brdf` is the scattering model.
  */
 async function found( name ) {
 
@@ -74,14 +74,14 @@ async function found( name ) {
 	if ( name === 'kt2022' ) return { kind: 'one', brdf: 'ggx', source: 'ltc-kt2022', ...await tableOf( '/page/kt2022-' ) };
 	if ( ! name ) return { kind: 'normals', brdf: 'ggx', source: 'normals', uniforms: {}, textures: [] };
 	const { recipe } = await manifest( name );
-	const reason = unfit( recipe );
+	const reason = unsupported( recipe );
 	if ( reason ) throw new Error( reason );
 	const kind = typeof recipe.fresnel === 'string' ? recipe.fresnel : 'one';
 	return { kind, brdf: recipe.brdf, source: `ltc-${ recipe.layout }${ kind === 'one' ? '' : '-two-lobes' }`, ...await tableOf( `/v1/tables/${ name }/exports/wgpu/` ) };
 
 }
 
-/** Such a model with its text, which knows pictures on lights or does not. */
+/** Loads a model with its shader text, with or without pictures on lights. */
 export async function modelOf( name, hasPictures ) {
 
 	const model = await once( `model ${ name }`, () => found( name ) );

@@ -1,34 +1,34 @@
-// The viewer's scene: its parameters, which are those of previews, in a link and in numbers.
+// The scene of the viewer: its parameters, its links, and its numbers for shaders.
 
-/** Rows of name, label, bounds, step and default. */
+/** Parameters from rows of name, label, minimum, maximum, step and default. */
 const numbers = ( rows ) => rows.map( ( [ name, label, min, max, step, value ] ) => ( { name, label, min, max, step, value } ) );
 
-/** Parameters: their names in a link and in `/v1/preview`. */
+/** Parameters of the scene. Their names are the same in links and in `/v1/preview`. */
 export const PARAMETERS = numbers( [
 	[ 'alpha_x', 'Roughness along', 0.01, 1, 0.01, 0.5 ],
 	[ 'alpha_y', 'Roughness across', 0.01, 1, 0.01, 0.1 ],
 	[ 'rotation', 'Rotation', - 3.14, 3.14, 0.01, 0 ],
-	[ 'camera_azimuth', 'Around', - 3.14, 3.14, 0.01, 0 ],
-	[ 'camera_elevation', 'Up', - 1.5, 1.5, 0.01, 0.2 ],
+	[ 'camera_azimuth', 'Azimuth', - 3.14, 3.14, 0.01, 0 ],
+	[ 'camera_elevation', 'Elevation', - 1.5, 1.5, 0.01, 0.2 ],
 	[ 'camera_distance', 'Distance', 2, 16, 0.01, 9 ],
 	[ 'exposure', 'Exposure', 0.1, 8, 0.01, 1 ],
 ] );
 
-/** Parameters of a light; in a link those of the second begin with `light2_`. */
+/** Parameters of a light. In links, parameters of the second light begin with `light2_`. */
 export const OF_LIGHT = numbers( [
-	[ 'x', 'Right', - 5, 5, 0.01, - 1.3 ],
-	[ 'y', 'Up', - 1, 5, 0.01, 1.4 ],
-	[ 'z', 'Near', - 5, 5, 0.01, 1.2 ],
+	[ 'x', 'To the right', - 5, 5, 0.01, - 1.3 ],
+	[ 'y', 'Upwards', - 1, 5, 0.01, 1.4 ],
+	[ 'z', 'To the front', - 5, 5, 0.01, 1.2 ],
 	[ 'width', 'Half width', 0.05, 3, 0.01, 0.7 ],
 	[ 'height', 'Half height', 0.02, 3, 0.01, 0.45 ],
 	[ 'intensity', 'Radiance', 0.1, 20, 0.1, 3 ],
 ] );
 
-/** Lights that a scene may have, and where a further one begins. */
+/** Maximum number of lights, and the initial position of each. */
 export const MOST_LIGHTS = 4;
 const PLACES = [ [ - 1.3, 1.4, 1.2 ], [ 1.5, 1.2, 1 ], [ 0, 1.9, - 0.6 ], [ 0, - 0.4, 2 ] ];
 
-/** Shapes of lights, with what their two half sizes are; `corners` are those of regular polygons. */
+/** Shapes of lights, with the labels of their two sizes, and the number of corners of regular polygons. */
 export const LIGHT_SHAPES = {
 	rectangle: { sizes: [ 'Half width', 'Half height' ] },
 	disk: { sizes: [ 'Half width', 'Half height' ] },
@@ -40,23 +40,23 @@ export const LIGHT_SHAPES = {
 	hexagon: { sizes: [ 'Half width', 'Half height' ], corners: 6 },
 };
 
-/** Pictures that a rectangle may show in place of one colour, by their names in a link; a file that was opened is none of them. */
+/** Pictures on rectangles: name in a link, and label. Opened files are not in this list. */
 export const PICTURES = { '': 'one colour', signs: 'a picture', disc: 'a video' };
 
-/** Whether a light shows one. */
+/** Whether a light shows a picture. */
 export const isPictured = ( { shape, picture } ) => shape === 'rectangle' && picture !== '';
 
-/** Reflectances at normal incidence, linear sRGB. Sheen has none and shows what it reflects of white light. */
+/** Reflectances at normal incidence, linear sRGB. Sheen is always `white`. */
 export const METALS = { silver: [ 0.91, 0.92, 0.92 ], gold: [ 1, 0.71, 0.29 ], copper: [ 0.95, 0.64, 0.54 ], plastic: [ 0.04, 0.04, 0.04 ], white: [ 1, 1, 1 ] };
 
-/** Choices beside the numbers; the first of each is the default. */
+/** Parameters with a list of values. The first value is the default. */
 export const CHOICES = {
 	surface: [ 'sphere', 'floor', 'shader_ball' ],
 	metal: Object.keys( METALS ),
 	show: [ 'split', 'model', 'reference', 'difference' ],
 };
 
-/** The whole angle of view, of scene `sphere`. */
+/** The angle of view from edge to edge, radians, as in scene `sphere` of previews. */
 const FIELD_OF_VIEW = 0.5;
 
 const dot = ( a, b ) => a[ 0 ] * b[ 0 ] + a[ 1 ] * b[ 1 ] + a[ 2 ] * b[ 2 ];
@@ -68,7 +68,7 @@ const unit = ( v, otherwise ) => dot( v, v ) > 1e-24 ? scaled( v, 1 / Math.sqrt(
 /** The name of a light's parameter in a link. */
 const named = ( i, name ) => `light${ i ? i + 1 : '' }_${ name }`;
 
-/** The light that is added as number `i`, from zero. */
+/** The initial light number `i`, from zero. */
 export function addedLight( i ) {
 
 	const [ x, y, z ] = PLACES[ i ];
@@ -76,7 +76,7 @@ export function addedLight( i ) {
 
 }
 
-/** A number of a link within its bounds; the default where it is missing or malformed. */
+/** The number in a text, clamped to its bounds, or `value` if the text is missing or malformed. */
 function within( { min, max }, text, value ) {
 
 	const given = text === null ? value : Number( text );
@@ -84,10 +84,10 @@ function within( { min, max }, text, value ) {
 
 }
 
-/** Where the two sides meet, as a part of the width. */
+/** The default border between both sides, as a fraction of the width. */
 const SPLIT = 0.5;
 
-/** A scene from a link's parameters; what is missing or malformed is the default, what is out of bounds the bound. */
+/** Reads a scene from the parameters of a link. Missing and malformed values become the default. Numbers are clamped to their bounds. */
 export function read( parameters ) {
 
 	const scene = { table: parameters.get( 'table' ) || '', against: parameters.get( 'against' ) || '', split: within( { min: 0, max: 1 }, parameters.get( 'split' ), SPLIT ) };
@@ -109,7 +109,7 @@ export function read( parameters ) {
 
 }
 
-/** The parameters of a link: those that are not the defaults. */
+/** The parameters of a link to a scene. Default values are left out. */
 export function link( scene ) {
 
 	const changed = PARAMETERS.filter( ( { name, value } ) => scene[ name ] !== value ).map( ( { name } ) => [ name, scene[ name ] ] );
@@ -120,10 +120,10 @@ export function link( scene ) {
 
 }
 
-/** Corners of a regular polygon in the square from -1 to 1, clockwise from an angle. */
+/** The corners of a regular polygon around the origin, clockwise from an angle. */
 const regular = ( count, radius, first ) => Array.from( { length: count }, ( _, i ) => [ radius * Math.cos( first - 2 * Math.PI * i / count ), radius * Math.sin( first - 2 * Math.PI * i / count ) ] );
 
-/** A light in space: its middle, its half axes, the normal of its lit side, which faces the origin, and the corners of a polygon. */
+/** A light in space: centre, half axes, normal of its lit side towards the origin, corners of its polygon, and both ends. */
 export function placed( { shape, x, y, z, width, height } ) {
 
 	const centre = [ x, y, z ];
@@ -134,13 +134,13 @@ export function placed( { shape, x, y, z, width, height } ) {
 	const { corners } = LIGHT_SHAPES[ shape ];
 	const flat = shape === 'rectangle' ? [ [ - 1, 1 ], [ 1, 1 ], [ 1, - 1 ], [ - 1, - 1 ] ]
 		: corners ? regular( corners, 1, Math.PI / 2 )
-		// The octagon of the disk's area stands for it where models know polygons alone.
+		// Some models light with polygons only: for them, an octagon with the area of the disk replaces it.
 		: shape === 'disk' ? regular( 8, Math.sqrt( Math.PI / ( 4 * Math.sin( Math.PI / 4 ) ) ), Math.PI / 8 ) : [];
 	return { centre, normal, along, across, vertices: flat.map( at ), at, ends: [ plus( centre, scaled( along, - 1 ) ), plus( centre, along ) ] };
 
 }
 
-/** Points around a light as it is seen from an eye, for its outline. */
+/** Points on the outline of a light as seen from an eye. */
 export function outline( light, eye ) {
 
 	const { centre, along, vertices, at, ends } = placed( light );
@@ -155,13 +155,13 @@ export function outline( light, eye ) {
 
 	} );
 	if ( light.shape === 'sphere' ) return circle( centre, unit( cross( [ 0, 1, 0 ], way ), [ 1, 0, 0 ] ), 0, 33, 2 * Math.PI );
-	// A tube and a line: half a circle around each end, across the way to the eye.
+	// A tube or line: half a circle around each end, perpendicular to the direction to the eye.
 	const across = unit( plus( along, scaled( way, - dot( along, way ) ) ), [ 1, 0, 0 ] );
 	return [ ...circle( ends[ 0 ], across, Math.PI / 2, 9, Math.PI ), ...circle( ends[ 1 ], across, - Math.PI / 2, 9, Math.PI ) ];
 
 }
 
-/** The numbers of the lights that the shaders read, and a bit for each shape that is among them, with one for pictures. Pictures are layers in the order of their lights. */
+/** The uniforms of the lights, and a bit for each shape in the scene and for pictures. Pictures are layers in the order of their lights. */
 export function uniformsOf( lights ) {
 
 	const four = ( v, w = 0 ) => [ ...v, w ];
@@ -192,7 +192,7 @@ export function uniformsOf( lights ) {
 
 }
 
-/** The camera, which looks at the origin: its place, and the way to the middle, right and upper edges of the image at distance one. */
+/** A camera that looks at the origin: position `eye`, unit vector `forward`, and `right` and `up` from the centre of the image to its edges at distance one. */
 export function camera( { camera_azimuth: azimuth, camera_elevation: elevation, camera_distance: distance } ) {
 
 	const back = [ Math.sin( azimuth ) * Math.cos( elevation ), Math.sin( elevation ), Math.cos( azimuth ) * Math.cos( elevation ) ];
@@ -202,8 +202,8 @@ export function camera( { camera_azimuth: azimuth, camera_elevation: elevation, 
 
 }
 
-/** Where a point is seen, in the square from -1 to 1, and how far; null behind the camera. */
-export function seen( { eye, forward, right, up, half }, point ) {
+/** Projects a point to the image, a square from -1 to 1, with its distance; null behind the camera. */
+export function projected( { eye, forward, right, up, half }, point ) {
 
 	const way = plus( point, scaled( eye, - 1 ) );
 	const distance = dot( way, forward );
@@ -211,7 +211,7 @@ export function seen( { eye, forward, right, up, half }, point ) {
 
 }
 
-/** How far a point at a distance moves in the scene as it moves in the square. */
+/** The vector by which a point moves in the scene if it moves by x and y in the image. */
 export function moved( { right, up }, distance, x, y ) {
 
 	return plus( scaled( right, x * distance ), scaled( up, y * distance ) );

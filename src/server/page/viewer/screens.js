@@ -1,4 +1,4 @@
-// Pictures on lights: a picture and a video that are drawn here, or a file of the visitor's, which stays in the browser.
+// Pictures on lights: a built-in picture and video, or a file of the user. Files stay in the browser.
 
 import { el, fileField, fill, notice } from '../elements/dom.js';
 import { choice } from './controls.js';
@@ -7,7 +7,7 @@ import { isPictured, PICTURES } from './scene.js';
 /** Texels of the longer side of a picture on a light. */
 const LONGER = 256;
 
-/** Coloured bars between black and white, and signs whose sizes are halved from left to right. */
+/** Coloured bars, white squares of halving size, and black stripes. */
 function drawSigns( to, width, height ) {
 
 	[ '#101820', '#ff5030', '#ffd040', '#20c060', '#3080ff', '#f0f0f0' ].forEach( ( colour, i ) => {
@@ -29,7 +29,7 @@ function drawSigns( to, width, height ) {
 
 }
 
-/** A disc that moves over a grid. */
+/** A disc that moves over a grid. Its place depends on the time only. */
 function drawDisc( to, width, height, seconds ) {
 
 	to.fillStyle = '#0c2440';
@@ -44,7 +44,7 @@ function drawDisc( to, width, height, seconds ) {
 
 }
 
-/** An image or a video of a file. */
+/** Reads an image or a video from a file. */
 async function read( file ) {
 
 	const address = URL.createObjectURL( file );
@@ -58,7 +58,7 @@ async function read( file ) {
 	} catch {
 
 		URL.revokeObjectURL( address );
-		throw new Error( `${ file.name } is no picture or video that this browser shows` );
+		throw new Error( `${ file.name }: this browser cannot show the file; open another image or video` );
 
 	}
 
@@ -72,32 +72,32 @@ async function read( file ) {
 }
 
 /**
- * The inputs of what a light shows, and the pixels. `change` is called with the name of what the chosen light shows, `again`
- * where it goes on to move.
+ * The inputs of pictures on lights, and their pixels. `change` gets the picture's name for the selected light. `again` is called
+ * when the user starts or pauses the video.
  */
 export function screens( change, again ) {
 
 	let opened = null;
 	let chosen = null;
 	let isPlaying = ! matchMedia( '(prefers-reduced-motion: reduce)' ).matches;
-	/** Seconds of the video that is drawn here, and when they were counted. */
+	/** Seconds of the built-in video, and the time of the last update. */
 	let [ seconds, since ] = [ 0, null ];
 	const shows = choice( 'view-light_picture', 'Shows', [], '', change );
 	const play = el( 'button', { type: 'button', class: 'quiet', onclick: () => {
 
 		isPlaying = ! isPlaying;
 		since = null;
-		follow();
+		updatePlayback();
 		again();
 
 	} } );
-	const told = el( 'div', { role: 'status' } );
+	const message = el( 'div', { role: 'status' } );
 	const small = el( 'canvas', { class: 'screen', role: 'img', 'aria-label': 'The picture on the light' } );
 	const openRow = el( 'div', { class: 'field' }, el( 'label', { for: 'picture' }, 'Picture or video' ), el( 'div', { class: 'file' }, fileField( 'picture', 'image/*,video/*', 'Open a file', open ), play, small ) );
 	const isMoving = ( { picture } ) => picture === 'disc' || picture === 'file' && opened.isVideo;
 
-	/** Lets the button and an opened video follow whether pictures move. */
-	function follow() {
+	/** Updates the button and an opened video to `isPlaying`. */
+	function updatePlayback() {
 
 		play.textContent = isPlaying ? 'Pause' : 'Play';
 		if ( opened?.isVideo ) isPlaying ? opened.shown.play() : opened.shown.pause();
@@ -111,13 +111,13 @@ export function screens( change, again ) {
 			const next = await read( file );
 			opened?.release();
 			opened = next;
-			fill( told );
-			follow();
+			fill( message );
+			updatePlayback();
 			change( 'file' );
 
 		} catch ( error ) {
 
-			fill( told, notice( error.message ) );
+			fill( message, notice( error.message ) );
 
 		}
 
@@ -137,11 +137,11 @@ export function screens( change, again ) {
 	}
 
 	const canvases = [];
-	follow();
+	updatePlayback();
 	return {
-		row: [ shows.row, openRow, told ],
-		/** Shows the inputs of a light, which only a rectangle has. */
-		tell( light ) {
+		row: [ shows.row, openRow, message ],
+		/** Shows the inputs of a light. Only rectangles have them. */
+		show( light ) {
 
 			chosen = light;
 			shows.offer( [ ...Object.entries( PICTURES ), ...( opened ? [ [ 'file', opened.name ] ] : [] ) ], light.picture );
@@ -151,8 +151,8 @@ export function screens( change, again ) {
 
 		},
 		/**
-		 * The pixels of all pictures, in the order of their lights, and whether they move. All have the size that is square on the
-		 * first of these lights.
+		 * The pixels of all pictures, in the order of their lights, and whether any of them moves. All pictures have one size: their
+		 * pixels are square on the first of these lights.
 		 */
 		layers( lights ) {
 
@@ -166,7 +166,7 @@ export function screens( change, again ) {
 			const layers = pictured.map( ( light, i ) => {
 
 				const canvas = canvases[ i ] ??= document.createElement( 'canvas' );
-				// A new size empties a canvas, which takes time.
+				// Setting the size clears a canvas, which takes time.
 				if ( canvas.width !== width || canvas.height !== height ) Object.assign( canvas, { width, height } );
 				paint( canvas, light );
 				if ( light === chosen ) Object.assign( small, { width, height } ).getContext( '2d' ).drawImage( canvas, 0, 0 );

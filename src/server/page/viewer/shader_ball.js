@@ -1,18 +1,18 @@
-// The shader ball: a sphere with a groove around a tilted axis, on a foot with a ring, all of radius one around the origin.
+// The shader ball: a sphere with a groove around a tilted axis, on a foot with a ring. It fits into the unit sphere.
 //
-// Each part is a surface of revolution. Its normals are those of its profile, its tangents run along the circles.
+// Each part is a surface of revolution with exact normals. Tangents run along the circles.
 
-/** The ball: its middle, radius, and the tilt of its axis to the viewer; the angle of its groove from the axis, half width and depth. */
+/** The ball: height of its centre, radius, and tilt of its axis towards the viewer. The groove: angle from the axis, half width, relative depth. */
 const [ MIDDLE, RADIUS, TILT ] = [ 0.29, 0.69, 0.6 ];
 const GROOVE = { angle: 1.05, width: 0.16, depth: 0.13 };
-/** The foot: radius and height of its neck in the ball, those of its plate, and what the rim rounds. */
+/** The foot: radius and height of the neck inside the ball, radius and height of the plate, and radius of the rounded rim. */
 const FOOT = { neck: 0.13, top: - 0.3, plate: 0.42, bottom: - 0.84, rim: 0.03 };
 /** The ring around the neck: its radius, thickness and height. */
 const RING = { radius: 0.27, thick: 0.055, height: - 0.52 };
 
 /**
- * Profiles by a parameter from 0 to 1: distance from the axis and height, and the derivatives of both. Each runs down its
- * outside, so that (- dy, dr) is the way out.
+ * The parts. A profile has a parameter from 0 to 1. It returns the distance r from the axis, the height y, and the derivatives
+ * dr and dy. Profiles run down the outside, so (-dy, dr) points outwards.
  */
 const PARTS = [
 	{ rows: 160, columns: 192, tilt: TILT, up: MIDDLE, profile( s ) {
@@ -20,7 +20,7 @@ const PARTS = [
 		const t = Math.PI * s;
 		const across = ( t - GROOVE.angle ) / GROOVE.width;
 		const inside = Math.max( 1 - across * across, 0 );
-		// A polynomial with a continuous slope, so that the groove has no edge.
+		// A polynomial with a continuous slope gives a groove without an edge.
 		const radius = RADIUS * ( 1 - GROOVE.depth * inside * inside );
 		const slope = 4 * RADIUS * GROOVE.depth * inside * across / GROOVE.width;
 		return [ radius * Math.sin( t ), radius * Math.cos( t ), slope * Math.sin( t ) + radius * Math.cos( t ), slope * Math.cos( t ) - radius * Math.sin( t ) ];
@@ -37,7 +37,7 @@ const PARTS = [
 	arc( RING.radius, RING.height, RING.thick, - 1, 1, 32 ),
 ];
 
-/** A part whose profile is an arc around a point, between angles in half turns, downwards from the outside. */
+/** A part whose profile is an arc around a point. Angles are in half turns below the horizontal. */
 function arc( middle, height, radius, from, to, rows ) {
 
 	return { rows, columns: 96, profile( s ) {
@@ -50,7 +50,7 @@ function arc( middle, height, radius, from, to, rows ) {
 
 }
 
-/** Appends the triangles of a part: place, normal and tangent with its side, as meshes of files have them. */
+/** Appends the triangles of a part: position, normal, and tangent with its sign, as for meshes from files. */
 function append( numbers, { rows, columns, profile, tilt = 0, up = 0 } ) {
 
 	const [ c, s ] = [ Math.cos( tilt ), Math.sin( tilt ) ];
@@ -58,7 +58,7 @@ function append( numbers, { rows, columns, profile, tilt = 0, up = 0 } ) {
 	const corner = ( row, column ) => {
 
 		const [ r, y, dr, dy ] = profile( row / rows );
-		// The last column is the first one to the last bit.
+		// The last column equals the first one exactly.
 		const angle = 2 * Math.PI * ( column % columns ) / columns;
 		const [ sine, cosine, length ] = [ Math.sin( angle ), Math.cos( angle ), Math.hypot( dr, dy ) ];
 		const place = turned( [ r * sine, y, r * cosine ] );

@@ -1,12 +1,12 @@
-// Programs and textures of WebGL 2.
+// Creates programs, textures and framebuffers of WebGL 2.
 
-/** One triangle that covers the picture. */
+/** Draws one triangle that covers the image. */
 const VERTEX = `#version 300 es
 void main() {
 	gl_Position = vec4( gl_VertexID == 1 ? 3.0 : - 1.0, gl_VertexID == 2 ? 3.0 : - 1.0, 0.0, 1.0 );
 }`;
 
-/** A program with the setters of its uniforms, by their names without `[0]`. */
+/** Compiles a program. Returns it with a setter for each uniform. Names of arrays have no `[0]`. */
 export function program( gl, fragment, vertex = VERTEX ) {
 
 	const made = gl.createProgram();
@@ -15,14 +15,14 @@ export function program( gl, fragment, vertex = VERTEX ) {
 		const shader = gl.createShader( type );
 		gl.shaderSource( shader, text );
 		gl.compileShader( shader );
-		if ( ! gl.getShaderParameter( shader, gl.COMPILE_STATUS ) ) throw new Error( gl.getShaderInfoLog( shader ) || 'the context was lost' );
+		if ( ! gl.getShaderParameter( shader, gl.COMPILE_STATUS ) ) throw new Error( gl.getShaderInfoLog( shader ) || 'the WebGL context was lost' );
 		gl.attachShader( made, shader );
 
 	}
 
 	gl.linkProgram( made );
-	if ( ! gl.getProgramParameter( made, gl.LINK_STATUS ) ) throw new Error( gl.getProgramInfoLog( made ) || 'the context was lost' );
-	// Types without a setter here are samplers.
+	if ( ! gl.getProgramParameter( made, gl.LINK_STATUS ) ) throw new Error( gl.getProgramInfoLog( made ) || 'the WebGL context was lost' );
+	// Other types are integers or samplers.
 	const setters = { [ gl.FLOAT ]: 'uniform1fv', [ gl.FLOAT_VEC3 ]: 'uniform3fv', [ gl.FLOAT_VEC4 ]: 'uniform4fv', [ gl.UNSIGNED_INT_VEC4 ]: 'uniform4uiv' };
 	const uniforms = new Map();
 	for ( let i = 0; i < gl.getProgramParameter( made, gl.ACTIVE_UNIFORMS ); i ++ ) {
@@ -37,7 +37,7 @@ export function program( gl, fragment, vertex = VERTEX ) {
 
 }
 
-/** A texture that `fill` allocates while it is bound. */
+/** Creates a texture. `fill` allocates it while it is bound. */
 export function texture( gl, target, fill, min = gl.NEAREST, mag = min, wrap = [ gl.CLAMP_TO_EDGE, gl.CLAMP_TO_EDGE ] ) {
 
 	const made = gl.createTexture();
@@ -51,7 +51,7 @@ export function texture( gl, target, fill, min = gl.NEAREST, mag = min, wrap = [
 
 }
 
-/** A framebuffer with textures to draw to, one for each format. */
+/** Creates a framebuffer with a texture for each format. */
 export function target( gl, formats, width, height ) {
 
 	const framebuffer = gl.createFramebuffer();

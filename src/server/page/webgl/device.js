@@ -1,4 +1,4 @@
-// Draws a scene by WebGL 2: the surface at each pixel, the light of models there, the samples of the reference, and the picture.
+// Draws a scene with WebGL 2: the surface at each pixel, its light by models, samples of the reference, and the final image.
 
 import { program, target, texture } from './context.js';
 import { modelShader, picturesOf } from './models.js';
@@ -6,10 +6,10 @@ import { pictures } from './pictures.js';
 import { referenceShader } from './reference.js';
 import { DISPLAY_SHADER, MESH_VERTEX, meshShader, SURFACE_SHADER } from './surface.js';
 
-/** Textures of the surface at each pixel, by their names in the programs. */
-const SEEN = [ 'seen_place', 'seen_tangent', 'seen_normal', 'seen_f0' ];
+/** Names of the textures with the surface at each pixel. */
+const SURFACE_TEXTURES = [ 'surface_position', 'surface_tangent', 'surface_normal', 'surface_f0' ];
 
-/** A texture of a model: a table's volume of 32-bit numbers, which the shader interpolates, or halves, which the sampler does. */
+/** A texture of a model: a volume of 32-bit floats, which the shader interpolates, or an image of half floats, which the sampler interpolates. */
 function ofModel( gl, { name, width, height, depth, numbers, halves } ) {
 
 	const type = halves ? gl.TEXTURE_2D : gl.TEXTURE_3D;
@@ -19,7 +19,7 @@ function ofModel( gl, { name, width, height, depth, numbers, halves } ) {
 
 }
 
-/** A texture of a mesh: an image with its smaller levels, or one pixel. */
+/** A texture of a mesh: an image with mipmaps, or one pixel. */
 function ofMesh( gl, { image, pixel, isColour, wrap } ) {
 
 	const format = isColour ? gl.SRGB8_ALPHA8 : gl.RGBA8;
@@ -33,7 +33,7 @@ function ofMesh( gl, { image, pixel, isColour, wrap } ) {
 
 }
 
-/** The corners of a mesh: place, normal, tangent with its side, and the place in textures where there are some. */
+/** The vertex array of a mesh: position, normal, tangent with its sign, and texture coordinates if it has textures. */
 function corners( gl, numbers, uv ) {
 
 	const array = gl.createVertexArray();
@@ -60,15 +60,15 @@ function corners( gl, numbers, uv ) {
 
 }
 
-/** Draws scenes on a canvas. Models are those of `viewer/models.js`. */
+/** Draws scenes on a canvas, with models of `viewer/models.js`. */
 export function device( canvas ) {
 
 	const gl = canvas.getContext( 'webgl2', { alpha: false, antialias: false, preserveDrawingBuffer: true } );
-	if ( ! gl ) throw new Error( 'this browser has no WebGL 2' );
-	if ( ! gl.getExtension( 'EXT_color_buffer_float' ) ) throw new Error( 'this graphics card does not draw 32-bit numbers' );
+	if ( ! gl ) throw new Error( 'the viewer needs WebGL 2, which this browser does not have' );
+	if ( ! gl.getExtension( 'EXT_color_buffer_float' ) ) throw new Error( 'the viewer needs the WebGL extension EXT_color_buffer_float, which this browser or its graphics driver does not have' );
 	const { width, height } = canvas;
 	const screen = { framebuffer: null, width, height };
-	const seen = target( gl, SEEN.map( () => gl.RGBA32F ), width, height );
+	const surfaceTarget = target( gl, SURFACE_TEXTURES.map( () => gl.RGBA32F ), width, height );
 	const depth = gl.createRenderbuffer();
 	gl.bindRenderbuffer( gl.RENDERBUFFER, depth );
 	gl.renderbufferStorage( gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height );
@@ -76,7 +76,7 @@ export function device( canvas ) {
 	const [ left, right, ...sums ] = Array.from( { length: 4 }, () => target( gl, [ gl.RGBA32F ], width, height ) );
 	const known = new Map();
 
-	/** Makes a program, texture or mesh when its key is first asked for. */
+	/** Returns the program, texture or mesh of a key. The first call makes it. */
 	function once( key, make ) {
 
 		if ( ! known.has( key ) ) known.set( key, make( key ) );
@@ -84,7 +84,7 @@ export function device( canvas ) {
 
 	}
 
-	/** Runs a program over the picture, or over the triangles of so many corners. */
+	/** Runs a program on the whole image, or on triangles with `count` corners. */
 	function run( { made, uniforms }, to, values, bound, count = 3 ) {
 
 		gl.useProgram( made );
@@ -102,19 +102,19 @@ export function device( canvas ) {
 
 	}
 
-	/** The pictures on lights; null where there are none. */
+	/** The pictures on lights; null without pictures. */
 	let shown = null;
-	const surface = SEEN.map( ( name, i ) => ( { name, texture: seen.textures[ i ] } ) );
+	const surface = SURFACE_TEXTURES.map( ( name, i ) => ( { name, texture: surfaceTarget.textures[ i ] } ) );
 	const layered = ( name, texture ) => shown ? [ { name, type: gl.TEXTURE_2D_ARRAY, texture: shown[ texture ] } ] : [];
 
 	return {
-		/** Draws the surface of a sphere or floor. */
-		see: ( uniforms ) => run( once( 'surface', () => program( gl, SURFACE_SHADER ) ), seen, uniforms, [] ),
-		/** Draws meshes, each with its numbers of ten a corner, the uniforms of its material, and maybe textures. */
-		seeMeshes( uniforms, meshes ) {
+		/** Draws the surface of the sphere or the floor. */
+		drawSurface: ( uniforms ) => run( once( 'surface', () => program( gl, SURFACE_SHADER ) ), surfaceTarget, uniforms, [] ),
+		/** Draws meshes. Each has ten numbers per corner, the uniforms of its material, and possibly textures. */
+		drawMeshes( uniforms, meshes ) {
 
-			gl.bindFramebuffer( gl.FRAMEBUFFER, seen.framebuffer );
-			SEEN.forEach( ( _, i ) => gl.clearBufferfv( gl.COLOR, i, [ 0, 0, 0, 0 ] ) );
+			gl.bindFramebuffer( gl.FRAMEBUFFER, surfaceTarget.framebuffer );
+			SURFACE_TEXTURES.forEach( ( _, i ) => gl.clearBufferfv( gl.COLOR, i, [ 0, 0, 0, 0 ] ) );
 			gl.clear( gl.DEPTH_BUFFER_BIT );
 			gl.enable( gl.DEPTH_TEST );
 			for ( const { numbers, uv, textures, ofMaterial } of meshes ) {
@@ -122,7 +122,7 @@ export function device( canvas ) {
 				const shader = once( `mesh ${ Boolean( textures ) }`, () => program( gl, meshShader( Boolean( textures ) ), MESH_VERTEX ) );
 				const bound = Object.entries( textures || {} ).map( ( [ name, image ] ) => ( { name, texture: once( image, () => ofMesh( gl, image ) ) } ) );
 				gl.bindVertexArray( once( numbers, () => corners( gl, numbers, uv ) ) );
-				run( shader, seen, { ...uniforms, ...ofMaterial }, bound, numbers.length / 10 );
+				run( shader, surfaceTarget, { ...uniforms, ...ofMaterial }, bound, numbers.length / 10 );
 
 			}
 
@@ -130,7 +130,7 @@ export function device( canvas ) {
 			gl.bindVertexArray( null );
 
 		},
-		/** Prefilters pictures on lights, canvases of one size, by the service's text. Returns the number of draw calls. */
+		/** Prefilters pictures on lights with a shader text of the service. The pictures are canvases of one size. Returns the number of draw calls. */
 		picture( layers, text ) {
 
 			const [ { width, height } = {} ] = layers;
@@ -146,7 +146,7 @@ export function device( canvas ) {
 			return layers.reduce( ( calls, canvas, layer ) => calls + shown.update( canvas, layer ), 0 );
 
 		},
-		/** Lights the surface by a model, on the left or the right side; `shapes` has a bit for each shape of the lights. */
+		/** Computes the light of a model for the left or the right side. `shapes` has a bit for each shape of the lights. */
 		light( side, model, uniforms, shapes ) {
 
 			const textures = once( model.textures, () => model.textures.map( ( one ) => ofModel( gl, one ) ) );
@@ -154,7 +154,7 @@ export function device( canvas ) {
 			run( shader, side === 'left' ? left : right, { ...uniforms, ...model.uniforms, picture_base: shown?.base ?? 0 }, [ ...surface, ...textures, ...layered( picturesOf( model.kind ), 'pyramids' ) ] );
 
 		},
-		/** Adds samples of a scattering model to the sum, of which `first` is the number before. */
+		/** Adds samples of the reference to the sum. `first` is the number of samples so far. */
 		sample( brdf, uniforms, shapes, first, samples ) {
 
 			const shader = once( `${ brdf } ${ shapes }`, () => program( gl, referenceShader( brdf, shapes ) ) );
@@ -162,13 +162,13 @@ export function device( canvas ) {
 			sums.reverse();
 
 		},
-		/** Shows both sides; the right one is a model's, or the reference of so many samples. */
+		/** Shows both sides. The right side is a model if `samples` is null, otherwise the reference of so many samples. */
 		display( uniforms, samples ) {
 
 			const other = samples === null ? right : sums[ 0 ];
 			const sides = [ { name: 'left_radiance', texture: left.textures[ 0 ] }, { name: 'right_radiance', texture: other.textures[ 0 ] } ];
 			run( once( 'display', () => program( gl, DISPLAY_SHADER ) ), screen, { ...uniforms, right_weight: 1 / Math.max( samples ?? 1, 1 ) }, [ ...surface, ...sides ] );
-			// The time of a frame is that of its drawing.
+			// Reading a pixel waits for the GPU, so that the frame time is correct.
 			gl.readPixels( 0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array( 4 ) );
 
 		},

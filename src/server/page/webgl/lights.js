@@ -1,36 +1,36 @@
-// Lights of the scene in GLSL ES, as shaders/ggx_reference.wgsl and shaders/reference_solids.wgsl have one.
+// Lights of the scene in GLSL ES, as in shaders/ggx_reference.wgsl and shaders/reference_solids.wgsl, which have one light.
 
 /**
- * The lights. `SHAPES_USED` has a bit for each shape that the scene has, so that a program holds no others: software drivers run
- * both sides of a branch; the bit 16 is that of pictures. `light_shape` is 0 for a polygon, 1 for an ellipse, 2 for a tube (a sphere
- * is a tube whose ends are one), 3 for a line. The vertices are those of a polygon, or of the one that stands for an
- * ellipse, clockwise as seen from the lit side; their fourth number is the area of the triangles (0, 1, 2) up to (0, i - 1, i) over that of all.
+ * The lights. `SHAPES_USED` has a bit for each shape in the scene, and bit 16 for pictures. A program contains only their code,
+ * because software drivers run both sides of a branch. `light_shape` is 0 for a polygon, 1 for an ellipse, 2 for a tube, 3 for a
+ * line. A sphere is a tube with equal ends. The vertices belong to the polygon, or to the octagon that replaces an ellipse,
+ * clockwise from the lit side. Their w is the area of the triangles (0, 1, 2) to (0, i - 1, i), divided by the whole area.
  */
 export const LIGHTS = `
 const float HORIZON = 1e-6;
 uniform int light_count, light_shape[4], light_corners[4];
 uniform float light_radiance[4];
-/** The layer of a rectangle's picture, or -1. */
+/** The layer of the light's picture, or -1. */
 uniform int light_picture[4];
 uniform vec4 light_vertices[32];
-/** xyz: middle of an ellipse, or one end of a tube or line. w: the radius or width of these. */
+/** xyz: centre of an ellipse, or one end of a tube or line. w: radius of the tube, or width of the line. */
 uniform vec4 light_centre[4];
-/** xyz: the half axes of an ellipse. w: one over their length squared. Of a tube or line the first is the other end. */
+/** xyz: half axes of an ellipse or rectangle. w: 1 / squared length. For a tube or line, light_x is the other end. */
 uniform vec4 light_x[4], light_y[4];
-/** xyz: unit normal towards the lit side. w: area. */
+/** xyz: unit normal of the lit side. w: area. */
 uniform vec4 light_normal[4];
 
 bool is_shape( int l, int shape ) { return ( SHAPES_USED & ( 1 << shape ) ) != 0 && light_shape[l] == shape; }
 bool is_pictured( int l ) { return ( SHAPES_USED & 16 ) != 0 && light_picture[l] >= 0; }
 bool is_solid( int l ) { return is_shape( l, 2 ) || is_shape( l, 3 ); }
 
-/** Two unit vectors across a unit vector and each other. */
+/** Two unit vectors that form an orthonormal basis with `axis`. */
 mat2x3 solid_basis( vec3 axis ) {
 	vec3 x = normalize( cross( abs( axis.z ) > 0.7 ? vec3( 1.0, 0.0, 0.0 ) : vec3( 0.0, 0.0, 1.0 ), axis ) );
 	return mat2x3( x, cross( axis, x ) );
 }
 
-/** The point between the ends that is nearest to the shaded point, relative to it. */
+/** The point between both ends that is nearest to the shaded point, relative to the shaded point. */
 vec3 solid_nearest( int l, vec3 position ) {
 	vec3 start = light_centre[l].xyz - position;
 	vec3 along = light_x[l].xyz - light_centre[l].xyz;
@@ -40,7 +40,7 @@ vec3 solid_nearest( int l, vec3 position ) {
 vec3 unit_of( vec3 v ) { return v / sqrt( max( dot( v, v ), 1e-36 ) ); }
 `;
 
-/** The polygons by which models light that know nothing else. */
+/** Polygons instead of tubes, spheres and lines, for models that know polygons only. */
 export const OUTLINES = `
 void tube_end( vec3 end, vec3 outwards, vec3 beside, vec3 sideways, float size, out vec3 v[4] ) {
 	float sine2 = size * size / dot( end, end );
@@ -60,7 +60,7 @@ void tube_end( vec3 end, vec3 outwards, vec3 beside, vec3 sideways, float size, 
 		centre + ( ahead * turn.y - sideways * turn.x ) * ( radius * far ), centre + ahead * cos_end - sideways * sin_end );
 }
 
-/** Of a line the corners of its strip, else the octagon of the outline's area; from within the light the sky. */
+/** The polygon of a tube or line: for a line its strip, otherwise an octagon with the area of the outline. Inside a tube, the whole sky. */
 uint solid_outline( int l, vec3 position, vec3 sky, out vec3 v[8] ) {
 	vec3 start = light_centre[l].xyz - position;
 	vec3 end = light_x[l].xyz - position;
@@ -93,7 +93,7 @@ uint solid_outline( int l, vec3 position, vec3 sky, out vec3 v[8] ) {
 	return 8u;
 }
 
-/** The vertices around a point of the surface, in its tangent frame, and how many. */
+/** The vertices of a light in the tangent frame of a surface point. Returns their number. */
 uint outline_of( int l, Shaded at, out vec3 v[8] ) {
 	mat3 to_local = transpose( mat3( at.x, at.y, at.z ) );
 	uint count = uint( light_corners[l] );
@@ -104,9 +104,9 @@ uint outline_of( int l, Shaded at, out vec3 v[8] ) {
 }
 `;
 
-/** What a sampler of lights needs: densities per steradian and directions. */
+/** Sampling of lights: directions, and densities per steradian. */
 export const SAMPLED_LIGHTS = `
-/** How far a tube is along wi, and the cosine at its surface there; the distance is below zero for a miss. */
+/** Intersects a tube with the ray along wi. x: distance, negative for a miss. y: cosine at the surface. */
 vec2 tube_hit( int l, vec3 position, vec3 wi ) {
 	float radius = light_centre[l].w;
 	vec3 along = light_x[l].xyz - light_centre[l].xyz;
@@ -137,16 +137,16 @@ vec2 tube_hit( int l, vec3 position, vec3 wi ) {
 	return found;
 }
 
-/** The area of a tube, and the share of its straight part. */
+/** x: area of a tube. y: share of its straight part. */
 vec2 tube_area( vec3 along, float radius ) {
 	float straight = length( along );
 	return vec2( 6.2831853 * radius * ( straight + 2.0 * radius ), straight / ( straight + 2.0 * radius ) );
 }
 
-/** One minus the cosine of a cap, of the square of its sine. */
+/** 1 - cosine of a spherical cap, from the squared sine. */
 float sphere_cap( float sine2 ) { return sine2 / ( 1.0 + sqrt( max( 1.0 - sine2, 0.0 ) ) ); }
 
-/** Density with which points of the light are drawn towards wi; below zero where wi misses it, zero where it is never drawn. */
+/** The density of `light_sample` in the direction wi: negative if wi misses the light, zero if it is never sampled. */
 float light_pdf( int l, vec3 position, vec3 wi ) {
 	if ( is_shape( l, 3 ) ) return - 1.0;
 	if ( is_shape( l, 2 ) ) {
@@ -187,7 +187,7 @@ float light_pdf( int l, vec3 position, vec3 wi ) {
 
 #if SHAPES_USED & 16
 uniform highp sampler2DArray light_pictures;
-/** What a rectangle with a picture emits towards a point from where wi meets it, over its radiance: a texel is of one colour. */
+/** The colour of a picture where wi meets the rectangle, relative to its radiance. Texels are not interpolated. */
 vec3 picture_at( int l, vec3 position, vec3 wi ) {
 	vec3 normal = light_normal[l].xyz;
 	vec3 offset = position + dot( normal, light_vertices[8 * l].xyz - position ) / dot( normal, wi ) * wi - light_centre[l].xyz;
@@ -197,7 +197,7 @@ vec3 picture_at( int l, vec3 position, vec3 wi ) {
 }
 #endif
 
-/** What a light emits towards a point from where wi meets it. */
+/** The radiance that a light emits towards a point along wi. */
 vec3 emitted( int l, vec3 position, vec3 wi ) {
 #if SHAPES_USED & 16
 	if ( is_pictured( l ) ) return light_radiance[l] * picture_at( l, position, wi );
@@ -205,7 +205,7 @@ vec3 emitted( int l, vec3 position, vec3 wi ) {
 	return vec3( light_radiance[l] );
 }
 
-/** A point of a polygon or ellipse, uniform over its area. */
+/** A point of a polygon or ellipse, uniform by area. */
 vec3 light_point( int l, vec2 u ) {
 	if ( is_shape( l, 1 ) ) {
 		float radius = sqrt( u.x );
@@ -220,7 +220,7 @@ vec3 light_point( int l, vec2 u ) {
 	return origin + root * ( ( 1.0 - u.y ) * ( first.xyz - origin ) + u.y * ( second.xyz - origin ) );
 }
 
-/** A direction towards the light, and its density; zero where the light does not emit to the shaded point. */
+/** xyz: a sampled direction to the light. w: its density, zero if the light does not emit towards the shaded point. */
 vec4 light_sample( int l, vec3 position, vec2 u ) {
 	if ( ! is_solid( l ) ) {
 		vec3 way = light_point( l, u ) - position;

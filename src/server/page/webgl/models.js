@@ -1,20 +1,20 @@
-// What lights the surface, in GLSL ES: a text of the service's shaders, or the formula of engines, summed over the lights.
+// Models of light in GLSL ES: a shader text of the service, or the formula of engines, summed over the lights.
 //
-// Each program sums the two parts of what arrives, for a Fresnel factor of one and weighed by Schlick's fifth power, and
-// writes the radiance that the material makes of them. Both are colours, as lights may have pictures.
+// Each program sums two parts of the reflected light: for a Fresnel factor of one, and weighted by Schlick's fifth power. Both
+// are colours, because lights can have pictures. The program combines them with the reflectance f0 of the material.
 
 import { LIGHTS, OUTLINES } from './lights.js';
-import { SEEN } from './surface.js';
+import { SURFACE_POINT } from './surface.js';
 
 const MAIN = `
 out vec4 radiance;
 void main() {
-	Shaded at = see();
+	Shaded at = shaded_point();
 	mat2x3 parts = at.coverage > 0.0 ? parts_of( at ) : mat2x3( 0.0 );
 	radiance = vec4( at.f0 * ( parts[0] - parts[1] ) + parts[1], 1.0 );
 }`;
 
-/** By model normals, which lights by polygons: other shapes by those that stand for them, as in previews. */
+/** Model normals, which knows polygons only. Polygons replace other shapes, as in previews. */
 const BY_NORMALS = `
 mat2x3 parts_of( Shaded at ) {
 	NormalsView view = normals_view( at.alpha.x, at.alpha.y, at.wo );
@@ -36,7 +36,7 @@ mat2x3 parts_of( Shaded at ) {
 	return sum;
 }`;
 
-/** The part of a lobe that the lights cover, each weighed by its radiance. */
+/** The part of a lobe that each light covers, times its radiance, summed. */
 const COVERED = `
 vec3 covered( mat3 m, Shaded at ) {
 	LtcInverse local = ltc_inverse( m );
@@ -89,8 +89,9 @@ mat2x3 parts_of( Shaded at ) {
 };
 
 /**
- * By the isotropic table of 2017 as engines read it: the mean of the roughnesses; of a light's vector form factor what the
- * sphere of the same one leaves above the horizon [Hill and Heitz 2016]. They know no pictures, and are lit by a picture's mean. `EngineWay::Clipless` of `ltcforge-light` is its twin.
+ * The isotropic table of 2017 as engines read it. It uses the geometric mean of both roughnesses. Instead of clipping a light at the
+ * horizon, it uses the visible part of a sphere with the same vector form factor [Hill and Heitz 2016]. It uses only
+ * the mean colour of a picture. `EngineWay::Clipless` of `ltcforge-light` is the CPU twin.
  */
 const BY_ENGINES = `
 uniform sampler2D shipped_matrix, shipped_terms;
@@ -123,7 +124,7 @@ mat2x3 parts_of( Shaded at ) {
 			before = corner;
 		}
 		flux *= 0.15915494;
-		// The outline of a solid may run either way.
+		// The outline of a tube, sphere or line can have either orientation.
 		if ( is_solid( l ) && dot( flux, inverse * ( v[0] + v[count / 2] ) ) < 0.0 ) flux = - flux;
 		float size = length( flux );
 		vec3 colour = vec3( light_radiance[l] );
@@ -135,19 +136,19 @@ mat2x3 parts_of( Shaded at ) {
 	return outerProduct( sum, terms );
 }`;
 
-/** The body of a program by its kind: normals, engines, or how the lobes of a table's entries are used. */
+/** The code of each kind of model: normals, engines, or a way to use the lobes of a table. */
 const BODIES = {
 	normals: OUTLINES + BY_NORMALS,
 	engines: OUTLINES + BY_ENGINES,
 	...Object.fromEntries( Object.entries( LOOKUPS ).map( ( [ name, lookup ] ) => [ name, COVERED + lookup ] ) ),
 };
 
-/** The array of the pyramids of pictures in the program of a kind of model. */
+/** The name of the sampler with all levels of the pictures, by kind of model. */
 export const picturesOf = ( kind ) => `${ { normals: 'normals', engines: 'engines' }[ kind ] || 'ltc' }_pictures`;
 
-/** The fragment shader of a kind of model under lights of these shapes, a bit each; `text` is the service's, which begins with precisions. */
+/** The fragment shader of a kind of model. `shapes` has a bit for each shape of the lights. `text` is the service's text, which sets the precisions. */
 export function modelShader( kind, text, shapes ) {
 
-	return `#version 300 es\n${ text || 'precision highp float;\nprecision highp int;\n' }\n#define SHAPES_USED ${ shapes }\nuniform float picture_base;\n${ SEEN }${ LIGHTS }${ BODIES[ kind ] }${ MAIN }`;
+	return `#version 300 es\n${ text || 'precision highp float;\nprecision highp int;\n' }\n#define SHAPES_USED ${ shapes }\nuniform float picture_base;\n${ SURFACE_POINT }${ LIGHTS }${ BODIES[ kind ] }${ MAIN }`;
 
 }

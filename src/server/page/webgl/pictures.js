@@ -1,8 +1,8 @@
-// Pictures on lights: the passes of `ltcforge shader --as prefilter`, run each time a picture changes.
+// Prefilters pictures on lights with the passes of `ltcforge shader --as prefilter`, each time a picture changes.
 
 import { program, target, texture } from './context.js';
 
-/** The text that a pass writes at `texel`. `size` is that of the picture. */
+/** The expression of each pass for the colour at `texel`. `size` is the size of the picture. */
 const PASSES = {
 	halved: 'prefilter_halved( texel, prefilter_size( size, level - 1u ), prefilter_size( size, level ) )',
 	row: 'prefilter_row( texel.y, size.x )',
@@ -21,19 +21,19 @@ void main() {
 }`;
 
 /**
- * Textures of so many pictures of a size: `shown` has the pictures, `pyramids` their levels; both are arrays with a layer for
- * each. `run` draws a program; `text` is the service's.
+ * The textures of `layers` pictures of one size. `shown` has the pictures, `pyramids` their prefiltered levels. Both are arrays
+ * with a layer per picture. `run` draws a program. `text` is the shader text of the service.
  */
 export function pictures( gl, run, text, width, height, layers ) {
 
 	const last = Math.floor( Math.log2( Math.max( width, height ) ) );
-	const drawn = ( level ) => target( gl, [ gl.RGBA16F ], Math.max( width >> level, 1 ), Math.max( height >> level, 1 ) );
+	const levelTarget = ( level ) => target( gl, [ gl.RGBA16F ], Math.max( width >> level, 1 ), Math.max( height >> level, 1 ) );
 	const passes = Object.fromEntries( Object.keys( PASSES ).map( ( pass ) => [ pass, program( gl, passShader( text, pass ) ) ] ) );
 	const array = ( levels, format, ...filters ) => texture( gl, gl.TEXTURE_2D_ARRAY, () => gl.texStorage3D( gl.TEXTURE_2D_ARRAY, levels, format, width, height, layers ), ...filters );
 	const picture = texture( gl, gl.TEXTURE_2D, () => gl.texStorage2D( gl.TEXTURE_2D, 1, gl.SRGB8_ALPHA8, width, height ) );
 	// Level 0 of the chain is the picture.
-	const chain = Array.from( { length: Math.max( last - 1, 0 ) }, ( _, i ) => drawn( i + 1 ) );
-	const levels = Array.from( { length: last + 1 }, ( _, level ) => drawn( level ) );
+	const chain = Array.from( { length: Math.max( last - 1, 0 ) }, ( _, i ) => levelTarget( i + 1 ) );
+	const levels = Array.from( { length: last + 1 }, ( _, level ) => levelTarget( level ) );
 	const rows = target( gl, [ gl.RGBA16F ], 1, height );
 	const shown = array( 1, gl.SRGB8_ALPHA8 );
 	const pyramids = array( last + 1, gl.RGBA16F, gl.LINEAR_MIPMAP_LINEAR, gl.LINEAR );
@@ -47,9 +47,9 @@ export function pictures( gl, run, text, width, height, layers ) {
 
 	return {
 		shown, pyramids,
-		/** What the texts of models ask of the first level. */
+		/** The argument `base` of the models' shaders: log2 of the geometric mean of both sides, minus 1. */
 		base: Math.log2( Math.sqrt( width * height ) ) - 1,
-		/** Prefilters the pixels of a canvas of this size as a layer. Returns the number of draw calls. */
+		/** Prefilters a canvas of this size into a layer. Returns the number of draw calls. */
 		update( canvas, layer ) {
 
 			gl.bindTexture( gl.TEXTURE_2D, picture );

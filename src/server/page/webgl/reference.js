@@ -1,10 +1,10 @@
-// The truth in GLSL ES, by Monte Carlo integration: a direction of the BRDF and a point of each light a sample, by the balance
-// heuristic [Veach and Guibas 1995]. Line by line that of shaders/ggx_reference.wgsl.
+// The reference in GLSL ES, by Monte Carlo integration. Each sample has a direction of the BRDF and a point of each light, weighted
+// by the balance heuristic [Veach and Guibas 1995]. It follows shaders/ggx_reference.wgsl line by line.
 
 import { LIGHTS, SAMPLED_LIGHTS } from './lights.js';
-import { SEEN } from './surface.js';
+import { SURFACE_POINT } from './surface.js';
 
-const DRAWN = `
+const SAMPLING = `
 uint hash( uint key ) {
 	uint x = key;
 	x = ( x ^ ( x >> 16u ) ) * 0x7feb352du;
@@ -15,7 +15,7 @@ vec2 point( uint i, uvec2 seed ) { return vec2( ( uvec2( i * 0xc13fa9a9u, i * 0x
 vec3 fresnel( vec3 f0, float cosine ) { float m = clamp( 1.0 - cosine, 0.0, 1.0 ); return mix( f0, vec3( 1.0 ), m * m * m * m * m ); }
 `;
 
-/** GGX by its visible normals [Dupuy and Benyoub 2023]. */
+/** GGX, sampled by visible normals [Dupuy and Benyoub 2023]. */
 const GGX = `
 float lambda( vec2 alpha, vec3 w ) { vec2 t = alpha * w.xy / w.z; return 0.5 * ( sqrt( 1.0 + dot( t, t ) ) - 1.0 ); }
 float distribution( vec2 alpha, vec3 wm ) {
@@ -23,7 +23,7 @@ float distribution( vec2 alpha, vec3 wm ) {
 	float q = dot( t, t ) + wm.z * wm.z;
 	return 1.0 / ( 3.14159265 * alpha.x * alpha.y * q * q );
 }
-vec3 drawn( Shaded at, vec2 u ) {
+vec3 sampled_direction( Shaded at, vec2 u ) {
 	vec3 standard = normalize( vec3( at.alpha * at.wo.xy, at.wo.z ) );
 	float z = ( 1.0 - u.y ) * ( 1.0 + standard.z ) - standard.z;
 	float radius = sqrt( max( 1.0 - z * z, 0.0 ) );
@@ -31,7 +31,7 @@ vec3 drawn( Shaded at, vec2 u ) {
 	wm = normalize( vec3( at.alpha * wm.xy, max( wm.z, 0.0 ) ) );
 	return 2.0 * dot( at.wo, wm ) * wm - at.wo;
 }
-/** x: the BRDF times the cosine. y: the density with which wi is drawn. */
+/** x: BRDF times cosine. y: density of wi in `sampled_direction`. */
 vec2 scattered( Shaded at, vec3 wm, vec3 wi ) {
 	float lambda_o = lambda( at.alpha, at.wo );
 	float of_brdf = distribution( at.alpha, wm ) / ( 4.0 * at.wo.z * ( 1.0 + lambda_o ) );
@@ -39,9 +39,9 @@ vec2 scattered( Shaded at, vec3 wm, vec3 wi ) {
 }
 `;
 
-/** Sheen: Charlie's distribution [Estevez and Kulla 2017] under a visibility, with directions drawn by the cosine. */
+/** Sheen: distribution Charlie [Estevez and Kulla 2017] with a visibility term. Directions are sampled by the cosine. */
 const sheen = ( visibility ) => `
-vec3 drawn( Shaded at, vec2 u ) {
+vec3 sampled_direction( Shaded at, vec2 u ) {
 	float radius = sqrt( u.x );
 	return vec3( radius * cos( 6.2831853 * u.y ), radius * sin( 6.2831853 * u.y ), sqrt( 1.0 - u.x ) );
 }
@@ -67,10 +67,10 @@ float visibility( float alpha, float o, float i ) { return 1.0 / ( 4.0 * o * i *
 
 const NEUBELT = 'float visibility( float alpha, float o, float i ) { return 0.25 / ( o + i - o * i ); }';
 
-/** The scattering models that the reference knows. */
+/** The scattering models of the reference. */
 const BRDFS = { ggx: GGX, charlie: sheen( ESTEVEZ ), charlie_neubelt: sheen( NEUBELT ) };
 
-/** Whether there is a reference of a scattering model. */
+/** Whether there is a reference for a scattering model. */
 export const hasReference = ( brdf ) => Object.hasOwn( BRDFS, brdf );
 
 const SUM = `
@@ -79,7 +79,7 @@ uniform int size, first, samples;
 out vec4 sum;
 
 void main() {
-	Shaded at = see();
+	Shaded at = shaded_point();
 	sum = first > 0 ? texelFetch( reference_sum, ivec2( gl_FragCoord.xy ), 0 ) : vec4( 0.0 );
 	if ( at.coverage <= 0.0 ) return;
 	ivec2 pixel = ivec2( int( gl_FragCoord.x ), size - 1 - int( gl_FragCoord.y ) );
@@ -88,7 +88,7 @@ void main() {
 	uint c = hash( b ^ 0x9e3779b9u );
 	uint d = hash( c ^ 0x9e3779b9u );
 	for ( int i = first; i < first + samples; i ++ ) {
-		vec3 wi = drawn( at, point( uint( i ), uvec2( a, b ) ) );
+		vec3 wi = sampled_direction( at, point( uint( i ), uvec2( a, b ) ) );
 		if ( wi.z > HORIZON ) {
 			vec3 wm = normalize( at.wo + wi );
 			vec2 found = scattered( at, wm, wi );
@@ -104,7 +104,7 @@ void main() {
 			if ( wi.z > HORIZON && of_light.w > 0.0 ) {
 				vec3 wm = normalize( at.wo + wi );
 				vec2 found = scattered( at, wm, wi );
-				// No direction is drawn that hits a line.
+				// Directions of the BRDF never hit a line.
 				float of_both = of_light.w + ( is_shape( l, 3 ) ? 0.0 : found.y );
 				sum.xyz += fresnel( at.f0, dot( at.wo, wm ) ) * emitted( l, at.position, of_light.xyz ) * ( found.x / of_both );
 			}
@@ -112,9 +112,9 @@ void main() {
 	}
 }`;
 
-/** The fragment shader that adds samples of a scattering model under lights of these shapes. */
+/** The fragment shader that adds samples of a scattering model. `shapes` has a bit for each shape of the lights. */
 export function referenceShader( brdf, shapes ) {
 
-	return `#version 300 es\nprecision highp float;\nprecision highp int;\n#define SHAPES_USED ${ shapes }\n${ SEEN }${ LIGHTS }${ SAMPLED_LIGHTS }${ DRAWN }${ BRDFS[ brdf ] }${ SUM }`;
+	return `#version 300 es\nprecision highp float;\nprecision highp int;\n#define SHAPES_USED ${ shapes }\n${ SURFACE_POINT }${ LIGHTS }${ SAMPLED_LIGHTS }${ SAMPLING }${ BRDFS[ brdf ] }${ SUM }`;
 
 }

@@ -1,6 +1,6 @@
-// The surface at each pixel, in GLSL ES: a sphere or a floor as previews have them, or the triangles of a mesh.
+// The surface at each pixel, in GLSL ES: a sphere or a floor as in previews, or a mesh.
 //
-// Its place, tangent frame and material are written to textures, which all other programs of the viewer read.
+// The programs write position, tangent frame and material to textures, which all other programs of the viewer read.
 
 const HEAD = '#version 300 es\nprecision highp float;\nprecision highp int;\n';
 
@@ -11,7 +11,7 @@ layout( location = 2 ) out vec4 out_normal;
 layout( location = 3 ) out vec4 out_f0;
 `;
 
-/** The sphere of radius one around the origin, or the floor y = 0; as `see` of shaders/sphere.wgsl. */
+/** The unit sphere around the origin, or the floor y = 0; as in shaders/sphere.wgsl. */
 export const SURFACE_SHADER = `${ HEAD }${ TARGETS }
 uniform int size, surface;
 uniform vec3 eye, right, up, forward, f0;
@@ -49,7 +49,7 @@ void main() {
 	out_f0 = vec4( f0, 1.0 );
 }`;
 
-/** The triangles of a mesh, by the camera of the other surfaces: the square from -1 to 1 is the picture. */
+/** The triangles of a mesh, with the same camera. The image is the square from -1 to 1. */
 export const MESH_VERTEX = `#version 300 es
 layout( location = 0 ) in vec3 place;
 layout( location = 1 ) in vec3 normal;
@@ -70,7 +70,7 @@ void main() {
 	at_uv = uv;
 }`;
 
-/** What textures make of a normal, the reflectance and the roughness, as glTF 2.0 has them, 3.9. */
+/** Normal, reflectance and roughness from textures [glTF 2.0, section 3.9]. */
 const TEXTURED = `
 in vec2 at_uv;
 uniform sampler2D base_texture, rough_texture, normal_texture;
@@ -78,7 +78,7 @@ uniform vec3 base;
 uniform vec4 factors;
 uniform float normal_scale, is_white;
 
-/** Without tangents, x and y of a normal run along u and against v, by how both change from pixel to pixel. */
+/** The normal of the normal texture. A mesh without tangents gets them from screen-space derivatives: x runs along u, y against v. */
 vec3 bent( vec3 normal ) {
 	vec3 px = dFdx( at_place ), py = dFdy( at_place );
 	vec2 ux = dFdx( at_uv ), uy = dFdy( at_uv );
@@ -102,7 +102,7 @@ void read_textures( out vec3 reflected, out vec2 alpha ) {
 }
 `;
 
-/** A mesh seen from behind shows its back. Where there is no tangent it runs around the vertical, as that of the sphere. */
+/** The surface of a mesh. Triangles are two-sided. Without tangents in the file, they run around the vertical axis, as on the sphere. */
 export const meshShader = ( isTextured ) => `${ HEAD }${ TARGETS }
 in vec3 at_place, at_normal;
 in vec4 at_tangent;
@@ -123,17 +123,17 @@ ${ isTextured ? '	normal = bent( normal );\n	read_textures( reflected, alpha );'
 	out_f0 = vec4( reflected, 1.0 );
 }`;
 
-/** How the other programs read a pixel. A view below the surface is raised above it. */
-export const SEEN = `
-uniform sampler2D seen_place, seen_tangent, seen_normal, seen_f0;
+/** Reads the surface at a pixel. A view direction below the surface is moved just above it. */
+export const SURFACE_POINT = `
+uniform sampler2D surface_position, surface_tangent, surface_normal, surface_f0;
 uniform vec3 eye;
 struct Shaded { vec3 position, x, y, z, wo, f0; vec2 alpha; float coverage; };
 
-Shaded see() {
+Shaded shaded_point() {
 	ivec2 texel = ivec2( gl_FragCoord.xy );
-	vec4 place = texelFetch( seen_place, texel, 0 );
-	vec4 tangent = texelFetch( seen_tangent, texel, 0 );
-	vec4 normal = texelFetch( seen_normal, texel, 0 );
+	vec4 place = texelFetch( surface_position, texel, 0 );
+	vec4 tangent = texelFetch( surface_tangent, texel, 0 );
+	vec4 normal = texelFetch( surface_normal, texel, 0 );
 	Shaded at;
 	at.position = place.xyz;
 	at.coverage = place.w;
@@ -143,20 +143,20 @@ Shaded see() {
 	vec3 view = normalize( eye - at.position );
 	at.wo = normalize( vec3( dot( view, at.x ), dot( view, at.y ), max( dot( view, at.z ), 1e-3 ) ) );
 	at.alpha = max( vec2( tangent.w, normal.w ), vec2( 1e-5 ) );
-	at.f0 = texelFetch( seen_f0, texel, 0 ).xyz;
+	at.f0 = texelFetch( surface_f0, texel, 0 ).xyz;
 	return at;
 }
 `;
 
-/** Shows one side, the other, both beside a border, or their difference in false colours; as `display` of shaders/sphere.wgsl. */
+/** Shows one side, both with a border, or their difference in false colours; as in shaders/sphere.wgsl. */
 export const DISPLAY_SHADER = `${ HEAD }
-uniform sampler2D seen_place, left_radiance, right_radiance;
+uniform sampler2D surface_position, left_radiance, right_radiance;
 uniform int size, show;
 uniform float exposure, split, difference_scale, right_weight;
 out vec4 colour;
 const vec3 BACKGROUND = vec3( 0.02 );
 
-/** Blue, green, yellow, red. */
+/** Colours from blue over green and yellow to red. */
 vec3 false_colour( float t ) {
 	vec3 c = clamp( vec3( 2.5 * t - 0.9, 1.0 - abs( 2.6 * t - 1.2 ), 1.0 - 2.6 * abs( t - 0.22 ) ), 0.0, 1.0 );
 	return mix( vec3( 0.02, 0.03, 0.12 ), c, smoothstep( 0.0, 0.15, t ) );
@@ -164,7 +164,7 @@ vec3 false_colour( float t ) {
 
 void main() {
 	ivec2 texel = ivec2( gl_FragCoord.xy );
-	float coverage = texelFetch( seen_place, texel, 0 ).w;
+	float coverage = texelFetch( surface_position, texel, 0 ).w;
 	vec3 left = mix( BACKGROUND, texelFetch( left_radiance, texel, 0 ).xyz, coverage );
 	vec3 right = mix( BACKGROUND, texelFetch( right_radiance, texel, 0 ).xyz * right_weight, coverage );
 	if ( show == 3 ) {

@@ -1,59 +1,59 @@
 //! The bytes of a KTX2 file: header, level index, data format descriptor, keys and values, levels.
 //!
-//! Descriptor and level index are those that `ktx validate` expects. The writer is our own: crate `ktx2_writer` brings
-//! BC6H compression and with it binaries of another compiler.
+//! Descriptor and level index are as `ktx validate` expects. The crate `ktx2_writer` is not used, because it brings
+//! BC6H compression and binaries of another compiler.
 
 use std::borrow::Cow;
 
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
-/// How each file begins.
+/// The first bytes of each file.
 pub(crate) const IDENTIFIER: [u8; 12] = *b"\xABKTX 20\xBB\r\n\x1A\n";
 const HEADER_BYTES: usize = 80;
 const LEVEL_INDEX_BYTES: usize = 24;
 const SUPERCOMPRESSION_ZSTD: u32 = 2;
 
-/// Versions and models of the Khronos Data Format Specification 1.3.
+/// Versions and models in the Khronos Data Format Specification 1.3.
 const DESCRIPTOR_VERSION: u16 = 2;
 const MODEL_RGBSDA: u8 = 1;
 const PRIMARIES_UNSPECIFIED: u8 = 0;
 const TRANSFER_LINEAR: u8 = 1;
 
-/// A part of a texel, as a data format descriptor has it.
+/// A channel of a texel, as in a data format descriptor.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sample {
-    /// Where it begins.
+    /// The first bit.
     pub(crate) bit_offset: u16,
-    /// How many bits it has.
+    /// The number of bits.
     pub(crate) bits: u8,
-    /// The channel and the marks of its numbers.
+    /// The channel and the flags of its numbers.
     pub(crate) channel: u8,
-    /// The numbers that stand for the lower and the upper end of the range of values.
+    /// The numbers for the lower and the upper end of the range of values.
     pub(crate) range: [u32; 2],
 }
 
-/// What a file holds.
+/// The contents of a file.
 #[derive(Debug, Clone)]
 pub(crate) struct Ktx2File {
     /// The number of its `VkFormat`.
     pub(crate) vk_format: u32,
-    /// Bytes of a number, in whose order they are little-endian.
+    /// The size in bytes of the little-endian numbers.
     pub(crate) number_bytes: usize,
     pub(crate) texel_bytes: usize,
     pub(crate) samples: Vec<Sample>,
-    /// Width, height, depth and layers of the first level; zero where there is no such dimension.
+    /// Width, height, depth and layers of the first level; zero for a missing dimension.
     pub(crate) sizes: [u32; 4],
-    /// The texels of each level, the first one the largest.
+    /// The texels of each level, the largest level first.
     pub(crate) levels: Vec<Vec<u8>>,
     /// Whether levels are compressed.
     pub(crate) zstd: bool,
 }
 
 impl Ktx2File {
-    /// The file's bytes, with these keys and values, and the writer's name.
+    /// The bytes of the file, with these keys and values, and the writer's name.
     ///
     /// # Errors
-    /// How long its keys and values are where that is 4 GiB or more.
+    /// The length of keys and values, if it is 4 GiB or more.
     pub(crate) fn bytes(&self, pairs: &[(&str, String)]) -> Result<Vec<u8>, usize> {
         let compressed = |level: &Vec<u8>| compress_to_vec(&**level, CompressionLevel::Fastest);
         let stored = |level| if self.zstd { Cow::Owned(compressed(level)) } else { Cow::Borrowed(&**level) };
@@ -76,12 +76,12 @@ impl Ktx2File {
         file.extend(IDENTIFIER);
         words(&mut file, [self.vk_format, self.number_bytes as u32]);
         words(&mut file, self.sizes);
-        // One face.
+        // The texture has one face.
         words(&mut file, [1, stored.len() as u32, if self.zstd { SUPERCOMPRESSION_ZSTD } else { 0 }]);
         let length = |bytes: usize| u32::try_from(bytes).map_err(|_| bytes);
         words(&mut file, [length(descriptor_at)?, length(descriptor.len())?]);
         words(&mut file, [length(key_values_at)?, length(key_values.len())?]);
-        // No global data of a supercompression.
+        // There is no global data of a supercompression.
         longs(&mut file, [0, 0]);
         for ((place, level), raw) in places.iter().zip(&stored).zip(&self.levels) {
             longs(&mut file, [*place, level.len(), raw.len()]);
@@ -100,12 +100,12 @@ impl Ktx2File {
         let block_bytes = 24 + 16 * self.samples.len();
         let mut block = Vec::new();
         words(&mut block, [4 + block_bytes as u32]);
-        // Vendor Khronos, type basic.
+        // The vendor is Khronos, the type basic.
         words(&mut block, [0]);
         block.extend(DESCRIPTOR_VERSION.to_le_bytes());
         block.extend((block_bytes as u16).to_le_bytes());
         block.extend([MODEL_RGBSDA, PRIMARIES_UNSPECIFIED, TRANSFER_LINEAR, 0]);
-        // A block is one texel, all of it in plane 0.
+        // A block is one texel, with all bytes in plane 0.
         block.extend([0; 4]);
         block.extend([self.texel_bytes as u8, 0, 0, 0, 0, 0, 0, 0]);
         for Sample { bit_offset, bits, channel, range } in &self.samples {
@@ -118,7 +118,7 @@ impl Ktx2File {
     }
 }
 
-/// Keys and values, which have to be sorted by key; each value ends in a zero.
+/// Keys and values, which must be sorted by key. Each value ends in a zero.
 fn key_values(mut pairs: Vec<(&str, String)>) -> Vec<u8> {
     pairs.sort_unstable();
     let mut bytes = Vec::new();

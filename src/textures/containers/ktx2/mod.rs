@@ -1,7 +1,7 @@
 //! KTX 2.0, the container of Khronos for textures [KTX File Format Specification 2.0.4].
 //!
-//! 2D textures, arrays of them, and 3D textures, one level, 16 or 32 bits a number, with or without zstd. What the file
-//! says of itself is under the key `ltcforge`, the channels' names under `ltcforge.channels`.
+//! The crate writes 2D textures, arrays of 2D textures, and 3D textures, with one level, 16 or 32 bits a number, with
+//! or without zstd. Comments are under the key `ltcforge`, the names of channels under `ltcforge.channels`.
 
 mod file;
 
@@ -10,7 +10,7 @@ use super::rules::Stored;
 use crate::{about::About, file::TextureFileError};
 use ltcforge_fit::Precision;
 
-/// Channels of the Khronos Data Format Specification 1.3, and what marks one of signed floats.
+/// Channels in the Khronos Data Format Specification 1.3, and the flags of signed floats.
 const CHANNELS: [u8; 4] = [0, 1, 2, 15];
 const SIGNED_FLOAT: u8 = 0x80 | 0x40;
 
@@ -25,7 +25,7 @@ pub(crate) fn encode(stored: &Stored<'_>, zstd: bool, about: &About) -> Result<V
         return Err(stored.unsupported(NAME, "layers", texture.layers.to_string(), "1 where depth is more than 1"));
     }
     let (channels, number_bytes) = (texture.channels.len(), rounded.number_bytes());
-    // Zero where a texture has no such dimension.
+    // A missing dimension is zero.
     let none_if_one = |n: u32| if n == 1 { 0 } else { n };
     let file = Ktx2File {
         vk_format: vk_format(channels, rounded.precision),
@@ -41,7 +41,7 @@ pub(crate) fn encode(stored: &Stored<'_>, zstd: bool, about: &About) -> Result<V
         .map_err(|bytes| stored.unsupported(NAME, "metadata", format!("{bytes} bytes long"), "less than 4 GiB"))
 }
 
-/// `VK_FORMAT_R16_SFLOAT` and so on.
+/// `VK_FORMAT_R16_SFLOAT` and similar formats.
 pub(crate) fn vk_format(channels: usize, precision: Precision) -> u32 {
     let (first, step) = match precision {
         Precision::F16 => (76, 7),
@@ -50,7 +50,7 @@ pub(crate) fn vk_format(channels: usize, precision: Precision) -> u32 {
     first + step * (channels as u32 - 1)
 }
 
-/// Channels of signed floats of as many bytes, one after the other.
+/// Channels of signed floats with this many bytes, one after the other.
 pub(crate) fn float_samples(channels: usize, number_bytes: usize) -> Vec<Sample> {
     let bits = 8 * number_bytes;
     let sample = |(i, channel): (usize, &u8)| Sample {

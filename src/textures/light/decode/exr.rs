@@ -1,5 +1,5 @@
-//! `OpenEXR`: channels R, G and B of the first part that has them, or Y of a grey picture. Alpha is left out: colours are
-//! premultiplied. The data window is the picture.
+//! `OpenEXR`: channels R, G and B of the first part that has them, or Y of a grey picture. Alpha is left out, because
+//! colours are premultiplied. The data window is the picture.
 
 use std::io::Cursor;
 
@@ -11,12 +11,13 @@ use ::exr::{
 
 use super::{Curve, Decoded, LightFileError, PictureFormat, Wanted, from_floats};
 
-/// Bytes and attributes of all headers: the crate keeps each attribute in up to a kilobyte.
+/// Limits of bytes and attributes in all headers: the crate uses up to a kilobyte for each attribute.
 const MOST_HEADER_BYTES: usize = 1 << 22;
 const MOST_ATTRIBUTES: usize = 1 << 12;
 
-/// Checks the size of the headers before the crate keeps them. An attribute is its name and its type, each with a zero behind it,
-/// the length of its value, and that. A zero ends a header; in a file of several parts, one more ends the last.
+/// Checks the size of the headers before the crate reads them. An attribute is its name and its type, each followed by
+/// a zero, the length of its value, and the value. A zero ends a header. In a file with several parts, another zero
+/// ends the last header.
 fn check_headers(bytes: &[u8]) -> Result<(), String> {
     let too_long = || format!("its headers have no end within {MOST_HEADER_BYTES} bytes");
     let is_of_parts = bytes.get(5).is_some_and(|flags| flags & 0x10 != 0);
@@ -59,7 +60,7 @@ pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileE
     } else {
         let names: Vec<String> =
             meta.headers.iter().flat_map(|h| h.channels.list.iter()).map(|c| c.name.to_string()).collect();
-        let reason = format!("its channels are {}; R, G and B are read, or Y", names.join(", "));
+        let reason = format!("its channels are {}; R, G and B, or Y, are required", names.join(", "));
         return Err(LightFileError::broken(PictureFormat::Exr, reason));
     };
     let curve = wanted.curve.unwrap_or(Curve::Linear);
@@ -67,7 +68,7 @@ pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileE
     Ok(Decoded { size, curve, texels })
 }
 
-/// A size, and the texels that are filled one by one.
+/// A size, and texels that are filled one by one.
 type Texels = ([usize; 2], Vec<[f32; 3]>);
 
 fn coloured(bytes: &[u8]) -> Result<Texels, Error> {

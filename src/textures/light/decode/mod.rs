@@ -14,11 +14,11 @@ use ltcforge_light::textured::{ImageError, LightImage};
 
 use super::curve::{Curve, TransferFunction};
 
-/// Most pixels of a picture, and most along a side.
+/// The most pixels of a picture, and the most along a side.
 pub const MOST_PIXELS: u64 = 1 << 24;
 const MOST_ALONG: u64 = 1 << 14;
 
-/// The beginning of a file of each format.
+/// The first bytes of a file in each format.
 const PNG_MAGIC: &[u8] = b"\x89PNG";
 const EXR_MAGIC: &[u8] = b"\x76\x2f\x31\x01";
 const JPEG_MAGIC: &[u8] = b"\xff\xd8";
@@ -50,42 +50,42 @@ impl PictureFormat {
 pub struct LightPicture {
     /// The format of the file.
     pub format: PictureFormat,
-    /// How its numbers were read.
+    /// The curve with which its numbers were read.
     pub curve: Curve,
     /// The picture.
     pub image: LightImage,
 }
 
-/// Why a file is no picture of a light.
+/// The file is not a picture of a light.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LightFileError {
-    /// The file begins as none of the formats.
-    #[error("this file is not an image that can be read; allowed: {}", PictureFormat::names())]
+    /// The file begins like none of the formats.
+    #[error("this file is not a readable image; allowed: {}", PictureFormat::names())]
     Format,
-    /// Sides that are too long, or zero.
-    #[error("the image has {width} x {height} pixels; 1 to {MOST_ALONG} along a side are allowed, and {most} in all")]
+    /// A side is zero, or there are too many pixels.
+    #[error("the image has {width} x {height} pixels; 1 to {MOST_ALONG} on each side are allowed, and {most} in total")]
     Size {
-        /// Its width.
+        /// The width in pixels.
         width: u64,
-        /// Its height.
+        /// The height in pixels.
         height: u64,
-        /// How many are allowed.
+        /// The number of pixels that is allowed.
         most: u64,
     },
-    /// The decoder refuses the file.
-    #[error("no {} that can be read: {reason}", .format.name())]
+    /// The decoder returned an error.
+    #[error("not a readable {} file: {reason}", .format.name())]
     Broken {
-        /// The format, by its beginning.
+        /// The format, from its first bytes.
         format: PictureFormat,
-        /// The decoder's reason.
+        /// The message of the decoder.
         reason: String,
     },
-    /// A curve that is not read.
+    /// The curve is not supported.
     #[error(
-        "the file's cICP chunk names transfer function {0}; read are 4 and 5, powers, 8, linear, and 13, sRGB: choose one"
+        "the file's cICP chunk names transfer function {0}; 4 and 5 (powers), 8 (linear) and 13 (sRGB) are supported"
     )]
     Transfer(u8),
-    /// Texels that are no light.
+    /// The texels are not light.
     #[error(transparent)]
     Texels(#[from] ImageError),
 }
@@ -96,7 +96,7 @@ impl LightFileError {
     }
 }
 
-/// What a decoder finds: the size, the curve and linear texels.
+/// The result of a decoder: the size, the curve and linear texels.
 struct Decoded {
     size: [usize; 2],
     curve: Curve,
@@ -104,19 +104,19 @@ struct Decoded {
 }
 
 impl LightPicture {
-    /// Reads a picture. Its first bytes tell the format. Without `transfer` numbers are linear in `OpenEXR` and Radiance
-    /// HDR, sRGB in JPEG, and in PNG what the file says, sRGB where it says nothing.
+    /// Reads a picture. Its first bytes select the format. Without `transfer`, numbers are linear in `OpenEXR` and
+    /// Radiance HDR, and sRGB in JPEG. In PNG they follow the file, and are sRGB if the file does not state a curve.
     ///
     /// # Errors
-    /// When the bytes are no image, too large, broken, or have a texel that is negative or not finite.
+    /// The bytes are not an image, are damaged or too large, or a texel is negative or not finite.
     pub fn decode(bytes: &[u8], transfer: Option<TransferFunction>) -> Result<Self, LightFileError> {
         Self::decode_within(bytes, transfer, MOST_PIXELS)
     }
 
-    /// The same for pictures of up to `most` pixels, [`MOST_PIXELS`] in any case.
+    /// Reads a picture of up to `most` pixels, and never more than [`MOST_PIXELS`].
     ///
     /// # Errors
-    /// As [`Self::decode`].
+    /// Like [`Self::decode`].
     pub fn decode_within(bytes: &[u8], transfer: Option<TransferFunction>, most: u64) -> Result<Self, LightFileError> {
         let wanted = Wanted { curve: transfer.map(Curve::from), most: most.min(MOST_PIXELS) };
         let (format, decode) = if bytes.starts_with(PNG_MAGIC) {
@@ -135,17 +135,17 @@ impl LightPicture {
     }
 }
 
-/// What a caller wants of a picture.
+/// The options of a caller.
 #[derive(Debug, Clone, Copy)]
 struct Wanted {
-    /// How numbers are read; `None` for what the file says.
+    /// The curve of numbers; `None` to follow the file.
     curve: Option<Curve>,
-    /// Most pixels.
+    /// The most pixels.
     most: u64,
 }
 
 impl Wanted {
-    /// Refuses sizes that a few bytes would make large.
+    /// Rejects large sizes before memory is allocated.
     fn bounded(self, width: u64, height: u64) -> Result<[usize; 2], LightFileError> {
         let is_allowed = |side: u64| (1..=MOST_ALONG).contains(&side);
         if !is_allowed(width) || !is_allowed(height) || width * height > self.most {
@@ -155,13 +155,13 @@ impl Wanted {
     }
 }
 
-/// Texels of numbers of a byte each, three by three.
+/// Texels of byte numbers, three by three.
 fn from_bytes(pixels: &[u8], curve: Curve) -> Vec<[f32; 3]> {
     let linear = curve.table(255);
     pixels.as_chunks::<3>().0.iter().map(|pixel| pixel.map(|x| linear[usize::from(x)])).collect()
 }
 
-/// Texels of numbers that a curve may still bend.
+/// Texels of numbers to which a curve is still applied.
 fn from_floats(texels: &mut [[f32; 3]], curve: Curve) {
     if curve != Curve::Linear {
         for number in texels.as_flattened_mut() {

@@ -1,4 +1,4 @@
-//! PNG. A pixel that is transparent emits as much less.
+//! PNG. Transparent pixels emit less light: colour is multiplied by alpha.
 
 use std::io::Cursor;
 
@@ -6,23 +6,23 @@ use ::png::{BitDepth, Decoder, DecodingError, Info, Limits, Transformations};
 
 use super::{Curve, Decoded, LightFileError, PictureFormat, Wanted};
 
-/// Bytes that the decoder may keep beside the picture.
+/// Bytes that the decoder may keep in addition to the picture.
 const MOST_BYTES: usize = 1 << 26;
 
-/// A file gamma this near to 1 / 2.2 stands for sRGB, and this near to 1 for linear numbers [PNG, section 11.3.2].
+/// The tolerance of a file gamma near 1 / 2.2, which means sRGB, and near 1, which means linear [PNG, section 11.3.2].
 const SAME_GAMMA: f64 = 1e-3;
 
 pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileError> {
     let wrong = |error: DecodingError| LightFileError::broken(PictureFormat::Png, error);
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: MOST_BYTES });
-    // No curve is read off them, and each is kept.
+    // Text and ICC chunks are not used, and would take memory.
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);
     decoder.set_transformations(Transformations::EXPAND);
     let header = decoder.read_header_info().map_err(wrong)?;
     let size = wanted.bounded(header.width.into(), header.height.into())?;
     let mut reader = decoder.read_info().map_err(wrong)?;
-    let curve = wanted.curve.map_or_else(|| told(reader.info()), Ok)?;
+    let curve = wanted.curve.map_or_else(|| stated_curve(reader.info()), Ok)?;
     let too_long = || LightFileError::broken(PictureFormat::Png, "its size overflows");
     let mut pixels = vec![0; reader.output_buffer_size().ok_or_else(too_long)?];
     let frame = reader.next_frame(&mut pixels).map_err(wrong)?;
@@ -39,7 +39,7 @@ pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileE
     Ok(Decoded { size, curve, texels })
 }
 
-/// Texels of one to four channels: grey or colour, each with alpha or without it.
+/// Texels with one to four channels: grey or colour, with or without alpha.
 fn texels<T: Copy + Into<usize>>(numbers: &[T], channels: usize, linear: &[f32]) -> Vec<[f32; 3]> {
     let largest = (linear.len() - 1) as f32;
     let texel = |pixel: &[T]| {
@@ -53,8 +53,8 @@ fn texels<T: Copy + Into<usize>>(numbers: &[T], channels: usize, linear: &[f32])
     numbers.chunks_exact(channels).map(texel).collect()
 }
 
-/// The curve that the file names: by chunk cICP, else sRGB, else gAMA [PNG, third edition, section 12.1].
-fn told(info: &Info<'_>) -> Result<Curve, LightFileError> {
+/// The curve that the file states: by chunk cICP, else sRGB, else gAMA [PNG, third edition, section 12.1].
+fn stated_curve(info: &Info<'_>) -> Result<Curve, LightFileError> {
     if let Some(points) = &info.coding_independent_code_points {
         return match points.transfer_function {
             4 => Ok(Curve::Power(2.2)),

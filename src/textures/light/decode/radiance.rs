@@ -1,7 +1,7 @@
 //! Radiance HDR: three bytes of colour and one of an exponent [Ward 1991]. EXPOSURE and COLORCORR are not applied.
 //!
-//! A scanline has runs of each component, or the older runs of whole pixels. Scanlines go from left to right and from the top
-//! down; other orders are refused. Nothing of the header is kept.
+//! A scanline has run-length encoding for each component, or the older encoding of whole pixels. Scanlines run from
+//! left to right and from top to bottom; other orders are errors. The header is otherwise ignored.
 
 use super::{Curve, Decoded, LightFileError, PictureFormat, Wanted, from_floats};
 
@@ -24,7 +24,7 @@ pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileE
     Ok(Decoded { size, curve, texels })
 }
 
-/// Width and height. What follows the header is left in `bytes`.
+/// Reads width and height. The rest after the header is left in `bytes`.
 fn header<'a>(bytes: &mut &'a [u8]) -> Result<[u32; 2], &'static str> {
     let mut line = || -> Result<&'a [u8], &'static str> {
         let (line, rest) = bytes.split_at(bytes.iter().position(|byte| *byte == b'\n').ok_or("the header has no end")?);
@@ -40,19 +40,19 @@ fn header<'a>(bytes: &mut &'a [u8]) -> Result<[u32; 2], &'static str> {
             return Err("its FORMAT is not 32-bit_rle_rgbe");
         }
     }
-    let order = "its size is not -Y, height, +X, width";
+    let order = "its size line must be -Y, height, +X, width";
     let words: Vec<&str> = str::from_utf8(line()?).map_err(|_| order)?.split_ascii_whitespace().take(5).collect();
     let ["-Y", height, "+X", width, ..] = words[..] else { return Err(order) };
     Ok([width.parse().map_err(|_| order)?, height.parse().map_err(|_| order)?])
 }
 
-/// Fills a scanline of one pixel or more. `None` where the bytes end, or a run goes past the end of the line.
+/// Fills a scanline of at least one pixel. `None` if the bytes end, or a run goes past the end of the line.
 fn scanline(bytes: &mut &[u8], line: &mut [Pixel]) -> Option<()> {
     let first: Pixel = take(bytes)?;
     if let [2, 2, 0..128, _] = first { components(bytes, line) } else { pixels(bytes, first, line) }
 }
 
-/// Each component in turn: a length of up to 128 and as many bytes, or 128 more than a length and the byte to repeat.
+/// Reads each component: a length of up to 128 and as many bytes, or 128 plus a length and the byte to repeat.
 fn components(bytes: &mut &[u8], line: &mut [Pixel]) -> Option<()> {
     for component in 0..4 {
         let mut at = 0;
@@ -73,8 +73,8 @@ fn components(bytes: &mut &[u8], line: &mut [Pixel]) -> Option<()> {
     Some(())
 }
 
-/// Whole pixels. A pixel of colour 1, 1, 1 repeats the one before as often as its exponent says; such pixels in a row are digits
-/// to the base 256, the lowest first.
+/// Reads whole pixels. A pixel of colour 1, 1, 1 repeats the previous pixel; its exponent is the number of times.
+/// Several such pixels in a row are digits to the base 256, lowest first.
 fn pixels(bytes: &mut &[u8], first: Pixel, line: &mut [Pixel]) -> Option<()> {
     let (mut last, mut at, mut unit) = (first, 1, 1_usize);
     let is_run = |pixel: &Pixel| pixel.starts_with(&[1; 3]);

@@ -1,4 +1,4 @@
-//! Files with azimuths of the view.
+//! Tests of files with azimuths of the view.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -10,7 +10,7 @@ use crate::{
     math::{Lattice, cosine_hemisphere, direction},
 };
 
-/// 3 x 3 x 3 x 5 nodes of one surface.
+/// One surface with 3 x 3 x 3 x 5 nodes.
 fn axes() -> TabulatedAxes {
     let quarter = even(3, FRAC_PI_2);
     TabulatedAxes {
@@ -22,7 +22,7 @@ fn axes() -> TabulatedAxes {
     }
 }
 
-/// A view of the file and its mirror images, of either roughness along x.
+/// Tests a view of the file and its mirror images, with the larger roughness along x or y.
 #[test]
 fn nodes_have_the_models_values_in_every_quadrant() {
     let (model, axes) = (planted_anisotropic(), axes_of_planted());
@@ -54,7 +54,7 @@ fn axes_of_planted() -> TabulatedAxes {
     planted_anisotropic().file().and_then(|file| file.data()).expect("its numbers").axes().clone()
 }
 
-/// Between nodes GGX is interpolated: within a few percent of its largest value, for any surface, view and light.
+/// Interpolated values are within a few percent of the largest value of GGX, for all surfaces, views and lights.
 #[test]
 fn between_nodes_it_is_about_ggx() {
     let (model, mut worst) = (planted_anisotropic(), 0.0_f64);
@@ -74,7 +74,7 @@ fn between_nodes_it_is_about_ggx() {
     assert!((1e-3..0.12).contains(&worst), "{worst}");
 }
 
-/// The numbers of a square are the parts of a whole turn and of all light.
+/// The coordinates of a sample are the parts of a whole turn and of all light.
 #[test]
 fn a_constant_is_lambert_s_reflection() {
     let count = axes().shape().iter().product();
@@ -93,7 +93,7 @@ fn a_constant_is_lambert_s_reflection() {
 }
 
 #[test]
-fn every_fault_of_azimuths_is_told_at_once() {
+fn every_fault_of_azimuths_is_reported_at_once() {
     let bad = TabulatedAxes {
         ratio: vec![0.5, 1.5, f64::INFINITY],
         phi_o: vec![0.0, 1.0, 0.5, 1.5],
@@ -104,10 +104,10 @@ fn every_fault_of_azimuths_is_told_at_once() {
     (values[7], values[8]) = (f64::NAN, -1.0);
     let wanted = [
         "tensor «ratio»: node 2 is inf, not a finite number",
-        "tensor «phi_o»: node 2 is 0.5 after 1; nodes ascend by 0.000001 at least",
-        "tensor «phi_o»: it goes from 0 to 1.5; allowed: from 0 to 1.5707963267948966, all of it",
-        "tensor «phi»: node 1 is 1, and its counterpart from the end 3.141592653589793; allowed: nodes alike on both sides of pi, \
-         phi and 2 pi - phi",
+        "tensor «phi_o»: node 2 is 0.5 after 1; nodes must ascend by at least 0.000001",
+        "tensor «phi_o»: nodes go from 0 to 1.5; they must go from 0 to 1.5707963267948966",
+        "tensor «phi»: node 1 is 1, but its mirror image is 3.141592653589793; nodes must be symmetric about pi: phi \
+         and 2 pi - phi",
         "tensor «value»: 1 of 432 numbers are not finite; the first is NaN, at ratio 0.5000, theta_o 0.0000, phi_o 0.0000, \
          theta_i 0.7854, phi 6.2832",
         "tensor «value»: 1 of 432 numbers are negative; the first is -1, at ratio 0.5000, theta_o 0.0000, phi_o 0.0000, theta_i \
@@ -118,41 +118,42 @@ fn every_fault_of_azimuths_is_told_at_once() {
     let half = TabulatedAxes { phi: even(5, PI), phi_o: vec![0.0], ..axes() };
     let wanted = [
         "tensor «phi_o»: 1 nodes; allowed: 2 and more",
-        "tensor «phi_o»: it goes from 0 to 0; allowed: from 0 to 1.5707963267948966, all of it",
-        "tensor «phi»: it goes from 0 to 3.141592653589793; allowed: from 0 to 6.283185307179586, all of it",
+        "tensor «phi_o»: nodes go from 0 to 0; they must go from 0 to 1.5707963267948966",
+        "tensor «phi»: nodes go from 0 to 3.141592653589793; they must go from 0 to 6.283185307179586",
     ];
     assert_eq!(faults(half, vec![0.1; 3 * 3 * 5]), wanted);
     let without = TabulatedAxes { phi_o: vec![], ratio: vec![0.5], phi: even(3, PI), ..axes() };
-    let told = "tensor «ratio»: there is no phi_o: surfaces of other ratios than 1 change with the azimuth of the view";
-    assert_eq!(faults(without, vec![0.1; 27]), [told]);
+    let messages = "tensor «ratio»: phi_o is missing: surfaces of ratios below 1 change with the azimuth of the view";
+    assert_eq!(faults(without, vec![0.1; 27]), [messages]);
 }
 
-/// Ends of a turn that are not one azimuth, and views along an axis that are not their own mirror images; beside too much
-/// light, and beside wrong values, which are in no pair.
+/// Reports different ends of a turn, and views along an axis whose values are not symmetric. Excess light and invalid
+/// values are reported too; the comparison skips invalid values.
 #[test]
-fn broken_symmetries_are_told_at_once() {
+fn broken_symmetries_are_reported_at_once() {
     let mut values = vec![0.2; 3 * 3 * 3 * 5];
     let at = |o: usize, v: usize, i: usize, p: usize| ((o * 3 + v) * 3 + i) * 5 + p;
     values[at(1, 1, 2, 4)] = 0.1;
     values[at(2, 0, 1, 1)] = 0.21;
     values[at(2, 2, 0, 3)] = 0.15;
-    // Not along an axis, and within what is allowed.
+    // This difference is not along an axis. The next is within the tolerance.
     values[at(0, 1, 1, 1)] = 0.1;
     values[at(0, 0, 0, 1)] = 0.2 * (1.0 - 0.9e-3);
-    let of_turn = "tensor «value»: 1 pairs of numbers differ at phi 0 and 2 pi, which are one azimuth; allowed: 0.001 of the view's \
-                   largest number, and the most is 0.5000, at theta_o 0.7854, phi_o 0.7854, theta_i 1.5708, phi 6.2832";
-    let of_mirror = "tensor «value»: 2 pairs of numbers differ at phi and 2 pi - phi where phi_o is 0 or pi/2; the surface is its \
-                     own mirror image there; allowed: 0.001 of the view's largest number, and the most is 0.2500, at theta_o 1.5708, \
-                     phi_o 1.5708, theta_i 0.0000, phi 1.5708";
+    let of_turn = "tensor «value»: 1 pairs of numbers differ at phi 0 and 2 pi, which are the same azimuth, by up to \
+                   0.5000 of the view's largest number at theta_o 0.7854, phi_o 0.7854, theta_i 1.5708, phi 6.2832; \
+                   allowed: 0.001";
+    let of_mirror = "tensor «value»: 2 pairs of numbers differ at phi and 2 pi - phi for phi_o 0 or pi/2, where the surface \
+                     is symmetric, by up to 0.2500 of the view's largest number at theta_o 1.5708, phi_o 1.5708, \
+                     theta_i 0.0000, phi 1.5708; allowed: 0.001";
     assert_eq!(faults(axes(), values.clone()), [of_turn, of_mirror]);
     (values[at(1, 1, 2, 4)], values[at(1, 2, 0, 1)]) = (-1.0, f64::NAN);
-    let told = faults(axes(), values.iter().map(|x| x * 4.0).collect());
+    let messages = faults(axes(), values.iter().map(|x| x * 4.0).collect());
     let wanted =
         ["are not finite", "are negative", "2 pairs of numbers differ at phi and 2 pi - phi", "reflect more than"];
-    assert!(told.len() == 4 && told.iter().zip(wanted).all(|(told, wanted)| told.contains(wanted)), "{told:?}");
+    assert!(messages.len() == 4 && messages.iter().zip(wanted).all(|(m, wanted)| m.contains(wanted)), "{messages:?}");
 }
 
-/// Twelve numbers of eleven bits: their product has no usize.
+/// Six axes of 2048 nodes: their product overflows a usize.
 #[test]
 fn sizes_whose_product_overflows_are_refused() {
     let many = |end: f64| even(2048, end);
@@ -173,19 +174,21 @@ fn sizes_whose_product_overflows_are_refused() {
     assert_eq!(faults(huge, vec![0.1]), wanted);
 }
 
-/// View and light exchanged: between azimuths of the view the light's is interpolated, and at them it is not.
+/// Exchanges view and light. Between azimuths of the view the exchanged light is interpolated; at azimuths of the view
+/// it is exact.
 #[test]
 fn asymmetry_is_found_where_it_was_planted() {
     let even_views = TabulatedAxes { ratio: vec![0.5], ..axes() };
     let mut values = vec![0.2; 3 * 3 * 3 * 5];
-    // theta_o pi/4 and theta_i pi/2, phi_o pi/4 and phi pi/2: exchanged, the view is at 3/4 pi, as at pi/4.
+    // The value at theta_o pi/4, theta_i pi/2, phi_o pi/4 and phi pi/2. Exchanged, the view is at 3/4 pi, which mirrors
+    // pi/4.
     values[((3 + 1) * 3 + 2) * 5 + 1] = 0.25;
     let found = TabulatedBrdf::new(even_views, values.clone()).expect("a BRDF").asymmetry().expect("views and lights");
     assert!((found.largest - 0.2).abs() < 1e-12, "{found:?}");
     assert_eq!((found.alpha, found.ratio), (None, Some(0.5)));
     assert_eq!([found.theta_o, found.theta_i, found.phi], [FRAC_PI_2 / 2.0, FRAC_PI_2, FRAC_PI_2]);
     assert_eq!(found.phi_o, Some(FRAC_PI_2 / 2.0));
-    // The exchanged one: a view at pi/2, whose light is on the other side by its mirror image.
+    // The exchanged value: a view at pi/2, whose light is mirrored to the other side.
     values[((2 * 3 + 1) * 3 + 1) * 5 + 1] = 0.25;
     let found = TabulatedBrdf::new(axes(), values).expect("a BRDF").asymmetry().expect("views and lights");
     assert_eq!(found.largest, 0.0, "{found:?}");

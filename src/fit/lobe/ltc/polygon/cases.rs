@@ -1,4 +1,4 @@
-//! Random polygons and matrices, and their integrals by another method.
+//! Random polygons and matrices, and their integrals by an independent method.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// The positive nodes, with their weights, of the Gauss-Legendre rule of order 8 on [-1, 1].
+/// The positive nodes and their weights of the Gauss-Legendre rule of order 8 on [-1, 1].
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -14,10 +14,10 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
 ];
 
-/// The part of `M c`, for clamped-cosine `c`, that falls into the polygon. For each azimuth of `c`, the directions
-/// whose image lies inside the planes of all edges are an interval, over which the integral of the cosine is known.
-/// Gauss's rule integrates over the azimuth, between the azimuths at which the interval's ends change. The method has
-/// no edge integral, no clipping and no inverse.
+/// The part of `M c` inside of the polygon, for a clamped cosine `c`. For each azimuth of `c`, the directions whose
+/// image lies inside of all edge planes form an interval, and the integral of the cosine over it is known. Gauss's rule
+/// integrates over the azimuth, between the azimuths at which the ends of the interval change. The method has no edge
+/// integral, no clipping and no inverse.
 #[must_use]
 pub fn quadrature(m: DMat3, polygon: &[DVec3]) -> f64 {
     let n = polygon.len();
@@ -40,7 +40,7 @@ pub fn quadrature(m: DMat3, polygon: &[DVec3]) -> f64 {
     cuts.sort_by(f64::total_cmp);
     let at = |azimuth: f64| {
         let (sin, cos) = azimuth.sin_cos();
-        // Directions (t cos, t sin, 1) for t in [0, inf): each plane demands slope t + z >= 0.
+        // Directions are (t cos, t sin, 1) for t in [0, inf). Each plane demands slope t + z >= 0.
         let (mut low, mut high) = (0.0_f64, f64::INFINITY);
         for plane in &planes {
             let slope = plane.x * cos + plane.y * sin;
@@ -70,8 +70,8 @@ pub fn polygon(centre: DVec3, axes: [DVec3; 2], mut angles: Vec<f64>) -> Vec<DVe
     angles.into_iter().map(|angle| centre + axes[0] * angle.cos() + axes[1] * angle.sin()).collect()
 }
 
-/// `count` cases, the same in every run. Each is a convex polygon of 3 to 8 vertices and a matrix; every other matrix
-/// is like that of a lobe.
+/// `count` cases, the same in every run. Each is a convex polygon of 3 to 8 vertices and a matrix. Every other matrix
+/// resembles a lobe.
 pub fn random_cases(count: usize) -> impl Iterator<Item = (Vec<DVec3>, DMat3)> {
     let mut draw = Draw(Xoshiro256PlusPlus::seed_from_u64(4));
     (0..count).map(move |i| (draw.polygon(), draw.matrix(i)))
@@ -95,7 +95,7 @@ impl Draw {
         polygon(self.vector() * 2.0, axes, angles)
     }
 
-    /// A random matrix. Every other one is like that of a lobe: sharp, needle-like, seen from any direction.
+    /// A random matrix. Every other matrix resembles a lobe: sharp, needle-like, seen from any direction.
     fn matrix(&mut self, i: usize) -> DMat3 {
         if i % 2 == 1 {
             return DMat3::from_cols(self.vector(), self.vector(), self.vector() + DVec3::Z);

@@ -25,8 +25,8 @@ fn ten_thousand_polygons_agree_with_quadrature() {
     assert!(clipped > 3000 && lit > 3000, "{clipped} clipped, {lit} lit");
 }
 
-/// The part of a polygon above the horizon, estimated by the sphere of the same vector form factor: by the closed form,
-/// and by its cheap fit.
+/// The part of a polygon above the horizon, approximated by the cap of the same vector form factor. Tests the closed
+/// form and its cheap fit.
 #[test]
 fn spheres_in_place_of_polygons_are_off_by_what_the_documents_say() {
     let mut errors: [[Vec<f64>; 2]; 2] = Default::default();
@@ -59,8 +59,8 @@ fn spheres_in_place_of_polygons_are_off_by_what_the_documents_say() {
     }
 }
 
-/// The square is four patches, each with a corner straight above the origin. Texts on form factors have the closed form
-/// of such a patch.
+/// The square consists of four patches, each with a corner straight above the origin. Texts on form factors have the
+/// closed form of this patch.
 #[test]
 fn a_square_above_has_the_form_factor_of_the_books() {
     let square = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| DVec3::new(x, y, 1.0));
@@ -79,7 +79,7 @@ fn one_side_sees_what_the_other_does_not() {
     square.reverse();
     assert_eq!(cosine.polygon(&square, Sides::One), 0.0);
     assert_eq!(cosine.polygon(&square, Sides::Two), front);
-    // A mirror image of the lobe sees the same side.
+    // A mirrored lobe sees the same side.
     let mirrored = Ltc::new(DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0))).expect("regular");
     square.reverse();
     assert!((mirrored.polygon(&square, Sides::One) - front).abs() < 1e-15);
@@ -108,7 +108,7 @@ fn in_f32(m: DMat3, polygon: &[DVec3]) -> f32 {
     clip.finish()
 }
 
-/// An ordinary number, zero, one, or a number close to zero.
+/// A normal number, zero, one, or a number close to zero.
 fn coordinate() -> impl Strategy<Value = f64> {
     prop_oneof![-3.0..3.0, Just(0.0), Just(1.0), (-3_i64..3).prop_map(|ulps| ulps as f64 * 1e-16), -1e-6..1e-6]
 }
@@ -129,7 +129,7 @@ proptest! {
         vertices in prop::collection::vec((coordinate(), coordinate(), coordinate()), 3..=MAX_VERTICES),
         alpha_x in hard_alpha(), alpha_y in hard_alpha(), theta in hard_theta(), phi in prop_oneof![0.0..TAU, Just(0.0), Just(FRAC_PI_2)],
     ) {
-        // Any closed outline, also a degenerate one.
+        // Any closed outline, including degenerate outlines.
         let outline: Vec<DVec3> = vertices.into_iter().map(DVec3::from).collect();
         let m = mirror_like(alpha_x, alpha_y, theta, phi);
         if let Some(ltc) = Ltc::new(m) {
@@ -149,7 +149,7 @@ proptest! {
         let outline = polygon(DVec3::from(centre), [DVec3::from(first), DVec3::from(second)], angles);
         let m = mirror_like(alpha_x, alpha_y, theta, phi);
         let exact = Ltc::new(m).expect("regular").polygon(&outline, Sides::Two);
-        // Degenerate slivers that are seen edge on lose digits, but no more than this.
+        // Degenerate slivers seen edge-on lose digits, but at most this many.
         prop_assert!((f64::from(in_f32(m, &outline)).abs() - exact).abs() < 1e-3, "{}", exact);
     }
 }

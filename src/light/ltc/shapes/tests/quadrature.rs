@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 
 use ltcforge_fit::Ltc;
 
-/// The nodes in (0, 1), with their weights, of Gauss's rule of order 16, twice over.
+/// The positive nodes and their weights of Gauss's rule of order 16 on [-1, 1].
 const GAUSS: [(f64, f64); 8] = [
     (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
     (0.281_603_550_779_258_9, 0.182_603_415_044_923_6),
@@ -18,7 +18,7 @@ const GAUSS: [(f64, f64); 8] = [
     (0.989_400_934_991_649_9, 0.027_152_459_411_754_095),
 ];
 
-/// Gauss's rule, on halves until those agree.
+/// Gauss's rule, recursively on halves until both agree.
 fn gauss(low: f64, high: f64, depth: u32, f: &impl Fn(f64) -> f64) -> f64 {
     let over = |low: f64, high: f64| {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
@@ -32,12 +32,13 @@ fn gauss(low: f64, high: f64, depth: u32, f: &impl Fn(f64) -> f64) -> f64 {
     gauss(low, middle, depth - 1, f) + gauss(middle, high, depth - 1, f)
 }
 
-/// The clamped cosine over an ellipse in cosine space: for each azimuth the directions on the ellipse are an interval,
-/// over which the integral is known. No border, no eigenvalue: the ellipse's plane and the equation of its points.
+/// The clamped cosine over an ellipse in cosine space. For each azimuth, the directions on the ellipse form an interval
+/// whose integral is known. The method uses the ellipse's plane and equation, without a border or eigenvalues.
 pub(super) fn by_quadrature(m: DMat3, centre: DVec3, [x, y]: [DVec3; 2]) -> f64 {
     let inverse = m.inverse();
     let to_ellipse = DMat3::from_cols(inverse * x, inverse * y, inverse * centre).inverse();
-    // Directions d with (p, q, r) = to_ellipse d, r > 0, p^2 + q^2 <= r^2: for d = (s cos, s sin, 1) a quadratic in s.
+    // Directions d with (p, q, r) = to_ellipse d, r > 0, p^2 + q^2 <= r^2. For d = (s cos, s sin, 1) this is a
+    // quadratic in s.
     let form = |u: DVec3, v: DVec3| {
         let (u, v) = (to_ellipse * u, to_ellipse * v);
         u.x * v.x + u.y * v.y - u.z * v.z
@@ -49,7 +50,7 @@ pub(super) fn by_quadrature(m: DMat3, centre: DVec3, [x, y]: [DVec3; 2]) -> f64 
         let d = flat(azimuth);
         let (a, b, c) = (form(d, d), form(d, up), form(up, up));
         let root = (b * b - a * c).max(0.0).sqrt();
-        // The two roots of a s^2 + 2 b s + c, and on the side of the ellipse itself only.
+        // The two roots of a s^2 + 2 b s + c, limited to the side of the ellipse.
         let big = -b - root.copysign(b);
         let mut ends: Vec<f64> = [big / a, c / big].into_iter().filter(|s| s.is_finite() && *s > 0.0).collect();
         ends.extend([0.0, f64::INFINITY]);
@@ -59,11 +60,11 @@ pub(super) fn by_quadrature(m: DMat3, centre: DVec3, [x, y]: [DVec3; 2]) -> f64 
             p.z > 0.0 && p.x * p.x + p.y * p.y <= p.z * p.z
         };
         let middle = |low: f64, high: f64| if high.is_finite() { 0.5 * (low + high) } else { 2.0 * low + 1.0 };
-        let seen = ends.windows(2).filter(|pair| pair[1] > pair[0] && inside(middle(pair[0], pair[1])));
-        seen.map(|pair| up_to(pair[1]) - up_to(pair[0])).sum::<f64>()
+        let intervals = ends.windows(2).filter(|pair| pair[1] > pair[0] && inside(middle(pair[0], pair[1])));
+        intervals.map(|pair| up_to(pair[1]) - up_to(pair[0])).sum::<f64>()
     };
-    // Azimuths at which the interval begins, ends or reaches the horizon: the planes through up that touch the cone,
-    // and the horizon's crossings.
+    // Azimuths at which the interval begins, ends or reaches the horizon. They come from the planes through up that
+    // touch the cone, and from the crossings of the horizon.
     let matrix = DMat3::from_cols_array_2d(
         &[DVec3::X, DVec3::Y, DVec3::Z].map(|u| [DVec3::X, DVec3::Y, DVec3::Z].map(|v| form(u, v))),
     );
@@ -77,7 +78,7 @@ pub(super) fn by_quadrature(m: DMat3, centre: DVec3, [x, y]: [DVec3; 2]) -> f64 
     } else {
         cuts = vec![0.0, TAU];
     }
-    // Square roots at the ends become smooth by a sine.
+    // A sine substitution makes the square roots at the ends smooth.
     let between = |a: f64, b: f64| {
         let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
         gauss(-FRAC_PI_2, FRAC_PI_2, 40, &|u: f64| half * u.cos() * at(middle + half * u.sin()))
@@ -97,7 +98,7 @@ fn roots(xx: f64, xy: f64, yy: f64) -> Vec<f64> {
     angles.into_iter().flat_map(|a| [a.rem_euclid(TAU), (a + PI).rem_euclid(TAU)]).collect()
 }
 
-/// The width times the integral of the density over the angle along the line, over the distance.
+/// The width times the integral of the density divided by the distance, over the angle along the line.
 pub(super) fn line_by_quadrature(m: DMat3, [a, b]: [DVec3; 2], width: f64) -> f64 {
     let ltc = Ltc::new(m).expect("regular");
     let at = |s: f64| {

@@ -1,0 +1,64 @@
+//! `docs/tutorial.md`: its commands run, and its page shows the light that `ltcforge light` prints.
+
+use std::os::unix::fs::symlink;
+
+use super::*;
+use crate::common::documents::{blocks, commands, document, shell};
+
+/// Beginnings of commands that do not run here: they install the program, or serve the page.
+const EXCEPT: [&str; 2] = ["cargo ", "python3 -m http.server"];
+
+/// The page of the tutorial.
+const PAGE: &str = "examples/webgl/index.html";
+
+/// The output of `tutorial.js`.
+#[derive(Debug, Deserialize)]
+struct Tutorial {
+    /// How many pixels of the floor were compared, and how many of them are bright.
+    pixels: usize,
+    lit: usize,
+    /// The largest difference from the light by the same table, in bytes of sRGB.
+    off: f64,
+    /// The mean difference from the truth, in bytes of sRGB.
+    #[serde(rename = "fromTruth")]
+    from_truth: f64,
+    /// Warnings and errors of the browser.
+    faults: Vec<String>,
+}
+
+/// Rounding to a byte is off by 0.5, and the arithmetic of the driver by little more.
+const OFF: f64 = 1.0;
+
+/// The table differs from the truth by 3.2 on average.
+const FROM_TRUTH: f64 = 5.0;
+
+#[test]
+fn the_page_of_the_tutorial_is_lit_by_its_table() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // The tutorial copies the page from the examples.
+    symlink(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples"), folder.path().join("examples")).expect("a link");
+    let printed = shell(folder.path(), &commands("docs/tutorial.md", &EXCEPT));
+    assert!(printed.contains("energy,fresnel,reflected"), "{printed}");
+    let lit = folder.path().join("lit");
+    let Some(seen) = browser::script::<Tutorial>(&here(), "tutorial.js", &["--folder", &lit.to_string_lossy()]) else {
+        return;
+    };
+    tell(&format!("{seen:.2?}"));
+    assert_eq!(seen.faults, [""; 0]);
+    assert!(seen.pixels > 400 && seen.lit > 40, "{seen:?}");
+    assert!(seen.off <= OFF && seen.from_truth < FROM_TRUTH, "{seen:?}");
+}
+
+#[test]
+fn the_code_of_the_tutorial_is_that_of_its_page() {
+    let trimmed = |text: &str| {
+        let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+        lines.collect::<Vec<_>>().join("\n")
+    };
+    let page = trimmed(&document(PAGE));
+    for language in ["glsl", "js"] {
+        for block in blocks("docs/tutorial.md", language) {
+            assert!(page.contains(&trimmed(&block)), "{PAGE} has other lines than\n{block}");
+        }
+    }
+}
