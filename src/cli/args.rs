@@ -58,15 +58,16 @@ impl Cli {
 fn grouped() -> clap::Command {
     let mut command = Cli::command();
     command.build();
-    let mut template = "{about}\n\n{usage-heading} {usage}\n\n".to_owned();
-    for (title, names) in GROUPS {
-        template += &format!("{title}:\n");
-        for of in names.iter().filter_map(|name| command.find_subcommand(name)) {
-            template += &format!("  {:15}{}\n", of.get_name(), of.get_about().unwrap_or_default());
-        }
-        template.push('\n');
-    }
-    command.help_template(template + "Options:\n{options}{after-help}")
+    let line = |name: &&str| {
+        let about = command.find_subcommand(name)?.get_about()?;
+        Some(format!("  {name:15}{about}\n"))
+    };
+    let group =
+        |(title, names): (&str, &[&str])| format!("{title}:\n{}\n", names.iter().filter_map(line).collect::<String>());
+    let groups: String = GROUPS.into_iter().map(group).collect();
+    command.help_template(format!(
+        "{{about}}\n\n{{usage-heading}} {{usage}}\n\n{groups}Options:\n{{options}}{{after-help}}"
+    ))
 }
 
 /// The service that a command calls.

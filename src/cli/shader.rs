@@ -299,11 +299,11 @@ fn refusal(args: &ShaderArgs) -> Option<String> {
         (is_placed && !has_table && textured.is_none())
             .then(|| format!("model {model} binds no textures: leave out --first-binding and --group")),
         (args.two_lobes && !(has_table && is_ltc))
-            .then(|| format!("--two-lobes needs a table of LTCs: add --layout, or leave it out")),
+            .then(|| "--two-lobes needs a table of LTCs: add --layout, or leave it out".to_owned()),
         (args.lights.is_some() && !is_ltc)
             .then(|| format!("--lights is only for model ltc, not for {model}: leave it out")),
         ((args.texture_array || args.hardware_filter) && !has_table)
-            .then(|| format!("--texture-array and --hardware-filter need a table: add --layout, or leave them out")),
+            .then(|| "--texture-array and --hardware-filter need a table: add --layout, or leave them out".to_owned()),
         (args.hardware_filter && language == Language::Wgsl)
             .then(|| "in WGSL, set the constant ltc_hardware_filter instead of --hardware-filter".to_owned()),
         (args.es_module && !language.has_includes())

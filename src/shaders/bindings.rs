@@ -52,7 +52,9 @@ pub(super) fn included_bindings(language: Language, reading: Reading, namespace:
 If ltc_hardware_filter is true, the sampler must be linear and clamp to the edge, and the textures must be filterable.
   Otherwise the shader interpolates, and any sampler will do."
         }
-        (_, Filter::Exact) => "The shader fetches texels and interpolates. Filter and wrap mode do not matter.",
+        (_, Filter::Exact) => {
+            "The shader fetches texels and interpolates. Use nearest filters: WebGL cannot filter 32-bit floats."
+        }
         (_, Filter::Hardware) => "The sampler interpolates: filter linearly, clamp to the edge, no mipmaps.",
     };
     let (opengl, space) = match namespace.group {
@@ -77,7 +79,7 @@ fn bound_volumes(language: Language) -> &'static str {
         }
         Language::Glsl330 | Language::GlslEs => {
             "\
-  here      uniforms ltc_table.nodes and .reading, uvec4 each; ltc_table.start, .step, .per_step, .texel, .roughness,
+  here      uniforms ltc_table.nodes and .reading, uvec4 each; ltc_table.start, .spacing, .per_step, .texel, .roughness,
             .cosines and .azimuths, vec4 each; samplers ltc_matrix_a, ltc_matrix_b, ltc_terms"
         }
         Language::Hlsl => {
@@ -107,7 +109,7 @@ fn bound_array(language: Language) -> &'static str {
         }
         Language::Glsl330 | Language::GlslEs => {
             "\
-  here      uniforms ltc_table.nodes and .reading, uvec4 each; ltc_table.start, .step, .per_step, .texel, .roughness,
+  here      uniforms ltc_table.nodes and .reading, uvec4 each; ltc_table.start, .spacing, .per_step, .texel, .roughness,
             .cosines and .azimuths, vec4 each; sampler ltc_layers"
         }
         Language::Hlsl => {

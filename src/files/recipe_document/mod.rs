@@ -48,7 +48,8 @@ fn list(faults: &[Fault]) -> String {
 
 /// Reads a recipe document for fitting, fills in its preset and defaults, and checks it.
 ///
-/// # Errors Every error of the document at once. The version of another fitter is an error. A tabulated BRDF is an
+/// # Errors
+/// Every error of the document at once. The version of another fitter is an error. A tabulated BRDF is an
 /// error too; use [`parse_with`] to find its file.
 pub fn parse(json: &[u8], entry_limit: u64) -> Result<Recipe, RecipeError> {
     parse_with(json, entry_limit, &no_files)

@@ -44,7 +44,8 @@ pub struct TabulatedError(pub Vec<String>);
 
 /// Reads a tabulated BRDF and its digest. Hostile bytes give an error, never a panic.
 ///
-/// # Errors All errors at once: of the container, of tensors that are missing, unknown, or of another type or shape,
+/// # Errors
+/// All errors at once: of the container, of tensors that are missing, unknown, or of another type or shape,
 /// and of axes and values, see [`TabulatedBrdf::new`].
 pub fn decode(bytes: &[u8]) -> Result<TabulatedFile, TabulatedError> {
     let brdf = read(bytes).map_err(|faults| TabulatedError(other_form(bytes).map_or(faults, |form| vec![form])))?;

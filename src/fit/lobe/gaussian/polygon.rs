@@ -125,11 +125,11 @@ fn is_far<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Triple<T>
 /// `s` deviations beyond its foot where `e . (x, y) = s z`.
 ///
 /// - An edge with one end behind the axis turns by up to half a turn around the axis, mostly far away. Its two points
-/// are the foot and the point at which it passes the axis. Between two points it then turns by a quarter at most, and
-/// the straight line between their images stays on its side of the centre. For an end that is hardly behind, by less
-/// than [`BEHIND`], the points are blended.
+///   are the foot and the point at which it passes the axis. Between two points it then turns by a quarter at most, and
+///   the straight line between their images stays on its side of the centre. For an end that is hardly behind, by less
+///   than [`BEHIND`], the points are blended.
 /// - The foot can be at a right angle to the axis, where its position depends on rounding. The midpoint of the edge
-/// replaces such a foot.
+///   replaces such a foot.
 fn around_foot<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Triple<T>) -> [T; 2] {
     let coordinates = |w: Triple<T>| [dot(w, lobe.rows[0]), dot(w, lobe.rows[1]), dot(w, lobe.axis)];
     let (a, b) = (coordinates(from), coordinates(to));
