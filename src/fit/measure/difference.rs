@@ -204,7 +204,7 @@ mod tests {
         let gap = difference(&a, &b, 64).expect("a common range").matrix;
         assert!(gap.max < 1e-5, "{gap:?}");
 
-        // Another direction changes it, at this node alone: the roughest surface at the horizon.
+        // Another direction changes the distance, at this node alone: the roughest surface at the horizon.
         let mut b = a.clone();
         let last = b.matrix.len() - 1;
         b.matrix[last][2] += 1.0;

@@ -158,7 +158,7 @@ fn refine(
         lowest = minimise(lowest, &curvature, &mut hessian, free_variables(mirrors), stop, |v| {
             let parts = SearchMatrices::of(v);
             // The search is limited to positive determinants. A mirrored `M` has the same distribution as one of them,
-            // and a singular `M` has none.
+            // and a singular `M` has no distribution.
             if parts.shape.determinant() <= 0.0 || parts.shape.x_axis.x <= 0.0 {
                 return Some((f64::INFINITY, [0.0; VARIABLES]));
             }
