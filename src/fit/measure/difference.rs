@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn what_only_one_table_has_is_not_compared() {
+    fn numbers_of_only_one_table_are_not_compared() {
         let a = fitted();
         let none = difference(&a, &Table { terms: None, ..a.clone() }, 64).expect("a common range");
         assert!(none.amplitude.is_none() && none.fresnel.is_none());

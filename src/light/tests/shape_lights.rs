@@ -194,7 +194,7 @@ fn exact_thin(at: &Configuration, light: &PolygonLight) -> f64 {
 }
 
 #[test]
-fn degenerate_shapes_are_nothing_or_refused() {
+fn degenerate_shapes_are_dark_or_refused() {
     let up = DVec3::new(-0.6, 0.2, 1.0);
     let nothing = [
         rectangle(up, [DVec3::ZERO, DVec3::X], Sides::Two),

@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn mirrored_lobes_keep_their_zeros_without_being_told_afterwards() {
+    fn mirrored_lobes_have_exact_zeros() {
         let planted =
             DMat3::from_cols(DVec3::new(0.4, 0.0, 0.1), DVec3::new(0.0, 0.2, 0.0), DVec3::new(-0.5, 0.0, 0.8));
         let found = fitted(Metric::Sw1, planted, Mirrors { x: false, y: true });
