@@ -126,7 +126,7 @@ impl Database {
         };
         let timeouts = Timeouts { wait: Some(6 * TIMEOUT), create: Some(2 * TIMEOUT), recycle: Some(TIMEOUT) };
         let pool = Pool::builder(manager).max_size(connections.get()).timeouts(timeouts).runtime(PoolRuntime::Tokio1);
-        // The settings are not startup parameters, because a pooler may reject some of those.
+        // The settings are not startup parameters, because a pooler may reject some of them.
         let pool = pool.post_create(Hook::async_fn(|client: &mut ClientWrapper, _| {
             Box::pin(async { client.batch_execute(SETTINGS).await.map_err(HookError::Backend) })
         }));

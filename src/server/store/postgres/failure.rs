@@ -16,7 +16,7 @@ impl From<Error> for ConnectError {
 /// starting or stopping or has no free connection, or two transactions conflicted.
 pub(super) fn is_temporary(error: &Error) -> bool {
     let Some(code) = error.code() else {
-        // The server did not respond: the connection failed, or the client found the error.
+        // The server did not respond. The connection failed, unless the client itself found the error.
         return error.is_closed() || causes(error).any(<dyn std::error::Error + 'static>::is::<std::io::Error>);
     };
     let temporary = [
