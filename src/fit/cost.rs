@@ -63,7 +63,7 @@ mod tests {
     /// The cost of a fit is given for each projection of a sample on a direction. `ltcforge-studies costs` measures the
     /// seconds.
     #[test]
-    fn the_seconds_of_each_solver_are_those_of_the_work_that_it_counts() {
+    fn the_seconds_of_each_solver_follow_its_work() {
         let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
         let found = |solver: Solver| {
             LobeModel::ALL.iter().filter(move |lobe| solver.finds(**lobe)).map(move |lobe| (solver, *lobe))

@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn what_would_be_flat_ends_before() {
+    fn a_weight_with_a_flat_matrix_is_raised() {
         let first = DMat3::from_diagonal(DVec3::new(0.8, 0.5, 1.0));
         let blend = DMat3::from_diagonal(DVec3::new(0.4, 0.5, 1.0));
         // At a weight of 0.4 the second matrix would have a width of -0.2.

@@ -68,7 +68,7 @@ mod tests {
     };
 
     #[test]
-    fn they_are_those_that_a_fit_finds() {
+    fn terms_equal_the_terms_of_a_fit() {
         let (one, quarter) = ([0.0, 1.0], [0.0, FRAC_PI_2]);
         for &layout in &[Layout::Reflected, Layout::Kt2022] {
             let plan = Plan::new(&Recipe {

@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_seen_from_behind_is_dark() {
+    fn lights_seen_from_behind_are_dark() {
         let light = |sides| {
             let reversed: Vec<DVec3> = square(DVec3::Z, 0.1, sides).vertices().iter().rev().copied().collect();
             PolygonLight::new(reversed, sides).expect("a square")

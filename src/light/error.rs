@@ -37,7 +37,7 @@ pub enum LightError {
     Length {
         /// The name of the length.
         what: &'static str,
-        /// Its value.
+        /// The value.
         value: f64,
     },
     /// A surface or a view direction that has no reflection.
@@ -45,7 +45,7 @@ pub enum LightError {
     Domain {
         /// The name of the number.
         what: &'static str,
-        /// Its value.
+        /// The value.
         value: f64,
         /// The allowed values.
         allowed: &'static str,

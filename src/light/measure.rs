@@ -229,7 +229,7 @@ mod tests {
 
     /// A black material reflects only Schlick's part, and a mirror reflects everything.
     #[test]
-    fn errors_of_materials_lie_between_those_of_both_parts() {
+    fn errors_of_materials_lie_between_the_errors_of_both_parts() {
         let everywhere = PerAxis { phi: [0.0, 0.1], ..EVERYWHERE };
         let lights = RandomLights::draw(&BrdfKind::Ggx.into(), &everywhere, 60).expect("lights");
         let form = LightModel::Normals.closed_form(None).expect("a formula");

@@ -64,7 +64,7 @@ impl PolygonLight {
         &self.vertices
     }
 
-    /// The sides from which it is visible.
+    /// The sides from which the light is visible.
     #[must_use]
     pub fn sides(&self) -> Sides {
         self.sides

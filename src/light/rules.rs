@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_reflection_is_refused() {
+    fn configurations_without_reflection_are_refused() {
         let good = Configuration { alpha_x: 0.3, alpha_y: 0.3, theta: 0.8, phi: 0.0 };
         assert!(surface_and_view(&good).is_ok());
         let (alpha, _) = surface_and_view(&Configuration { alpha_x: 0.0, ..good }).expect("a mirror");

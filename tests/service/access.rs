@@ -1,4 +1,4 @@
-//! Who may do what: doors that are shut, tokens and their scopes, and what is told of them.
+//! Access: host names and origins, tokens and their scopes, and log lines without secrets.
 
 use std::{
     fs,
@@ -18,7 +18,7 @@ use crate::common::{
     server::{Answer, Server, text},
 };
 
-/// A new token: its secret and its line for the service.
+/// A new token: its secret, and its line for the service.
 fn token(name: &str, scope: &str) -> (String, String) {
     let folder = tempfile::tempdir().expect("a folder");
     let made = run(folder.path(), ["token", "new", name, "--scope", scope, "--json"]).exited(0);
@@ -42,7 +42,7 @@ fn the_log_names_requests_and_shows_no_secret() {
     );
     let named = server.request("GET", "/healthz", &[("x-request-id", "from-proxy.7")], None);
     assert_eq!(named.header("x-request-id"), Some("from-proxy.7"));
-    // A token in the address by mistake.
+    // The log must not contain a token that a client put into the address by mistake.
     server.get(&format!("/healthz?token={farm}")).with_status(400);
     let other = server.request("GET", "/healthz", &[("x-request-id", "no name")], None);
     assert!(other.header("x-request-id").is_some_and(|name| name != "no name"), "{other:?}");
@@ -54,7 +54,8 @@ fn the_log_names_requests_and_shows_no_secret() {
     assert!(!log.contains(&farm), "a secret is in the log");
 }
 
-/// A FIFO in place of the file of tokens stops neither requests nor the next change; a revoked token loses its streams.
+/// If a FIFO replaces the file of tokens, requests still work, and so does the next change. A revoked token loses its
+/// streams.
 #[test]
 fn an_event_stream_ends_with_its_token() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -78,7 +79,7 @@ fn an_event_stream_ends_with_its_token() {
     call(&server, "GET", "/v1/jobs", &farm, None).with_status(200);
     fs::remove_file(&file).expect("a FIFO");
     fs::write(&file, format!("{other_kept}\n")).expect("a file");
-    // The last chunk is empty: the stream has ended in order.
+    // The last chunk is empty, so the stream has ended regularly.
     eventually("the end of the stream", || {
         line.clear();
         stream.read_line(&mut line).expect("the stream goes on or ends");
@@ -145,7 +146,7 @@ fn tokens_open_what_their_scopes_say_and_jobs_tell_who() {
     call(&server, "DELETE", &format!("/v1/brdfs/{}", "0".repeat(64)), &farm, None).with_status(403);
     call(&server, "DELETE", &format!("/v1/brdfs/{}", "0".repeat(64)), &root, None).with_status(404);
 
-    // Through the command line, by the environment.
+    // The command line reads the token from the environment.
     let client = |token: &str| {
         let mut command = ltcforge(folder.path(), ["jobs", "list", "--server", &server.url]);
         command.env("LTCFORGE_TOKEN", token).output().expect("the binary runs").status.code()
@@ -153,7 +154,7 @@ fn tokens_open_what_their_scopes_say_and_jobs_tell_who() {
     assert_eq!(client(&format!("{} {reader}", server.url)), Some(0));
     assert_eq!(client(&format!("http://other.example {reader}")), Some(1), "it is for another server");
 
-    // A token is revoked without a restart; a slip changes nothing.
+    // A token is revoked without a restart. A malformed file changes nothing.
     fs::write(&file, "nonsense").expect("a file");
     fs::write(&file, farm_kept).expect("a file");
     eventually("the file is read again", || {
@@ -166,7 +167,7 @@ fn tokens_open_what_their_scopes_say_and_jobs_tell_who() {
         assert!(!ended.stderr.contains(secret.as_str()), "{}", ended.stderr);
     }
 
-    // Who did what is still known after a start.
+    // After a restart, the service still knows who submitted and cancelled a job.
     let server = Server::start(&folder.path().join("data"), &flags);
     let job = call(&server, "GET", &long, &farm, None).with_status(200).json();
     assert_eq!((&job["submitted_by"], &job["cancelled_by"]), (&"farm".into(), &"root".into()));

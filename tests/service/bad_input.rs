@@ -1,4 +1,4 @@
-//! Bad input gets a clear answer, and nothing is lost.
+//! Bad input gets a clear error, and nothing is lost.
 
 use crate::common::{
     SMALL,
@@ -6,7 +6,7 @@ use crate::common::{
     server::{Answer, Server},
 };
 
-/// The pointers of a refused recipe.
+/// The JSON pointers in the errors of a rejected recipe.
 #[track_caller]
 fn pointers(answer: &Answer) -> Vec<String> {
     let problem = answer.json();
@@ -63,7 +63,7 @@ fn all_faults_are_told_at_once() {
     }
 }
 
-/// A table of sheen is compared with sheen: what is of GGX alone is refused beside it.
+/// Previews of a sheen table reject models that exist only for GGX.
 #[test]
 fn models_of_ggx_are_refused_beside_a_table_of_another_scattering_model() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -191,7 +191,7 @@ fn every_fault_of_a_plot_s_parameters_is_listed() {
             assert!(fault["detail"].as_str().is_some_and(|text| text.contains(detail)), "{detail}: {problem:#}");
         }
     }
-    // The table is a part of the path, as in every other call.
+    // A malformed table is an error of the path, as in every other call.
     let malformed = server.get("/v1/tables/xyz/plots/error.png?ratio=2").with_status(400).json();
     assert_eq!(malformed["type"], "/problems/bad-parameter");
     let unknown = server.get(&format!("/v1/tables/{zeros}/plots/error.png?ratio=1")).with_status(404).json();
@@ -216,7 +216,7 @@ fn a_limit_on_entries_is_the_operators() {
     assert_eq!(server.submit(SMALL).with_status(422).json()["type"], "/problems/bad-recipe");
 }
 
-/// The one line in which a service that does not start says why.
+/// The line that says why a service does not start.
 #[track_caller]
 fn complaint(data: &std::path::Path, listen: &str) -> String {
     let data = data.to_str().expect("a path in UTF-8");
@@ -239,7 +239,7 @@ fn a_service_that_cannot_start_says_which_thing_it_lacks() {
     let locked = complaint(&one, "127.0.0.1:0");
     assert!(locked.contains("in use by another process") && locked.contains(one.to_str().expect("UTF-8")), "{locked}");
 
-    // Root may write anywhere, but nobody makes a folder below a file.
+    // Even root cannot create a folder below a file.
     let file = folder.path().join("file");
     std::fs::write(&file, "").expect("a file");
     let unusable = complaint(&file.join("data"), "127.0.0.1:0");

@@ -1,4 +1,4 @@
-//! Foreign pages, other names, slow requests, too many requests.
+//! Pages of other sites, unknown host names, slow requests, too many requests.
 
 use std::{
     fmt::Write as _,
@@ -23,13 +23,13 @@ pub(super) fn send(server: &Server, request: &str) -> TcpStream {
     tcp
 }
 
-/// Status, head and body of what the service sends until it closes the connection.
+/// Status, head and body of the response, until the service closes the connection.
 #[track_caller]
 pub(super) fn answer(tcp: TcpStream) -> (u16, String, String) {
     try_answer(tcp).expect("an answer")
 }
 
-/// The same; `None` if the connection is closed without an answer.
+/// As [`answer`]; `None` if the connection is closed without a response.
 pub(super) fn try_answer(mut tcp: TcpStream) -> Option<(u16, String, String)> {
     let mut all = String::new();
     tcp.read_to_string(&mut all).ok()?;
@@ -38,7 +38,7 @@ pub(super) fn try_answer(mut tcp: TcpStream) -> Option<(u16, String, String)> {
     Some((status, head.to_owned(), body.to_owned()))
 }
 
-/// The problem with which `request` is answered; the file has it.
+/// The problem that `request` gets. `openapi.yaml` must contain it.
 #[track_caller]
 fn problem(server: &Server, request: &str, status: u16, kind: &str) -> Value {
     let (answered, head, body) = answer(send(server, request));
@@ -51,7 +51,7 @@ fn problem(server: &Server, request: &str, status: u16, kind: &str) -> Value {
     problem
 }
 
-/// The head of a request that closes the connection, with more fields.
+/// The head of a request with more fields. It asks to close the connection.
 pub(super) fn request(line: &str, fields: &[(&str, &str)]) -> String {
     let mut head = format!("{line} HTTP/1.1\r\nconnection: close\r\n");
     for (name, value) in fields {
@@ -78,7 +78,7 @@ fn another_name_is_refused_unless_it_is_allowed() {
         assert!(text(&refused["detail"]).contains("--allow-host"), "{refused:#}");
     }
     problem(&server, &request("GET /healthz", &[]), 400, "bad-request");
-    // A missing path gives a foreign page no other answer.
+    // A page of another site cannot find out which paths exist.
     problem(&server, &request("GET /nothing", &[("host", "attacker.example")]), 421, "wrong-host");
 }
 
@@ -122,12 +122,12 @@ fn a_busy_service_refuses_requests_and_answers_probes() {
     let server = Server::start(folder.path(), &["--requests", "2", "--client-seconds", "10"]);
     let fields = [("host", host(&server)), ("content-length", "100")];
     let slow = request("POST /v1/jobs", &fields) + "{";
-    let held = [(); 2].map(|()| send(&server, &slow));
+    let open = [(); 2].map(|()| send(&server, &slow));
     let busy = eventually("a busy service", || Some(server.get("/v1/jobs")).filter(|answer| answer.status == 503));
     assert_eq!((busy.header("retry-after"), &busy.json()["type"]), (Some("2"), &"/problems/busy".into()));
     assert!(text(&busy.json()["detail"]).contains("--requests"), "{busy:?}");
     server.get("/healthz").with_status(200);
-    drop(held);
+    drop(open);
     eventually("room for a request", || (server.get("/v1/jobs").status == 200).then_some(()));
 }
 

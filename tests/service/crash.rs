@@ -1,4 +1,4 @@
-//! A service that is killed in the middle of a job goes on where it was.
+//! A killed service continues an unfinished job where it was.
 
 use crate::common::{
     LARGE,
@@ -12,7 +12,7 @@ fn a_job_interrupted_by_kill_9_gives_the_same_table_and_fits_no_finished_shard_a
     let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
     let data = folder.path().join("data");
 
-    // One worker: with half of the entries done, some shards are finished and others are not begun.
+    // One worker: when half of the entries are done, some shards are finished and others have not started.
     let server = Server::start(&data, &["--workers", "1"]);
     let id = text(&server.submit(LARGE).with_status(202).json()["id"]).to_owned();
     let half = |job: &serde_json::Value| {
@@ -45,7 +45,7 @@ fn a_job_stopped_in_the_middle_goes_on_after_the_restart() {
     assert_ne!(server.metric("ltcforge_entries_fitted_total"), 0, "the job was over before it could be stopped");
 }
 
-/// A bad day is no fault of the job.
+/// Killed processes do not count as failures of the job.
 #[test]
 fn a_job_outlives_more_kills_than_failures() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! Files damaged on the disk are never served, and are made again where that is possible.
+//! Damaged files are never served. They are made again if possible.
 
 use std::{
     fs,
@@ -13,13 +13,13 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
 
-/// The files below `folder` that hold exactly `bytes`.
+/// The files below `folder` with exactly these bytes.
 fn holding(folder: &Path, bytes: &[u8]) -> Vec<PathBuf> {
     files(folder).into_iter().filter(|path| fs::read(path).is_ok_and(|found| found == bytes)).collect()
 }
 
-/// Fits a table, stops the service and flips a bit of the one file that holds it. The digest, the bytes as they were
-/// and as they are, and the file.
+/// Fits a table, stops the service, and flips a bit of its file. Returns the digest, the bytes before and after, and the
+/// path.
 fn damage(folder: &Path) -> (String, Vec<u8>, Vec<u8>, PathBuf) {
     let server = Server::start(folder, &[]);
     let digest = server.fit(SMALL);
@@ -67,7 +67,7 @@ fn the_manifest_of_a_damaged_table_is_not_served() {
     server.get(&path).with_status(404);
     assert_eq!(server.get("/v1/tables").with_status(200).json()["items"], serde_json::json!([]));
 
-    // The next equal job fits the table again, and its manifest with it.
+    // The next equal job makes the table and its manifest again.
     assert_eq!(server.fit(SMALL), digest);
     assert_eq!(server.get(&path).with_status(200).json()["table"], digest);
 }

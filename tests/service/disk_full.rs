@@ -1,4 +1,4 @@
-//! A full disk: jobs wait for room, and tables are read.
+//! A full disk: jobs wait for space, and tables can be read.
 
 use std::{
     fs,
@@ -13,7 +13,7 @@ use crate::common::{
     tell_skipped,
 };
 
-/// A file system of its own, unmounted when dropped.
+/// A separate file system, unmounted when dropped.
 struct SmallDisk(PathBuf);
 
 impl SmallDisk {
@@ -26,12 +26,12 @@ impl SmallDisk {
 
 impl Drop for SmallDisk {
     fn drop(&mut self) {
-        // The folder goes with the test's temporary folder; a mount that stays is the system's to report.
+        // The test deletes the folder with its temporary folder. A failed umount is ignored.
         let _ = Command::new("umount").arg("-l").arg(&self.0).status();
     }
 }
 
-/// Fills what is left of the disk.
+/// Fills the rest of the disk.
 fn fill(path: &Path) {
     let mut file = fs::File::create(path).expect("a file");
     for block in [65_536, 4096, 1] {
@@ -39,7 +39,7 @@ fn fill(path: &Path) {
     }
 }
 
-/// Seven hundred entries: more bytes than the store has in hand.
+/// A recipe of 720 entries, whose table is larger than the reserve of the store.
 fn recipe(seed: u32) -> String {
     format!(
         r#"{{"preset":"draft","resolution":{{"alpha":6,"ratio":5,"theta":6,"phi":4}},
@@ -73,7 +73,7 @@ fn on_a_full_disk_jobs_wait_tables_are_served_and_deleted_and_room_heals_the_ser
     full(&server);
     assert_eq!(state(&server).with_status(200).json()["finished_at"], serde_json::Value::Null);
     server.stop("TERM");
-    // After a restart tables are served, and a deletion makes room. Jobs are known again once there is room at a start.
+    // After a restart, tables are served and can be deleted. Jobs are known again after a start with enough space.
     let server = Server::start(&data, &["--workers", "1"]);
     full(&server);
     state(&server).with_status(404);

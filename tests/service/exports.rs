@@ -1,4 +1,4 @@
-//! Files that engines load, over HTTP: the bytes that the command writes, made once.
+//! Exports over HTTP: the same bytes as `ltcforge export`, made once.
 
 use std::fs;
 
@@ -9,7 +9,7 @@ use crate::common::{
 };
 use ltcforge::files::digest::Digest;
 
-/// An isotropic table of few texels.
+/// The recipe of an isotropic table with few texels.
 const ISOTROPIC: &str = r#"{"layout":"ltc2017","resolution":{"alpha":2,"theta":2},
     "fit":{"samples":64,"directions":4,"steps":5}}"#;
 
@@ -60,7 +60,7 @@ fn an_export_is_what_the_command_writes_and_is_made_once() {
     assert_eq!(server.metric("ltcforge_exports_total"), 6, "each was made once");
 }
 
-/// Babylon wants 64 x 64 texels, in a file below a folder.
+/// Babylon needs 64 x 64 texels, in a file inside a folder.
 #[test]
 fn a_file_in_a_folder_of_an_export_is_served() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -115,7 +115,7 @@ fn what_a_table_cannot_serve_names_the_recipe_that_does() {
         (&own, "three", "ltc2017"),
         (&own, "godot.exr.f32", "godot"),
         (&isotropic, "hdrp", "hdrp"),
-        // The table has the right layout, and not 64 x 64 nodes.
+        // The table has the right layout, but not 64 x 64 nodes.
         (&isotropic, "babylon", "ltc2017"),
     ] {
         for path in [name.to_owned(), format!("{name}/file"), format!("{name}/folder/file")] {
@@ -124,7 +124,7 @@ fn what_a_table_cannot_serve_names_the_recipe_that_does() {
             assert_eq!(problem["recipe"]["layout"], recipe, "{path}: {problem:#}");
             assert!(text(&problem["detail"]).contains(recipe), "{path}: {problem:#}");
         }
-        // The recipe is one: it is accepted as it stands.
+        // The service accepts this recipe without changes.
         let problem = server.get(&format!("{}/{name}", exports(digest))).json();
         let id = server.submit(&problem["recipe"].to_string()).with_status(202).json()["id"].clone();
         server.request("DELETE", &format!("/v1/jobs/{}", text(&id)), &[], None).with_status(200);

@@ -1,4 +1,4 @@
-//! The whole job over HTTP: a recipe in, a table by its hash out.
+//! A job over HTTP, from the recipe to the downloaded table.
 
 use std::io::{BufRead as _, BufReader};
 
@@ -46,7 +46,7 @@ fn a_recipe_becomes_a_table_under_its_hash() {
     assert_eq!(tables["items"][0]["bytes"], file.body.len());
 }
 
-/// Answers are held to `openapi.yaml`, those with a mix of materials too.
+/// Responses with a list of materials also agree with `openapi.yaml`.
 #[test]
 fn a_table_of_some_materials_is_known_by_their_one_form() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -67,7 +67,7 @@ fn a_table_is_downloaded_in_parts_and_only_when_needed() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let digest = server.fit(SMALL);
-    // With and without the prefix.
+    // The prefix `sha256:` is optional.
     let path = format!("/v1/tables/{}", &digest["sha256:".len()..]);
     let ask = |method: &str, fields: &[(&str, &str)]| server.request(method, &path, fields, None);
     let file = ask("GET", &[]).with_status(200).body;
@@ -81,7 +81,7 @@ fn a_table_is_downloaded_in_parts_and_only_when_needed() {
     ask("HEAD", &[("if-none-match", &format!("\"x\", W/{tag}"))]).with_status(304);
     assert_eq!(ask("GET", &[("if-none-match", "\"x\"")]).with_status(200).body, file);
 
-    // If-Match goes before If-None-Match, and compares strongly.
+    // If-Match takes precedence over If-None-Match, and compares strongly.
     ask("GET", &[("if-match", &tag)]).with_status(200);
     ask("HEAD", &[("if-match", &format!("W/{tag}"))]).with_status(412);
     let other = ask("GET", &[("if-match", "\"x\""), ("if-none-match", &tag)]).with_status(412);
@@ -97,7 +97,7 @@ fn a_table_is_downloaded_in_parts_and_only_when_needed() {
     ask("GET", &[("range", "bytes=0-99"), ("if-range", &tag)]).with_status(206);
 }
 
-/// A resource without an entity tag matches none [RFC 9110, section 13.1.1].
+/// No entity tag matches a resource without one [RFC 9110, section 13.1.1].
 #[test]
 fn a_condition_on_what_has_no_entity_tag_fails() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -118,7 +118,7 @@ fn a_condition_on_what_has_no_entity_tag_fails() {
             server.request(method, path, &asked, None).with_status(412);
         }
     }
-    // Where the answer is no success anyway, conditions are ignored.
+    // Conditions are ignored if the request would fail anyway.
     let unknown = format!("/v1/jobs/{}", "0".repeat(32));
     server.request("DELETE", &unknown, &asked, None).with_status(404);
     server.request("GET", &unknown, &asked, None).with_status(404);
@@ -220,7 +220,7 @@ fn events(server: &Server, id: &str, last_event_id: Option<&str>) -> (u16, Vec<(
 #[test]
 fn events_lead_to_the_final_state_and_resume() {
     let folder = tempfile::tempdir().expect("a folder");
-    // One worker takes long enough for more than one event, and longer than a client may be silent.
+    // With one worker, the job takes long enough for several events, and longer than `--client-seconds`.
     let server = Server::start(folder.path(), &["--workers", "1", "--client-seconds", "1"]);
     let id = text(&server.submit(LARGE).with_status(202).json()["id"]).to_owned();
 
@@ -234,7 +234,7 @@ fn events_lead_to_the_final_state_and_resume() {
     let done: Vec<u64> = all.iter().filter_map(|(.., job)| job["progress"]["entries_done"].as_u64()).collect();
     assert!(done.is_sorted() && done.len() == all.len(), "{done:?}");
 
-    // Who has seen the end is sent nothing and told to stay away; who has not gets it.
+    // A client that has the final state gets 204. Other clients get the final state.
     assert_eq!(events(&server, &id, Some(last)), (204, vec![]));
     let (_, rest) = events(&server, &id, Some("0"));
     assert_eq!(rest.len(), 1);

@@ -1,4 +1,4 @@
-//! Kill -9 under a stream of jobs: [`KILLS`] times, or `LTCFORGE_TEST_KILLS` times.
+//! Kills the service with SIGKILL while jobs are submitted: [`KILLS`] or `LTCFORGE_TEST_KILLS` times.
 
 use std::{thread, time::Duration};
 
@@ -8,10 +8,10 @@ use crate::common::{
     soak::{Random, four_shards, rounds},
 };
 
-/// Two kills take about a second.
+/// Number of kills. Two take about a second.
 const KILLS: usize = 10;
 
-/// Every fourth kill hits at a random time within this of the answer to a submission, without a further look.
+/// Maximum delay of every fourth kill after the response to a submission. The test does not look at the job before.
 const SOON_MILLISECONDS: usize = 40;
 
 #[test]
@@ -29,7 +29,7 @@ fn kills_lose_nothing_that_was_acknowledged() {
         if random.below(4) == 0 {
             thread::sleep(Duration::from_millis(random.below(SOON_MILLISECONDS) as u64));
         } else {
-            // The job has got to another point each time: nothing, one shard of 64 entries and so on, the table.
+            // Each time, the job has reached another point: no shard, some shards of 64 entries, or the table.
             let wanted = 64 * random.below(5) as u64;
             let job = server.job_when(&id, |job| {
                 job["progress"]["entries_done"].as_u64() >= Some(wanted) || job["state"] == "done"

@@ -1,8 +1,9 @@
-//! What is no perfect metal, over HTTP: dielectrics by two lobes, fuzz, metals by F82, and pictures of materials.
+//! Materials other than ideal metals, over HTTP: dielectrics with two lobes, fuzz, metals with F82, and pictures of
+//! materials.
 
 use crate::common::server::{Server, text};
 
-/// A table of a few entries, with some fields more.
+/// The recipe of a table with few entries, with additional fields.
 fn tiny(fields: &str) -> String {
     format!(
         r#"{{"preset": "draft", "resolution": {{"alpha": 3, "ratio": 1, "theta": 3, "phi": 1}}, "range": {{"ratio": [1, 1], "phi": [0, 0]}},
@@ -33,7 +34,7 @@ fn their_tables_are_fitted_measured_and_served() {
     }
 }
 
-/// Each changes the picture, and what a description cannot mean is refused by its name.
+/// Every parameter changes the picture. Errors name the wrong parameter.
 #[test]
 fn previews_take_materials_cuts_and_compensation() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,5 +1,6 @@
-//! Memory under clients that ask for the most that each call takes or gives: [`CLIENTS`] at once, or `LTCFORGE_TEST_CLIENTS`. A
-//! third of them read all of the answer, a third nothing, and a third leave in the middle.
+//! Memory of the service while [`CLIENTS`] or `LTCFORGE_TEST_CLIENTS` clients send the largest requests of each call at
+//! the same time. A third of them reads the whole response, a third reads nothing, and a third disconnects in the
+//! middle.
 
 use std::{
     fs,
@@ -18,20 +19,20 @@ use crate::common::{
     soak::rounds,
 };
 
-/// Those of every run.
+/// Number of clients in every run.
 const CLIENTS: usize = 3;
 
-/// MiB that the service may take beyond what it has at rest. The greatest part is two uploads at a time and what is made of
-/// them; docs/operations.md states it.
+/// Memory in MiB that the service may use in addition to its memory at rest. Most of it is for two concurrent uploads
+/// and their processing. docs/operations.md states this limit.
 const BUDGET: u64 = 1024;
 
 const METHODS: [&str; 5] = ["get", "head", "put", "post", "delete"];
 
-/// A table of more than a mebibyte, which is sent in parts.
+/// The recipe of a table of more than a mebibyte, which is sent in several parts.
 const LONG: &str = r#"{"preset":"draft","resolution":{"alpha":15,"ratio":8,"theta":25,"phi":10},
     "fit":{"samples":64,"directions":4,"steps":1}}"#;
 
-/// What the service has for those who ask.
+/// The stored files and the bodies of the requests.
 struct Stored {
     table: String,
     job: String,
@@ -40,8 +41,8 @@ struct Stored {
     scene: Vec<u8>,
 }
 
-/// The largest request of a call: the path with what is asked for, further fields, and the body. `None` for one that neither
-/// takes nor gives much.
+/// The largest request of a call: path and query, more fields, and body. `None` for a call with small requests and
+/// responses.
 fn largest(call: (&str, &str), stored: &Stored) -> Option<(String, String, Vec<u8>)> {
     let (method, path) = call;
     let json = "content-type: application/json\r\n";
@@ -76,7 +77,7 @@ fn largest(call: (&str, &str), stored: &Stored) -> Option<(String, String, Vec<u
     }
 }
 
-/// A GLB of `triangles` triangles of their own corners.
+/// A GLB with `triangles` triangles that share no corners.
 fn glb(triangles: usize) -> Vec<u8> {
     let bytes = triangles * 36;
     let mut json = format!(
@@ -113,7 +114,7 @@ fn stored(server: &Server) -> Stored {
     Stored { table, job, recipe, brdf, scene: glb(1_600_000) }
 }
 
-/// Sends a request whole, or half of it; the service may refuse the rest.
+/// Sends a whole request, or half of its body. The service may reject the rest.
 fn send(server: &Server, head: &str, body: &[u8], is_whole: bool) -> TcpStream {
     let mut tcp = TcpStream::connect(host(server)).expect("a connection");
     tcp.set_read_timeout(Some(DEADLINE)).expect("a time limit");
@@ -149,13 +150,13 @@ fn the_largest_requests_and_answers_stay_within_the_budget() {
                         let mut tcp = send(server, head, body, client % 3 < 2);
                         match client % 3 {
                             0 => drop(copy(&mut tcp, &mut sink())),
-                            // It leaves while the answer comes.
+                            // The client disconnects during the response.
                             2 if body.is_empty() => drop(tcp.read(&mut [0])),
                             _ => {}
                         }
-                        let held = (client % 3 < 2).then_some(tcp);
+                        let open = (client % 3 < 2).then_some(tcp);
                         all_have_read.wait();
-                        drop(held);
+                        drop(open);
                     });
                 }
             });

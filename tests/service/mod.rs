@@ -1,4 +1,4 @@
-//! The service, over HTTP and through what happens to its process and its disk.
+//! Tests of the service: over HTTP, and after events on its process and disk.
 
 mod access;
 mod bad_input;

@@ -1,4 +1,4 @@
-//! `openapi.yaml` and the router say the same, and the file is sound in itself.
+//! `openapi.yaml` agrees with the router, and is consistent.
 
 use std::collections::BTreeSet;
 
@@ -30,7 +30,7 @@ fn every_documented_call_is_answered_by_its_own_handler() {
     let server = Server::start(folder.path(), &[]);
     for call in documented() {
         let (method, path) = call.split_once(' ').expect("a method and a path");
-        // Well-formed, and of nothing that exists.
+        // The values are well-formed, but nothing with these values exists.
         let path = path.replace("{id}", &"0".repeat(32)).replace("{digest}", &"0".repeat(64));
         let path = path.replace("/page/{folder}/{file}", "/page/pages/new.js").replace("{export}", "wgpu");
         let path = path.replace("{folder}", "a").replace("{file}", "icon.svg").replace("{name}", "film");
@@ -61,7 +61,7 @@ fn a_wrong_method_is_told_the_right_ones() {
     }
 }
 
-/// Calls `visit` with every object in `value` and the key that it stands under.
+/// Calls `visit` with every object in `value` and its key.
 fn visit(key: &str, value: &'static Value, see: &mut dyn FnMut(&str, &'static Value)) {
     match value {
         Value::Object(members) => {
@@ -104,7 +104,7 @@ fn every_example_is_valid_under_its_schema() {
 
 #[test]
 fn a_schema_that_is_broken_would_be_seen() {
-    // The judge itself: an answer that lacks a field, and one that has one too many, are both refused.
+    // The check itself rejects a response with a missing field, and one with an additional field.
     let job = &DOCUMENT["paths"]["/v1/jobs"]["post"]["responses"]["202"]["content"]["application/json"];
     let mut lacking = job["example"].clone();
     lacking.as_object_mut().expect("a job").remove("attempts");

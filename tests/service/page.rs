@@ -2,7 +2,7 @@
 
 use crate::common::server::Server;
 
-/// Bytes that the first view may take, compressed; these are not even compressed.
+/// Maximum bytes of the first view, uncompressed.
 const FIRST_VIEW_BYTES: usize = 250_000;
 
 #[test]
@@ -12,22 +12,22 @@ fn the_page_and_all_that_it_loads_are_served_and_known_by_their_tags() {
     let page = server.get("/").with_status(200);
     let html = String::from_utf8(page.body).expect("UTF-8");
     let roots: Vec<String> = links(&html, "\"page/", '"').map(str::to_owned).collect();
-    // What is imported at once, by the list of tables too, and what is when it is needed.
+    // The files that the list of tables imports immediately, and all files.
     let first: Vec<String> = roots.iter().cloned().chain(["pages/tables.js".to_owned()]).collect();
-    let (seen, bytes) = loaded(&server, first, "from '");
+    let (names, bytes) = loaded(&server, first, "from '");
     assert!(html.len() + bytes < FIRST_VIEW_BYTES, "{bytes} bytes");
     let (all, _) = loaded(&server, roots, "'");
-    assert!(all.len() > 30 && seen.len() > 8 && seen.iter().all(|name| all.contains(name)), "{all:?}");
+    assert!(all.len() > 30 && names.len() > 8 && names.iter().all(|name| all.contains(name)), "{all:?}");
     server.get("/page/nothing.js").with_status(404);
     server.get("/page/../main.rs").with_status(404);
     server.get("/?theme=dark").with_status(400);
 }
 
-/// Files with those that they name in turn behind `before`, and the bytes of all.
+/// Loads files and, recursively, the files that they name after `before`. Returns their names and the bytes of all.
 fn loaded(server: &Server, mut left: Vec<String>, before: &str) -> (Vec<String>, usize) {
-    let (mut seen, mut bytes) = (Vec::new(), 0);
+    let (mut names, mut bytes) = (Vec::new(), 0);
     while let Some(name) = left.pop() {
-        if seen.contains(&name) {
+        if names.contains(&name) {
             continue;
         }
         let file = server.get(&format!("/page/{name}")).with_status(200);
@@ -39,12 +39,12 @@ fn loaded(server: &Server, mut left: Vec<String>, before: &str) -> (Vec<String>,
             let text = String::from_utf8(file.body).expect("UTF-8");
             left.extend(links(&text, before, '\'').filter_map(|path| resolved(&name, path)));
         }
-        seen.push(name);
+        names.push(name);
     }
-    (seen, bytes)
+    (names, bytes)
 }
 
-/// The file that another one imports by a path; other texts are no paths.
+/// The file that `from` imports by a path; `None` for other texts.
 fn resolved(from: &str, path: &str) -> Option<String> {
     if !path.starts_with("./") && !path.starts_with("../") {
         return None;
@@ -61,7 +61,7 @@ fn resolved(from: &str, path: &str) -> Option<String> {
     Some(parts.join("/"))
 }
 
-/// What follows `before`, up to `end`.
+/// The texts that follow `before`, up to `end`.
 fn links<'a>(text: &'a str, before: &'a str, end: char) -> impl Iterator<Item = &'a str> {
     text.split(before).skip(1).filter_map(move |rest| rest.split(end).next())
 }

@@ -44,20 +44,20 @@ fn scenes_with_faults_are_told_all_of_them() {
     let server = Server::start(folder.path(), &[]);
     let send = |kind: &str, body: &[u8]| server.request("POST", "/v1/plans", &[("content-type", kind)], Some(body));
     let list = br#"{"materials": [{"alpha_x": 2, "alpha_y": -1}, {"alpha_x": 0.5}]}"#;
-    let told = send("application/json", list).with_status(422).json();
-    assert_eq!(text(&told["type"]), "/problems/bad-plan");
-    let pointers: Vec<&str> = told["errors"].as_array().expect("a list").iter().map(|e| text(&e["pointer"])).collect();
+    let reply = send("application/json", list).with_status(422).json();
+    assert_eq!(text(&reply["type"]), "/problems/bad-plan");
+    let pointers: Vec<&str> = reply["errors"].as_array().expect("a list").iter().map(|e| text(&e["pointer"])).collect();
     assert_eq!(pointers, ["/materials/0/alpha_x", "/materials/0/alpha_y", "/materials/1"]);
     let bare = send("application/json", br#" [{"alpha_x": 0.3, "alpha_y": 0.2}]"#).with_status(422).json();
     assert!(text(&bare["errors"][0]["detail"]).starts_with("a bare list; the document is {"), "{bare:#}");
     let outside = br#"{"buffers": [{"byteLength": 1, "uri": "../../etc/passwd"}], "nodes": [{}]}"#;
-    let told = send("model/gltf-binary", outside).with_status(422).json();
-    assert_eq!(text(&told["errors"][0]["pointer"]), "/buffers/0/uri", "{told:#}");
+    let reply = send("model/gltf-binary", outside).with_status(422).json();
+    assert_eq!(text(&reply["errors"][0]["pointer"]), "/buffers/0/uri", "{reply:#}");
     let other = send("image/png", LIST.as_bytes()).with_status(415).json();
     assert!(text(&other["detail"]).contains("send model/gltf-binary, application/json"), "{other:#}");
 }
 
-/// A triangle of rough plastic, in one file.
+/// A GLB with a triangle of rough plastic.
 fn triangle() -> Vec<u8> {
     let corners: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let binary: Vec<u8> = corners.iter().flat_map(|x| x.to_le_bytes()).collect();
@@ -101,13 +101,13 @@ fn scenes_that_are_too_long_or_too_many_are_refused() {
     let send = |body: &[u8]| server.request("POST", "/v1/plans", &[("content-type", "application/json")], Some(body));
     let long = send(&vec![b' '; (1 << 20) + 1]).with_status(413).json();
     assert_eq!(text(&long["type"]), "/problems/body-too-large");
-    // Two are planned at once, each for longer than the third one waits.
+    // Two plans run at the same time, each for longer than the third request waits.
     let seven = include_bytes!("../../docs/plan/seven.json");
     thread::scope(|scope| {
         let first = [(); 2].map(|()| scope.spawn(|| send(seven)));
         thread::sleep(Duration::from_millis(200));
-        let told = send(LIST.as_bytes()).with_status(503).json();
-        assert!(text(&told["detail"]).contains("2 files are being received already"), "{told:#}");
+        let reply = send(LIST.as_bytes()).with_status(503).json();
+        assert!(text(&reply["detail"]).contains("2 files are being received already"), "{reply:#}");
         for answer in first {
             answer.join().expect("an answer").with_status(200);
         }

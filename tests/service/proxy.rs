@@ -20,12 +20,12 @@ use crate::common::{
     tell_skipped,
 };
 
-/// The main file that includes the example. One process is enough.
+/// The main configuration, which includes the example. One process is enough.
 const MAIN: &str = "daemon off; master_process off; pid nginx.pid; error_log stderr; events {}
     http { access_log off; client_body_temp_path body; proxy_temp_path proxy; fastcgi_temp_path fastcgi;
     uwsgi_temp_path uwsgi; scgi_temp_path scgi; include site.conf; }";
 
-/// Killed when dropped.
+/// A process that is killed when dropped.
 struct Nginx(Child);
 
 impl Drop for Nginx {
@@ -73,7 +73,7 @@ fn nginx_passes_requests_and_events_and_cuts_slow_clients() {
     let agent: Agent = config.timeout_global(Some(DEADLINE)).build().into();
     let url = |path: &str| format!("https://localhost:{port}{path}");
 
-    // Requests pass, with the name that the client asked for.
+    // The proxy forwards requests with the client's host name.
     assert_eq!(agent.get(url("/readyz")).call().expect("an answer").status(), 200);
     let submitted = agent.post(url("/v1/jobs")).content_type("application/json").send(ENDLESS).expect("an answer");
     assert_eq!(submitted.status(), 202);
@@ -90,7 +90,7 @@ fn nginx_passes_requests_and_events_and_cuts_slow_clients() {
     BufReader::new(events.into_body().into_reader()).read_line(&mut line).expect("a line");
     assert_eq!(line.trim(), "event: state");
 
-    // A client that does not send its request is cut, and the service has not heard of it.
+    // The proxy disconnects a client that does not send its request. The service does not notice it.
     let mut silent = TcpStream::connect(&address).expect("a connection");
     silent.set_read_timeout(Some(DEADLINE)).expect("a time limit");
     silent.write_all(b"\x16").expect("the beginning of TLS");

@@ -1,4 +1,4 @@
-//! What a recipe would begin, told before it is submitted.
+//! Forecasts of recipes before they are submitted.
 
 use serde_json::Value;
 
@@ -25,10 +25,10 @@ fn a_recipe_is_foreseen_as_it_is_submitted() {
             "{same}: {before:#} {job:#}"
         );
     }
-    // The worker may have measured its speed before the job is shown.
+    // The predicted seconds may differ, because the worker may have measured its speed by now.
     assert!(before["expected"]["seconds"].as_f64().is_some_and(|seconds| seconds > 0.0), "{before:#}");
     let done = server.finished(text(&job["id"]));
-    // As many as the tensors of matrices and terms have in the file.
+    // The forecast must equal the bytes of the tensors of matrices and terms in the file.
     let file = server.get(&format!("/v1/tables/{}", text(&done["table"]))).with_status(200).body;
     let (length, rest) = file.split_at(8);
     let length = u64::from_le_bytes(length.try_into().expect("eight bytes")) as usize;

@@ -1,5 +1,5 @@
-//! `schemathesis` holds the service to `openapi.yaml`: what the file allows and forbids is asked for, each answer is held to
-//! the file, and calls follow each other. [`EXAMPLES`] for each operation, or `LTCFORGE_TEST_EXAMPLES`.
+//! `schemathesis` compares the service with `openapi.yaml`. It sends allowed and forbidden requests and sequences of
+//! calls, and checks every response. It uses [`EXAMPLES`] or `LTCFORGE_TEST_EXAMPLES` examples per operation.
 
 use std::{
     fs,
@@ -10,7 +10,7 @@ use std::{
 use super::brdfs::OCTETS;
 use crate::common::{SMALL, command::run, server::Server, soak::rounds, tell_skipped};
 
-/// In the short form, which leaves out calls that follow each other and the ends of all ranges: these take minutes.
+/// Number of examples in the short form. Without sequences of calls and the bounds of all ranges, which take minutes.
 const EXAMPLES: usize = 1;
 
 /// Programs that `make schemathesis` installs.
@@ -49,10 +49,10 @@ fn the_service_answers_as_openapi_says() {
     command.args(["--max-examples", &if examples == 0 { EXAMPLES } else { examples }.to_string()]);
     command.env("LTCFORGE_TABLE", table).env("LTCFORGE_BRDF", made.last_line()).current_dir(folder.path());
     let output = command.output().expect("it runs");
-    // A failure has the call to repeat, which may be long.
-    let told: Vec<String> =
+    // A failure contains the call to repeat, which can be long.
+    let lines: Vec<String> =
         String::from_utf8_lossy(&output.stdout).lines().map(|line| line.chars().take(300).collect()).collect();
-    assert!(output.status.success(), "{}\n{}", told.join("\n"), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{}\n{}", lines.join("\n"), String::from_utf8_lossy(&output.stderr));
     server.get("/healthz").with_status(200);
     let log = server.stop("TERM").exited(0).stderr;
     assert!(!log.contains("ERROR") && !log.contains("panicked"), "{log}");

@@ -1,4 +1,4 @@
-//! Whatever a recipe asks for, its job can be ended and the service stopped, and neither goes on with the work first.
+//! A job with any recipe can be cancelled, and the service can be stopped, without waiting for the current work.
 
 use crate::common::{
     SMALL,
@@ -8,11 +8,11 @@ use crate::common::{
 /// Entries of a shard.
 const SHARD: u64 = 64;
 
-/// Processor seconds that the service may spend on a shard that has to stop, and on all else meanwhile. It asks after
-/// some hundredths of a second; a step of the most expensive recipe takes six seconds.
+/// Maximum processor seconds of the service until a shard has stopped. A shard checks every few hundredths of a second
+/// whether to stop. A step of the most expensive recipe takes six seconds.
 const MOST_SECONDS: f64 = 3.0;
 
-/// Four shards, each of which takes a minute or hours, with the most expensive legal settings.
+/// A recipe with the most expensive allowed settings. It has four shards, which take minutes or hours each.
 fn most_expensive(what: &str, fit: &str) -> String {
     format!(r#"{{"preset":"draft",{what},"fit":{{{fit},"samples":65536,"directions":1024,"steps":1000}}}}"#)
 }
@@ -41,7 +41,7 @@ fn a_job_of_any_length_frees_its_worker_and_lets_the_service_stop() {
         running();
         let before = server.processor_seconds();
         assert_eq!(server.request("DELETE", &path, &[], None).with_status(200).json()["state"], "cancelled");
-        // The only worker is free again, and not because the shard came to its end.
+        // The only worker is free again, although the shard is not finished.
         server.fit(SMALL);
         let taken = server.processor_seconds() - before;
         assert!(taken < MOST_SECONDS, "{recipe}: {taken} s until another job was done");

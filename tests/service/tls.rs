@@ -1,4 +1,4 @@
-//! TLS: a certificate that is given, and one that is renewed.
+//! TLS with a certificate, and with a renewed one.
 
 use std::{fs, io::Write as _, net::TcpStream, path::Path};
 
@@ -10,7 +10,7 @@ use crate::common::{
     server::Server,
 };
 
-/// Writes a new certificate of `localhost` and its key.
+/// Writes a new certificate for `localhost` and its key.
 fn certify(chain: &Path, key: &Path) -> String {
     let CertifiedKey { cert, signing_key } =
         generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
@@ -30,7 +30,7 @@ fn a_certificate_is_spoken_for_and_renewed_without_a_restart() {
     let server = Server::start(&path("data"), &flags);
     let port = server.url.strip_prefix("https://127.0.0.1:").expect("an address by TLS");
 
-    // A client that trusts one certificate and no other.
+    // The client trusts only this certificate.
     let trusts = |root: &str| {
         let url = format!("https://localhost:{port}");
         let mut client = ltcforge(folder.path(), ["jobs", "list", "--server", &url]);
@@ -46,7 +46,7 @@ fn a_certificate_is_spoken_for_and_renewed_without_a_restart() {
     let _ = std::io::Read::read_to_end(&mut bare, &mut answer);
     assert!(!answer.starts_with(b"HTTP"), "bare HTTP is not answered");
 
-    // The key of another certificate: the first stays, until its own is there too.
+    // The new key does not match the old certificate. The service uses the old pair until the new certificate is there.
     let second = certify(&path("second.pem"), &path("second_key.pem"));
     fs::copy(path("second.pem"), &chain).expect("a file");
     assert!(trusts("first.pem"));
@@ -56,13 +56,13 @@ fn a_certificate_is_spoken_for_and_renewed_without_a_restart() {
     assert!(!trusts("first.pem"));
     drop(server);
 
-    for (certificate, key, told) in [
+    for (certificate, key, message) in [
         ("chain.pem", "none.pem", "none.pem"),
         ("key.pem", "key.pem", "no certificate in PEM"),
         ("first.pem", "key.pem", "certificate first.pem and key key.pem"),
     ] {
         let refused = run(folder.path(), ["serve", "--tls-certificate", certificate, "--tls-key", key]).exited(2);
-        assert!(refused.stderr.contains(told), "{refused:?}");
+        assert!(refused.stderr.contains(message), "{refused:?}");
     }
     let refused = run(folder.path(), ["serve", "--tls-key", "key.pem"]).exited(2);
     assert!(refused.stderr.contains("--tls-key needs --tls-certificate"), "{refused:?}");

@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_grid_can_hold_is_found() {
+    fn functions_of_the_grid_are_recovered() {
         let f = |x: f64, y: f64| [1.0 + 2.0 * x - y + 0.3 * x * y, y - 4.0];
         let found = observed(f).solve(vec![[0.0; 2]; 35]);
         for (node, found) in found.iter().enumerate() {

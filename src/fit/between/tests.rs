@@ -82,7 +82,7 @@ fn errors(table: &Table) -> [f64; 2] {
 }
 
 #[test]
-fn chosen_entries_are_nearer_between_nodes_than_those_that_fit_best() {
+fn chosen_entries_are_nearer_between_nodes_than_fitted_entries() {
     // With 16 nodes `inverse` remains as fitted, and `matrix33` has little to gain.
     for layout in OF_ENGINES {
         let (plan, entries) = fitted(layout, 16, Precision::F32);

@@ -67,9 +67,10 @@ impl SecondLobe {
 
     /// The F0 of the material to which the second lobe is fitted, with F90 = 1.
     ///
-    /// Schlick's fifth power alone cannot be fitted: a smooth surface seen from above has almost no such light. A small
-    /// F0 adds a little of the whole lobe. Fitted at 0.02, a blend for F0 = 0.04 has an error of 2.5 % of the light
-    /// (default table). A lobe fitted to 0.04 alone has 2.2 %. Fitted at 0.01 or 0.06, the blend is worse for 0.04.
+    /// The light of Schlick's fifth power alone cannot be fitted, because it is almost zero on a smooth surface seen
+    /// from above. A small F0 adds a little of the whole lobe. Fitted at 0.02, a blend for F0 = 0.04 has an error of
+    /// 2.5 % of the light (default table). A lobe fitted to 0.04 alone has 2.2 %. Fitted at 0.01 or 0.06, the blend is
+    /// worse.
     #[must_use]
     pub fn fitted_f0(self) -> f64 {
         match self {
@@ -125,8 +126,8 @@ impl LobeFresnel {
     ///
     /// Material i reflects `E_i = f0_i (amplitude - fresnel) + fresnel`. A lobe at a relative distance `x_i` has an
     /// error of `E_i x_i`. The mean of the lobes with weights `w_i E_i^2` minimises the sum of `w_i (E_i x_i)^2`. Lobes
-    /// with the factors `f0_i + (1 - f0_i) s` already contain `E_i`, and a mean of factors is such a factor, up to
-    /// scale:
+    /// with the factors `f0_i + (1 - f0_i) s` already contain `E_i`, and a mean of factors has the same form, up
+    /// to scale:
     ///
     /// ```text
     /// f0 = sum(w_i E_i f0_i) / sum(w_i E_i)

@@ -147,7 +147,7 @@ mod tests {
     ];
 
     #[test]
-    fn its_numbers_are_near_those_of_the_authors_table() {
+    fn numbers_are_near_the_authors_table() {
         for ([roughness, cosine], [a, b, albedo]) in PUBLISHED {
             let part = |step: u32| f64::from(step) / 31.0;
             let fuzz = Fuzz::new(part(roughness));

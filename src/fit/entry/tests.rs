@@ -165,7 +165,7 @@ fn an_entry_of_any_size_is_stopped_within_a_moment() {
 
 /// If the model is an LTC, the entry has the matrix and terms of the model, for every solver and setting.
 #[test]
-fn what_is_an_ltc_itself_is_not_fitted() {
+fn a_model_that_is_an_ltc_is_not_fitted() {
     let searches = Solver::ALL.iter().map(|solver| settings(*solver, 64, 6, 1));
     for (alpha, theta) in [(0.01, 1.3), (0.3, 0.9), (1.0, 0.2)] {
         let (fuzz, wo) = (BrdfKind::Fuzz.surface([alpha; 2]), direction(theta, 0.4));

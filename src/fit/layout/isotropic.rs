@@ -62,7 +62,7 @@ pub(super) const HDRP: Isotropic = Isotropic {
     number: 5,
     interpolation: [0.05, 14.0, 4.0],
 };
-/// `sqrt(1 - cos theta)`; the inverse of `M`, whose third column has unit length.
+/// `sqrt(1 - cos theta)`; the inverse of an `M` with a third column of unit length.
 ///
 /// The error is assumed to depend on the nodes as in [`HDRP`]. With 64 x 64 nodes it is two thirds of the prediction.
 pub(super) const INVERSE: Isotropic = Isotropic {
@@ -91,7 +91,7 @@ enum Stored {
     Matrix,
     /// `M` divided by its last element.
     MatrixOverLast,
-    /// The inverse of `M`, whose third column has unit length.
+    /// The inverse of an `M` with a third column of unit length.
     Inverse,
     /// `M^-1`, divided by its element at this column and row.
     InverseOver { divisor: [usize; 2] },

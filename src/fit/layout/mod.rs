@@ -48,7 +48,7 @@ named_list! {
         /// Isotropic: `M^-1` divided by its last element, by roughness and `sqrt(1 - cos theta)`, as Unity's HDRP reads
         /// it.
         Hdrp = "hdrp" => isotropic::HDRP,
-        /// Isotropic: the inverse of `M`, whose third column has unit length, on the nodes of `ltc2017`.
+        /// Isotropic: the inverse of an `M` with a third column of unit length, on the nodes of `ltc2017`.
         Inverse = "inverse" => isotropic::INVERSE,
         /// Isotropic: `M` divided by its last element, on the nodes of `ltc2017`.
         Matrix33 = "matrix33" => isotropic::MATRIX33,
@@ -121,7 +121,7 @@ impl Layout {
         lobe.gaussian().is_none() || self.only_ranges().is_none()
     }
 
-    /// The number of nodes on each axis if the recipe does not set it.
+    /// The number of nodes on each axis if the recipe does not set this.
     #[must_use]
     pub fn default_resolution(self) -> PerAxis<u32> {
         self.rules().default_resolution()

@@ -69,7 +69,7 @@ pub(crate) struct Interpolation {
 
 /// A layout as an item of [`super::Layout`]. Points are within the layout's nodes.
 pub(crate) trait LayoutRules: Sync {
-    /// The number of nodes on each axis if the recipe does not set it.
+    /// The number of nodes on each axis if the recipe does not set this.
     fn default_resolution(&self) -> PerAxis<u32>;
 
     /// The spacing of the nodes on each axis.

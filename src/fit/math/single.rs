@@ -77,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn angles_are_those_of_the_library() {
+    fn angles_match_the_library() {
         for i in 0..=20_000_u32 {
             let angle = f64::from(i) / 20_000.0 * std::f64::consts::PI;
             let (y, x) = (angle.sin().max(0.0) as f32, angle.cos() as f32);
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn logarithms_are_those_of_the_library() {
+    fn logarithms_match_the_library() {
         for i in -40_000..40_000_i32 {
             let x = (f64::from(i) / 1000.0).exp() as f32;
             let wanted = f64::from(x).ln();
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn turns_are_those_of_the_library() {
+    fn turns_match_the_library() {
         for i in -20_000..20_000_i32 {
             let turns = i as f32 / 8192.0;
             let (sin, cos) = (f64::from(turns) * std::f64::consts::TAU).sin_cos();

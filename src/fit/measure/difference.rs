@@ -204,7 +204,7 @@ mod tests {
         let gap = difference(&a, &b, 64).expect("a common range").matrix;
         assert!(gap.max < 1e-5, "{gap:?}");
 
-        // Another direction changes it, at this node alone: the roughest surface at the horizon.
+        // Another direction changes the distance, at this node alone: the roughest surface at the horizon.
         let mut b = a.clone();
         let last = b.matrix.len() - 1;
         b.matrix[last][2] += 1.0;
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn what_only_one_table_has_is_not_compared() {
+    fn numbers_of_only_one_table_are_not_compared() {
         let a = fitted();
         let none = difference(&a, &Table { terms: None, ..a.clone() }, 64).expect("a common range");
         assert!(none.amplitude.is_none() && none.fresnel.is_none());

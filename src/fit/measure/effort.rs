@@ -14,7 +14,7 @@ const SHARE_BETWEEN: f64 = 0.25;
 /// The time of one measurement, in the unit of [`fit_seconds`].
 const POINT_SECONDS: f64 = 1.8e-3;
 /// The number of configurations between nodes that gives a steady mean. In an isotropic table of 64 x 64 lobes, a few
-/// lobes next to the mirror have errors of several widths: the mean is 0.079 with 68 configurations, 0.047 with 512,
+/// lobes next to the mirror have errors of several widths. The mean is 0.079 with 68 configurations, 0.047 with 512,
 /// 0.039 with 4096.
 const STEADY: usize = 512;
 

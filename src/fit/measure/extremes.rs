@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_matrices_and_jumps_at_folds_are_told() {
+    fn broken_matrices_and_jumps_at_folds_are_reported() {
         let good = extremes(&table([0.1, 0.0, 0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 1.0]));
         assert_eq!(good.len(), ALPHAS.len() * RATIOS.len() * THETAS.len());
         assert!(good.iter().all(|c| c.broken == 0 && c.inversion < 1e-6), "{good:?}");
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn an_inversion_that_f32_cannot_do_is_told() {
+    fn inaccurate_inversions_in_f32_are_reported() {
         let corner = extremes(&table([1e-4, 1e-4, 0.6, 1e-4, 1.000_01e-4, 0.0, 0.0, 0.0, 0.8]))[0];
         assert!(corner.inversion > 1e-6 && corner.inversion_width > 1e-3, "{corner:?}");
     }

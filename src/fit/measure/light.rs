@@ -128,7 +128,7 @@ mod tests {
 
     /// A lobe and its own matrix agree. A matrix whose lobe points elsewhere loses nearly all energy.
     #[test]
-    fn the_error_tells_right_from_wrong() {
+    fn the_error_is_small_for_the_own_matrix_and_large_for_another() {
         let m = DMat3::from_cols(DVec3::new(0.02, 0.0, 0.0), DVec3::new(0.0, 0.02, 0.0), DVec3::new(0.6, 0.0, 0.8));
         let lobe = planted(m);
         let away = DMat3::from_cols(m.x_axis, m.y_axis, DVec3::new(-0.6, 0.0, 0.8));

@@ -78,7 +78,7 @@ pub(super) mod tests {
 
     /// Compares with the integral of the BRDF over the hemisphere, by the midpoint rule.
     #[test]
-    fn mean_and_reflectance_are_those_of_the_brdf() {
+    fn mean_and_reflectance_equal_the_brdf() {
         for (alpha_x, alpha_y, theta, phi) in [(1.0, 1.0, 0.0, 0.0), (0.6, 0.2, 1.1, 0.9), (0.3, 0.9, 1.4, 2.5)] {
             let (ggx, wo) = (Ggx { alpha_x, alpha_y }, direction(theta, phi));
             let (mut sum, mut amplitude, mut fresnel) = (DVec3::ZERO, 0.0, 0.0);

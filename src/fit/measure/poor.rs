@@ -44,7 +44,7 @@ mod tests {
     use crate::Configuration;
 
     #[test]
-    fn poor_nodes_are_counted_and_told_where_they_are() {
+    fn poor_nodes_are_counted_and_located() {
         let figures = [(0.3, 0.1, 0.2, 0.151), (0.2, 0.7, 1.5, 0.9), (0.9, 0.9, 0.1, 0.15), (0.4, 0.4, 0.9, 0.2)];
         let figures = figures.map(|(alpha_x, alpha_y, theta, width)| Figures {
             at: Configuration { alpha_x, alpha_y, theta, phi: 0.0 },

@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn widths_are_those_of_the_figures() {
+    fn widths_equal_the_figures() {
         let at = places();
         let lobes = SampledLobes::new(&at);
         let found = [found(0.2), found(0.6), found(f64::NAN)];

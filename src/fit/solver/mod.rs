@@ -29,7 +29,7 @@ named_list! {
 }
 
 impl Solver {
-    /// True if it fits only isotropic surfaces. Tables then have a ratio of one.
+    /// True if the solver fits only isotropic surfaces. Tables then have a ratio of one.
     #[must_use]
     pub fn is_isotropic(self) -> bool {
         self.rules().is_isotropic()

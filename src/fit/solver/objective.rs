@@ -56,12 +56,12 @@ pub(crate) trait SolverRules: Sync {
     /// the measured error. One thread, on the machine of `fit_seconds`.
     fn seconds(&self, lobe: LobeModel, effort: &Effort) -> f64;
 
-    /// True if it fits only isotropic surfaces.
+    /// True if the solver fits only isotropic surfaces.
     fn is_isotropic(&self) -> bool {
         false
     }
 
-    /// True if it has a simplex, for which a recipe can set shear and start.
+    /// True if the solver has a simplex, for which a recipe can set shear and start.
     fn has_simplex(&self) -> bool {
         false
     }

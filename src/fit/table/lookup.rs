@@ -29,7 +29,7 @@ pub struct LookedUp {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Bracket {
     lower: usize,
-    /// Weight of the node after `lower`, in [0, 1]; zero if there is no such node.
+    /// Weight of the node after `lower`, in [0, 1]; zero after the last node.
     weight: f64,
 }
 

@@ -8,9 +8,9 @@
 //! ```
 //!
 //! is the integral of the clamped cosine over a half space whose normal is at the angle `t` to its own. The part over a
-//! light is the integral over the remaining outline: straight edges and arcs of ellipses, cut first at the surface and
-//! then at the lobe's own horizon, and one more edge along the surface. A part of an ellipse is not an ellipse, but its
-//! border is an arc of the same cone, whose integral is known. So the result is exact for every shape.
+//! light is the integral over the remaining outline. It has straight edges and arcs of ellipses, cut first at the
+//! surface and then at the lobe's own horizon, and one more edge along the surface. A part of an ellipse is not an
+//! ellipse, but its border is an arc of the same cone, whose integral is known. So the result is exact for every shape.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 

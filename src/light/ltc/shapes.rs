@@ -48,7 +48,7 @@ impl<T: Scalar> CosineSpace<T> {
         Cone::new(self.of(centre), half_axes.map(|axis| self.of(axis)))
     }
 
-    /// The part over a sphere; one from inside of it.
+    /// The part over a sphere; 1 from inside of it.
     #[must_use]
     pub fn sphere(&self, centre: impl Into<Triple<T>>, radius: T) -> T {
         let centre = centre.into();

@@ -6,9 +6,9 @@ use ltcforge_fit::math::{Scalar, Triple, dot, plus, scaled, unit};
 /// A corner of a light's outline.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Corner<T> {
-    /// Its direction from the shaded point.
+    /// The direction from the shaded point.
     pub(super) w: Triple<T>,
-    /// Its image: the normal `c = A^-1 (wo + w)` that reflects `wo` to `w`, on the unit sphere.
+    /// The image: the normal `c = A^-1 (wo + w)` that reflects `wo` to `w`, on the unit sphere.
     pub(super) c: Triple<T>,
     /// The length of `A^-1 (wo + w)`.
     pub(super) length: T,

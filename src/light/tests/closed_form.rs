@@ -62,7 +62,7 @@ fn errors(seed: u64, count: usize, roughness: Roughness, sizes: [f64; 2]) -> Vec
 
 /// The errors of the weight, as in the documentation. The limits are a tenth to a half above the measured errors.
 #[test]
-fn errors_are_those_of_the_weight() {
+fn errors_come_from_the_weight() {
     let limits = |roughness: Roughness, sizes: [f64; 2], rule: NormalsRule| match (roughness, rule) {
         (_, NormalsRule::Fast) if sizes == HUGE => [0.006, 0.026, 0.12],
         (_, NormalsRule::Balanced) if sizes == HUGE => [0.0038, 0.016, 0.1],
@@ -151,7 +151,7 @@ fn the_visible_part_is_exact() {
 
 /// Compares with the f32 numbers of the shaders.
 #[test]
-fn f32_tells_the_same_as_f64() {
+fn f32_gives_the_same_light_as_f64() {
     let limits = [
         (Roughness::All, 31, [1e-4, 5e-4]),
         (Roughness::Anisotropic, 32, [1e-4, 5e-4]),

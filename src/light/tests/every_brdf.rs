@@ -223,7 +223,7 @@ fn a_table_is_measured_by_what_it_stands_for() {
 
 /// Closed forms are only for GGX, and lights are only for their own model.
 #[test]
-fn what_stands_for_another_model_is_refused() {
+fn lights_and_forms_of_another_model_are_refused() {
     let lights = RandomLights::draw(&BrdfKind::OrenNayar.into(), &RANGE, 2).expect("ranges of a table");
     for form in LightModel::ALL.iter().flat_map(|model| model.closed_forms()) {
         assert_eq!(

@@ -78,8 +78,8 @@ fn table(layout: Layout, resolution: [u32; 4]) -> Table {
 }
 
 /// Mean errors of the light that metals reflect over the same lights. The first error is with the edge term of the
-/// model or table, the second with the edge term estimated from both parts of the light, the third is the error of the
-/// energy alone.
+/// model or table. The second is with the edge term estimated from both parts of the light. The third is the error of
+/// the energy alone.
 fn errors(lighting: Lighting<'_>, lit: &[(Lit, ReflectedLight, f64)], metal: [f64; 2]) -> [f64; 3] {
     let error = |(lit, truth, true_edge): &(Lit, ReflectedLight, f64)| {
         let light = lit.light(Sides::Two);

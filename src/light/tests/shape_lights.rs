@@ -128,7 +128,7 @@ fn a_tubes_outline_is_what_rays_meet() {
     assert!(met > 5000 && missed > 5000, "{met} met, {missed} missed");
 }
 
-/// True if a ray hits a tube with `scale` times its radius, lengthened by as much.
+/// True if a ray hits a tube with `scale` times its radius, and lengthened by the same distance.
 fn meets(ray: DVec3, ends: [DVec3; 2], scale: f64, radius: f64, shape: TubeEnds) -> bool {
     let axis = (ends[1] - ends[0]).normalize();
     let longer = (scale - 1.0) * radius * if shape == TubeEnds::Flat { 1.0 } else { 0.0 };
@@ -194,7 +194,7 @@ fn exact_thin(at: &Configuration, light: &PolygonLight) -> f64 {
 }
 
 #[test]
-fn degenerate_shapes_are_nothing_or_refused() {
+fn degenerate_shapes_are_dark_or_refused() {
     let up = DVec3::new(-0.6, 0.2, 1.0);
     let nothing = [
         rectangle(up, [DVec3::ZERO, DVec3::X], Sides::Two),

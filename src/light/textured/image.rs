@@ -15,7 +15,7 @@ pub struct LightImage {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ImageError {
     /// The number of texels does not match the size.
-    #[error("{width} x {height} needs {} texels, at least one; got {found}", u128::from(*.width) * u128::from(*.height))]
+    #[error("got {found} texels; {width} x {height} needs {}, at least one", u128::from(*.width) * u128::from(*.height))]
     Count {
         /// The width in texels.
         width: u64,
@@ -31,11 +31,11 @@ pub enum ImageError {
     Texel {
         /// The column of the first invalid texel, from zero at the left.
         x: usize,
-        /// Its row, from zero at the top.
+        /// The row, from zero at the top.
         y: usize,
         /// The first invalid channel.
         channel: &'static str,
-        /// Its value.
+        /// The value.
         value: f32,
         /// The number of invalid values in the image.
         count: usize,

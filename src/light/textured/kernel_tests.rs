@@ -51,7 +51,7 @@ fn picture() -> LightImage {
 }
 
 #[test]
-fn derivatives_are_those_of_the_inverse_root() {
+fn derivatives_match_differences_of_the_inverse_root() {
     for lit in lights(4400, 200) {
         let (view, rectangle) = (View::new(lit.alpha(), lit.wo().to_array()), Rectangle::new(&corners(&lit)));
         let lobe = GgxLobe::new(&view, &rectangle);
@@ -188,7 +188,7 @@ fn a_mirror_shows_the_picture() {
 }
 
 #[test]
-fn colours_in_f32_are_those_of_f64() {
+fn colours_in_f32_match_f64() {
     let pyramid = LightPyramid::new(&picture());
     let of = |view: [f64; 3]| view.map(|x| x as f32);
     let mut far = 0;
@@ -293,7 +293,7 @@ fn degenerate_matrices_have_finite_readings() {
 }
 
 #[test]
-fn what_has_no_picture_is_refused() {
+fn lights_other_than_rectangles_are_refused() {
     let polygon = |corners: &[[f64; 2]]| {
         let vertices = corners.iter().map(|[x, y]| DVec3::new(*x, *y, 1.0)).collect();
         TexturedLight::new(PolygonLight::new(vertices, Sides::Two).expect("a light"))

@@ -25,7 +25,7 @@ impl<T: Scalar> Rectangle<T> {
         Self { corner: corners[0], axes: [0, 1].map(|i| scaled(sides[i], T::ONE / size[i])), size }
     }
 
-    /// Its area.
+    /// The area.
     pub(super) fn area(&self) -> T {
         self.size[0] * self.size[1]
     }

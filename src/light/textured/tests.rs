@@ -179,7 +179,7 @@ fn fetches_are_between_texels_and_levels_and_clamped() {
 }
 
 #[test]
-fn what_is_no_picture_is_named() {
+fn invalid_images_are_reported() {
     let mut texels = vec![[1.0; 3]; 6];
     for (width, height) in [(0, 0), (4, 2), (usize::MAX, usize::MAX), (0, 6)] {
         let error = LightImage::new(width, height, texels.clone()).expect_err("a wrong size");

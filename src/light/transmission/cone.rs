@@ -5,10 +5,10 @@ use ltcforge_fit::math::{Scalar, Triple, dot, minus, scaled};
 
 /// A cone `c^T K c = 0` with one positive eigenvalue, in its eigenframe.
 pub(super) struct Cone<T> {
-    /// `l1 > 0 >= l2 >= l3`, and their eigenvectors.
+    /// The eigenvalues `l1 > 0 >= l2 >= l3`, and their eigenvectors.
     values: Triple<T>,
     vectors: [Triple<T>; 3],
-    /// `l1 - l2`, `l1 - l3` and `l2 - l3`, and their square roots.
+    /// The gaps `l1 - l2`, `l1 - l3` and `l2 - l3`, and their square roots.
     gaps: Triple<T>,
     roots: Triple<T>,
 }

@@ -1,11 +1,11 @@
 //! The outline of the visible part of a light through the interface.
 //!
-//! | clip | what is kept | closed by |
+//! | clip | kept part | closed by |
 //! |---|---|---|
 //! | the surface | `wi.z < 0` | a great arc |
 //! | normals above the surface, `h.z > 0` | `-wi.z > wo.z / eta` (eta > 1), `-wi.z < wo.z / eta` (eta < 1) | `Horizon`, a great arc of normals |
-//! | normals that the viewer sees, `wo . h > 0`, eta > 1 | `wo . wi < -1 / eta` | `Grazing`, a great arc of normals |
-//! | normals that the light sees, `wi . h < 0`, eta < 1 | `wo . wi < -eta` | `Critical`, a conic |
+//! | normals that face the viewer, `wo . h > 0`, eta > 1 | `wo . wi < -1 / eta` | `Grazing`, a great arc of normals |
+//! | normals that face the light, `wi . h < 0`, eta < 1 | `wo . wi < -eta` | `Critical`, a conic |
 //!
 //! For `eta > 1`, the light faces every normal that faces the viewer; for `eta < 1` the reverse holds.
 

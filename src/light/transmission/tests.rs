@@ -72,7 +72,7 @@ fn a_smooth_interface_follows_snell_and_fresnel() {
 
 /// Sampling uses neither cones nor clips. The sum over 20,000 normals is within 0.01 of the closed form.
 #[test]
-fn sampled_normals_tell_the_same() {
+fn sampled_normals_give_the_same_light() {
     let mut draw = Draw::new(78);
     for eta in ETAS {
         let cases: Vec<Case> = (0..60).map(|_| draw.case(Set::Anisotropic, eta)).collect();
@@ -95,7 +95,7 @@ fn sampled_normals_tell_the_same() {
 }
 
 #[test]
-fn total_internal_reflection_lets_nothing_through() {
+fn total_internal_reflection_transmits_no_light() {
     // Seen straight down from the denser side, all refracted light has wo . wi < -eta.
     let light = [[-9.0, -1.0, -1.0], [-9.0, 1.0, -1.0], [-4.0, 1.0, -1.0], [-4.0, -1.0, -1.0]];
     assert_eq!(transmitted([0.8, 0.5], [0.0, 0.0, 1.0], 0.5, &light, Sides::Two).energy, 0.0);
@@ -107,7 +107,7 @@ fn total_internal_reflection_lets_nothing_through() {
 }
 
 #[test]
-fn what_is_not_below_is_exactly_nothing() {
+fn lights_above_the_surface_give_exactly_zero() {
     let none = Transmitted { energy: 0.0, dielectric: 0.0, schlick: 0.0 };
     for eta in ETAS {
         let through = |light: &[[f64; 3]]| transmitted([0.4, 0.2], view(0.5, 1.0), eta, light, Sides::Two);

@@ -50,7 +50,7 @@ impl Piece {
         }
     }
 
-    /// Its two halves. For a straight piece between unit vectors they have the same length as seen from the origin.
+    /// The two halves. Of a straight piece between unit vectors, both have the same length as seen from the origin.
     pub(super) fn halves(&self) -> [Self; 2] {
         match *self {
             Self::Straight([from, to]) => {

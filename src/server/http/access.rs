@@ -1,7 +1,7 @@
 //! The scope that each call needs, and the token of a request.
 //!
-//! Invariant: if there are tokens, every request needs one, except those of [`is_open`]. The address of the client does not
-//! matter: a proxy on this machine forwards requests of others.
+//! Invariant: if the service has tokens, every request needs one, except on paths of [`is_open`]. This includes clients
+//! on this machine, because one of them may be a proxy.
 
 use std::sync::Arc;
 
@@ -13,20 +13,20 @@ use super::{
     tokens::{Scope, Token, Tokens},
 };
 
-/// Probes, and the files of the page: browsers send no token with a link or a script.
+/// Paths without a token: probes, and the files of the page, because browsers send no token with links or scripts.
 pub(super) fn is_open(path: &str) -> bool {
     ["/healthz", "/readyz", "/"].contains(&path) || path.starts_with("/page/")
 }
 
-/// The token of a request, in its extensions.
+/// The token of a request, as one of its extensions.
 #[derive(Debug, Clone)]
 pub(super) struct Caller(pub(super) Arc<Token>);
 
-/// The scope of a call. Methods that are not listed change things that others may use.
+/// The scope that a call needs. Other calls need `admin`, because they delete things that others may use.
 fn needed(method: &Method, path: &str) -> Scope {
     match *method {
         Method::GET | Method::HEAD => Scope::Read,
-        // The answers follow from the body, and nothing is stored.
+        // The response depends on the body only, and nothing is stored.
         Method::POST if ["/v1/recipes", "/v1/plans"].contains(&path) => Scope::Read,
         Method::POST => Scope::Submit,
         Method::DELETE if path.starts_with("/v1/jobs/") => Scope::Submit,
@@ -34,7 +34,7 @@ fn needed(method: &Method, path: &str) -> Scope {
     }
 }
 
-/// The secret of the only `Authorization: Bearer SECRET` field.
+/// The secret in `Authorization: Bearer SECRET`, if the request has exactly one such field.
 fn secret(headers: &HeaderMap) -> Option<&[u8]> {
     let mut fields = headers.get_all(header::AUTHORIZATION).iter();
     let field = fields.next().filter(|_| fields.next().is_none())?.as_bytes();
@@ -42,7 +42,7 @@ fn secret(headers: &HeaderMap) -> Option<&[u8]> {
     scheme.eq_ignore_ascii_case(b"bearer ").then(|| secret.trim_ascii())
 }
 
-/// The caller of a request; `None` if it needs no token.
+/// Checks the token of a request. Returns the caller, or `None` if no token is needed.
 ///
 /// # Errors
 /// 401 without a known token, 403 if its scope is too small.
@@ -57,8 +57,7 @@ pub(super) fn admit(
     }
     let Some(token) = secret(headers).and_then(|secret| tokens.find(secret)) else {
         let given = if headers.contains_key(header::AUTHORIZATION) { "is unknown" } else { "is missing" };
-        let detail =
-            format!("the token {given}; send `Authorization: Bearer TOKEN`; the operator of the service has one");
+        let detail = format!("the token {given}; send `Authorization: Bearer TOKEN`; ask the operator for a token");
         return Err(Problem::new(ProblemKind::NoToken, detail));
     };
     let needed = needed(method, path);

@@ -12,25 +12,25 @@ use tokio::sync::{Semaphore, watch};
 use super::{error, problem::Problem, tokens::TokenFile};
 use crate::service::Service;
 
-/// Files that are read whole at once. A table takes up to 100 MB.
+/// Maximum number of files that are read at the same time. A table can have 100 MB.
 pub(super) const READS: usize = 4;
-/// Scenes and files of BRDFs that are received and decoded at once.
+/// Maximum number of scenes and BRDFs that are received and decoded at the same time.
 pub(super) const UPLOADS: usize = 2;
-/// Event streams that may be open.
+/// Maximum number of open event streams.
 pub(super) const EVENT_STREAMS: usize = 1024;
 
 /// The state of the router. Each request clones it several times.
 #[derive(Debug, Clone)]
 pub(super) struct Api(Arc<ApiState>);
 
-/// The state itself.
+/// The shared state.
 #[derive(Debug)]
 pub(super) struct ApiState {
     pub(super) service: Arc<Service>,
-    /// How long a client may take for a body.
+    /// Time limit for the body of a request.
     pub(super) client: Duration,
     pub(super) tokens: Arc<TokenFile>,
-    /// Becomes true when the server stops; open event streams then end.
+    /// Becomes true when the server stops. Open event streams then end.
     pub(super) stopping: watch::Receiver<bool>,
     pub(super) uploads: Arc<Semaphore>,
     pub(super) reads: Arc<Semaphore>,
@@ -52,7 +52,8 @@ impl From<ApiState> for Api {
 }
 
 impl Api {
-    /// As [`Self::call`], for a call that reads a file whole: a few do at once, and a client that leaves ends its wait.
+    /// As [`Self::call`], for a call that reads a whole file. At most [`READS`] run at the same time. A client that
+    /// disconnects stops waiting.
     pub(super) async fn read<T, E>(
         &self,
         use_case: impl FnOnce(&Service) -> Result<T, E> + Send + 'static,
@@ -61,7 +62,7 @@ impl Api {
         T: Send + 'static,
         E: Into<Problem> + Send + 'static,
     {
-        // The semaphore is never closed. The call has its place until it ends, even if the client has left.
+        // The semaphore is never closed. The call keeps its permit until it ends, even if the client has left.
         let room = Arc::clone(&self.reads).acquire_owned().await.ok();
         let in_room = move |service: &Service| {
             let read = use_case(service);
@@ -81,10 +82,10 @@ impl Api {
         E: Into<Problem> + Send + 'static,
     {
         let service = Arc::clone(&self.service);
-        // tokio panics if it has no blocking thread at all and the system gives it none.
+        // tokio panics if it has no blocking thread and the system cannot start one.
         let spawn = AssertUnwindSafe(|| tokio::task::spawn_blocking(move || use_case(&service)));
         let Ok(spawned) = catch_unwind(spawn) else {
-            return Err(error::lacking("the machine has no thread to spare".to_owned()));
+            return Err(error::lacking("the machine cannot start another thread; try again later".to_owned()));
         };
         match spawned.await {
             Ok(result) => result.map_err(Into::into),

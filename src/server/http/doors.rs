@@ -1,5 +1,5 @@
-//! Every request passes here: it gets an id and a span for the log, may be refused, and its answer gets the fields that all
-//! answers have.
+//! A layer for every request. It assigns an id and a log span, rejects forbidden requests, and adds the fields that all
+//! responses have.
 
 use std::{
     collections::hash_map::RandomState,
@@ -29,10 +29,10 @@ use super::{
     tokens::{TokenFile, without_tokens},
 };
 
-/// When to try again after a request that was one too many.
+/// `Retry-After` if too many requests are being served.
 const RETRY: Duration = Duration::from_secs(2);
 
-/// Header fields of every answer whose handler does not set them: no sniffing, scripts, frames or referrers.
+/// Header fields of every response, unless the handler sets them: no sniffing, scripts, frames or referrers.
 const FIELDS: [(HeaderName, &str); 4] = [
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
     (header::CONTENT_SECURITY_POLICY, "default-src 'none'; frame-ancestors 'none'"),
@@ -40,7 +40,7 @@ const FIELDS: [(HeaderName, &str); 4] = [
     (header::X_FRAME_OPTIONS, "DENY"),
 ];
 
-/// The answer to a CORS preflight request of an allowed origin. A browser may remember it for ten minutes.
+/// The response to a CORS preflight request of an allowed origin. Browsers may cache it for ten minutes.
 const PREFLIGHT: [(HeaderName, &str); 3] = [
     (header::ACCESS_CONTROL_ALLOW_METHODS, "GET, HEAD, POST, PUT, DELETE"),
     (
@@ -50,26 +50,26 @@ const PREFLIGHT: [(HeaderName, &str); 3] = [
     (header::ACCESS_CONTROL_MAX_AGE, "600"),
 ];
 
-/// Fields of answers that pages of allowed origins may read.
+/// Response fields that pages of allowed origins may read.
 const READABLE: &str =
     "Accept-Ranges, Content-Digest, Content-Range, ETag, Location, Repr-Digest, Retry-After, X-Request-Id";
 
 const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
 
-/// The longest request id that a client or proxy may send.
+/// Maximum length of a request id from a client or proxy.
 const LONGEST_ID: usize = 64;
 
-/// The checks that may refuse a request.
+/// The checks that can reject a request.
 #[derive(Debug)]
 pub(super) struct Doors {
     pub(super) origins: Origins,
     pub(super) tokens: Arc<TokenFile>,
     pub(super) requests: Semaphore,
-    /// Requests that may be answered at the same time.
+    /// Maximum number of concurrent requests.
     pub(super) limit: usize,
 }
 
-/// The layer. At the default level the log has no line per request; its other lines have the request's span.
+/// The layer. At the default log level there is no line per request. Other lines have the span of their request.
 pub(super) async fn pass(State(doors): State<Arc<Doors>>, request: Request, next: Next) -> Response {
     let id = given_id(request.headers()).unwrap_or_else(new_id);
     // A client may have put its token into the URI by mistake.
@@ -90,7 +90,7 @@ pub(super) async fn pass(State(doors): State<Arc<Doors>>, request: Request, next
     for (name, value) in FIELDS {
         fields.entry(name).or_insert(HeaderValue::from_static(value));
     }
-    // An id has only characters that a field may have.
+    // All characters of an id are allowed in a field.
     fields.insert(REQUEST_ID, HeaderValue::from_str(&id).unwrap_or(HeaderValue::from_static("-")));
     if doors.origins.allows_any() {
         fields.append(header::VARY, HeaderValue::from_static("Origin"));
@@ -108,7 +108,7 @@ impl Doors {
         let (path, headers) = (request.uri().path(), request.headers());
         let checked = self.origins.check(&request).and_then(|()| {
             let caller = access::admit(&tokens, request.method(), path, headers)?;
-            // Open paths answer from memory: a probe succeeds on a busy service.
+            // Open paths respond from memory, so a probe succeeds even on a busy service.
             let place = if access::is_open(path) { None } else { Some(self.place()?) };
             Ok((caller, place))
         });
@@ -121,14 +121,14 @@ impl Doors {
         }
         let untagged = check_untagged(request.headers());
         let mut response = next.run(request).await;
-        // Preconditions count only for success [RFC 9110, section 13.2.1].
+        // Preconditions only apply to successful requests [RFC 9110, section 13.2.1].
         if let Err(problem) = untagged
             && response.status().is_success()
             && !response.headers().contains_key(header::ETAG)
         {
             return problem.into_response();
         }
-        // An answer for one caller does not belong into a cache for all.
+        // Shared caches must not store a response for one caller.
         if !tokens.is_empty()
             && let Some(field) = response.headers_mut().get_mut(header::CACHE_CONTROL)
             && let Some(rest) = field.to_str().ok().and_then(|text| text.strip_prefix("public"))
@@ -139,17 +139,17 @@ impl Doors {
         response
     }
 
-    /// A place among the requests that are answered at the same time.
+    /// A permit for a concurrent request.
     fn place(&self) -> Result<tokio::sync::SemaphorePermit<'_>, Problem> {
         self.requests.try_acquire().map_err(|_| {
             let limit = self.limit;
-            let detail = format!("{limit} requests are being answered; --requests of the service raises the limit");
+            let detail = format!("{limit} requests are being served, which is the limit; `--requests` raises it");
             Problem::new(ProblemKind::Busy, detail).with_retry_after(RETRY)
         })
     }
 }
 
-/// The only request id of a request, if it is short and consists of letters, digits and `-_.`.
+/// The request id of a request, if there is exactly one and it is short and consists of letters, digits and `-_.`.
 fn given_id(headers: &HeaderMap) -> Option<String> {
     let mut fields = headers.get_all(REQUEST_ID).iter();
     let id = fields.next().filter(|_| fields.next().is_none())?.to_str().ok()?;
@@ -157,7 +157,7 @@ fn given_id(headers: &HeaderMap) -> Option<String> {
     ((1..=LONGEST_ID).contains(&id.len()) && id.bytes().all(is_plain)).then(|| id.to_owned())
 }
 
-/// An id that no other request has: random for the process, then counted.
+/// A unique id: a random part for the process, and a counter.
 fn new_id() -> String {
     static PROCESS: LazyLock<u64> = LazyLock::new(|| RandomState::new().build_hasher().finish());
     static COUNT: AtomicU64 = AtomicU64::new(0);
@@ -190,8 +190,8 @@ mod tests {
         for (origin, is_allowed) in [("https://wiki.example", true), ("https://other.example", false)] {
             let origin_field = (header::ORIGIN, origin);
             let read = answer(1, "/x", &Method::GET, std::slice::from_ref(&origin_field)).await;
-            let told = read.headers().get(header::ACCESS_CONTROL_ALLOW_ORIGIN);
-            assert_eq!(told.is_some_and(|told| told == origin), is_allowed, "{origin}");
+            let allowed = read.headers().get(header::ACCESS_CONTROL_ALLOW_ORIGIN);
+            assert_eq!(allowed.is_some_and(|allowed| allowed == origin), is_allowed, "{origin}");
             assert_eq!(read.status(), if is_allowed { 200 } else { 403 }, "{origin}");
             assert_eq!(read.headers()[header::VARY], "Origin");
             assert_eq!(read.headers()[header::X_CONTENT_TYPE_OPTIONS], "nosniff");
@@ -201,7 +201,7 @@ mod tests {
             assert_eq!(methods, is_allowed, "{origin}");
         }
         let plain = answer(1, "/x", &Method::OPTIONS, &[asks]).await;
-        assert_eq!(plain.status(), 405, "without an origin it is a method as any other");
+        assert_eq!(plain.status(), 405, "without an origin, OPTIONS is an ordinary method");
     }
 
     #[tokio::test]

@@ -1,4 +1,4 @@
-//! The errors of the layers below as problems: the one table from errors to problem types.
+//! Converts errors of the layers below to problems. This is the only table from errors to problem types.
 
 use std::{fmt, time::Duration};
 
@@ -17,7 +17,7 @@ use ltcforge_files::{
 use ltcforge_plan::SceneFault;
 use ltcforge_view::parameters::ParameterFault;
 
-/// When a client may try again after a request to a stopping service, which may have been restarted by then.
+/// `Retry-After` of a stopping service, which may be restarted by then.
 const RESTART: Duration = Duration::from_secs(5);
 
 /// The problem of a service that is stopping.
@@ -25,21 +25,21 @@ pub(super) fn stopping() -> Problem {
     Problem::new(ProblemKind::Stopping, "the service is stopping").with_retry_after(RESTART)
 }
 
-/// The problem of a service that cannot be used for an external reason.
+/// The problem of a service whose database or storage does not work.
 pub(super) fn unavailable(fault: String) -> Problem {
     Problem::new(ProblemKind::Unavailable, fault).with_retry_after(RESTART)
 }
 
-/// The problem of a machine that is short of a resource for a moment. The service itself is not at fault.
+/// The problem of a machine that is temporarily short of a resource.
 pub(super) fn lacking(detail: String) -> Problem {
     tracing::warn!("{detail}");
     Problem::new(ProblemKind::Lacking, detail).with_retry_after(RESTART)
 }
 
-/// The problem of an internal error. Only the log has its text.
+/// The problem of an internal error. Its text is only in the log.
 pub(super) fn internal(error: &dyn fmt::Display) -> Problem {
     tracing::error!("internal error: {error}");
-    Problem::new(ProblemKind::Internal, "internal error; the server's log says more")
+    Problem::new(ProblemKind::Internal, "internal error; see the log of the service")
 }
 
 /// A wrong value in a path or query.
@@ -47,7 +47,7 @@ pub(super) fn bad_parameter(error: &dyn fmt::Display) -> Problem {
     Problem::new(ProblemKind::BadParameter, error.to_string())
 }
 
-/// The problem of a picture whose parameters have faults; `kind` says which picture.
+/// The problem of faults in the parameters of a picture. `kind` depends on the picture.
 pub(super) fn bad_parameters(kind: ProblemKind, faults: Vec<ParameterFault>) -> Problem {
     with_faults(kind, "parameters", faults)
 }
@@ -217,7 +217,7 @@ mod tests {
         ];
         for (problem, status) in cases {
             let shown = format!("{problem:?}");
-            // Each limit is named; those of exports and waiting pictures have no flag.
+            // Every message about a limit names it. The limits of exports and waiting pictures have no flag.
             let is_limit = shown.contains("TooSlow") || shown.contains("TooExpensive") || shown.contains("QueueFull");
             let names_it =
                 ["`--picture-", "`--queue-limit`", "exports", "pictures"].iter().any(|name| shown.contains(name));

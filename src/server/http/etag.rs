@@ -10,12 +10,12 @@ use super::{kind::ProblemKind, problem::Problem};
 pub(super) struct EntityTag(String);
 
 impl EntityTag {
-    /// The tag of the representation that `name` identifies. `name` contains no quotes.
+    /// The tag of a representation with a unique name without quotes.
     pub(super) fn strong(name: impl std::fmt::Display) -> Self {
         Self(format!("\"{name}\""))
     }
 
-    /// The tag as a header field has it.
+    /// The tag in the format of a header field.
     pub(super) fn as_str(&self) -> &str {
         &self.0
     }
@@ -28,7 +28,7 @@ impl EntityTag {
     /// Checks `If-Match`, by strong comparison.
     ///
     /// # Errors
-    /// 412 if the client asks for another representation only.
+    /// 412 if `If-Match` does not list the tag.
     pub(super) fn check_if_match(&self, headers: &HeaderMap) -> Result<(), Problem> {
         match headers.typed_get::<IfMatch>() {
             Some(field) if !self.meets(|tag| field.precondition_passes(tag)) => {
@@ -45,8 +45,8 @@ impl EntityTag {
         field.is_some_and(|field| self.meets(|tag| !field.precondition_passes(tag)))
     }
 
-    /// Whether `If-Range` allows a range to be served, by strong comparison. A date never matches: no representation
-    /// has one.
+    /// Whether `If-Range` allows a range, by strong comparison. A date never matches, because no representation has a
+    /// date.
     pub(super) fn allows_range(&self, headers: &HeaderMap) -> bool {
         match headers.typed_try_get::<IfRange>() {
             Ok(Some(field)) => self.meets(|tag| !field.is_modified(Some(tag), None)),
@@ -56,15 +56,15 @@ impl EntityTag {
     }
 }
 
-/// Checks `If-Match` for a resource without an entity tag: only `*` matches it. A call that changes anything does this
+/// Checks `If-Match` for a resource without an entity tag. Only `*` matches. Calls that change something check this
 /// first.
 ///
 /// # Errors
-/// 412 if the client asks for an entity tag.
+/// 412 if `If-Match` lists an entity tag.
 pub(super) fn check_untagged(headers: &HeaderMap) -> Result<(), Problem> {
     match headers.typed_get::<IfMatch>() {
         Some(field) if !field.is_any() => {
-            let detail = "this has no entity tag; of If-Match, only * matches it";
+            let detail = "this resource has no entity tag; send If-Match: * or no If-Match";
             Err(Problem::new(ProblemKind::PreconditionFailed, detail))
         }
         _ => Ok(()),

@@ -1,9 +1,9 @@
 //! A job's changes as Server-Sent Events.
 //!
-//! The first event is the job as it is now, unless `Last-Event-ID` says that the client has seen it. An event is named
-//! `state` if the state changed and `progress` otherwise; its id is the snapshot's sequence number, its data the job.
-//! The stream ends after a final state, when the server stops, and when the client's token is revoked. A client that has
-//! seen the final state gets 204: an `EventSource` then does not reconnect.
+//! The first event is the current job, unless `Last-Event-ID` says that the client has it. The name of an event is
+//! `state` if the state changed, otherwise `progress`. Its id is the sequence number of the snapshot, its data the job.
+//! The stream ends after a final state, when the server stops, and when the client's token is revoked. A client that
+//! has the final state gets 204, after which an `EventSource` does not reconnect.
 
 use std::{convert::Infallible, sync::Arc, time::Duration};
 
@@ -46,7 +46,7 @@ const MIN_INTERVAL: Duration = Duration::from_millis(100);
 /// How often a stream without events checks that its token is still valid.
 const CHECK: Duration = Duration::from_secs(2);
 
-/// When to try again if too many streams are open.
+/// `Retry-After` if too many streams are open.
 const RETRY: Duration = Duration::from_secs(10);
 
 /// `GET /v1/jobs/{id}/events`.
@@ -58,11 +58,11 @@ pub(super) async fn follow(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let latest = api.call(move |service| service.watch(id)).await?.ok_or_else(|| jobs::unknown(id))?;
-    // The HTML standard lets a server ignore an id that it cannot read.
-    let seen = headers.get("last-event-id").and_then(|value| value.to_str().ok()?.parse().ok());
+    // The HTML standard lets a server ignore an unreadable id.
+    let last = headers.get("last-event-id").and_then(|value| value.to_str().ok()?.parse().ok());
     let caller = caller.map(|Extension(caller)| caller);
     let (tokens, stopping) = (Arc::clone(&api.tokens), api.stopping.clone());
-    let follower = Follower { latest, stopping, tokens, caller, seen, state: None, sent_at: None };
+    let follower = Follower { latest, stopping, tokens, caller, last, state: None, sent_at: None };
     if follower.is_over() {
         return Ok(StatusCode::NO_CONTENT.into_response());
     }
@@ -79,28 +79,28 @@ struct Follower {
     latest: watch::Receiver<JobSnapshot>,
     stopping: watch::Receiver<bool>,
     tokens: Arc<TokenFile>,
-    /// `None` where no token is needed.
+    /// `None` if the service needs no token.
     caller: Option<Caller>,
     /// Sequence number of the last snapshot that the client has.
-    seen: Option<u64>,
+    last: Option<u64>,
     /// State in the last snapshot that was sent on this connection.
     state: Option<StateName>,
-    /// When it was sent.
+    /// When this snapshot was sent.
     sent_at: Option<Instant>,
 }
 
 impl Follower {
-    /// Whether the client has seen the job's final state.
+    /// Whether the client has the job's final state.
     fn is_over(&self) -> bool {
         let latest = self.latest.borrow();
-        self.seen == Some(latest.sequence) && latest.job.state.name().is_final()
+        self.last == Some(latest.sequence) && latest.job.state.name().is_final()
     }
 
     fn is_revoked(&self) -> bool {
         self.caller.as_ref().is_some_and(|Caller(token)| !self.tokens.current().contains(token))
     }
 
-    /// The events. The stream keeps its place among the open ones.
+    /// The events. The stream keeps its place among the open streams.
     fn events(self, place: OwnedSemaphorePermit) -> impl Stream<Item = Result<Event, Infallible>> {
         stream::unfold((self, place), async |(mut follower, place)| {
             let snapshot = follower.next().await?;
@@ -109,7 +109,7 @@ impl Follower {
         })
     }
 
-    /// The next snapshot that the client has not seen; `None` if there will be none.
+    /// The next snapshot that the client does not have; `None` at the end.
     async fn next(&mut self) -> Option<JobSnapshot> {
         if let Some(sent) = self.sent_at {
             sleep_until(sent + MIN_INTERVAL).await;
@@ -119,9 +119,9 @@ impl Follower {
                 return None;
             }
             let snapshot = self.latest.borrow_and_update().clone();
-            // Any other number counts, not only a greater one: the clock may have been set back between two starts.
-            if self.seen != Some(snapshot.sequence) {
-                self.seen = Some(snapshot.sequence);
+            // Any different number is new, not only a greater one: the clock may have been set back between two starts.
+            if self.last != Some(snapshot.sequence) {
+                self.last = Some(snapshot.sequence);
                 self.sent_at = Some(Instant::now());
                 return Some(snapshot);
             }
@@ -157,11 +157,11 @@ mod tests {
         JobSnapshot { sequence, job: samples::job(state), seconds_left: None, expected: None }
     }
 
-    fn follower(first: JobSnapshot, seen: Option<u64>) -> (watch::Sender<JobSnapshot>, watch::Sender<bool>, Follower) {
+    fn follower(first: JobSnapshot, last: Option<u64>) -> (watch::Sender<JobSnapshot>, watch::Sender<bool>, Follower) {
         let (publish, latest) = watch::channel(first);
         let (stop, stopping) = watch::channel(false);
         let tokens = Arc::default();
-        (publish, stop, Follower { latest, stopping, tokens, caller: None, seen, state: None, sent_at: None })
+        (publish, stop, Follower { latest, stopping, tokens, caller: None, last, state: None, sent_at: None })
     }
 
     #[tokio::test]

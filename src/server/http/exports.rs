@@ -1,4 +1,4 @@
-//! Exports of a table: the list of them, the files of each, and the files themselves.
+//! Exports of a table: their list, the files of each export, and the bytes of a file.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ use crate::service::{ExportedFile, MadeExport};
 use ltcforge_files::digest::Digest;
 use ltcforge_textures::Export;
 
-/// A table, and if the path of the request goes so far an export and the path of a file.
+/// The parameters of a path: a table, possibly an export, and possibly the path of a file.
 pub(super) struct Address {
     table: Digest,
     export: Option<Export>,
@@ -45,7 +45,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Address {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FileParameters {
-    /// The digest that the file has to have.
+    /// The digest that the client expects of the file.
     digest: Option<Digest>,
 }
 
@@ -63,7 +63,7 @@ pub(super) async fn list(State(api): State<Api>, asked: Asked, Address { table, 
 pub(super) async fn show(State(api): State<Api>, asked: Asked, address: Address) -> Answer {
     let (table, export, made) = made(&api, &address).await?;
     let file = |file: &ExportedFile| {
-        // Nothing but these bytes is ever served at this address.
+        // This address only ever serves these bytes.
         let url = format!("{}/{}?digest={}", url(table, export), file.path, file.digest);
         let ExportedFile { path, bytes, digest, rounding } = file;
         json!({ "path": path, "bytes": bytes.len(), "digest": digest, "url": url, "rounding": rounding })
@@ -73,7 +73,7 @@ pub(super) async fn show(State(api): State<Api>, asked: Asked, address: Address)
     File::json(&view)?.respond(&asked.method, &asked.headers)
 }
 
-/// `GET` and `HEAD` of a file in the folder of an export, or in a folder below it.
+/// `GET` and `HEAD` of a file of an export, or of a file in one of its folders.
 pub(super) async fn file(
     State(api): State<Api>,
     QueryOf(FileParameters { digest: wanted }): QueryOf<FileParameters>,
@@ -90,7 +90,7 @@ pub(super) async fn file(
     let ExportedFile { path, bytes, digest, .. } = file;
     if let Some(wanted) = wanted.filter(|wanted| wanted != digest) {
         let version = env!("CARGO_PKG_VERSION");
-        let detail = format!("version {version} makes of the table a file that hashes to {digest}, not to {wanted}");
+        let detail = format!("ltcforge {version} makes this file with the digest {digest}, not {wanted}");
         return Err(Problem::new(ProblemKind::OtherBytes, detail));
     }
     let caching = if wanted.is_some() { FOREVER } else { ONE_DAY };
@@ -101,7 +101,7 @@ pub(super) async fn file(
 
 async fn made(api: &Api, address: &Address) -> Result<(Digest, Export, Arc<MadeExport>), Problem> {
     let table = address.table;
-    let export = address.export.ok_or_else(|| error::internal(&"a route of exports without one"))?;
+    let export = address.export.ok_or_else(|| error::internal(&"the path of an export route has no export"))?;
     match api.call(move |service| service.export(table, export)).await? {
         Some(made) => Ok((table, export, made)),
         None => Err(absent(api, table).await),

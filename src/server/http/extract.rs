@@ -1,4 +1,4 @@
-//! Path parameters, query strings and bodies. A malformed value is a problem that names the value and the allowed form.
+//! Path parameters, query strings and bodies. The problem of a malformed value names the value and the allowed form.
 
 use std::{fmt::Display, str::FromStr, sync::Arc};
 
@@ -20,14 +20,14 @@ use super::{
     problem::Problem,
 };
 
-/// Longest recipe. Usually it takes less than one kilobyte.
+/// Maximum size of a recipe. Most recipes take less than one kilobyte.
 pub(super) const RECIPE_LIMIT_BYTES: u64 = 64 << 10;
-/// Items on a page if the client gives no number.
+/// Default number of items on a page.
 const DEFAULT_PAGE: usize = 50;
-/// Most items on a page.
+/// Maximum number of items on a page.
 const LONGEST_PAGE: usize = 1000;
 
-/// The one parameter in a path: a digest or a job id.
+/// The only parameter in a path: a digest or a job id.
 pub(super) struct PathOf<T>(pub(super) T);
 
 impl<S: Send + Sync, T: FromStr<Err: Display>> FromRequestParts<S> for PathOf<T> {
@@ -66,7 +66,7 @@ pub(super) struct NoParameters {}
 pub(super) struct Asked {
     pub(super) method: Method,
     pub(super) headers: HeaderMap,
-    /// The name of the caller's token; `None` where none is needed.
+    /// The name of the caller's token; `None` if the service needs no token.
     pub(super) by: Option<String>,
 }
 
@@ -97,12 +97,12 @@ impl TryFrom<String> for PageLimit {
     fn try_from(text: String) -> Result<Self, String> {
         match text.parse() {
             Ok(limit) if (1..=LONGEST_PAGE).contains(&limit) => Ok(Self(limit)),
-            _ => Err(format!("«{text}» is not a page length: a page length is a number from 1 to {LONGEST_PAGE}")),
+            _ => Err(format!("«{text}» is not a page length: it must be a number from 1 to {LONGEST_PAGE}")),
         }
     }
 }
 
-/// The bytes of a recipe document, not parsed yet.
+/// The bytes of a recipe document, before parsing.
 pub(super) struct RecipeBody(pub(super) Bytes);
 
 impl FromRequest<Api> for RecipeBody {
@@ -117,8 +117,9 @@ impl FromRequest<Api> for RecipeBody {
 /// The content types that [`check_json`] accepts.
 pub(super) const JSON: &str = "application/json, application/*+json or no content type";
 
-/// Accepts JSON by its media type, no content type, and the default of `curl -d`, `application/x-www-form-urlencoded`. A page
-/// of another site can send that default without a preflight request, so a request with an `Origin` must say JSON.
+/// Accepts JSON media types, no content type, and `application/x-www-form-urlencoded`, the default of `curl -d`. A page
+/// of another site can send this default without a preflight request, so a request with an `Origin` must have a JSON
+/// media type.
 ///
 /// # Errors
 /// The content type.
@@ -132,7 +133,7 @@ pub(super) fn check_json(headers: &HeaderMap) -> Result<(), String> {
     }
 }
 
-/// Accepts one media type alone, which no page of another site can send without a preflight request.
+/// Accepts only one media type. A page of another site cannot send it without a preflight request.
 ///
 /// # Errors
 /// The content type.
@@ -149,7 +150,7 @@ pub(super) fn other_type(given: &str, allowed: &str) -> Problem {
     Problem::new(ProblemKind::NotJsonType, format!("the content type is {given}; send {allowed}"))
 }
 
-/// A large body, and its place among the [`UPLOADS`] that may be in memory. The place is kept until the work on it is done.
+/// Reads a large body. Returns it with its permit, one of [`UPLOADS`]. Keep the permit until the body is processed.
 pub(super) async fn read_upload(
     request: Request,
     api: &Api,
@@ -164,15 +165,16 @@ pub(super) async fn read_upload(
     Ok((read_body(request, api, what, limit_bytes).await?, place))
 }
 
-/// Reads the body of a request that sends `what`. A client whose announced length is too large and that waits for
-/// `100 Continue` sends none of it. Other clients read the answer after they have sent all of it: it is read and dropped.
+/// Reads the body of a request. `what` names it in errors. If the announced length is too large, a client that waits
+/// for `100 Continue` sends nothing. Other clients read the response only after they have sent the body, so it is read
+/// and dropped.
 async fn read_body(mut request: Request, api: &Api, what: &str, limit_bytes: u64) -> Result<Bytes, Problem> {
     let too_large = || Problem::new(ProblemKind::BodyTooLarge, format!("{what} takes at most {limit_bytes} bytes"));
     if request.headers().typed_get::<ContentLength>().is_some_and(|length| length.0 > limit_bytes) {
         if !request.headers().contains_key(header::EXPECT) {
             let mut parts = request.into_body().into_data_stream();
             let rest = async { while let Some(Ok(_)) = parts.next().await {} };
-            // A slow client gets its answer in the middle.
+            // A slow client gets the response before it has sent everything.
             let _ = timeout(api.client, rest).await;
         }
         return Err(too_large());

@@ -1,4 +1,4 @@
-//! Files as answers: all of a file, one part of it, or 304 if the client has it.
+//! Files as responses: the whole file, a range of it, or 304 if the client has it.
 
 use std::ops::Range;
 
@@ -21,24 +21,24 @@ use super::{
 use crate::service::{FileKind, Service};
 use ltcforge_files::{digest::Digest, tabulated::kept_name};
 
-/// `Cache-Control` of bytes that never change under their address, because the address has their digest or that of
-/// everything they follow from.
+/// `Cache-Control` of bytes that never change at their address. The address contains their digest, or the digests of
+/// everything that determines them.
 pub(super) const FOREVER: &str = "public, max-age=31536000, immutable";
 /// `Cache-Control` of bytes that change with the version of the program.
 pub(super) const ONE_DAY: &str = "public, max-age=86400";
 /// `Cache-Control` of bytes that may change at any time.
 pub(super) const REVALIDATE: &str = "no-cache";
 
-/// A file in memory, and how it is sent.
+/// A file in memory with the fields of its response.
 #[derive(Debug)]
 pub(super) struct File {
-    /// The digest of the bytes, which is their entity tag.
+    /// The digest of the bytes, which is also the entity tag.
     pub(super) digest: Digest,
     pub(super) bytes: Bytes,
     pub(super) media_type: &'static str,
     /// The value of `Cache-Control`.
     pub(super) caching: &'static str,
-    /// The name under which a browser saves it, without characters that need quoting; `None` for a file that is shown.
+    /// The name for saving the file, without characters that need quoting; `None` if browsers should show the file.
     pub(super) name: Option<String>,
 }
 
@@ -50,14 +50,14 @@ impl File {
         Ok(Self { digest, bytes, media_type: "application/json", caching: ONE_DAY, name: None })
     }
 
-    /// The file, one part of it, or 304. Conditions are evaluated in the order of RFC 9110, section 13.2.2.
+    /// Responds with the file, a range of it, or 304. Conditions are evaluated in the order of RFC 9110, section 13.2.2.
     pub(super) fn respond(self, method: &Method, headers: &HeaderMap) -> Answer {
         let tag = EntityTag::strong(self.digest);
         tag.check_if_match(headers)?;
         let length = self.bytes.len();
         let validators = [(header::ETAG, tag.as_str()), (header::CACHE_CONTROL, self.caching)];
         if tag.is_known_to(headers) {
-            // An answer to `HEAD` without a length would say that the file is empty.
+            // A response to `HEAD` without a length would mean an empty file.
             let length = (method == Method::HEAD).then(|| [(header::CONTENT_LENGTH, length.to_string())]);
             return Ok((StatusCode::NOT_MODIFIED, validators, length, ()).into_response());
         }
@@ -67,7 +67,7 @@ impl File {
         let (status, part) = match field.and_then(|field| one_range(field, length)) {
             None => (StatusCode::OK, 0..length),
             Some(part) if part.is_empty() => {
-                let detail = format!("the file has {length} bytes; none of them is in the range");
+                let detail = format!("the file has {length} bytes, and the requested range is outside of it");
                 let problem = Problem::new(ProblemKind::RangeNotSatisfiable, detail);
                 return Ok(([(header::CONTENT_RANGE, format!("bytes */{length}"))], problem).into_response());
             }
@@ -83,7 +83,7 @@ impl File {
             self.name.map(|name| [(header::CONTENT_DISPOSITION, format!("attachment; filename=\"{name}\""))]);
         let content_range = (status == StatusCode::PARTIAL_CONTENT)
             .then(|| [(header::CONTENT_RANGE, format!("bytes {}-{}/{length}", part.start, part.end - 1))]);
-        // An answer to `HEAD` has no content [RFC 9530, section 2].
+        // A response to `HEAD` has no content [RFC 9530, section 2].
         let body = self.bytes.slice(part);
         let content_digest = (method != Method::HEAD).then(|| {
             let digest = if body.len() == length { self.digest } else { Digest::of(&body) };
@@ -93,19 +93,19 @@ impl File {
     }
 }
 
-/// A digest as the fields `Repr-Digest` and `Content-Digest` have it.
+/// A digest in the format of `Repr-Digest` and `Content-Digest`.
 fn sha_256(digest: Digest) -> String {
     format!("sha-256=:{}:", STANDARD.encode(digest.as_bytes()))
 }
 
-/// The part of a file of `length` bytes that a `Range` field names, empty if none of its bytes exist. `None` if the field is
-/// not one valid byte range: a server may then ignore it.
+/// The range of a file of `length` bytes in a `Range` field. Empty if it is outside of the file. `None` if the field is
+/// not exactly one valid byte range; a server may then ignore it.
 fn one_range(field: &str, length: usize) -> Option<Range<usize>> {
     let (unit, range) = field.split_once('=')?;
     let (first, last) = range.trim().split_once('-').filter(|_| unit.eq_ignore_ascii_case("bytes"))?;
     let number = |text: &str| {
         let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-        // A number beyond the type is beyond the file.
+        // A number that is too large for `usize` is outside of the file.
         is_number.then(|| text.parse().unwrap_or(usize::MAX))
     };
     let part = match (first, last) {
@@ -116,7 +116,7 @@ fn one_range(field: &str, length: usize) -> Option<Range<usize>> {
     Some(part.start.min(length)..part.end.min(length))
 }
 
-/// The media type by the extension of a file's name.
+/// The media type for the extension of a file name.
 pub(super) fn media_type(name: &str) -> &'static str {
     match name.rsplit('.').next().unwrap_or_default() {
         "html" => "text/html; charset=utf-8",
@@ -133,7 +133,7 @@ pub(super) fn media_type(name: &str) -> &'static str {
     }
 }
 
-/// `GET` and `HEAD` of a stored file. The service has checked its bytes against the digest.
+/// `GET` and `HEAD` of a stored file. The service has verified its bytes against the digest.
 pub(super) async fn stored(api: &Api, kind: FileKind, digest: Digest, asked: &Asked) -> Answer {
     let bytes = match api.service.cached_file(kind, digest) {
         Some(bytes) => Some(bytes),
@@ -152,7 +152,7 @@ pub(super) async fn stored(api: &Api, kind: FileKind, digest: Digest, asked: &As
     File { digest, bytes, media_type, caching: FOREVER, name: Some(name) }.respond(&asked.method, &asked.headers)
 }
 
-/// The problem of a table that is not stored. If a known job made it, the problem has the recipe that fits it again.
+/// The problem of a table that is not stored. If a known job made it, the problem contains the recipe.
 pub(super) async fn absent(api: &Api, digest: Digest) -> Problem {
     match api.call(move |service| service.job_of_table(digest)).await {
         Err(problem) => problem,
@@ -165,7 +165,7 @@ pub(super) async fn absent(api: &Api, digest: Digest) -> Problem {
     }
 }
 
-/// Deletes a stored file if its tag is one that `If-Match` allows.
+/// Deletes a stored file if `If-Match` allows its entity tag.
 pub(super) async fn delete<E: Into<Problem> + Send + 'static>(
     api: &Api,
     digest: Digest,

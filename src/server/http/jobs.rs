@@ -23,7 +23,7 @@ use crate::{
     service::{JobCursor, JobSnapshot, Page, Service, SubmitError, SubmitReply},
 };
 
-/// The longest time that a client is asked to wait before it polls a job again.
+/// Maximum of `Retry-After` for a job.
 const LONGEST_RETRY: Duration = Duration::from_secs(30);
 
 #[derive(Debug, Deserialize)]
@@ -71,14 +71,14 @@ pub(super) async fn show(State(api): State<Api>, _: NoQuery, PathOf(id): PathOf<
 /// `DELETE /v1/jobs/{id}`.
 pub(super) async fn cancel(State(api): State<Api>, asked: Asked, PathOf(id): PathOf<JobId>) -> Answer {
     if let Err(problem) = check_untagged(&asked.headers) {
-        // A condition on a job that does not exist is ignored.
+        // If the job does not exist, the response is 404 whatever the condition.
         return Err(api.call(move |service| service.job(id)).await?.map_or_else(|| unknown(id), |_| problem));
     }
     let snapshot = api.call(move |service| service.cancel(id, asked.by.as_deref())).await?;
     answer(&snapshot.ok_or_else(|| unknown(id))?)
 }
 
-/// The problem of an id that no job has.
+/// The problem of an unknown job id.
 pub(super) fn unknown(id: JobId) -> Problem {
     Problem::new(ProblemKind::UnknownJob, format!("no job has the id {id}"))
 }

@@ -1,6 +1,6 @@
 //! The HTTP interface: routes, conditional downloads, event streams, problem documents.
 //!
-//! Invariant: `http` translates and has no logic that [`crate::service`] could have. Calls into the service run on blocking
+//! Invariant: `http` only translates; all other logic is in [`crate::service`]. Calls into the service run on blocking
 //! threads, except [`crate::service::Service::cached_file`], which does not block.
 
 mod access;

@@ -16,7 +16,7 @@ use ltcforge_fit::FITTER_VERSION;
 
 const OPENAPI: &str = include_str!("../openapi.yaml");
 
-/// `GET /healthz`: the process answers.
+/// `GET /healthz`: the process is alive.
 pub(super) async fn healthz(_: NoQuery) -> Json<Value> {
     Json(json!({ "status": "ok" }))
 }
@@ -137,7 +137,7 @@ mod tests {
         assert!(text.ends_with('\n'));
     }
 
-    /// A graph or an alert of a metric that has another name shows nothing and says nothing.
+    /// A graph or an alert with a wrong metric name is silently empty.
     #[test]
     fn dashboard_rules_and_autoscaler_name_metrics_that_there_are() {
         let text = exposition(&Metrics { jobs: vec![(StateName::Done, 3)], ..Metrics::default() });

@@ -1,8 +1,9 @@
-//! The names that the service answers to, and the web pages whose requests it serves.
+//! The host names that the service answers to, and the web pages whose requests it accepts.
 //!
-//! A browser lets any page send requests to any address. `Host` is the name that the page asked for: the name may belong to an
-//! attacker who lets it resolve to this machine, so that their pages count as the service's own (DNS rebinding). `Origin` is
-//! the site of the page that sends the request. An address or `localhost` as `Host` is always served: rebinding needs a name.
+//! Browsers let any page send requests to any address. `Host` is the name in the request's address. An attacker can let
+//! their own name resolve to this machine, so that their pages look like pages of the service (DNS rebinding). `Origin`
+//! is the site of the page that sends the request. `Host` may always be `localhost` or an IP address, because rebinding
+//! needs a name.
 
 use std::{net::IpAddr, str::FromStr};
 
@@ -13,7 +14,7 @@ use axum::{
 
 use super::{kind::ProblemKind, problem::Problem};
 
-/// Names and origins that the service serves beyond its own.
+/// Host names and origins that are allowed in addition to the service's own.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Origins {
     /// Names by which clients may call the service.
@@ -61,10 +62,10 @@ fn host(text: &str) -> Option<Authority> {
 }
 
 impl Origins {
-    /// Whether a request is for this service, and not sent by a page of another site.
+    /// Checks that a request is for this service, and not sent by a page of another site.
     ///
     /// # Errors
-    /// The problem to answer with: 400, 421 or 403.
+    /// A problem with status 400, 421 or 403.
     pub(super) fn check(&self, request: &Request) -> Result<(), Problem> {
         let host = requested_host(request)?;
         if let Some(host) = &host {
@@ -82,13 +83,13 @@ impl Origins {
             return Ok(());
         }
         let detail = format!(
-            "pages of «{text}» may not send requests to this service; `ltcforge serve --allow-origin` allows an origin"
+            "pages of «{text}» may not send requests to this service; `ltcforge serve --allow-origin ORIGIN` allows them"
         );
         Err(Problem::new(ProblemKind::ForeignOrigin, detail))
     }
 
-    /// Refuses requests by which a page of another site embeds an image or the like: browsers send no origin with them,
-    /// but these fields. Links are served, and a page of an allowed origin may embed.
+    /// Rejects requests that embed an image or another file in a page of another site. Browsers send no `Origin` with
+    /// them, but the fields `Sec-Fetch-*`. Links to the service are allowed, and so are pages of allowed origins.
     fn check_embedding(&self, headers: &HeaderMap) -> Result<(), Problem> {
         let says = |name: &str, value: &str| headers.get(name).is_some_and(|field| field == value);
         let page = headers.get(header::REFERER).and_then(|field| field.to_str().ok()).unwrap_or_default();
@@ -100,17 +101,17 @@ impl Origins {
         if !is_embedded || self.origins.iter().any(is_of) {
             return Ok(());
         }
-        let detail = "pages of another site may link to this service, but not embed its answers; \
-                      `ltcforge serve --allow-origin` allows an origin";
+        let detail = "pages of other sites may link to this service, but not embed its responses; \
+                      `ltcforge serve --allow-origin ORIGIN` allows them";
         Err(Problem::new(ProblemKind::ForeignOrigin, detail))
     }
 
-    /// Whether pages of any other origin may send requests.
+    /// Whether pages of at least one other origin may send requests.
     pub(super) fn allows_any(&self) -> bool {
         !self.origins.is_empty()
     }
 
-    /// Whether pages of this origin may send requests although the service has not served them.
+    /// Whether pages of this other origin may send requests.
     pub(super) fn allows(&self, origin: &HeaderValue) -> bool {
         self.origins.iter().any(|allowed| allowed.0.as_bytes().eq_ignore_ascii_case(origin.as_bytes()))
     }
@@ -122,13 +123,13 @@ impl Origins {
         if is_address || name == "localhost" || self.hosts.iter().any(is_allowed) {
             return Ok(());
         }
-        let detail = format!("«{host}» is not a name of this service; `ltcforge serve --allow-host {name}` adds it");
+        let detail = format!("«{host}» is not a name of this service; `ltcforge serve --allow-host {name}` allows it");
         Err(Problem::new(ProblemKind::WrongHost, detail))
     }
 }
 
-/// The host that a request is for: that of an absolute URI, which clients send to a proxy, or else the field `Host`.
-/// `None` if it has neither, which only HTTP/1.0 allows.
+/// The host of a request: from an absolute URI, as clients send it to a proxy, otherwise from the field `Host`. `None`
+/// without both, which only HTTP/1.0 allows.
 fn requested_host(request: &Request) -> Result<Option<Authority>, Problem> {
     let refuse = |detail: &str| Err(Problem::new(ProblemKind::BadRequest, detail));
     let mut fields = request.headers().get_all(header::HOST).iter();
@@ -151,7 +152,7 @@ mod tests {
 
     use super::*;
 
-    /// The status with which a request is refused, `None` if it is served.
+    /// The status of a rejected request; `None` if it is accepted.
     fn refused(uri: &str, fields: &[(&str, &str)]) -> Option<u16> {
         let policy = Origins {
             hosts: ["farm", "wiki.example:8317"].map(|host| host.parse().expect("a host")).into(),
@@ -200,7 +201,7 @@ mod tests {
         for second in ["http://attacker.example", "http://localhost:8317"] {
             assert_eq!(refused("/", &[own[0], own[1], ("origin", second)]), Some(400), "{second}");
         }
-        // The name in an absolute URI is the one that counts.
+        // The name in an absolute URI takes precedence.
         let host = [("host", "localhost:8317")];
         assert_eq!(refused("http://attacker.example/", &host), Some(421));
         assert_eq!(refused("http://localhost:8317/", &host), None);

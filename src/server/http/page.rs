@@ -1,8 +1,8 @@
-//! The page at `/`: files of `src/server/page`, which are part of the binary, the shaders' texts that its viewer includes, and the
-//! textures of a published table.
+//! The web page at `/`: the files of `src/server/page`, which the binary contains, the shader texts of its viewer, and
+//! the textures of a published table.
 //!
-//! Invariant: the page calls nothing but the routes of this service, by relative addresses, so that it works behind a path
-//! prefix; it loads no script, style or font from elsewhere and has none inline.
+//! Invariant: the page calls only routes of this service, by relative addresses, so it works behind a path prefix. It
+//! loads no script, style or font from other sites, and contains no inline scripts or styles.
 
 use std::sync::LazyLock;
 
@@ -90,8 +90,8 @@ page_files![
     "webgl/surface.js",
 ];
 
-/// The shader of a file name without its extension: `normals`, or `ltc-` and a layout, then `-two-lobes` for tables of two
-/// lobes, then `-textured` for pictures on lights.
+/// The shader for a file name without extension: `normals`, or `ltc-LAYOUT` with `-two-lobes` for tables of two lobes.
+/// Both can end in `-textured` for pictures on lights.
 fn lit_by(name: &str) -> Option<(LitBy, Reading)> {
     let (name, is_textured) = without(name, "-textured");
     let additions = Additions { textured: is_textured.then(|| Readings::ALL[0]), ..Additions::default() };
@@ -103,7 +103,7 @@ fn lit_by(name: &str) -> Option<(LitBy, Reading)> {
     Some((LitBy::from(*layout).with(additions).ok()?, Reading { two_lobes, ..Reading::default() }))
 }
 
-/// A name without its end, and whether it has that.
+/// Removes `end` from a name. Returns the rest, and whether the name had this end.
 fn without<'name>(name: &'name str, end: &str) -> (&'name str, bool) {
     name.strip_suffix(end).map_or((name, false), |name| (name, true))
 }
@@ -112,7 +112,7 @@ fn page_file(name: &'static str, bytes: &'static [u8]) -> PageFile {
     (name, Bytes::from_static(bytes), Digest::of(bytes))
 }
 
-/// The text to include that `ltcforge shader --language glsl-es` writes, or that of the prefilter of pictures.
+/// The text that `ltcforge shader --language glsl-es` writes, or the prefilter of pictures on lights.
 fn shader_text(file: &str) -> Result<String, Problem> {
     let name = file.strip_suffix(".glsl").ok_or_else(|| no_file(file))?;
     let text = if name == "prefilter" {
@@ -132,7 +132,7 @@ pub(super) async fn index(asked: Asked) -> Answer {
 /// `GET /page/{file}`.
 pub(super) async fn file(asked: Asked, Path(name): Path<String>, State(api): State<Api>) -> Answer {
     let Some(path) = name.strip_prefix("kt2022-") else { return respond(&name, &asked) };
-    // The first request integrates.
+    // The first request makes the table, which takes a moment.
     let made = api.call(|_| published_table().map_err(|error| error::internal(&error))).await?;
     let found = made.files.iter().find(|file| file.path == path).ok_or_else(|| no_file(&name))?;
     send(path, found.digest, found.bytes.clone(), &asked)
@@ -193,7 +193,7 @@ mod tests {
         assert_eq!(served, in_folder);
     }
 
-    /// Folders of modules, those above before those that they use; `docs/architecture.md` says what each has.
+    /// Folders of modules. Each may import only from folders further right; see `docs/architecture.md`.
     const FOLDERS: [&str; 8] = ["pages", "form", "report", "viewer", "webgl", "gltf", "service", "elements"];
 
     #[test]
@@ -236,8 +236,8 @@ mod tests {
             first.headers()[header::CONTENT_SECURITY_POLICY].to_str().is_ok_and(|it| it.contains("script-src 'self'"))
         );
         let headers = [(header::IF_NONE_MATCH, first.headers()[header::ETAG].clone())].into_iter().collect();
-        let seen = Asked { headers, ..Asked::default() };
-        assert_eq!(respond("index.html", &seen).expect("an answer").status(), 304);
-        assert_eq!(respond("none.js", &seen).expect_err("no file").status(), 404);
+        let repeated = Asked { headers, ..Asked::default() };
+        assert_eq!(respond("index.html", &repeated).expect("an answer").status(), 304);
+        assert_eq!(respond("none.js", &repeated).expect_err("no file").status(), 404);
     }
 }

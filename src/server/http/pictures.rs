@@ -23,14 +23,14 @@ use ltcforge_view::{
     preview::{Choices, Scene},
 };
 
-/// The pairs of a query string, in order. The picture reads them and lists all their faults.
+/// The pairs of a query string, in order. Parsing them lists all their faults.
 type Pairs = Vec<(String, String)>;
 
 fn texts(pairs: &Pairs) -> impl Iterator<Item = (&str, &str)> {
     pairs.iter().map(|(name, text)| (name.as_str(), text.as_str()))
 }
 
-/// `GET /v1/preview`. When the client disconnects, this future is dropped, and its request with it.
+/// `GET /v1/preview`. If the client disconnects, this future is dropped, and the request ends.
 pub(super) async fn preview(State(api): State<Api>, QueryOf(query): QueryOf<Pairs>, headers: HeaderMap) -> Answer {
     let (table, scene) = read_preview(&query).map_err(|faults| bad_parameters(ProblemKind::BadScene, faults))?;
     answer(&api, table, Subject::Scene(Box::new(scene)), headers).await
@@ -46,7 +46,7 @@ pub(super) async fn error_plot(
     plot(&api, digest, Plot::error_from(texts(&query)), headers).await
 }
 
-/// `GET /v1/tables/{digest}/plots/error.json`: what the picture shows, as numbers.
+/// `GET /v1/tables/{digest}/plots/error.json`: the numbers of the picture.
 pub(super) async fn error_numbers(
     State(api): State<Api>,
     PathOf(digest): PathOf<Digest>,
@@ -87,7 +87,7 @@ async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: Hea
     };
     let tag = EntityTag::strong(file.digest);
     tag.check_if_match(&headers)?;
-    // The name of a driver may have any characters; a header field may not.
+    // The name of a driver can have characters that a header field cannot have.
     let adapter: String =
         file.adapter.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect();
     let fields = [(header::ETAG, tag.as_str()), (header::CACHE_CONTROL, caching)];

@@ -16,7 +16,7 @@ use super::{
 use crate::service::{Planned, SCENE_LIMIT_BYTES, SceneForm};
 use ltcforge_plan::{Budget, Form, GpuLimit};
 
-/// Longest list of materials.
+/// Maximum size of a list of materials.
 const LIST_LIMIT_BYTES: u64 = 1 << 20;
 
 const GLB: &str = "model/gltf-binary";
@@ -45,10 +45,10 @@ impl PlanParameters {
             (Some(most), None, None) if is_positive(most) => Ok(Budget::Error(most)),
             (None, Some(most), None) if most > 0 => Ok(Budget::Bytes(most)),
             (None, None, Some(most)) if is_positive(most) => Ok(Budget::Seconds(most)),
-            (Some(most), None, None) => wrong(format!("error={most}: it is a number above 0")),
-            (None, Some(_), None) => wrong("bytes=0: it is a whole number above 0".to_owned()),
-            (None, None, Some(most)) => wrong(format!("seconds={most}: it is a number above 0")),
-            _ => wrong("a budget is one of error, bytes and seconds".to_owned()),
+            (Some(most), None, None) => wrong(format!("error={most}: must be a number above 0")),
+            (None, Some(_), None) => wrong("bytes=0: must be a whole number above 0".to_owned()),
+            (None, None, Some(most)) => wrong(format!("seconds={most}: must be a number above 0")),
+            _ => wrong("give only one budget: error, bytes or seconds".to_owned()),
         }
     }
 }

@@ -17,7 +17,7 @@ use ltcforge_files::{
     recipe_document::{RecipeError, schema},
 };
 
-/// `POST /v1/recipes`. The faults of a recipe are the answer that was asked for, and no error.
+/// `POST /v1/recipes`. A recipe with faults gets 200 with the list of faults.
 pub(super) async fn foresee(
     State(api): State<Api>,
     asked: Asked,

@@ -1,4 +1,4 @@
-//! The routes: one table from which the router is built and with which a test compares `openapi.yaml`.
+//! The routes: one table that builds the router. A test compares it with `openapi.yaml`.
 
 use axum::{
     Router,
@@ -12,7 +12,7 @@ use super::{
     recipes, tables,
 };
 
-/// One call of the interface. A `GET` route also answers `HEAD`; `HEAD` is listed where clients depend on it.
+/// One call of the interface. A `GET` route also answers `HEAD`, which is listed only if clients depend on it.
 #[derive(Debug)]
 pub struct Route {
     /// Request method.
@@ -26,7 +26,7 @@ const fn route(method: Method, path: &'static str, add: fn(MethodRouter<Api>) ->
     Route { method, path, add }
 }
 
-/// Every call. The routes of one path are adjacent.
+/// All calls. Routes of the same path are adjacent.
 pub static ROUTES: &[Route] = &[
     route(Method::POST, "/v1/jobs", |on| on.post(jobs::submit)),
     route(Method::GET, "/v1/jobs", |on| on.get(jobs::list)),
@@ -65,10 +65,10 @@ pub static ROUTES: &[Route] = &[
     route(Method::GET, "/page/{folder}/{file}", |on| on.get(page::file_of_folder)),
 ];
 
-/// Paths for operators. They show the state of the process, and no jobs and tables.
+/// Paths for operators. They show the state of the process, but no jobs or tables.
 const OPERATIONS: [&str; 4] = ["/healthz", "/readyz", "/metrics", "/version"];
 
-/// The router of [`ROUTES`], or of [`OPERATIONS`] alone; any other method on a known path is a 405 that names the allowed ones.
+/// The router of [`ROUTES`], or of [`OPERATIONS`] only. Other methods on a known path get 405 with the allowed methods.
 pub(super) fn router(only_operations: bool) -> Router<Api> {
     let is_served = |routes: &&[Route]| !only_operations || OPERATIONS.contains(&routes[0].path);
     ROUTES.chunk_by(|a, b| a.path == b.path).filter(is_served).fold(Router::new(), |router, routes| {
@@ -82,15 +82,15 @@ pub(super) fn router(only_operations: bool) -> Router<Api> {
     })
 }
 
-/// The answer to a path that no route has.
+/// The problem of an unknown path.
 pub(super) async fn no_such_path(uri: Uri) -> Problem {
     Problem::new(
         ProblemKind::NoSuchPath,
-        format!("«{}» is not a path of this service; /openapi.yaml lists all of them", uri.path()),
+        format!("«{}» is not a path of this service; /openapi.yaml lists all paths", uri.path()),
     )
 }
 
-/// The methods of a path's routes as the `Allow` field lists them, with `HEAD` wherever there is `GET`.
+/// The methods of a path in the format of `Allow`, with `HEAD` if there is `GET`.
 fn allowed_methods(routes: &[Route]) -> String {
     let mut names: Vec<&str> = routes.iter().map(|route| route.method.as_str()).collect();
     if names.contains(&"GET") && !names.contains(&"HEAD") {
@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn the_router_can_be_built() {
-        // axum panics on paths that clash.
+        // axum panics if paths conflict.
         let _ = router(false);
         assert!(OPERATIONS.iter().all(|path| ROUTES.iter().any(|route| route.path == *path)));
     }

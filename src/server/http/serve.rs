@@ -1,4 +1,4 @@
-//! Serving until a shutdown.
+//! Serves requests until shutdown.
 
 use std::{future::Future, io, net::SocketAddr, sync::Arc, time::Duration};
 
@@ -21,29 +21,29 @@ use super::{
 };
 use crate::service::Service;
 
-/// Longest head of a request: request line and header fields.
+/// Maximum size of a request's head: request line and header fields.
 const HEAD_LIMIT_BYTES: usize = 128 << 10;
 
-/// How long open answers may take once the service stops.
+/// Time for open responses to finish once the service stops.
 const DRAIN: Duration = Duration::from_secs(10);
 
-/// How often the files of tokens and certificate are looked at.
+/// Interval at which the files of tokens and certificate are checked for changes.
 const LOOK: Duration = Duration::from_secs(1);
 
 /// Settings of the HTTP interface.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// Requests that may be answered at the same time, event streams not counted.
+    /// Maximum number of concurrent requests, without event streams.
     pub requests: usize,
-    /// How long a client may take for the head of a request, and for its body.
+    /// Time limit for the head of a request, and for its body.
     pub client: Duration,
-    /// Names and origins that are served beyond the service's own.
+    /// Allowed host names and origins in addition to the service's own.
     pub origins: Origins,
-    /// Who may call; without a token, anyone.
+    /// The tokens of callers. Without tokens, anyone may call.
     pub tokens: Arc<TokenFile>,
-    /// The certificate for TLS; `None` for bare HTTP.
+    /// The certificate for TLS; `None` for HTTP.
     pub certificate: Option<Arc<Certificate>>,
-    /// Whether only operators are answered: health, readiness, metrics and version.
+    /// Whether only the paths for operators are served: health, readiness, metrics and version.
     pub only_operations: bool,
 }
 
@@ -60,8 +60,8 @@ impl Default for Options {
     }
 }
 
-/// Serves requests on `listener` until `shutdown` resolves. Then it accepts no more connections, ends event streams, gives
-/// open answers [`DRAIN`] to finish, and returns.
+/// Serves requests on `listener` until `shutdown` resolves. Then it accepts no more connections, ends event streams,
+/// waits up to [`DRAIN`] for open responses, and returns.
 ///
 /// # Errors
 /// When the listener fails.
@@ -111,7 +111,7 @@ pub async fn serve(
                     certificate.look();
                 }
             };
-            // A look that fails is followed by another.
+            // The next check follows even if this one fails.
             let _ = tokio::task::spawn_blocking(look).await;
         }
     };

@@ -1,4 +1,4 @@
-//! The certificate by which the service speaks TLS. It is read again when its files change.
+//! The TLS certificate. It is read again when its files change.
 
 use std::{path::PathBuf, sync::Arc};
 
@@ -11,7 +11,7 @@ use rustls::{
 
 use super::watched::{self, Watched};
 
-/// A chain of certificates and its key.
+/// A certificate chain and its key.
 #[derive(Debug)]
 pub struct Certificate {
     chain: PathBuf,
@@ -21,7 +21,7 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// Reads the PEM files `chain`, with the service's own certificate first, and `key`.
+    /// Reads the PEM files `chain` and `key`. The service's own certificate comes first in the chain.
     ///
     /// # Errors
     /// A message that names the file with the error.
@@ -39,9 +39,9 @@ impl Certificate {
         match config(&self.chain, &self.key) {
             Ok(config) => {
                 self.config.reload_from_config(config);
-                tracing::info!("read the certificate {} again", self.chain.display());
+                tracing::info!("the certificate {} changed; using the new certificate", self.chain.display());
             }
-            Err(error) => tracing::error!("{error}; the previous certificate stays"),
+            Err(error) => tracing::error!("{error}; the previous certificate stays in use"),
         }
     }
 }
@@ -52,10 +52,10 @@ fn config(chain: &PathBuf, key: &PathBuf) -> Result<Arc<ServerConfig>, String> {
     let certificates = CertificateDer::pem_slice_iter(&read(chain)?).collect::<Result<Vec<_>, _>>();
     let certificates = certificates.map_err(|error| fault(chain, &error))?;
     if certificates.is_empty() {
-        return Err(fault(chain, &"no certificate in PEM"));
+        return Err(fault(chain, &"the file has no certificate in PEM"));
     }
     let private = PrivateKeyDer::from_pem_slice(&read(key)?);
-    let private = private.map_err(|error| fault(key, &format!("no private key in PEM: {error}")))?;
+    let private = private.map_err(|error| fault(key, &format!("the file has no private key in PEM: {error}")))?;
     let builder = ServerConfig::builder_with_provider(Arc::new(default_provider()))
         .with_safe_default_protocol_versions()
         .map_err(|error| error.to_string())?;

@@ -14,16 +14,16 @@ use ltcforge_files::{digest::Digest, hex::to_hex};
 /// Random bytes of a token.
 pub const TOKEN_BYTES: usize = 32;
 
-/// Every token begins with it, so that scanners for leaked secrets recognise one.
+/// The prefix of every token. Scanners for leaked secrets can recognise it.
 const PREFIX: &str = "ltcforge_";
 
-/// Fewest hex digits after [`PREFIX`] that count as part of a token. Names of metrics have the same prefix.
+/// Minimum number of hex digits after [`PREFIX`] in a token. Names of metrics have the same prefix.
 const FEWEST_DIGITS: usize = 16;
 
-/// The longest name.
+/// Maximum length of a name.
 const LONGEST_NAME: usize = 64;
 
-/// A token allows one of these. Each scope includes the previous ones.
+/// The calls that a token allows. Each scope includes the previous ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Scope {
     /// Read everything: jobs, tables, pictures, metrics.
@@ -57,7 +57,7 @@ pub struct Token {
     hash: Digest,
 }
 
-/// Omits the hash, which nobody needs to see.
+/// Omits the hash.
 impl fmt::Debug for Token {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Token").field("name", &self.name).field("scope", &self.scope).finish_non_exhaustive()
@@ -73,7 +73,7 @@ impl fmt::Display for Token {
 impl FromStr for Token {
     type Err = Vec<String>;
 
-    /// All errors of a line. No error shows a hash, or a word in its place, which may be a secret.
+    /// Parses a line, and returns all its errors. No error contains the third word, which may be a secret.
     fn from_str(line: &str) -> Result<Self, Vec<String>> {
         let words: Vec<&str> = line.split_whitespace().collect();
         let [name, scope, hash] = words[..] else {
@@ -115,7 +115,7 @@ impl Token {
     }
 }
 
-/// A text for the log, with `[...]` instead of the digits of tokens, whole or cut short.
+/// A text for the log. `[...]` replaces the digits of tokens, even of incomplete ones.
 pub(super) fn without_tokens(text: &str) -> String {
     let mut parts = text.split(PREFIX);
     let mut shown = parts.next().unwrap_or_default().to_owned();
@@ -134,7 +134,7 @@ pub(super) fn without_tokens(text: &str) -> String {
 pub struct Tokens(Vec<Arc<Token>>);
 
 impl Tokens {
-    /// Reads texts, each with a name for error messages: one token per line, with empty lines and `#` comments.
+    /// Parses texts with one token per line, empty lines and `#` comments. Each text has a name for error messages.
     ///
     /// # Errors
     /// All errors, one per line.
@@ -153,8 +153,8 @@ impl Tokens {
                     Ok(token) => vec![format!("a second token «{}»", token.name)],
                     Err(found) => found,
                 };
-                let told = found.iter().map(|fault| without_tokens(&format!("{text_name}, line {at}: {fault}")));
-                faults.extend(told);
+                let messages = found.iter().map(|fault| without_tokens(&format!("{text_name}, line {at}: {fault}")));
+                faults.extend(messages);
             }
         }
         if faults.is_empty() { Ok(Self(tokens)) } else { Err(faults.join("\n")) }
@@ -166,19 +166,19 @@ impl Tokens {
         self.0.is_empty()
     }
 
-    /// The token with this secret. The search need not take constant time: nobody can choose the bits of a hash.
+    /// The token with this secret. Constant time is not necessary, because nobody can choose the bits of a hash.
     pub(super) fn find(&self, secret: &[u8]) -> Option<&Arc<Token>> {
         let hash = Digest::of(secret);
         self.0.iter().find(|token| token.hash == hash)
     }
 
-    /// Whether a token is still one of these, with the same scope.
+    /// Whether a token is still valid with the same scope.
     pub(super) fn contains(&self, token: &Token) -> bool {
         self.0.iter().any(|known| **known == *token)
     }
 }
 
-/// The tokens of a list and of a file. The file is read again when it changes.
+/// Tokens from a list and from a file. The file is read again when it changes.
 #[derive(Debug, Default)]
 pub struct TokenFile {
     listed: Option<String>,
@@ -188,7 +188,7 @@ pub struct TokenFile {
 }
 
 impl TokenFile {
-    /// The tokens in `listed` and those of `file`. If either is given, there must be at least one token.
+    /// Reads the tokens in `listed` and in `file`. If either is given, there must be at least one token.
     ///
     /// # Errors
     /// A message with all errors, one per line.
@@ -199,7 +199,7 @@ impl TokenFile {
         Ok(tokens)
     }
 
-    /// The tokens now.
+    /// The current tokens.
     #[must_use]
     pub fn current(&self) -> Arc<Tokens> {
         Arc::clone(&self.current.read().unwrap_or_else(PoisonError::into_inner))
@@ -209,8 +209,8 @@ impl TokenFile {
     pub(super) fn look(&self) {
         if self.watched.changed() {
             match self.read() {
-                Ok(()) => tracing::info!("read the tokens again"),
-                Err(error) => tracing::error!("{error}; the previous tokens stay"),
+                Ok(()) => tracing::info!("the file of tokens changed; using the new tokens"),
+                Err(error) => tracing::error!("{error}; the previous tokens stay valid"),
             }
         }
     }
@@ -271,7 +271,7 @@ mod tests {
             kept.hash
         );
         let faults = Tokens::of(&[("F", &file)]).expect_err("errors");
-        for told in [
+        for message in [
             "F, line 3: «ltcforge_[...]» is not a name",
             "F, line 3: scope «root»",
             "F, line 3: the hash of «ltcforge_[...]»",
@@ -280,7 +280,7 @@ mod tests {
             "line 6: a second token «farm»",
             "line 7: a line is NAME SCOPE sha256:HASH, three words, got 5; team, share and priority no longer exist",
         ] {
-            assert!(faults.contains(told), "{told}: {faults}");
+            assert!(faults.contains(message), "{message}: {faults}");
         }
         assert_eq!(faults.lines().count(), 7, "{faults}");
         assert!(!faults.contains(&secret) && !faults.contains(&kept.hash.hex()), "{faults}");
@@ -303,7 +303,7 @@ mod tests {
         let path = dir.path().join("tokens");
         let [a, b, c] = [1, 2, 3].map(|n| new(&format!("t{n}"), Scope::Read, n));
         assert!(TokenFile::open(None, Some(path.clone())).unwrap_err().contains("cannot be read"));
-        // Every version has another length: two writes may have the same time.
+        // Every version has a different length, because two writes may have the same time.
         fs::write(&path, format!("{}\n", a.1)).unwrap();
         let tokens = TokenFile::open(Some(c.1.to_string()), Some(path.clone())).unwrap();
         let found = || {

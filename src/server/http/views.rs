@@ -16,7 +16,7 @@ use ltcforge_files::digest::Digest;
 pub(super) struct JobView {
     id: JobId,
     state: StateName,
-    /// The stored canonical text, passed through unparsed so that no digit of it changes.
+    /// The stored canonical text. It is not parsed, so no digit changes.
     recipe: Box<RawValue>,
     recipe_digest: Digest,
     progress: ProgressView,
@@ -56,12 +56,12 @@ pub(super) struct ForeseenView {
     entries: Option<u64>,
     table: Option<Digest>,
     expected: Option<Expected>,
-    /// The problem that submitting would be answered with.
+    /// The problem that submitting this recipe would cause.
     problem: Option<Problem>,
 }
 
 impl JobView {
-    /// A job as it is now.
+    /// The current state of a job.
     ///
     /// # Errors
     /// When the stored recipe is not JSON.
@@ -113,7 +113,7 @@ impl RecipeView {
 }
 
 impl ForeseenView {
-    /// A recipe without faults.
+    /// The forecast for a valid recipe.
     ///
     /// # Errors
     /// When the canonical recipe is not JSON.
@@ -128,7 +128,7 @@ impl ForeseenView {
         })
     }
 
-    /// A document with faults.
+    /// The forecast for a recipe with faults.
     pub(super) fn refused(problem: Problem) -> Self {
         Self { problem: Some(problem), ..Self::default() }
     }
@@ -143,7 +143,7 @@ fn raw(json: &str) -> Result<Box<RawValue>, Problem> {
 pub(super) mod samples {
     use super::*;
 
-    /// A job of an invented recipe.
+    /// A job with a made-up recipe.
     pub(crate) fn job(state: JobState) -> Job {
         let recipe = r#"{"range":{"theta":[0,1.5707963267948966]}}"#.to_owned();
         let recipe_digest = Digest::of(recipe.as_bytes());

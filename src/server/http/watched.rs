@@ -10,7 +10,7 @@ use std::{
 
 use rustix::fs::OFlags;
 
-/// The longest file: some ten thousand tokens.
+/// Maximum length of a file in bytes, about ten thousand tokens.
 pub(super) const LONGEST_FILE: u64 = 1 << 20;
 
 /// Inode, length and time of change of a file. They differ after a write or a replacement. `None` for a missing file.
@@ -21,7 +21,7 @@ fn stamp(path: &Path) -> Stamp {
     Some((file.ino(), file.len(), file.ctime(), file.ctime_nsec()))
 }
 
-/// Files and their stamps at the last look.
+/// Files and their stamps at the last check.
 #[derive(Debug, Default)]
 pub(super) struct Watched {
     files: Vec<PathBuf>,
@@ -29,7 +29,7 @@ pub(super) struct Watched {
 }
 
 impl Watched {
-    /// Call this before the files are read: a change in between is seen at the next look.
+    /// Records the stamps. Call it before reading the files: the next check then finds a change in between.
     pub(super) fn new(files: Vec<PathBuf>) -> Self {
         let watched = Self { files, stamps: Mutex::default() };
         watched.changed();
@@ -54,7 +54,7 @@ pub(super) fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     file.take(LONGEST_FILE + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > LONGEST_FILE {
-        return Err(io::Error::other(format!("longer than {LONGEST_FILE} bytes")));
+        return Err(io::Error::other(format!("the file is longer than {LONGEST_FILE} bytes")));
     }
     Ok(bytes)
 }

@@ -1,10 +1,10 @@
-//! Tasks under leases, and their outcomes.
+//! Leased tasks and their results.
 
 use super::{Failure, JobId};
 use crate::store::StoreError;
 use ltcforge_files::digest::Digest;
 
-/// The right to deliver one task. Its number is the fence: nothing is written under a lease that is not the current one.
+/// The right to deliver the result of one task. `number` is the fence: the queue accepts only the current lease.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Lease {
     pub(super) submission: u64,
@@ -12,56 +12,56 @@ pub struct Lease {
     pub(super) number: u64,
 }
 
-/// The lease is not the task's current one.
+/// The lease is no longer current.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the lease has expired, or the job has ended")]
 pub struct StaleLease;
 
-/// The work of a task.
+/// The kind of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TaskKind {
     /// Fit this shard, then [`super::Queue::complete`].
     Shard(u32),
-    /// Assemble the table from all shards' results, then [`super::Queue::finish`].
+    /// Assemble the table from the results of all shards, then [`super::Queue::finish`].
     Assemble,
 }
 
-/// A task under a lease.
+/// A leased task.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LeasedTask {
-    /// The lease to deliver under.
+    /// The lease.
     pub lease: Lease,
-    /// The work.
+    /// The kind of the task.
     pub kind: TaskKind,
-    /// The job it belongs to.
+    /// The job of the task.
     pub job: JobId,
     /// The job's recipe.
     pub recipe: String,
-    /// Its digest.
+    /// The digest of the recipe.
     pub recipe_digest: Digest,
 }
 
 /// How a lease ends without a result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Release {
-    /// The worker stops. The lease does not count.
+    /// The worker stops. The lease is not counted.
     GiveBack,
-    /// The task failed. It is tried again until it has failed too often.
+    /// The task failed. It is tried again until it has failed too many times.
     Failed(String),
-    /// The whole job fails: another attempt would not help.
+    /// The whole job fails, because another attempt would not help.
     Abort(Failure),
 }
 
 /// Why a result was not accepted.
 #[derive(Debug, thiserror::Error)]
 pub enum LeaseError {
-    /// The lease is not the current one.
+    /// The lease is no longer current.
     #[error(transparent)]
     Stale(#[from] StaleLease),
-    /// Results of shards are lost or damaged. The shards wait again, and the lease has ended.
+    /// Results of shards are lost or damaged. The shards are fitted again, and the lease has ended.
     #[error("the results of {0} shards are lost or damaged; they are fitted again")]
     Lost(usize),
-    /// It could not be stored.
+    /// The result could not be stored.
     #[error(transparent)]
     Store(#[from] StoreError),
 }

@@ -1,27 +1,27 @@
-//! Limits of a queue.
+//! The limits of a queue.
 
 use std::time::Duration;
 
 use super::{Failure, FailureKind, TaskKind};
 
-/// Bounds of a queue.
+/// The limits of a queue.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
-    /// Jobs that may be queued or running at the same time.
+    /// Maximum number of queued and running jobs.
     pub jobs: usize,
     /// How long a lease lasts unless it is renewed.
     pub lease_ttl: Duration,
-    /// How long a job that has ended is remembered; `None` for ever.
+    /// How long an ended job is remembered; `None` for ever.
     pub keep_ended: Option<Duration>,
-    /// Jobs that have ended and are remembered; `None` for any number.
+    /// Maximum number of ended jobs that are remembered; `None` for no limit.
     pub most_ended: Option<usize>,
 }
 
-/// A task that workers report as failed so often fails its job.
+/// The job fails when workers have reported its task as failed this many times.
 pub(super) const MOST_FAILURES: u32 = 5;
 
-/// A task that is leased so often without a result fails its job. Kills and power cuts are no fault of the task, and even
-/// a bad day has fewer.
+/// The job fails when its task was leased this many times without a result. The limit is high, because killed processes
+/// and power cuts are not the task's fault.
 pub(super) const MOST_LEASES: u32 = 25;
 
 fn name(kind: TaskKind) -> String {
@@ -39,6 +39,6 @@ pub(super) fn failed_often(kind: TaskKind, times: u32, error: &str) -> Failure {
 
 /// The failure of a job whose task was leased too often without a result.
 pub(super) fn leased_often(kind: TaskKind, times: u32) -> Failure {
-    let detail = format!("{} was leased {times} times and gave no result", name(kind));
+    let detail = format!("{} was leased {times} times without a result", name(kind));
     Failure { kind: FailureKind::Attempts, detail }
 }

@@ -1,9 +1,10 @@
 //! Durable jobs, their shards, and leases on them.
 //!
-//! A job has a task for each shard and one that assembles the table. Workers lease tasks in one order: see [`order`].
+//! A job has a task for each shard, and one task that assembles the table. [`order`] determines which
+//! task is leased first.
 //!
-//! Invariant: `queue` knows neither HTTP nor LTC: a recipe is a text, a shard's result is bytes, and a table is its
-//! digest. A change is durable before it is acknowledged or visible; leases may be lost.
+//! Invariant: `queue` knows neither HTTP nor LTC. A recipe is a text, the result of a shard is bytes, and a table is its
+//! digest. A change is durable before it is acknowledged or visible. Leases may be lost.
 
 mod embedded;
 mod job;
@@ -32,10 +33,10 @@ pub use ltcforge_files::job::{JobId, ParseJobIdError, StateName};
 pub use postgres::PostgresQueue;
 pub use submission::{NewJob, QueueError, Shard, Submitted};
 
-/// A page of jobs, last submitted first, and the submission to pass as `before` to get the next one.
+/// A page of jobs, newest submission first, and the value of `before` for the next page.
 pub type JobPage = (Vec<Job>, Option<u64>);
 
-/// Shards of unfinished jobs that are not finished. Assemblies do not count.
+/// Unfinished shards of unfinished jobs, without assemblies.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Depth {
     /// Shards that no worker has.
@@ -49,7 +50,7 @@ pub struct Depth {
 pub struct Statistics {
     /// Number of jobs in each state.
     pub jobs: Vec<(StateName, u64)>,
-    /// Shards that wait and that are leased.
+    /// Waiting and leased shards.
     pub depth: Depth,
     /// Predicted seconds of unfinished shards, on one core.
     pub core_seconds: f64,
@@ -57,7 +58,7 @@ pub struct Statistics {
     pub oldest: Option<Timestamp>,
 }
 
-/// Durable jobs, which share the workers. All methods block.
+/// A queue of durable jobs. All methods block.
 pub trait Queue: Send + Sync + Debug {
     /// Submits a job; it is durable when this returns. A queued or running job is joined. A job that has failed or was
     /// cancelled, or whose table is missing according to `has_table`, is queued again. A failed job keeps its finished
@@ -67,49 +68,49 @@ pub trait Queue: Send + Sync + Debug {
     /// When the queue is full, or the job cannot be stored; then nothing has changed.
     fn submit(&self, new: NewJob, has_table: &dyn Fn(Digest) -> bool) -> Result<Submitted, QueueError>;
 
-    /// Cancels a job, durably when this returns, and voids its leases. A job in a final state stays as it is. Returns the
-    /// job as it is afterwards. `by` is the name of the token that cancels it.
+    /// Cancels a job, durably when this returns, and voids its leases. A job in a final state stays as it is. Returns
+    /// the job as it is afterwards. `by` is the name of the token that cancels it.
     ///
     /// # Errors
     /// When it cannot be stored; then nothing has changed.
     fn cancel(&self, id: JobId, by: Option<&str>) -> Result<Option<Job>, StoreError>;
 
-    /// Leases up to `most` tasks, first in the [order] first. Empty if no task waits or the queue is closed.
+    /// Leases up to `most` tasks, sorted by [`order`]. Empty if no task waits or the queue is closed.
     ///
     /// # Errors
     /// When the database fails.
     fn lease(&self, most: NonZeroUsize) -> Result<Vec<LeasedTask>, StoreError>;
 
-    /// Renews leases and records how many entries each has done. Puts expired leases of any worker back. Each lease has an
-    /// answer, in order; a worker stops a task whose lease is stale.
+    /// Renews leases, and records the number of finished entries of each. Expired leases of all workers end. Returns a
+    /// result per lease, in order. A worker stops a task whose lease is stale.
     ///
     /// # Errors
     /// When the database fails.
     fn renew(&self, leases: &[(Lease, u64)]) -> Result<Vec<Result<(), StaleLease>>, StoreError>;
 
-    /// Stores the results of shards; the accepted ones are durable when this returns. Each has an answer, in order.
+    /// Stores results of shards. Accepted results are durable when this returns. Returns a result per lease, in order.
     ///
     /// # Errors
-    /// When they cannot be stored. Then none is accepted, and the leases are still held.
+    /// When they cannot be stored. Then no result is accepted, and the leases stay valid.
     fn complete(&self, done: &[(Lease, Vec<u8>)]) -> Result<Vec<Result<(), StaleLease>>, StoreError>;
 
-    /// The results of all shards in order, for the worker that assembles. If some are lost or damaged, their shards wait
-    /// again, the lease ends, and the answer is [`LeaseError::Lost`].
+    /// The results of all shards in order, for the assembly. If results are lost or damaged, their shards must be fitted
+    /// again, the lease ends, and this returns [`LeaseError::Lost`].
     ///
     /// # Errors
     /// When the lease is stale, results are lost, or the database fails.
     fn results(&self, lease: &Lease) -> Result<Vec<Vec<u8>>, LeaseError>;
 
-    /// Ends a job whose table is stored, durably when this returns; `rows` are committed with it.
+    /// Ends a job whose table is stored, durably when this returns. `rows` are committed in the same transaction.
     ///
     /// # Errors
-    /// When the lease is stale, or this cannot be stored; then the lease is still held.
+    /// When the lease is stale, or the change cannot be stored. In the second case the lease stays valid.
     fn finish(&self, lease: &Lease, table: Digest, rows: Batch) -> Result<(), LeaseError>;
 
-    /// Ends a lease without a result. If this ends the job, that is durable when this returns.
+    /// Ends a lease without a result. If the job ends, its end is durable when this returns.
     ///
     /// # Errors
-    /// When the lease is stale, or this cannot be stored; then it is stored later.
+    /// When the lease is stale, or the change cannot be stored. In the second case it is stored later.
     fn release(&self, lease: &Lease, how: Release) -> Result<(), LeaseError>;
 
     /// A job by its id.
@@ -118,14 +119,14 @@ pub trait Queue: Send + Sync + Debug {
     /// When the database fails.
     fn job(&self, id: JobId) -> Result<Option<Job>, StoreError>;
 
-    /// The job that made a table, if the queue still remembers it.
+    /// The job that made a table, unless the queue has forgotten it.
     ///
     /// # Errors
     /// When the database fails.
     fn job_of_table(&self, table: Digest) -> Result<Option<Job>, StoreError>;
 
-    /// Up to `limit` jobs before the submission `before`, last submitted first; and the submission to pass as `before` to
-    /// get the next ones. With `wanted`, only jobs in that state.
+    /// Up to `limit` jobs before submission `before`, newest first, and the value of `before` for the next page. With
+    /// `wanted`, only jobs in this state.
     ///
     /// # Errors
     /// When the database fails.
@@ -137,10 +138,10 @@ pub trait Queue: Send + Sync + Debug {
     /// When the database fails.
     fn statistics(&self) -> Result<Statistics, StoreError>;
 
-    /// Number of leases that expired, and of failures that workers reported, since this process has opened the queue.
+    /// Number of expired leases, and of failures that workers reported, since this process opened the queue.
     fn failures(&self) -> (u64, u64);
 
-    /// Waits until a task may wait for a worker, or for at most the time `most`. Returns `false` once the queue is closed.
+    /// Waits until there may be a waiting task, but at most for `most`. Returns `false` once the queue is closed.
     fn wait(&self, most: Duration) -> bool;
 
     /// Leases no more tasks, and ends all calls of [`Self::wait`]. Tasks may still be completed or released.

@@ -1,22 +1,25 @@
-//! The order in which tasks are leased: a virtual clock.
+//! The order in which tasks are leased, by a virtual clock.
 //!
-//! The tag of a shard is base + predicted seconds of its job up to and with this shard; that of the assembly is base + all
-//! seconds. The smallest (tag, submission, task) is leased first. base is the time of submission, but at most 5 ms after the
-//! virtual time: the latest start (tag - seconds) of a leased task, or that of the first waiting one, or a later base of an
-//! unfinished job. So a small job starts next, long jobs share evenly, and none starves: each new job moves the virtual time
-//! on by 5 ms. A clock that is set changes the order only.
+//! The tag of a shard is the base of its job plus the predicted seconds of the job up to and including this shard. The
+//! tag of the assembly is the base plus all seconds. The task with the smallest (tag, submission, task) is leased
+//! first.
+//!
+//! The base is the time of submission, but at most 5 ms after the virtual time. The virtual time is the latest start
+//! (tag - seconds) of a leased task, or the start of the first waiting task, or a later base of an unfinished job. So a
+//! small job starts next, long jobs share the workers evenly, and no job starves: each new job advances the virtual
+//! time by 5 ms. Setting the system clock changes only the order.
 
 use super::Shard;
 
-/// How far after the virtual time a new job begins, at most, in microseconds.
+/// Maximum difference between the base of a new job and the virtual time, in microseconds.
 const AHEAD: i64 = 5_000;
 
-/// The predicted time of a shard, at most, in microseconds.
+/// Maximum predicted time of a shard, in microseconds.
 const MOST: f64 = 1e15;
 
 /// The predicted time of a shard in microseconds.
 pub(super) fn microseconds(shard: &Shard) -> i64 {
-    // The cast of NaN is 0.
+    // NaN becomes 0.
     (shard.seconds * 1e6).clamp(0.0, MOST) as i64
 }
 
@@ -25,7 +28,7 @@ pub(super) fn base(now: i64, virtual_time: Option<i64>) -> i64 {
     virtual_time.map_or(now, |time| now.min(time.saturating_add(AHEAD)))
 }
 
-/// The tag of each shard, then that of the assembly, in microseconds. Finished shards take no time.
+/// The tags of the shards and of the assembly, in microseconds. Finished shards take no time.
 pub(super) fn tags(base: i64, shards: &[Shard], is_finished: impl Fn(u32) -> bool) -> Vec<i64> {
     let mut tags = Vec::with_capacity(shards.len() + 1);
     let mut tag = base;

@@ -9,29 +9,29 @@ use ltcforge_files::digest::Digest;
 /// A part of a job that one worker fits.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Shard {
-    /// Its entries.
+    /// Number of entries.
     pub entries: u32,
-    /// Predicted seconds on one core. They decide the order only.
+    /// Predicted seconds on one core. They only determine the order of tasks.
     pub seconds: f64,
 }
 
 /// A job to submit.
 #[derive(Debug, Clone)]
 pub struct NewJob {
-    /// Canonical text of the recipe.
+    /// The canonical text of the recipe.
     pub recipe: String,
-    /// Its digest; the job's id follows from it.
+    /// The digest of the recipe. It determines the id of the job.
     pub recipe_digest: Digest,
-    /// Its shards, in order.
+    /// The shards, in order.
     pub shards: Vec<Shard>,
-    /// The version of the fitter that makes the results.
+    /// The fitter version of the results.
     pub fitter: u32,
-    /// The name of the token that submits it; `None` without tokens.
+    /// The name of the submitting token; `None` without tokens.
     pub submitted_by: Option<String>,
 }
 
 impl NewJob {
-    /// Entries of all shards.
+    /// Number of entries of all shards.
     #[must_use]
     pub fn entries(&self) -> u64 {
         self.shards.iter().map(|shard| u64::from(shard.entries)).sum()
@@ -43,9 +43,9 @@ impl NewJob {
 pub enum Submitted {
     /// The job is queued now.
     Queued(Job),
-    /// An equal job was queued or running already.
+    /// An equal job is queued or running already.
     Joined(Job),
-    /// The job was done before, and its table is still stored.
+    /// The job is done, and its table is still stored.
     Done(Job, Digest),
 }
 
@@ -55,7 +55,7 @@ pub enum QueueError {
     /// Too many jobs are queued or running.
     #[error("the queue is full: {0} jobs are waiting or running")]
     Full(usize),
-    /// It could not be stored.
+    /// The job could not be stored.
     #[error(transparent)]
     Store(#[from] StoreError),
 }

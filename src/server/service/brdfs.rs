@@ -1,4 +1,4 @@
-//! Tabulated BRDFs that users sent: the only files that cannot be computed again.
+//! Uploaded tabulated BRDFs, the only files that the service cannot compute again.
 
 use std::{cmp::Reverse, sync::PoisonError};
 
@@ -17,32 +17,32 @@ use ltcforge_files::{
 };
 use ltcforge_fit::{Asymmetry, TabulatedFile};
 
-/// A stored file: its digest, its size and its contents in brief.
+/// A stored BRDF: digest, size, and a summary.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StoredBrdf {
-    /// Its digest, which recipes name.
+    /// The digest, which recipes contain.
     pub digest: Digest,
-    /// Its size.
+    /// The size of the file.
     pub bytes: usize,
-    /// Nodes of alpha, `theta_o`, `theta_i` and phi; of an anisotropic one those of ratio after alpha, and of `phi_o` after
-    /// `theta_o`.
+    /// Number of nodes of alpha, `theta_o`, `theta_i` and phi. An anisotropic BRDF also has ratio, after alpha, and
+    /// `phi_o`, after `theta_o`.
     pub shape: Vec<usize>,
-    /// The largest part of even light that it reflects.
+    /// The largest directional albedo: the part of uniform light that is reflected.
     pub albedo: f64,
-    /// How far it is from reciprocity.
+    /// The deviation from reciprocity.
     pub asymmetry: Option<Asymmetry>,
 }
 
 /// Why a file was not stored.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreBrdfError {
-    /// It is not a tabulated BRDF; all faults are listed.
+    /// The file is not a valid tabulated BRDF. All faults are listed.
     #[error(transparent)]
     Faults(#[from] TabulatedError),
     /// The limit of BRDFs is reached.
     #[error(
-        "{0} BRDFs are stored, as many as the service keeps; DELETE /v1/brdfs/{{digest}} removes one that no recipe names, and \
-         `--brdf-limit` of the service raises the limit"
+        "{0} BRDFs are stored, which is the limit; delete unused ones with DELETE /v1/brdfs/{{digest}}, or raise \
+         `--brdf-limit`"
     )]
     TooMany(usize),
     /// The service is stopping, or the store failed.
@@ -69,10 +69,10 @@ fn stored(bytes: &[u8], file: &TabulatedFile) -> StoredBrdf {
 }
 
 impl Service {
-    /// Stores the file of a tabulated BRDF, and returns whether it was there before. It is durable when this returns.
+    /// Stores the file of a tabulated BRDF durably. Returns whether it was stored before.
     ///
     /// # Errors
-    /// See [`StoreBrdfError`]; a file with faults is not stored.
+    /// See [`StoreBrdfError`]. A file with faults is not stored.
     pub fn store_brdf(&self, bytes: &[u8]) -> Result<(StoredBrdf, bool), StoreBrdfError> {
         if self.is_stopping() {
             return Err(ServiceError::Stopping.into());
@@ -110,17 +110,17 @@ impl Service {
         Ok(Page { items: rows, next })
     }
 
-    /// Deletes a BRDF that no recipe of a table, or of a queued or running job, names.
+    /// Deletes a BRDF. No recipe of a table, or of a queued or running job, may contain it.
     ///
     /// # Errors
-    /// See [`DeleteError`]; then nothing has changed.
+    /// See [`DeleteError`]. Nothing has changed then.
     pub fn delete_brdf(&self, digest: Digest) -> Result<(), DeleteError> {
         let state = &self.state;
         let _alone = state.naming.write().unwrap_or_else(PoisonError::into_inner);
         if state.files.read(FileKind::Brdf, digest)?.is_none() {
             return Err(DeleteError::UnknownBrdf(digest));
         }
-        // A canonical recipe contains a digest only where it names a BRDF.
+        // A canonical recipe contains no digests except of BRDFs.
         let named = digest.to_string();
         let mut recipes = state.files.catalogue.recipes()?;
         for unfinished in [StateName::Queued, StateName::Running] {

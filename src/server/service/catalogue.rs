@@ -1,6 +1,6 @@
 //! The catalogue: the rows that describe stored files.
 //!
-//! All of it can be computed from the files. A missing row costs a second fit, never a table.
+//! It can be computed from the files. A missing row may cost a second fit, but never loses a table.
 
 use std::sync::Arc;
 
@@ -10,25 +10,25 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use crate::store::{Batch, Rows, StoreError, Tree};
 use ltcforge_files::digest::Digest;
 
-/// A table in the list.
+/// A table in the list of tables.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TableRow {
-    /// The table.
+    /// The digest of the table.
     pub digest: Digest,
-    /// Its recipe.
+    /// The digest of its recipe.
     pub recipe_digest: Digest,
-    /// Size of its file.
+    /// The size of its file.
     pub bytes: u64,
     /// When it was stored.
     pub created_at: Timestamp,
 }
 
-/// A BRDF in the list.
+/// A BRDF in the list of BRDFs.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileRow {
-    /// Its digest.
+    /// The digest of the BRDF.
     pub digest: Digest,
-    /// Size of its file.
+    /// The size of its file.
     pub bytes: u64,
     /// When it was stored.
     pub created_at: Timestamp,
@@ -40,14 +40,14 @@ struct RecipeRow {
     table: Digest,
 }
 
-/// A manifest as it is served. A manifest of another version is made again.
+/// A stored manifest. A manifest of another version is made again.
 #[derive(Debug, Serialize, Deserialize)]
 struct ManifestRow {
     version: u32,
     text: String,
 }
 
-/// The catalogue in a database.
+/// The catalogue, stored in a database.
 #[derive(Debug, Clone)]
 pub(super) struct Catalogue {
     pub(super) rows: Arc<dyn Rows>,
@@ -128,7 +128,7 @@ impl Catalogue {
         Ok((tables, next))
     }
 
-    /// The changes that remove a file: a table or a BRDF.
+    /// The changes that remove a table or a BRDF.
     pub(super) fn removal(&self, digest: Digest) -> Result<Batch, StoreError> {
         let mut batch = Batch::default();
         batch.remove(Tree::Brdfs, *digest.as_bytes());
@@ -157,7 +157,7 @@ fn encode(row: &impl Serialize) -> Result<Vec<u8>, StoreError> {
     serde_json::to_vec(row).map_err(|error| StoreError::Database(error.to_string()))
 }
 
-/// The place of a file in a list by age.
+/// The key of a file in the order of age.
 pub(super) fn age_key(stored_at: Timestamp, digest: Digest) -> Vec<u8> {
     let age = u64::try_from(stored_at.as_microsecond()).unwrap_or(0);
     [age.to_be_bytes().as_slice(), digest.as_bytes()].concat()

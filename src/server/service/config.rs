@@ -1,4 +1,4 @@
-//! The configuration of a service.
+//! The configuration of a service, and of a cluster.
 
 use std::{num::NonZeroUsize, path::PathBuf, time::Duration};
 
@@ -7,9 +7,9 @@ use ltcforge_view::preview::Adapter;
 /// The configuration of a service.
 #[derive(Debug, Clone)]
 pub struct Config {
-    /// The data folder; created if it is missing.
+    /// The data folder. It is created if it is missing.
     pub data_dir: PathBuf,
-    /// Number of shards fitted at the same time. 0 in a replica that only serves.
+    /// Number of shards that are fitted at the same time. 0 for a replica that does not fit.
     pub workers: usize,
     /// Maximum number of queued and running jobs.
     pub queue_limit: usize,
@@ -19,13 +19,13 @@ pub struct Config {
     pub job_seconds: u64,
     /// How long an ended job is remembered; `None` for ever.
     pub keep_ended: Option<Duration>,
-    /// Size above which the least recently used tables are deleted; `None` for no limit.
+    /// Maximum bytes of all tables. The least recently used tables are evicted. `None` for no limit.
     pub store_bytes: Option<u64>,
     /// How long a lease lasts unless it is renewed.
     pub lease_ttl: Duration,
     /// The adapter that renders previews.
     pub adapter: Adapter,
-    /// How long rendering a picture may take.
+    /// Time limit for rendering a picture.
     pub picture_time: Duration,
     /// Maximum number of stored BRDFs.
     pub brdf_limit: usize,

@@ -1,10 +1,10 @@
-//! Where the next page of a list begins, as clients are given it.
+//! Cursors: the place where the next page of a list begins.
 
 use serde::Deserialize;
 
 use ltcforge_files::hex::from_hex;
 
-/// Longest key of a table in the order of age.
+/// Maximum length of a table's key in the order of age.
 const LONGEST_KEY: usize = 64;
 
 /// A place in the list of jobs.
@@ -17,16 +17,16 @@ pub struct JobCursor(pub(super) u64);
 #[serde(try_from = "String")]
 pub struct TableCursor(pub(super) Vec<u8>);
 
-/// A text that no page has given as its `next`.
+/// A text that is not the `next` of a page.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("«{0}» is not a cursor: a cursor is the `next` of the page before")]
+#[error("«{0}» is not a cursor: pass the `next` of the previous page")]
 pub struct CursorError(String);
 
 impl TryFrom<String> for JobCursor {
     type Error = CursorError;
 
     fn try_from(text: String) -> Result<Self, CursorError> {
-        // A number has one way to be written.
+        // Only the canonical form of a number is valid.
         let submission = text.parse().ok().filter(|submission: &u64| submission.to_string() == text);
         submission.map(Self).ok_or(CursorError(text))
     }

@@ -1,4 +1,4 @@
-//! Errors of opening a service and of its storage.
+//! Errors when a service starts, and errors of its storage.
 
 use std::{path::PathBuf, time::Duration};
 
@@ -8,10 +8,10 @@ use ltcforge_files::{digest::Digest, recipe_document::RecipeError};
 /// Why a service did not start.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    /// The data folder did not open.
+    /// The data folder could not be opened.
     #[error("the data folder {} cannot be used: {}", .0.display(), .1)]
     Folder(PathBuf, StoreOpenError),
-    /// A thread did not start.
+    /// A thread could not be started.
     #[error("cannot start a thread: {0}")]
     Thread(#[from] std::io::Error),
     /// The storage failed while the service started.
@@ -19,9 +19,9 @@ pub enum OpenError {
     Store(#[from] StoreError),
     /// The folder that a cluster shares is missing.
     #[cfg(feature = "cluster")]
-    #[error("there is no such folder for --blobs: {}", .0.display())]
+    #[error("there is no such folder for --blobs: {}; create it first", .0.display())]
     NoFolder(PathBuf),
-    /// The database or the object store of a cluster did not open.
+    /// The database or the object store of a cluster could not be opened.
     #[cfg(feature = "cluster")]
     #[error(transparent)]
     Connect(#[from] crate::store::ConnectError),
@@ -30,14 +30,14 @@ pub enum OpenError {
 /// Why a table or a BRDF was not deleted.
 #[derive(Debug, thiserror::Error)]
 pub enum DeleteError {
-    /// There is no such table.
+    /// The table is unknown.
     #[error("no table with the digest {0} is stored")]
     UnknownTable(Digest),
-    /// There is no such BRDF.
+    /// The BRDF is unknown.
     #[error("no BRDF with the digest {0} is stored")]
     UnknownBrdf(Digest),
-    /// The BRDF is needed.
-    #[error("the recipe of a table, or of a queued or running job, names {0}")]
+    /// A recipe contains the BRDF.
+    #[error("the recipe of a table, or of a queued or running job, uses {0}; delete or cancel it first")]
     InUse(Digest),
     /// The store failed.
     #[error(transparent)]
@@ -53,20 +53,20 @@ impl From<StoreError> for DeleteError {
 /// Why a read or write of the store failed.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum ServiceError {
-    /// The bytes of a file do not have its digest. The file was moved to quarantine.
+    /// The bytes of a file do not match its digest. The file was moved to quarantine.
     #[error("{0}")]
     Corrupt(String),
     /// The disk is full.
-    #[error("the disk of the data folder is full")]
+    #[error("the disk of the data folder is full; free some space")]
     DiskFull,
-    /// The service is stopping and starts no long work.
+    /// The service is stopping and accepts no long work.
     #[error("the service is stopping")]
     Stopping,
-    /// The storage does not answer now.
+    /// The storage is temporarily not available.
     #[error("the storage cannot be reached now: {0}")]
     Unavailable(String),
-    /// The machine lacks a thread, memory or a file descriptor for a moment.
-    #[error("the machine is short of a resource for a moment: {0}")]
+    /// The machine is temporarily short of threads, memory or file descriptors.
+    #[error("the machine is temporarily short of a resource: {0}")]
     Lacking(String),
     /// Any other error of the storage.
     #[error("storage: {0}")]
@@ -93,12 +93,12 @@ pub enum SubmitError {
     #[error(transparent)]
     Recipe(#[from] RecipeError),
     /// Too many jobs are queued or running: the limit, and when to try again.
-    #[error("the queue is full: {0} jobs are waiting or running; `--queue-limit` of the service raises the limit")]
+    #[error("the queue is full: {0} jobs are waiting or running; try again later or raise `--queue-limit`")]
     QueueFull(usize, Duration),
     /// The fit would take too long: predicted seconds with all workers on the job, and the limit.
     #[error(
-        "the fit is predicted to take {0:.0} s on this machine, and a job may take {1} s; fewer entries, samples, \
-        directions or steps take less, and `--job-seconds` of the service raises the limit"
+        "the predicted time of the fit is {0:.0} s on this machine, and the limit is {1} s; reduce entries, samples, \
+        directions or steps, or raise `--job-seconds`"
     )]
     TooExpensive(f64, u64),
     /// The service is stopping, or the job could not be stored.

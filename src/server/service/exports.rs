@@ -1,4 +1,4 @@
-//! Exports of the stored tables: files that engines load, made once and kept in memory.
+//! Exports of stored tables: files for engines, made once and kept in memory.
 
 use std::{
     sync::{
@@ -16,31 +16,31 @@ use super::ServiceError;
 use ltcforge_files::digest::Digest;
 use ltcforge_textures::{Bundle, Export, ExportError, RoundingError, TextureFile};
 
-/// Requests for exports that may wait at the same time. One export is made at a time, so that memory holds the numbers
-/// of one table.
+/// Maximum number of waiting requests for exports. One export is made at a time, so that the numbers of only one table
+/// are in memory.
 const LIMIT: usize = 16;
-/// When to try again if that many wait. Most exports take less than a second.
+/// `Retry-After` if this many requests wait. Most exports take less than a second.
 const RETRY_FULL: Duration = Duration::from_secs(2);
 
 /// A file of an export.
 #[derive(Debug, Clone)]
 pub struct ExportedFile {
-    /// Its path in the export, with `/` between names.
+    /// The path in the export, with `/` between names.
     pub path: String,
-    /// Its bytes.
+    /// The bytes.
     pub bytes: Bytes,
-    /// Their digest.
+    /// The digest of the bytes.
     pub digest: Digest,
-    /// How far rounding moved its numbers.
+    /// The error of rounding its numbers.
     pub rounding: RoundingError,
 }
 
 /// An export of a table.
 #[derive(Debug)]
 pub struct MadeExport {
-    /// Its files.
+    /// The files.
     pub files: Vec<ExportedFile>,
-    /// How to use them, a sentence each.
+    /// The steps to use the files, a sentence each.
     pub steps: Vec<String>,
 }
 
@@ -57,38 +57,38 @@ impl From<Bundle> for MadeExport {
 /// Why a table was not exported.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum ExportFailure {
-    /// The table has no such files.
+    /// The table cannot be exported in this form.
     #[error(transparent)]
     Refused(#[from] ExportError),
-    /// The table has more entries than are exported: its entries, and the limit.
-    #[error("the table has {0} entries, and the service exports at most {1}; `ltcforge export` exports any table")]
+    /// The table has too many entries: their number, and the limit.
+    #[error("the table has {0} entries, the service exports at most {1}; use `ltcforge export` instead")]
     TooLarge(usize, usize),
-    /// Too many exports are asked for at the same time: the limit, and when to try again.
-    #[error("{0} requests for exports are waiting already")]
+    /// Too many requests for exports are waiting: the limit, and when to try again.
+    #[error("{0} requests for exports are waiting, which is the limit; try again later")]
     QueueFull(usize, Duration),
     /// The table could not be read or measured.
     #[error(transparent)]
     Store(#[from] ServiceError),
 }
 
-/// The exports made last, and the requests for others.
+/// The latest exports, and the waiting requests.
 #[derive(Debug)]
 pub(super) struct Exports {
     kept: Cache<Digest, Arc<MadeExport>, FileBytes>,
     /// Held while an export is made.
     making: Mutex<()>,
-    /// A permit for each request that may wait.
+    /// A permit per waiting request.
     waiting: Semaphore,
     made: AtomicU64,
 }
 
-/// Bytes of exports that are kept in memory.
+/// Maximum bytes of exports in memory.
 const KEPT_BYTES: u64 = 128 << 20;
-/// How many exports the cache expects. For more than 62 it would divide its bytes among several parts, and a large
-/// export would fit into none.
+/// Number of exports that the cache expects. With more than 62 it would split its bytes into several parts, and a large
+/// export would not fit into any part.
 const EXPECTED: usize = 32;
 
-/// The name of an export of a table among those that are kept.
+/// The key of a table's export in the cache.
 pub(super) fn key(table: Digest, export: Export) -> Digest {
     Digest::of(format!("{export} of {table}").as_bytes())
 }
@@ -109,19 +109,19 @@ impl Exports {
         Self { kept, making: Mutex::new(()), waiting: Semaphore::new(LIMIT), made: AtomicU64::new(0) }
     }
 
-    /// Forgets those of a table that was removed.
+    /// Forgets the exports of a removed table.
     pub(super) fn forget(&self, table: Digest) {
         for export in Export::all() {
             self.kept.remove(&key(table, export));
         }
     }
 
-    /// How many were made.
+    /// Number of exports made since the start.
     pub(super) fn made(&self) -> u64 {
         self.made.load(Ordering::Relaxed)
     }
 
-    /// The export of `key`, from memory or as `make` makes it, one at a time. `None` is not remembered.
+    /// The export of `key`, from memory or from `make`, which runs once at a time. `None` is not remembered.
     pub(super) fn get(
         &self,
         key: Digest,
@@ -132,7 +132,7 @@ impl Exports {
         }
         let _place = self.waiting.try_acquire().map_err(|_| ExportFailure::QueueFull(LIMIT, RETRY_FULL))?;
         let _making = self.making.lock().unwrap_or_else(PoisonError::into_inner);
-        // An equal request may have been answered before.
+        // An equal request may have made the export meanwhile.
         if let Some(kept) = self.kept.get(&key) {
             return Ok(Some(kept));
         }

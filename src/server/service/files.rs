@@ -1,4 +1,4 @@
-//! Stored files: read, verified against their digest, and kept in one bounded cache.
+//! Stored files: read, verified against their digest, and cached in bounded memory.
 
 use std::{
     collections::BTreeSet,
@@ -32,9 +32,10 @@ impl FileKind {
     }
 }
 
-/// Bytes of verified files that are kept in memory.
+/// Maximum bytes of verified files in memory.
 const CACHE_BYTES: u64 = 256 << 20;
-/// Number of files that the cache expects. With more it would split its bytes into parts too small for a large file.
+/// Number of files that the cache expects. With more, it would split its bytes into parts that are too small for a
+/// large file.
 const CACHE_FILES: usize = 32;
 
 #[derive(Debug, Clone)]
@@ -52,7 +53,7 @@ pub(super) struct Files {
     pub(super) blobs: Arc<dyn Blobs>,
     pub(super) catalogue: Catalogue,
     cache: Cache<Digest, Bytes, FileBytes>,
-    /// Files that were served from memory since their use was last recorded.
+    /// Files served from memory whose use is not recorded yet.
     served: Mutex<BTreeSet<Digest>>,
     corrupt: AtomicU64,
     /// Keeps the data folder locked.
@@ -78,10 +79,11 @@ impl Files {
         Some(bytes)
     }
 
-    /// The verified bytes of a file of this kind. Callers that ask for one file at once share one read.
+    /// The verified bytes of a file of this kind. Concurrent callers share one read.
     ///
     /// # Errors
-    /// When the file is damaged or unreadable. A damaged file leaves the catalogue, so that an equal job fits it again.
+    /// When the file is damaged or unreadable. A damaged file is removed from the catalogue, so an equal job fits it
+    /// again.
     pub(super) fn read(&self, kind: FileKind, digest: Digest) -> Result<Option<Bytes>, ServiceError> {
         let read = self.cache.get_or_insert_with(&digest, || match self.blobs.get(digest) {
             Ok(Some(bytes)) => Ok(Bytes::from(bytes)),
@@ -117,14 +119,14 @@ impl Files {
         }
     }
 
-    /// Records that a file was used.
+    /// Records the use of a file.
     pub(super) fn used(&self, digest: Digest) {
         if let Err(error) = self.blobs.touch(digest) {
-            tracing::debug!(%digest, %error, "the time of use was not recorded");
+            tracing::debug!(%digest, %error, "could not record the use of the file");
         }
     }
 
-    /// Deletes a file, then its rows. The disk may be full: rows without a file count as absent.
+    /// Deletes a file, then its rows. On a full disk the rows may stay. Rows without a file are ignored.
     pub(super) fn delete(&self, digest: Digest) -> Result<(), StoreError> {
         self.blobs.delete(digest)?;
         self.cache.remove(&digest);
@@ -135,7 +137,7 @@ impl Files {
     fn forget_rows(&self, digest: Digest) {
         let forgotten = self.catalogue.removal(digest).and_then(|batch| self.catalogue.rows.commit(&batch));
         if let Err(error) = forgotten {
-            tracing::warn!(%digest, %error, "the rows of a missing file were not removed");
+            tracing::warn!(%digest, %error, "could not remove the rows of a deleted file");
         }
     }
 

@@ -1,4 +1,4 @@
-//! How long a job is expected to take on this machine, and how good its table is expected to be.
+//! The expected time of a job on this machine, and the expected quality of its table.
 
 use std::{
     num::NonZeroUsize,
@@ -13,25 +13,25 @@ use ltcforge_fit::Solver;
 /// The forecast for a job's fit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Expected {
-    /// Seconds of fitting with this service's workers and no other job.
+    /// Seconds of fitting with all workers of this service and no other jobs.
     pub seconds: f64,
-    /// Mean error between nodes, as a part of the lobe's width.
+    /// Mean error between nodes, relative to the lobe's width.
     pub error: f64,
     /// Bytes of the table's matrices and terms.
     pub bytes: u64,
-    /// Parts of the table that workers fit one by one.
+    /// Number of shards.
     pub shards: u32,
 }
 
-/// Predictions of the cost model, corrected by the measured speed of this machine.
+/// Predictions of the cost model, corrected with the measured speed of this machine.
 #[derive(Debug)]
 pub(super) struct Forecast {
     workers: NonZeroUsize,
-    /// The speed depends on the work, so each solver has its own.
+    /// The speed by solver, because it depends on the kind of work.
     speeds: Mutex<Vec<(Solver, Speed)>>,
 }
 
-/// Measured and predicted seconds of a thread over the latest shards.
+/// Measured and predicted seconds of one thread for the latest shards.
 #[derive(Debug, Clone, Copy)]
 struct Speed {
     predicted: f64,
@@ -40,7 +40,7 @@ struct Speed {
 
 /// Weight of the uncorrected prediction, as seconds of work.
 const PRIOR_SECONDS: f64 = 0.5;
-/// Seconds of work after which older measurements fade.
+/// Seconds of work after which older measurements lose their weight.
 const MEMORY_SECONDS: f64 = 60.0;
 
 impl Forecast {
@@ -49,14 +49,14 @@ impl Forecast {
         Self { workers, speeds: Mutex::new(Solver::ALL.iter().map(|solver| (*solver, prior)).collect()) }
     }
 
-    /// The forecast for a recipe with all workers on its job.
+    /// The forecast for a recipe if all workers fit its shards.
     pub(super) fn of(&self, planned: &PlannedRecipe) -> Expected {
         let model = planned.expectation;
         let seconds = model.seconds * self.ratio(planned.solver()) / self.workers.get() as f64;
         Expected { seconds, error: model.error, bytes: model.bytes, shards: planned.shards() }
     }
 
-    /// Learns from a measurement: a worker fitted `part` of a recipe's entries in `seconds`.
+    /// Adds a measurement: a worker has fitted the fraction `part` of a recipe's entries in `seconds`.
     pub(super) fn learn(&self, planned: &PlannedRecipe, part: f64, seconds: f64) {
         let predicted = part * planned.expectation.seconds;
         if !(predicted > 0.0 && seconds > 0.0 && predicted.is_finite() && seconds.is_finite()) {
@@ -76,7 +76,7 @@ impl Forecast {
         speeds.iter().find(|(of, _)| *of == solver).map_or(1.0, |(_, speed)| speed.measured / speed.predicted)
     }
 
-    /// Seconds that one core of this machine takes for so many predicted seconds of mixed work.
+    /// Seconds of one core of this machine for `predicted` seconds of mixed work.
     pub(super) fn core_seconds(&self, predicted: f64) -> f64 {
         let speeds = self.speeds.lock().unwrap_or_else(PoisonError::into_inner);
         let sum = |of: fn(&Speed) -> f64| speeds.iter().map(|(_, speed)| of(speed)).sum::<f64>();

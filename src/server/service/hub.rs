@@ -11,19 +11,20 @@ use tokio::sync::watch;
 use super::Expected;
 use crate::queue::{Job, JobId};
 
-/// Distance of a final state's sequence number from its time: more than a burst of snapshots within one microsecond.
+/// Difference between the sequence number of a final state and its time. It exceeds the number of snapshots within a
+/// microsecond.
 const FINAL_AFTER: u64 = 1000;
 
 /// A job at one moment. `sequence` grows with each change.
 #[derive(Debug, Clone)]
 pub struct JobSnapshot {
-    /// Position in the history of the job.
+    /// The position in the history of the job.
     pub sequence: u64,
     /// The job.
     pub job: Job,
-    /// Expected time to the end, once it can be estimated.
+    /// Expected seconds to the end, once they can be estimated.
     pub seconds_left: Option<f64>,
-    /// The forecast for the whole fit; `None` for a recipe of another fitter.
+    /// The forecast for the whole fit; `None` for a recipe of another fitter version.
     pub expected: Option<Expected>,
 }
 
@@ -46,8 +47,8 @@ impl Hub {
 }
 
 impl Channels {
-    /// Microseconds since 1970, or one more than the last number, so that numbers grow across restarts too. The number
-    /// of a final state follows from the time when it was reached.
+    /// Microseconds since 1970, or one more than the last number. So numbers also grow across restarts. The number of a
+    /// final state depends only on the time of its end.
     pub(super) fn sequence(&mut self, job: &Job) -> u64 {
         let micros = |time: Timestamp| u64::try_from(time.as_microsecond()).unwrap_or(0);
         if let Some(finished_at) = job.finished_at {

@@ -1,4 +1,4 @@
-//! Starting the service.
+//! Starts the service.
 
 use std::{
     collections::BTreeSet,
@@ -21,7 +21,7 @@ use crate::{
 use ltcforge_files::tabulated::is_tabulated;
 use ltcforge_fit::FITTER_VERSION;
 
-/// How often leases are renewed and followers notified. In a cluster each time is a statement of the database.
+/// Interval at which leases are renewed and followers are notified. In a cluster, each time costs a database statement.
 const RENEW_EMBEDDED: Duration = Duration::from_millis(100);
 #[cfg(feature = "cluster")]
 const RENEW_SHARED: Duration = Duration::from_millis(500);
@@ -30,7 +30,7 @@ impl Service {
     /// Opens the data folder, lists its tables, resumes unfinished jobs and starts the workers.
     ///
     /// # Errors
-    /// When the folder is locked, not usable, or of a later version.
+    /// When the folder is locked, unusable, or from a later version.
     pub fn open(config: Config) -> Result<Arc<Self>, OpenError> {
         let opened = crate::store::open(&config.data_dir);
         let store = opened.map_err(|error| OpenError::Folder(config.data_dir.clone(), error))?;
@@ -41,7 +41,7 @@ impl Service {
         Self::start(config, files, Box::new(queue), is_clean && is_listed, RENEW_EMBEDDED)
     }
 
-    /// As [`Service::open`], on a database and an object store that other processes share.
+    /// As [`Service::open`], with a database and an object store that other processes share.
     ///
     /// # Errors
     /// When the database or the object store cannot be used.
@@ -51,7 +51,7 @@ impl Service {
             queue::PostgresQueue,
             store::{Blobs, Database, ObjectBlobs, PostgresRows, Store},
         };
-        // The store comes first, so that no schema is made if its URL is wrong.
+        // The store is opened first, so a wrong URL leaves no schema in the database.
         let blobs: Arc<dyn Blobs> = match shared.store.strip_prefix("file://") {
             Some(folder) => Arc::new(shared_folder(folder.as_ref())?),
             None => Arc::new(ObjectBlobs::open(&shared.store, config.workers > 0)?),
@@ -105,19 +105,19 @@ impl Service {
     }
 }
 
-/// The blobs of a folder that several processes share.
+/// The blobs in a folder that several processes share.
 #[cfg(feature = "cluster")]
 fn shared_folder(folder: &std::path::Path) -> Result<crate::store::FolderBlobs, OpenError> {
     if !folder.is_dir() {
         return Err(OpenError::NoFolder(folder.to_owned()));
     }
-    // One level deeper than blobs, so that no damaged file is listed.
+    // The quarantine is one level deeper than blobs, so damaged files are not listed.
     Ok(crate::store::FolderBlobs::shared(folder, &folder.join("quarantine/files"))?)
 }
 
 impl Files {
-    /// Makes the catalogue agree with the files: adds rows of files that it lacks, and removes rows without a file.
-    /// Returns whether all changes could be stored.
+    /// Updates the catalogue: adds missing rows of files, and removes rows without a file. Returns whether all changes
+    /// could be stored.
     fn list_from_disk(&self) -> Result<bool, StoreError> {
         let blobs = self.blobs.list()?;
         let mut rows: BTreeSet<_> = self.catalogue.tables()?.into_iter().map(|row| row.digest).collect();
@@ -131,7 +131,7 @@ impl Files {
                 Ok(Some(batch)) => batch,
                 Ok(None) => continue,
                 Err(error) => {
-                    tracing::error!(blob = %blob.digest, %error, "the file was not listed");
+                    tracing::error!(blob = %blob.digest, %error, "the file could not be added to the catalogue");
                     is_complete = false;
                     continue;
                 }
@@ -146,7 +146,7 @@ impl Files {
             lost += 1;
         }
         if added + lost > 0 {
-            tracing::warn!(added, lost, "the catalogue was made to agree with the files");
+            tracing::warn!(added, lost, "the catalogue differed from the files and was corrected");
         }
         Ok(is_complete)
     }

@@ -5,24 +5,24 @@ use serde_json::Value;
 use super::{Service, ServiceError};
 use ltcforge_plan::{Budget, Form, Needs, Scene, SceneError, SceneFault, TablePlan, document, recipe_value, words};
 
-/// The longest scene that is planned for.
+/// Maximum size of a scene.
 pub const SCENE_LIMIT_BYTES: u64 = 64 << 20;
 
-/// A scene as it is sent.
+/// The format of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SceneForm {
-    /// A GLB with all its bytes in it.
+    /// A GLB that contains all its buffers.
     Glb,
     /// A list of materials in JSON.
     List,
 }
 
-/// A plan that is within its budget.
+/// A plan within the budget.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Planned {
-    /// The plan as `plan.json` has it.
+    /// The plan, as in `plan.json`.
     pub plan: Value,
-    /// The summary, a line for each thing to know.
+    /// The lines of the summary.
     pub summary: Vec<String>,
 }
 
@@ -32,7 +32,7 @@ pub enum PlanError {
     /// The scene has faults.
     #[error("{} fault(s) in the scene", .0.len())]
     Scene(Vec<SceneFault>),
-    /// No table is within the budget: the recipe of the nearest table, and the summary, which says how near it is.
+    /// No table is within the budget: the recipe of the nearest table, and the summary of its plan.
     #[error("{1}")]
     Unmet(Value, String),
     /// The service is stopping.

@@ -6,6 +6,6 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 #[derive(Debug, Default)]
 pub(super) struct Running {
     pub(super) entries_done: AtomicU64,
-    /// The lease is not the current one: the job was cancelled, or the lease expired.
+    /// The lease is no longer current: the job was cancelled, or the lease expired.
     pub(super) is_stale: AtomicBool,
 }

@@ -1,4 +1,4 @@
-//! The service, and the state that its callers and workers share.
+//! The service, and the state that callers and workers share.
 
 use std::{
     collections::HashMap,
@@ -19,12 +19,12 @@ use super::{
 use crate::queue::{Depth, Lease, Queue, StateName};
 use ltcforge_files::digest::Digest;
 
-/// The service. All its methods but [`Service::picture`] and [`Service::cached_file`] block, so HTTP calls them on
+/// The service. Its methods block, except [`Service::picture`] and [`Service::cached_file`], so HTTP calls them on
 /// blocking threads.
 #[derive(Debug)]
 pub struct Service {
     pub(super) state: Arc<State>,
-    /// Threads that work until the service is stopped.
+    /// Threads that run until the service is stopped.
     pub(super) threads: Mutex<Vec<JoinHandle<()>>>,
 }
 
@@ -37,19 +37,19 @@ pub(super) struct State {
     pub(super) files: Files,
     pub(super) queue: Box<dyn Queue>,
     pub(super) hub: Hub,
-    /// Assembles and measures tables, and makes exports of them.
+    /// Threads that assemble, measure and export tables.
     pub(super) pool: rayon::ThreadPool,
     /// The leased tasks of this process.
     pub(super) running: Mutex<HashMap<Lease, Arc<Running>>>,
-    /// Held by the thread that leases for all, so that idle workers ask the queue one at a time.
+    /// Held while a thread leases tasks, so that idle workers query the queue one at a time.
     pub(super) leasing: Mutex<()>,
     pub(super) pictures: Pictures,
     pub(super) exports: Exports,
-    /// Held while a BRDF is counted and stored.
+    /// Held while BRDFs are counted and one is stored.
     pub(super) storing: Mutex<()>,
-    /// Read while a recipe becomes a job or a table is stored; written while a file is removed.
+    /// Locked for reading while a recipe becomes a job or a table is stored, for writing while a file is removed.
     pub(super) naming: RwLock<()>,
-    /// Whether tables may be evicted: the store is a folder, and its catalogue is known to be complete.
+    /// Whether tables may be evicted. The store must be a folder with a complete catalogue.
     pub(super) may_evict: bool,
     pub(super) stopping: AtomicBool,
     pub(super) entries_fitted: AtomicU64,
@@ -63,7 +63,7 @@ pub struct Metrics {
     pub jobs: Vec<(StateName, u64)>,
     /// Waiting and leased shards, of all processes that share the queue.
     pub shards: Depth,
-    /// Predicted seconds that one core takes for the unfinished shards.
+    /// Predicted seconds of unfinished shards, on one core.
     pub core_seconds: f64,
     /// Seconds since the oldest unfinished job was submitted; 0 without one.
     pub oldest_seconds: f64,
@@ -77,18 +77,18 @@ pub struct Metrics {
     pub tables: u64,
     /// Bytes of all tables.
     pub table_bytes: u64,
-    /// Files found damaged since the start.
+    /// Files found damaged or missing since the start.
     pub blobs_corrupt: u64,
     /// Pictures since the start, except those served from memory.
     pub pictures: PictureCounts,
-    /// Exports made since the start; those served from memory are not counted.
+    /// Exports made since the start, except those served from memory.
     pub exports_made: u64,
     /// Tables evicted since the start.
     pub files_removed: u64,
 }
 
 impl Service {
-    /// Starts a thread that works until the service is stopped.
+    /// Starts a thread that runs until the service is stopped.
     pub(super) fn spawn(&self, name: String, work: impl FnOnce(&State) + Send + 'static) -> io::Result<()> {
         let state = Arc::clone(&self.state);
         let thread = thread::Builder::new().name(name).spawn(move || work(&state))?;
@@ -96,21 +96,21 @@ impl Service {
         Ok(())
     }
 
-    /// Stops the service: no more tasks are leased, and running shards are given back within a moment.
+    /// Stops the service: it leases no more tasks, and gives running shards back within a moment.
     pub fn stop(&self) {
         self.state.queue.close();
         self.state.stopping.store(true, Ordering::SeqCst);
         let mut threads = self.threads.lock().unwrap_or_else(PoisonError::into_inner);
         for thread in threads.drain(..) {
-            // The thread that renews leases waits parked.
+            // The thread that renews leases is parked.
             thread.thread().unpark();
             if thread.join().is_err() {
-                tracing::error!("a thread of the service panicked");
+                tracing::error!("a thread of the service panicked; this is a bug");
             }
         }
     }
 
-    /// Why the service does not accept jobs now; `None` if it does.
+    /// The reason why the service does not accept jobs now; `None` if it accepts them.
     #[must_use]
     pub fn fault(&self) -> Option<String> {
         if self.is_stopping() {

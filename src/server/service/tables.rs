@@ -1,4 +1,4 @@
-//! Tables for download: files, lists, manifests, recipes and exports.
+//! Reading tables: files, lists, manifests, recipes and exports.
 
 use std::sync::{Arc, PoisonError};
 
@@ -18,12 +18,12 @@ use ltcforge_textures::Export;
 pub struct Page<T> {
     /// The items, newest first.
     pub items: Vec<T>,
-    /// Pass it as `cursor` to get the next page; `None` on the last one.
+    /// The `cursor` of the next page; `None` on the last page.
     pub next: Option<String>,
 }
 
 impl Service {
-    /// The verified bytes of a file, if they are in memory. This does not block.
+    /// The verified bytes of a file, if they are in memory. Does not block.
     #[must_use]
     pub fn cached_file(&self, kind: FileKind, digest: Digest) -> Option<Bytes> {
         self.state.files.cached(kind, digest)
@@ -32,17 +32,17 @@ impl Service {
     /// The bytes of a file, verified against its digest.
     ///
     /// # Errors
-    /// When the file is damaged or unreadable. A damaged file is moved to quarantine, and the next equal job fits the
-    /// table again.
+    /// When the file is damaged or unreadable. A damaged file is moved to quarantine. The next equal job fits the table
+    /// again.
     pub fn file(&self, kind: FileKind, digest: Digest) -> Result<Option<Bytes>, ServiceError> {
         self.state.files.read(kind, digest)
     }
 
     /// The manifest of a table (see [`ltcforge_files::manifest::manifest_json`]) as JSON. It is made with the table, or
-    /// now if it was lost or is of another version.
+    /// now if it is missing or has another version.
     ///
     /// # Errors
-    /// As [`Self::file`]: the manifest of a damaged table is not served.
+    /// As [`Self::file`]. The manifest of a damaged table is not served.
     pub fn manifest(&self, digest: Digest) -> Result<Option<String>, ServiceError> {
         let state = &self.state;
         let Some(file) = self.file(FileKind::Table, digest)? else { return Ok(None) };
@@ -54,7 +54,7 @@ impl Service {
         let text = made.ok_or(ServiceError::Stopping)?;
         let row = Catalogue::manifest_entry(digest, MANIFEST_VERSION, &text)?;
         if let Err(error) = state.files.catalogue.rows.commit(&row) {
-            tracing::warn!(table = %digest, %error, "the manifest was not stored");
+            tracing::warn!(table = %digest, %error, "could not store the manifest");
         }
         Ok(Some(text))
     }
@@ -69,7 +69,7 @@ impl Service {
         Ok(Page { items, next: next.map(|key| to_hex(&key)) })
     }
 
-    /// Deletes a table. Its recipe is fitted again when it is submitted.
+    /// Deletes a table. Submitting its recipe fits it again.
     ///
     /// # Errors
     /// See [`DeleteError`].
@@ -85,7 +85,7 @@ impl Service {
         Ok(())
     }
 
-    /// A known recipe's canonical JSON and its table, if that is stored.
+    /// The canonical JSON of a known recipe, and its table if it is stored.
     ///
     /// # Errors
     /// When the store fails.
@@ -98,7 +98,7 @@ impl Service {
         Ok(job.filter(|job| job.recipe_digest == digest).map(|job| (job.recipe, None)))
     }
 
-    /// The exports of a table that its layout allows; an engine may still want another size.
+    /// The exports that the layout of a table allows. An engine may still need another size.
     ///
     /// # Errors
     /// As [`Self::file`].
@@ -107,7 +107,7 @@ impl Service {
         file.map(|file| self.state.fitter.exports(table, &file)).transpose()
     }
 
-    /// An export of a table, made at the first request and then kept in memory while there is room.
+    /// An export of a table. The first request makes it. It stays in memory while there is room.
     ///
     /// # Errors
     /// See [`ExportFailure`].

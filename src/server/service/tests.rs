@@ -36,7 +36,7 @@ pub(super) fn config(folder: &Path) -> Config {
     }
 }
 
-/// A table of 16 entries that differs by `seed`.
+/// A recipe of 16 entries. Different seeds give different tables.
 fn recipe(seed: u32) -> String {
     format!(
         r#"{{"preset": "draft", "resolution": {{"alpha": 2, "ratio": 2, "theta": 2, "phi": 2}},
@@ -54,7 +54,7 @@ fn submitted(service: &Service, recipe: &str) -> JobId {
     }
 }
 
-/// The states that a follower of a job sees, up to the last.
+/// The states that a follower of a job receives, up to the final one.
 fn followed(service: &Service, id: JobId) -> Vec<JobState> {
     let mut latest = service.watch(id).unwrap().unwrap();
     let mut states = Vec::new();
@@ -84,7 +84,7 @@ fn path(folder: &Path, digest: Digest) -> PathBuf {
     folder.join("blobs").join(&hex[..2]).join(&hex)
 }
 
-/// Sets the times of a file as if it had been stored and used so many seconds ago.
+/// Sets the times of a file as if it had been stored and used `seconds` ago.
 fn used_ago(file: &Path, seconds: u64) {
     let time = std::time::SystemTime::now() - Duration::from_secs(seconds);
     let times = fs::FileTimes::new().set_accessed(time).set_modified(time);
@@ -144,7 +144,7 @@ fn the_least_recently_used_tables_are_evicted_and_a_brdf_never() {
     let service = Service::open(config(folder.path())).unwrap();
     let tables = [1, 2, 3].map(|seed| fitted(&service, &recipe(seed)));
     let stored = service.store_brdf(&brdf(0.2)).unwrap().0;
-    // By the times of the files: the second is used last.
+    // The second file was used last.
     for (table, age) in tables.into_iter().zip([3000, 1000, 2000]) {
         used_ago(&path(folder.path(), table), age);
     }
@@ -156,7 +156,7 @@ fn the_least_recently_used_tables_are_evicted_and_a_brdf_never() {
     assert_eq!(service.file(FileKind::Table, tables[0]).unwrap(), None, "the cache has forgotten it");
     let job = service.job_of_table(tables[0]).unwrap().unwrap();
     assert!(job.recipe.contains("\"seed\":1"), "the recipe is still known: {}", job.recipe);
-    // Nothing but the BRDF fits, and the table was just used, from memory too.
+    // Only the BRDF fits into the limit, but the table was just used, from disk and from memory.
     assert!(service.file(FileKind::Table, tables[1]).unwrap().is_some());
     used_ago(&path(folder.path(), tables[1]), 1000);
     assert!(service.cached_file(FileKind::Table, tables[1]).is_some());
@@ -182,7 +182,7 @@ fn nothing_is_evicted_after_a_start_that_was_not_clean() {
     assert_eq!(service.tables(None, 9).unwrap().items.len(), 1);
     service.stop();
     drop(service);
-    // Listing has read the file.
+    // Listing the files has read it.
     used_ago(&path(folder.path(), table), 5000);
     let service = Service::open(small).unwrap();
     assert!(service.state.may_evict && !path(folder.path(), table).exists());
@@ -285,7 +285,7 @@ fn a_caller_that_leaves_frees_the_renderer() {
     let folder = tempfile::tempdir().unwrap();
     let service = Service::open(Config { picture_time: Duration::from_secs(3600), ..config(folder.path()) }).unwrap();
     runtime().block_on(async {
-        // This picture takes minutes.
+        // The picture takes minutes.
         let left = tokio::time::timeout(Duration::from_millis(200), service.picture(None, scene(512, 4096))).await;
         assert!(left.is_err(), "{left:?}");
         service.picture(None, scene(64, 1)).await.unwrap();

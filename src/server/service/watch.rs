@@ -1,4 +1,4 @@
-//! Following jobs.
+//! Follows jobs.
 
 use jiff::Timestamp;
 use tokio::sync::watch;
@@ -7,7 +7,7 @@ use super::{JobSnapshot, Service, ServiceError, state::State};
 use crate::queue::{Job, JobId, StateName};
 
 impl Service {
-    /// Follows a job: the receiver always holds its latest snapshot. The receiver of an ended job gets no more.
+    /// Follows a job. The receiver always has the latest snapshot. After the end of the job it gets no more.
     ///
     /// # Errors
     /// When the store fails.
@@ -32,7 +32,7 @@ impl State {
         JobSnapshot { sequence, seconds_left: seconds_left(&job), job, expected }
     }
 
-    /// Sends a snapshot of every followed job that has changed to its followers.
+    /// Sends a snapshot of each changed job to its followers.
     pub(super) fn publish(&self) {
         let followed: Vec<_> = {
             let mut hub = self.hub.lock();
@@ -47,7 +47,7 @@ impl State {
                     continue;
                 }
                 Err(error) => {
-                    tracing::warn!(job = %id, %error, "the followers of the job were not notified");
+                    tracing::warn!(job = %id, %error, "could not notify the followers of the job");
                     continue;
                 }
             };
@@ -62,7 +62,7 @@ impl State {
     }
 }
 
-/// The time to the end of a running job at its pace so far.
+/// Seconds to the end of a running job at its average speed so far.
 fn seconds_left(job: &Job) -> Option<f64> {
     if job.state.name() != StateName::Running || job.entries_done == 0 {
         return None;

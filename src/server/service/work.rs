@@ -1,4 +1,4 @@
-//! The loop of a worker: lease a task, do it, report it. One thread renews the leases of all workers.
+//! The loop of a worker: lease a task, run it, report the result. One thread renews the leases of all workers.
 
 use std::{
     any::Any,
@@ -28,19 +28,19 @@ use ltcforge_fit as fit;
 
 /// How long an idle worker waits before it asks the queue again.
 const IDLE: Duration = Duration::from_millis(500);
-/// How long to wait after an error that passes, such as a lack of file descriptors.
+/// How long to wait after a temporary error, such as a lack of file descriptors.
 const RETRY: Duration = Duration::from_secs(1);
 
 /// Why a task was not delivered.
 #[derive(Debug, thiserror::Error)]
 enum TaskError {
-    /// The task was stopped: its lease is stale, or the service stops.
+    /// The task was stopped, because its lease is stale or the service stops.
     #[error("the task was stopped")]
     Stopped,
     /// The task itself failed and is tried again.
     #[error("{0}")]
     Failed(String),
-    /// The store failed. Another attempt helps only where [`StoreError::is_passing`].
+    /// The store failed. Another attempt helps only if [`StoreError::is_passing`].
     #[error(transparent)]
     Store(#[from] StoreError),
 }
@@ -48,7 +48,7 @@ enum TaskError {
 impl From<LeaseError> for TaskError {
     fn from(error: LeaseError) -> Self {
         match error {
-            // Lost results end the lease too: their shards wait again.
+            // Lost results also end the lease. Their shards are fitted again.
             LeaseError::Stale(StaleLease) | LeaseError::Lost(_) => Self::Stopped,
             LeaseError::Store(error) => Self::Store(error),
         }
@@ -65,7 +65,7 @@ impl From<LoadError> for TaskError {
 }
 
 impl State {
-    /// Does tasks until the queue is closed.
+    /// Runs tasks until the queue is closed.
     pub(super) fn work(&self) {
         while !self.is_stopping() {
             let leased = {
@@ -75,7 +75,7 @@ impl State {
                     Ok(tasks) if tasks.is_empty() => drop(self.queue.wait(IDLE)),
                     Ok(_) => {}
                     Err(error) => {
-                        tracing::warn!(%error, "no task could be leased; trying again");
+                        tracing::warn!(%error, "could not lease a task; trying again");
                         thread::park_timeout(RETRY);
                     }
                 }
@@ -107,7 +107,7 @@ impl State {
                 }
                 Err(error) if !is_failing => {
                     is_failing = true;
-                    tracing::warn!(%error, "the leases were not renewed; trying again");
+                    tracing::warn!(%error, "could not renew the leases; trying again");
                 }
                 Err(_) => {}
             }
@@ -116,7 +116,7 @@ impl State {
         }
     }
 
-    /// Does a leased task. A failure ends the task or its job, never the service.
+    /// Runs a leased task. A failure ends the task or its job, but not the service.
     fn run(&self, task: &LeasedTask) {
         let running = Arc::new(Running::default());
         self.running.lock().unwrap_or_else(PoisonError::into_inner).insert(task.lease, Arc::clone(&running));
@@ -139,9 +139,9 @@ impl State {
         let how = match error {
             TaskError::Stopped => Release::GiveBack,
             TaskError::Failed(error) => Release::Failed(error),
-            // Credentials may have run out on this host alone.
+            // The credentials may have expired on this host only.
             TaskError::Store(error) if error.is_passing() || matches!(error, StoreError::Refused(_)) => {
-                tracing::warn!(job = %task.job, task = ?task.kind, %error, "the task is tried again");
+                tracing::warn!(job = %task.job, task = ?task.kind, %error, "the task failed; it will be tried again");
                 thread::park_timeout(RETRY);
                 Release::GiveBack
             }
@@ -151,7 +151,7 @@ impl State {
         };
         match self.queue.release(&task.lease, how) {
             Ok(()) | Err(LeaseError::Stale(_)) => {}
-            Err(error) => tracing::warn!(job = %task.job, task = ?task.kind, %error, "the lease was not given back"),
+            Err(error) => tracing::warn!(job = %task.job, task = ?task.kind, %error, "could not release the lease"),
         }
     }
 
@@ -193,7 +193,7 @@ impl State {
         Ok(())
     }
 
-    /// Stores a result that may have taken minutes to make, and tries again while the error is a passing one.
+    /// Stores a result that may have taken minutes to compute. Tries again after temporary errors.
     fn retried<T, E: Into<TaskError>>(
         &self,
         task: &LeasedTask,
@@ -204,7 +204,7 @@ impl State {
             match store().map_err(Into::into) {
                 Err(TaskError::Store(error)) if error.is_passing() && !self.is_stopping() => {
                     if !std::mem::replace(&mut is_logged, true) {
-                        tracing::warn!(job = %task.job, task = ?task.kind, %error, "the result is not stored; trying again");
+                        tracing::warn!(job = %task.job, task = ?task.kind, %error, "the result could not be stored; trying again");
                     }
                     thread::park_timeout(RETRY);
                 }

@@ -7,28 +7,28 @@ use jiff::Timestamp;
 use super::StoreError;
 use ltcforge_files::digest::Digest;
 
-/// One blob in a list.
+/// The metadata of a blob.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BlobInfo {
-    /// Its name.
+    /// The digest, which is the name.
     pub digest: Digest,
-    /// When it was stored.
+    /// The time when the blob was stored.
     pub stored_at: Timestamp,
-    /// When it was last used. In a bucket, the time at which it was stored.
+    /// The time of its last use. In a bucket, the time when it was stored.
     pub used_at: Timestamp,
-    /// Its size.
+    /// The size.
     pub bytes: u64,
 }
 
-/// A content-addressed store. All methods block. A blob that [`Blobs::put`] returned survives a power cut.
+/// A content-addressed store. All methods block. A blob survives power cuts once [`Blobs::put`] has returned.
 pub trait Blobs: Send + Sync + Debug {
     /// Stores `bytes` durably and returns their digest. Storing equal bytes again changes nothing.
     ///
     /// # Errors
-    /// [`StoreError::DiskFull`], or the storage's error. Nothing is stored then.
+    /// [`StoreError::DiskFull`], or the storage's error. Then nothing is stored.
     fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError>;
 
-    /// The bytes of `digest`, checked against it; `None` if there is no such blob.
+    /// The bytes with this digest, verified; `None` if the blob is missing.
     ///
     /// # Errors
     /// [`StoreError::Corrupt`] if the bytes of a file have another digest. The file is moved to quarantine, and the blob
@@ -41,13 +41,13 @@ pub trait Blobs: Send + Sync + Debug {
     /// The storage's error.
     fn stat(&self, digest: Digest) -> Result<Option<BlobInfo>, StoreError>;
 
-    /// Records that the blob is used now, at most once a minute. Nothing happens in a bucket, or without such a blob.
+    /// Records that the blob is used now, at most once a minute. Does nothing in a bucket, or if the blob is missing.
     ///
     /// # Errors
     /// The storage's error.
     fn touch(&self, digest: Digest) -> Result<(), StoreError>;
 
-    /// Deletes a blob durably, also on a full disk. A missing one is no error.
+    /// Deletes a blob durably, also on a full disk. A missing blob is not an error.
     ///
     /// # Errors
     /// The storage's error.

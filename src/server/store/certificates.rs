@@ -1,13 +1,13 @@
-//! The certificates that servers are checked against.
+//! The root certificates that verify servers.
 
 use std::{env, fs::File};
 
 use rustls::pki_types::CertificateDer;
 
-/// The system's certificates, or those of `SSL_CERT_FILE` and `SSL_CERT_DIR`.
+/// Loads the system's certificates, or the certificates of `SSL_CERT_FILE` and `SSL_CERT_DIR`.
 ///
 /// # Errors
-/// One sentence that says which are missing: no file of `SSL_CERT_FILE`, or no certificate at all.
+/// A sentence that says what is missing: the file of `SSL_CERT_FILE`, or all certificates.
 pub(super) fn load() -> Result<Vec<CertificateDer<'static>>, String> {
     let file = env::var_os("SSL_CERT_FILE");
     if let Some(file) = &file {
@@ -17,7 +17,7 @@ pub(super) fn load() -> Result<Vec<CertificateDer<'static>>, String> {
     if loaded.certs.is_empty() {
         return Err(match file {
             Some(file) => format!("SSL_CERT_FILE={} has no certificate", file.display()),
-            None => "there are no certificates in the system (package ca-certificates) or in SSL_CERT_DIR".to_owned(),
+            None => "the system has no certificates; install ca-certificates or set SSL_CERT_DIR".to_owned(),
         });
     }
     Ok(loaded.certs)

@@ -7,25 +7,25 @@ use rustix::io::Errno;
 use super::Tree;
 use ltcforge_files::digest::Digest;
 
-/// Why a data folder did not open.
+/// Why a data folder could not be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    /// Another process has opened it.
+    /// Another process uses the folder.
     #[error("in use by another process")]
     Locked,
-    /// It cannot be created, read or written.
+    /// The folder cannot be created, read or written.
     #[error(transparent)]
     Unusable(io::Error),
     /// The disk is full.
     #[error("the disk is full")]
     Full,
-    /// The files of the database are damaged, or of an unreleased version.
+    /// The files of the database are damaged, or from an unreleased version.
     #[error("{0}")]
     Damaged(String),
-    /// A later version of the program wrote it.
-    #[error("schema {found} is newer than {known}")]
+    /// A later version of the program wrote the database.
+    #[error("the database has schema {found}, this program knows schemas up to {known}; use a newer ltcforge")]
     FromTheFuture {
-        /// Its schema.
+        /// The schema of the database.
         found: u32,
         /// The newest schema that this program knows.
         known: u32,
@@ -55,26 +55,26 @@ impl From<io::Error> for OpenError {
     fn from(source: io::Error) -> Self {
         match source.kind() {
             kind if is_full(kind) => Self::Full,
-            // A truncated file causes these. Other I/O errors do not mean that the data is damaged.
+            // Truncated files cause these two kinds. Other I/O errors do not mean damage.
             io::ErrorKind::UnexpectedEof | io::ErrorKind::InvalidData => Self::Damaged(source.to_string()),
             _ => Self::Unusable(source),
         }
     }
 }
 
-/// Why the database or the object store of a cluster did not open: the place, the reason, and the remedy.
+/// Why the database or the object store of a cluster could not be opened: place, reason and remedy.
 #[cfg(feature = "cluster")]
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct ConnectError(pub(super) String);
 
-/// Why the store could not read or write.
+/// Why a read or write of the store failed.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
-    /// The disk is full, or the quota is used up. Nothing was stored.
+    /// The disk or the quota is full. Nothing was stored.
     #[error("the disk is full")]
     DiskFull,
-    /// A blob's bytes do not have its digest; it was moved to quarantine.
+    /// The bytes of a blob do not match its digest. The blob was moved to quarantine.
     #[error("the blob {expected} is damaged (its bytes hash to {actual}); it was moved to {}", .moved_to.display())]
     Corrupt {
         /// The digest that was requested.
@@ -84,10 +84,10 @@ pub enum StoreError {
         /// Where the damaged file is now.
         moved_to: PathBuf,
     },
-    /// A bucket returns other bytes than were stored.
-    #[error("the object store returns other bytes for {0} than were stored")]
+    /// A bucket returns damaged bytes.
+    #[error("the object store returns damaged bytes for {0}")]
     OtherBytes(Digest),
-    /// A row's value does not match the hash stored with it.
+    /// The value of a row does not match its hash.
     #[error("a row of {} is damaged (key {key:02x?})", .tree.name())]
     DamagedRow {
         /// The tree.
@@ -120,8 +120,8 @@ impl StoreError {
         if is_full(source.kind()) { Self::DiskFull } else { Self::Io { path: path.into(), source } }
     }
 
-    /// Whether the process or the machine lacked something for a moment, such as a free descriptor, a connection or room
-    /// on the disk: the same operation may succeed later.
+    /// Whether the error is temporary, such as a lack of file descriptors, connections or disk space. The same
+    /// operation may succeed later.
     #[must_use]
     pub fn is_passing(&self) -> bool {
         const PASSING: [Errno; 5] = [Errno::MFILE, Errno::NFILE, Errno::NOMEM, Errno::AGAIN, Errno::INTR];

@@ -15,7 +15,7 @@ use ltcforge_files::replace::sync_folder;
 /// Creates `folder` and its parents, with durable names.
 ///
 /// # Errors
-/// When it is not a folder or cannot be created.
+/// When the path is not a folder, or the folder cannot be created.
 pub(super) fn make_folder(folder: &Path) -> Result<(), StoreError> {
     let make = || {
         if !folder.is_dir() {
@@ -27,10 +27,10 @@ pub(super) fn make_folder(folder: &Path) -> Result<(), StoreError> {
     make().map_err(|source| StoreError::of_io(folder, source))
 }
 
-/// Moves `path` into `quarantine` under a free name `<stem>-<n>`. Returns where it is now.
+/// Moves `path` into `quarantine` under a free name `<stem>-<n>`. Returns the new path.
 ///
 /// # Errors
-/// When it cannot be moved.
+/// When the move fails.
 pub(super) fn move_to_quarantine(path: &Path, quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
     make_folder(quarantine)?;
     let mut names = (1..=u32::MAX).map(|n| quarantine.join(format!("{stem}-{n}")));
@@ -43,7 +43,7 @@ pub(super) fn move_to_quarantine(path: &Path, quarantine: &Path, stem: &str) -> 
     Ok(target)
 }
 
-/// The system's data of a regular file. Anything else is [`io::ErrorKind::InvalidData`].
+/// The metadata of a regular file. Anything else is [`io::ErrorKind::InvalidData`].
 pub(super) fn regular_metadata(path: &Path) -> io::Result<fs::Metadata> {
     let metadata = path.symlink_metadata()?;
     if !metadata.is_file() {
@@ -52,18 +52,17 @@ pub(super) fn regular_metadata(path: &Path) -> io::Result<fs::Metadata> {
     Ok(metadata)
 }
 
-/// The bytes of a regular file. Anything else is not opened: reading a FIFO may wait for ever, and a device may have no
-/// end.
+/// The bytes of a regular file. Anything else is not read: a FIFO may block for ever, and a device may be endless.
 pub(super) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     regular_metadata(path)?;
-    // Another program may have replaced it since.
+    // Another program may have replaced the file meanwhile.
     let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
     let mut bytes = Vec::new();
     fs::File::options().read(true).custom_flags(flags).open(path)?.read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
-/// Bytes that may still be written below `folder`.
+/// Free bytes on the file system of `folder`.
 pub(super) fn free_bytes(folder: &Path) -> io::Result<u64> {
     let disk = rustix::fs::statvfs(folder)?;
     Ok(disk.f_bavail.saturating_mul(disk.f_frsize))

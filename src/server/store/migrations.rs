@@ -1,6 +1,6 @@
-//! Changes of the schema in sled, each applied once, in order.
+//! Migrations of the schema in sled. Each is applied once, in order.
 //!
-//! Invariant: an applied migration never changes; its digest is stored and compared at every start. Each change can be
+//! Invariant: an applied migration never changes. Its digest is stored and compared at every start. Every change can be
 //! repeated, so a migration that a crash interrupted is applied again.
 
 use serde::Deserialize;
@@ -12,7 +12,7 @@ use super::{
 };
 use ltcforge_files::digest::Digest;
 
-/// All migrations, oldest first: number N is at index N - 1.
+/// All migrations, oldest first. Migration N has index N - 1.
 pub(super) const ALL: &[&str] = &[include_str!("../migrations/0001_initial.json")];
 
 /// The tree that records the applied migrations.
@@ -23,7 +23,7 @@ struct Applied {
     digest: Digest,
 }
 
-/// The number and digest of each migration that was applied to a database, in order.
+/// The numbers and digests of the applied migrations, in order.
 fn applied(record: &sled::Tree) -> Result<Vec<(u32, Digest)>, OpenError> {
     let entry = |row: sled::Result<(sled::IVec, sled::IVec)>| {
         let (key, sealed) = row?;
@@ -38,11 +38,11 @@ fn other() -> OpenError {
     OpenError::Damaged("its record of migrations is damaged, or of an unreleased version".to_owned())
 }
 
-/// Records those of `migrations` that were not applied to `db` yet. They only create trees, which opening does. An empty
-/// record is that of a new database, and an error if the database is not new.
+/// Records the new ones of `migrations`. They only create trees, which opening the database does. A record without
+/// migrations is an error unless the database is new.
 ///
 /// # Errors
-/// When the database is newer than `migrations`, had different ones applied, or fails.
+/// When the database is newer than `migrations`, when different migrations were applied to it, or when it fails.
 pub(super) fn apply(db: &sled::Db, is_new: bool, migrations: &[&str]) -> Result<(), OpenError> {
     let known = u32::try_from(migrations.len()).unwrap_or(u32::MAX);
     let record = db.open_tree(RECORD)?;

@@ -1,15 +1,16 @@
 //! The data on disk: blobs by digest, and small rows.
 //!
-//! Invariant: `store` knows neither HTTP nor LTC; blobs and recipes are opaque bytes here.
+//! Invariant: `store` knows neither HTTP nor LTC. Blobs and recipes are opaque bytes here.
 //!
 //! ```text
 //! DIR/lock                  locked by the process that has opened the folder
 //! DIR/blobs/ab/ab12...      tables and BRDFs, named by their digest
-//! DIR/db/                   sled: unfinished jobs, and what the service lists of the tables
+//! DIR/db/                   sled: jobs, and the catalogue of tables
 //! DIR/quarantine/           damaged files
 //! ```
 //!
-//! Blobs are the truth; everything in `db` can be made again. A damaged `db` is moved aside.
+//! Blobs are the primary data. Everything in `db` except the jobs can be computed again. A damaged `db` is moved to
+//! quarantine.
 
 mod blobs;
 #[cfg(feature = "cluster")]
@@ -54,5 +55,5 @@ pub use sled_rows::SledRows;
 pub(crate) use tests::power::PowerRows;
 pub use tree::Tree;
 
-/// The fault of a data folder without room.
-const DISK_FULL: &str = "the disk of the data folder is full";
+/// The fault of a data folder on a full disk.
+const DISK_FULL: &str = "the disk of the data folder is full; free some space";

@@ -11,7 +11,7 @@ use object_store::{Error, ObjectMeta, ObjectStore, ObjectStoreExt as _, PutPaylo
 use super::{BlobInfo, Blobs, ConnectError, StoreError, threads::Threads};
 use ltcforge_files::digest::Digest;
 
-/// Bytes of one upload request, at most. A store that takes 350 kB a second takes two at once before the timeout.
+/// Maximum bytes of one upload request. At 350 kB per second, two concurrent requests end before the timeout.
 const PART: usize = 5 << 20;
 const PARTS_AT_ONCE: usize = 2;
 
@@ -24,8 +24,8 @@ pub struct ObjectBlobs {
 }
 
 impl ObjectBlobs {
-    /// The blobs at `url`, such as `s3://BUCKET/PREFIX`. The bucket must exist, and a file
-    /// is written to it if `writes`.
+    /// Opens the blobs at `url`, such as `s3://BUCKET/PREFIX`. The bucket must exist. With `writes`, a test object is
+    /// written to it.
     ///
     /// # Errors
     /// The reason, as a text.
@@ -57,7 +57,7 @@ impl ObjectBlobs {
         let mut parts = WriteMultipart::new_with_chunk_size(self.store.put_multipart(path).await?, PART);
         for part in bytes.chunks(PART) {
             if let Err(error) = parts.wait_for_capacity(PARTS_AT_ONCE).await {
-                // If this fails too, a lifecycle rule of the bucket removes the parts.
+                // If this also fails, a lifecycle rule of the bucket removes the parts.
                 let _ = parts.abort().await;
                 return Err(error);
             }
@@ -67,7 +67,7 @@ impl ObjectBlobs {
     }
 }
 
-/// The answer about an object; `None` if there is no such object.
+/// The result of a request for an object; `None` if the object is missing.
 fn found<T>(answer: Result<T, Error>) -> Result<Option<T>, StoreError> {
     match answer {
         Ok(answer) => Ok(Some(answer)),
@@ -91,14 +91,14 @@ fn info(object: &ObjectMeta) -> Option<BlobInfo> {
 }
 
 impl Blobs for ObjectBlobs {
-    /// Writes the object even if it exists: this repairs a damaged one.
+    /// Writes the object even if it exists, which repairs a damaged one.
     fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError> {
         let digest = Digest::of(bytes);
         self.block_on(self.upload(&self.path(digest), bytes)).map_err(|error| failure(&error))?;
         Ok(digest)
     }
 
-    /// Bytes with another digest are a temporary error: a proxy may have sent them, and the object may be whole.
+    /// Bytes with another digest are a temporary error. A proxy may have damaged them, and the object may be intact.
     fn get(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError> {
         let path = self.path(digest);
         for _ in 0..2 {
@@ -108,7 +108,7 @@ impl Blobs for ObjectBlobs {
                 return Ok(Some(bytes.into()));
             }
         }
-        tracing::error!(%digest, "the object store returned other bytes than were stored, twice");
+        tracing::error!(%digest, "the object store returned damaged bytes twice");
         Err(StoreError::OtherBytes(digest))
     }
 

@@ -1,4 +1,4 @@
-//! Opening the data folder.
+//! Opens the data folder.
 
 use std::{
     fs::{File, TryLockError},
@@ -9,17 +9,17 @@ use std::{
 
 use super::{Blobs, FolderBlobs, MemoryRows, OpenError, Rows, SledRows, files};
 
-/// The opened data folder. Other processes are locked out until it is dropped.
+/// The opened data folder. Other processes cannot open it until this is dropped.
 #[derive(Debug)]
 pub struct Store {
     /// Tables and BRDFs by digest.
     pub blobs: Arc<dyn Blobs>,
     /// Jobs and the list of tables.
     pub rows: Arc<dyn Rows>,
-    /// Whether the database was opened. `false` if it was damaged and moved to quarantine, or the disk is full and the rows
-    /// are in memory.
+    /// Whether the database was opened. `false` if it was damaged and moved to quarantine, or if the disk is full and
+    /// the rows are in memory.
     pub is_clean: bool,
-    /// Dropping it unlocks the folder. A store that processes share has no folder.
+    /// Dropping the file unlocks the folder. A store shared by processes has no folder.
     _lock: Option<File>,
 }
 
@@ -31,10 +31,11 @@ impl Store {
     }
 }
 
-/// Opens the data folder `dir`, and creates it if it is missing. Every row of the database is read.
+/// Opens the data folder `dir`. Creates it if it is missing. Reads every row of the database.
 ///
-/// A damaged database, or one of an unreleased version, is moved to `quarantine/db-N` and replaced by an empty one. On a
-/// full disk the database stays closed, and its rows are in memory: jobs are refused, but blobs can be read and deleted.
+/// A database that is damaged or from an unreleased version is moved to `quarantine/db-N`, and an empty one replaces
+/// it. On a full disk the database stays closed, and the rows are in memory: jobs are refused, but blobs can be read
+/// and deleted.
 ///
 /// # Errors
 /// See [`OpenError`].
@@ -55,7 +56,7 @@ pub fn open(dir: &Path) -> Result<Store, OpenError> {
     Ok(Store { blobs: Arc::new(blobs), rows, is_clean, _lock: Some(lock) })
 }
 
-/// The rows in `folder`, and whether the database there was opened.
+/// The rows in `folder`, and whether its database was opened.
 fn open_rows(folder: &Path, quarantine: &Path) -> Result<(SledRows, bool), OpenError> {
     files::make_folder(folder)?;
     let reason = match SledRows::open(folder) {

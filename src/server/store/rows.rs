@@ -16,23 +16,23 @@ impl Batch {
         self.changes.push((tree, key.into(), Some(value.into())));
     }
 
-    /// Removes a row; a missing row is no error.
+    /// Removes a row. A missing row is not an error.
     pub fn remove(&mut self, tree: Tree, key: impl Into<Vec<u8>>) {
         self.changes.push((tree, key.into(), None));
     }
 
-    /// Adds the changes of `other`, after those already here.
+    /// Appends the changes of `other`.
     pub fn extend(&mut self, other: Self) {
         self.changes.extend(other.changes);
     }
 
-    /// Whether there is nothing to change.
+    /// Whether the batch has no changes.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.changes.is_empty()
     }
 
-    /// Bytes of all keys and values.
+    /// The number of bytes of all keys and values.
     pub(super) fn bytes(&self) -> usize {
         self.changes.iter().map(|(_, key, value)| key.len() + value.as_ref().map_or(0, Vec::len)).sum()
     }
@@ -41,7 +41,7 @@ impl Batch {
 /// A key and its value.
 pub type Row = (Vec<u8>, Vec<u8>);
 
-/// Rows in ordered trees. All methods block. What [`Rows::commit`] acknowledged survives a power cut.
+/// Rows in ordered trees. All methods block. A batch survives power cuts once [`Rows::commit`] has returned.
 pub trait Rows: Send + Sync + Debug {
     /// The value of `key`.
     ///
@@ -55,18 +55,19 @@ pub trait Rows: Send + Sync + Debug {
     /// [`StoreError::DamagedRow`], or the database's error.
     fn scan(&self, tree: Tree, prefix: &[u8]) -> Result<Vec<Row>, StoreError>;
 
-    /// Up to `limit` rows below `before`, or from the last row if it is `None`, in descending order.
+    /// Up to `limit` rows with keys below `before`, in descending order. `None` starts at the last row.
     ///
     /// # Errors
     /// [`StoreError::DamagedRow`], or the database's error.
     fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError>;
 
-    /// Applies `batch`; it is durable when this returns.
+    /// Applies `batch` durably.
     ///
     /// # Errors
-    /// [`StoreError::DiskFull`], or the database's error. The batch may be stored after the next start, whole, or not.
+    /// [`StoreError::DiskFull`], or the database's error. After the next start, either the whole batch is stored or
+    /// nothing.
     fn commit(&self, batch: &Batch) -> Result<(), StoreError>;
 
-    /// Why a job could not be stored now, in words; `None` if it could.
+    /// The reason why a job cannot be stored now; `None` if it can.
     fn fault(&self) -> Option<String>;
 }

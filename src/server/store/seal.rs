@@ -1,12 +1,12 @@
-//! The hash in front of each stored value: sled does not notice damaged values.
+//! The hash in front of each stored value. It detects damaged values, which sled does not.
 
 use sha2::{Digest as _, Sha256};
 
-/// Bytes of the hash in front of each stored value.
+/// Length of the hash in bytes.
 const SEAL_BYTES: usize = 8;
 
-/// A value as it is stored: the beginning of the SHA-256 of tree, key and value, then the value. This detects bit flips
-/// and values under a wrong key.
+/// A value with its hash in front: the first bytes of the SHA-256 of tree, key and value. It detects bit flips and
+/// values under a wrong key.
 pub(super) fn seal(tree: &str, key: &[u8], value: &[u8]) -> Vec<u8> {
     [&hash(tree, key, value)[..], value].concat()
 }

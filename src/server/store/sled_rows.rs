@@ -1,14 +1,14 @@
 //! [`Rows`] in sled.
 //!
 //! This module works around these properties of sled 0.34.7:
-//! - `flush` ends in `sync_file_range`, which does not survive a power cut. Every commit ends in an fsync of the
+//! - `flush` calls `sync_file_range`, which does not survive a power cut. So every commit ends with an fsync of the
 //!   database file.
-//! - It does not fsync its settings, without which it does not open. Opening ends in an fsync of every file.
-//! - Truncated files can cause a panic inside sled. It is opened on a thread whose panic is caught.
-//! - After a write error, such as a full disk, an open database refuses every operation. Commits therefore leave room on
-//!   the disk, and after an error the process has to be started again.
-//! - It does not detect damaged values. Each value has a hash in front of it, and every row is read at the start.
-//! - Its threads may keep the file locked for a moment after the database is dropped. Opening waits for that.
+//! - sled does not fsync its settings, and does not open without them. So opening ends with an fsync of every file.
+//! - Truncated files can cause a panic inside sled. So it is opened on a separate thread, whose panic is caught.
+//! - After a write error, such as a full disk, an open database refuses every operation. So commits leave room on the
+//!   disk. After an error the process must be restarted.
+//! - sled does not detect damaged values. So each value has a hash in front of it, and every row is read at the start.
+//! - Threads of sled may keep the file locked for a moment after the database is dropped. Opening waits for its release.
 
 use std::{
     collections::BTreeSet,
@@ -30,17 +30,17 @@ use super::{
 };
 use ltcforge_files::replace::sync_folder;
 
-/// Memory for sled's page cache. The rows of all unfinished jobs fit into it.
+/// Size of sled's page cache. The rows of all unfinished jobs fit into it.
 const CACHE_BYTES: u64 = 16 << 20;
 
-/// Room that a commit leaves on the disk. sled's log grows by segments of 512 KiB, of which two may be open, and sled
-/// must not meet a full disk while it writes in the background.
+/// Space that a commit leaves on the disk. The log of sled grows by segments of 512 KiB, and two may be open. sled must
+/// not find a full disk while it writes in the background.
 pub(super) const HEADROOM_BYTES: u64 = 2 << 20;
 
-/// Room beyond that for a job of many shards.
+/// Additional space for a job with many shards.
 const JOB_BYTES: u64 = 1 << 20;
 
-/// How long a closed database may stay locked.
+/// Maximum time for which a closed database stays locked.
 const RELEASE: Duration = Duration::from_secs(2);
 
 /// Rows in a sled database.
@@ -56,12 +56,12 @@ pub struct SledRows {
 }
 
 impl SledRows {
-    /// Opens or creates the database in `folder`, brings its schema up to date and reads every row. A separate thread does
-    /// so: a panic inside sled becomes an error.
+    /// Opens or creates the database in `folder`, updates its schema, and reads every row. This runs on a separate
+    /// thread, so a panic inside sled becomes an error.
     pub(super) fn open(folder: &Path) -> Result<Self, OpenError> {
         if SystemTime::UNIX_EPOCH.elapsed().is_err() {
-            // sled would panic, and that would count as damage.
-            let error = io::Error::other("this machine's clock says a time before 1970; set the clock");
+            // sled would panic, which would look like damage.
+            let error = io::Error::other("the clock of this machine is before 1970; set the clock");
             return Err(OpenError::Unusable(error));
         }
         let folder = folder.to_owned();
@@ -75,7 +75,7 @@ impl SledRows {
         }
         let is_new = folder.read_dir()?.next().is_none();
         for name in ["db", "conf"].map(|name| folder.join(name)) {
-            // Opening a FIFO would wait for ever.
+            // Opening a FIFO would block for ever.
             if name.symlink_metadata().is_ok_and(|metadata| !metadata.is_file()) {
                 return Err(OpenError::Damaged(format!("{} is not a regular file", name.display())));
             }
@@ -119,7 +119,7 @@ impl SledRows {
         operation().map_err(|error| {
             let failure = format!("it is closed after an error ({error}); start the service again");
             tracing::error!(%error, "the database is closed; start the service again");
-            // The first error stays.
+            // Later errors do not replace the first one.
             let _ = self.failure.set(failure.clone());
             match error {
                 sled::Error::Io(source) if is_full(source.kind()) => StoreError::DiskFull,
@@ -128,7 +128,7 @@ impl SledRows {
         })
     }
 
-    /// The rows that `found` returns, unsealed.
+    /// The rows that `found` returns, checked and without their hashes.
     fn opened(
         &self,
         tree: Tree,

@@ -1,10 +1,10 @@
-//! Async work for callers that block.
+//! Runs async work for blocking callers.
 
 use std::io;
 
 use tokio::runtime::{Builder, Runtime};
 
-/// A thread that runs async work. It ends when this is dropped, also in an async task.
+/// A thread that runs async work. Dropping this ends it, also in an async task.
 #[derive(Debug)]
 pub(super) struct Threads(Option<Runtime>);
 
@@ -20,7 +20,7 @@ impl Threads {
 
     /// Runs `work` to its end on this thread.
     pub(super) fn block_on<T>(&self, work: impl Future<Output = T>) -> T {
-        // Only `drop` takes it out.
+        // Only `drop` removes the runtime.
         self.0.as_ref().unwrap_or_else(|| unreachable!("the storage was used while it was dropped")).block_on(work)
     }
 }

@@ -1,15 +1,15 @@
 //! The trees of the database.
 
-/// A tree of the database; `migrations/` creates them. Each variant says what key and value are.
+/// A tree of the database. `migrations/` creates the trees. Each variant documents its key and value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Tree {
     /// Job id: the job and its shards.
     Jobs,
-    /// Job id and shard number, big-endian: a finished shard's bytes, until the job ends.
+    /// Job id and shard number, big-endian: the result of a finished shard, until the job ends.
     Results,
     /// Table digest: its row in the list of tables.
     Tables,
-    /// Microseconds since 1970, big-endian, and table digest: empty.
+    /// Microseconds since 1970, big-endian, and table digest: no value.
     TablesByAge,
     /// Recipe digest: the recipe and its table.
     Recipes,

@@ -1,9 +1,9 @@
-//! What a disk may have after a service ended.
+//! Possible contents of a disk after the end of a service.
 //!
-//! After a kill, all that it wrote. After a power cut, what was synchronised before the cut. Of what was not, each write is there, or not, or a part of it, whichever was
-//! made first; of the changes of a folder's names the first ones are, as journalling file systems keep them, of each folder for
-//! itself. That is what POSIX allows and crash-consistency checkers assume: Pillai et al., «All File Systems Are Not Created
-//! Equal», OSDI 2014.
+//! After a kill, the disk has everything that the service wrote. After a power cut, it has all synchronised changes.
+//! Every other write is there completely, partly or not at all, independently of the order. Of the changes to the names
+//! in a folder, the first ones are there, as in journalling file systems, independently for each folder. POSIX allows
+//! this, and crash-consistency checkers assume it: Pillai et al., «All File Systems Are Not Created Equal», OSDI 2014.
 
 use std::{collections::BTreeMap, fs, path::Path};
 
@@ -12,14 +12,14 @@ use crate::common::soak::Random;
 
 /// How a service ends.
 pub(super) enum End<'a> {
-    /// The system goes on, and keeps what it was told.
+    /// The system keeps running, and keeps all changes.
     Kill,
-    /// What a power cut keeps is drawn.
+    /// The changes that survive are random.
     PowerCut(&'a mut Random),
 }
 
 impl End<'_> {
-    /// How many of the last `changes` that are not synchronised are kept.
+    /// The number of surviving changes, of `changes` that are not synchronised.
     fn kept(&mut self, changes: usize) -> usize {
         match self {
             Self::Kill => changes,
@@ -27,7 +27,7 @@ impl End<'_> {
         }
     }
 
-    /// How many of the bytes of a write that is not synchronised are kept.
+    /// The number of surviving bytes of a write that is not synchronised.
     fn torn(&mut self, bytes: usize) -> usize {
         match self {
             Self::Kill => bytes,
@@ -36,7 +36,7 @@ impl End<'_> {
     }
 }
 
-/// Writes into `to` what may be there after an end ahead of line `cut` of the trace.
+/// Writes possible contents of the disk to `to`, if the service ends before line `cut` of the trace.
 pub(super) fn after(mut end: End<'_>, trace: &Trace, cut: usize, to: &Path) {
     let begun: Vec<&Event> = trace.events.iter().filter(|event| event.began < cut).collect();
     let is_safe = |event: &Event, of: Inode| {
@@ -49,7 +49,7 @@ pub(super) fn after(mut end: End<'_>, trace: &Trace, cut: usize, to: &Path) {
     };
     let mut contents: BTreeMap<Inode, Vec<u8>> = BTreeMap::new();
     let mut names: BTreeMap<Inode, BTreeMap<&str, Inode>> = BTreeMap::new();
-    // How many changes of each folder's names are there.
+    // The number of surviving changes to the names in each folder.
     let mut kept: BTreeMap<Inode, usize> = BTreeMap::new();
     for folder in (0..trace.folders.len()).filter(|inode| trace.folders[*inode]) {
         let of_folder: Vec<&&Event> = begun.iter().filter(|event| folder_of(event) == Some(folder)).collect();

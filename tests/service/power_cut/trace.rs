@@ -1,12 +1,12 @@
-//! What a process did to the files below a folder, and what it sent meanwhile, as `strace` tells it.
+//! Reads the output of `strace`: the changes of a process to files below a folder, and the bytes that it sent.
 
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
 };
 
-/// The calls that change files, and those without which the others cannot be followed. One that changes a file in a way that
-/// [`Recorder`] does not know fails the test.
+/// The system calls that change files, and calls that are needed to follow them. If a call changes a file in a way that
+/// [`Recorder`] does not know, the test fails.
 pub(super) const CALLS: &str = "open,openat,creat,close,dup,dup2,dup3,write,writev,pwrite64,pwritev,pwritev2,truncate,ftruncate,\
     fallocate,copy_file_range,sendfile,fsync,fdatasync,syncfs,rename,renameat,renameat2,link,linkat,symlink,symlinkat,unlink,\
     unlinkat,mkdir,mkdirat,rmdir,sendto,sendmsg,socket,accept,accept4,io_uring_setup";
@@ -14,28 +14,28 @@ pub(super) const CALLS: &str = "open,openat,creat,close,dup,dup2,dup3,write,writ
 /// A file or a folder.
 pub(super) type Inode = usize;
 
-/// The folder that is followed.
+/// The traced folder.
 pub(super) const ROOT: Inode = 0;
 
 #[derive(Debug, Clone)]
 pub(super) enum Change {
-    /// Bytes at an offset of a file.
+    /// Bytes are written at an offset of a file.
     Write { file: Inode, at: usize, bytes: Vec<u8> },
-    /// Another length of a file.
+    /// The length of a file changes.
     Truncate { file: Inode, length: usize },
-    /// A name in a folder; what had it before is gone from there.
+    /// A name is added to a folder. It replaces an existing one.
     Link { folder: Inode, name: String, to: Inode },
-    /// A name less.
+    /// A name is removed.
     Unlink { folder: Inode, name: String },
-    /// A name, and another less, at once. Both in one folder.
+    /// A name is replaced by another one in the same folder, atomically.
     Rename { folder: Inode, from: String, name: String, to: Inode },
-    /// All changes of a file, or of the names of a folder, are on the disk.
+    /// All changes of a file, or of the names in a folder, are written to the disk.
     Sync { of: Inode },
-    /// Bytes for a client.
+    /// Bytes are sent to a client.
     Sent { bytes: Vec<u8> },
 }
 
-/// A change, and between which lines of the trace it was made.
+/// A change, and the lines of the trace where its call begins and ends.
 #[derive(Debug)]
 pub(super) struct Event {
     pub(super) began: usize,
@@ -43,7 +43,7 @@ pub(super) struct Event {
     pub(super) change: Change,
 }
 
-/// All changes, and which of the inodes are folders.
+/// All changes, and for each inode whether it is a folder.
 #[derive(Debug)]
 pub(super) struct Trace {
     pub(super) events: Vec<Event>,
@@ -61,14 +61,14 @@ struct Opened {
 struct Recorder<'a> {
     root: &'a Path,
     events: Vec<Event>,
-    /// Of each inode, whether it is a folder.
+    /// For each inode, whether it is a folder.
     folders: Vec<bool>,
     lengths: Vec<usize>,
     names: HashMap<PathBuf, Inode>,
     descriptors: HashMap<i64, Opened>,
 }
 
-/// A call with its arguments, as the trace has them, and what it returned.
+/// A system call with its arguments as in the trace, and its return value.
 struct Call<'a> {
     name: &'a str,
     arguments: Vec<&'a str>,
@@ -109,17 +109,17 @@ pub(super) fn read(text: &str, root: &Path) -> Trace {
     Trace { events, folders, lines: text.lines().count() }
 }
 
-/// A call that succeeded.
+/// Parses a successful call.
 fn call(text: &str, span: (usize, usize)) -> Option<Call<'_>> {
     let (name, rest) = text.split_once('(')?;
-    // Texts are in hexadecimal, so that no argument has a parenthesis or a comma of its own.
+    // Texts are in hexadecimal, so arguments contain no parentheses or commas.
     let (arguments, returned) = rest.rsplit_once(") ")?;
     let returned = returned.trim_start().strip_prefix("= ")?.split_whitespace().next()?.parse().ok()?;
     let call = Call { name, arguments: arguments.split(", ").map(str::trim).collect(), returned, span };
     (0 <= returned).then_some(call)
 }
 
-/// The bytes of `"\x61\x62"`, wherever in the argument they are.
+/// The bytes of a text such as `"\x61\x62"` in an argument.
 fn bytes(argument: &str) -> Vec<u8> {
     let quoted = argument.split('"').nth(1).unwrap_or_default();
     assert!(argument.matches("...").count() == 0, "a text was cut short: {argument}");
@@ -177,7 +177,7 @@ impl Recorder<'_> {
         self.events.push(Event { began: call.span.0, ended: call.span.1, change });
     }
 
-    /// The path in an argument with its folder's inode and its name, if it is below the root.
+    /// The path in an argument, the inode of its folder, and its name, if it is below the root.
     fn place(&self, argument: &str) -> Option<(PathBuf, Inode, String)> {
         let path = PathBuf::from(String::from_utf8(bytes_of_path(argument)?).ok()?);
         let (folder, name) = (self.names.get(path.parent()?)?, path.file_name()?.to_str()?.to_owned());

@@ -6,7 +6,7 @@ use super::{TabulatedAxes, TabulatedBrdf, TabulatedFault, fault::COUNT};
 pub const MOST_ALBEDO: f64 = 1.001;
 /// The largest number of values of a tabulated BRDF: 32 MiB of f64.
 pub const MOST_VALUES: usize = 1 << 22;
-/// The smallest part of uniform light that it may reflect. A lobe without light has no shape.
+/// The smallest part of uniform light that a view may reflect. A lobe without light has no shape.
 const LEAST_ALBEDO: f64 = 1e-12;
 /// The tolerance for two values that should be equal by symmetry, relative to the largest value of the view. It is
 /// larger than the error of a computation in f32 and smaller than the accuracy of a table.

@@ -6,7 +6,7 @@
 pub struct TabulatedFault {
     /// The name of the tensor.
     pub tensor: &'static str,
-    /// The fault: the number, and what is allowed.
+    /// The invalid number and the allowed values.
     pub detail: String,
 }
 

@@ -37,7 +37,7 @@ fn faults(axes: TabulatedAxes, values: Vec<f64>) -> Vec<String> {
 }
 
 #[test]
-fn a_constant_reflects_pi_times_itself_however_its_nodes_lie() {
+fn a_constant_reflects_pi_times_itself_on_any_nodes() {
     let uneven = TabulatedAxes {
         alpha: vec![],
         theta_o: vec![0.0, 0.1, 1.5],

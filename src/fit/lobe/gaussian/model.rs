@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_are_those_of_the_density_above_the_horizon() {
+    fn samples_follow_the_density_above_the_horizon() {
         let functions: [&dyn Fn(DVec3) -> f64; 4] = [&|_| 1.0, &|w| w.x, &|w| w.y * w.z, &|w| w.z * w.z];
         for (rules, m) in [SG, ASG].iter().flat_map(|rules| matrices().map(|m| (rules, m))) {
             let shape =

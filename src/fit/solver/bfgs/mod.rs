@@ -158,7 +158,7 @@ fn refine(
         lowest = minimise(lowest, &curvature, &mut hessian, free_variables(mirrors), stop, |v| {
             let parts = SearchMatrices::of(v);
             // The search is limited to positive determinants. A mirrored `M` has the same distribution as one of them,
-            // and a singular `M` has none.
+            // and a singular `M` has no distribution.
             if parts.shape.determinant() <= 0.0 || parts.shape.x_axis.x <= 0.0 {
                 return Some((f64::INFINITY, [0.0; VARIABLES]));
             }
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn mirrored_lobes_keep_their_zeros_without_being_told_afterwards() {
+    fn mirrored_lobes_have_exact_zeros() {
         let planted =
             DMat3::from_cols(DVec3::new(0.4, 0.0, 0.1), DVec3::new(0.0, 0.2, 0.0), DVec3::new(-0.5, 0.0, 0.8));
         let found = fitted(Metric::Sw1, planted, Mirrors { x: false, y: true });

@@ -40,7 +40,7 @@ fn planted_numbers_are_recovered_by_every_metric_from_any_start() {
 
 /// A step of the simplex changes lobes of any width in proportion. The numbers of a matrix give the matrix again.
 #[test]
-fn numbers_are_those_of_their_matrix() {
+fn numbers_of_a_matrix_give_it_again() {
     for shear in Shear::ALL {
         let numbers = Numbers { m11: 0.2, m22: 0.1, skew: 0.03, shear: *shear };
         assert_eq!(Numbers::of(&numbers.matrix(), *shear), numbers);

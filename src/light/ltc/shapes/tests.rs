@@ -337,7 +337,7 @@ proptest! {
 
 /// Measures two common approximations. The first replaces an ellipse by an octagon of its area. The second replaces the
 /// part of its form factor above the horizon by the part of a sphere of the same direction and size [Heitz and Hill
-/// 2017], with the closed form or a cheap fit.
+/// 2017]. This part has a closed form and a cheap fit.
 #[test]
 fn the_approximations_are_off_by_what_the_documents_say() {
     let mut draw = Draw::new(12);

@@ -118,7 +118,7 @@ mod tests {
 
     /// Eigenvalues and axis satisfy their definitions, also for mirrors, needles, and planes through the view.
     #[test]
-    fn values_and_axis_are_those_of_the_matrix() {
+    fn eigenvalues_and_axis_satisfy_their_definitions() {
         let fraction = |i: u32, step: f64| (f64::from(i) * step).fract();
         let mut checked = 0;
         for i in 1..=20_000 {

@@ -61,7 +61,7 @@ export async function show( root, rest, parameters, signal ) {
 
 	/** The meshes of an opened glTF file. Links do not contain them. */
 	let mesh = null;
-	/** The WebGL device; null if the browser has none. */
+	/** The WebGL device; null without WebGL 2. */
 	let gpu = null;
 	/** The models of both sides, with null for the reference, and the shader text that prefilters pictures on lights. */
 	let lit = null;

@@ -24,7 +24,7 @@ bool is_shape( int l, int shape ) { return ( SHAPES_USED & ( 1 << shape ) ) != 0
 bool is_pictured( int l ) { return ( SHAPES_USED & 16 ) != 0 && light_picture[l] >= 0; }
 bool is_solid( int l ) { return is_shape( l, 2 ) || is_shape( l, 3 ); }
 
-/** Two unit vectors that form an orthonormal basis with `axis`. */
+/** Two unit vectors that form an orthonormal basis with axis. */
 mat2x3 solid_basis( vec3 axis ) {
 	vec3 x = normalize( cross( abs( axis.z ) > 0.7 ? vec3( 1.0, 0.0, 0.0 ) : vec3( 0.0, 0.0, 1.0 ), axis ) );
 	return mat2x3( x, cross( axis, x ) );
@@ -146,7 +146,7 @@ vec2 tube_area( vec3 along, float radius ) {
 /** 1 - cosine of a spherical cap, from the squared sine. */
 float sphere_cap( float sine2 ) { return sine2 / ( 1.0 + sqrt( max( 1.0 - sine2, 0.0 ) ) ); }
 
-/** The density of `light_sample` in the direction wi: negative if wi misses the light, zero if it is never sampled. */
+/** The density of light_sample in the direction wi: negative if wi misses the light, zero if it is never sampled. */
 float light_pdf( int l, vec3 position, vec3 wi ) {
 	if ( is_shape( l, 3 ) ) return - 1.0;
 	if ( is_shape( l, 2 ) ) {

@@ -31,7 +31,7 @@ vec3 sampled_direction( Shaded at, vec2 u ) {
 	wm = normalize( vec3( at.alpha * wm.xy, max( wm.z, 0.0 ) ) );
 	return 2.0 * dot( at.wo, wm ) * wm - at.wo;
 }
-/** x: BRDF times cosine. y: density of wi in `sampled_direction`. */
+/** x: BRDF times cosine. y: density of wi in sampled_direction. */
 vec2 scattered( Shaded at, vec3 wm, vec3 wi ) {
 	float lambda_o = lambda( at.alpha, at.wo );
 	float of_brdf = distribution( at.alpha, wm ) / ( 4.0 * at.wo.z * ( 1.0 + lambda_o ) );

@@ -7,7 +7,7 @@ use std::{
 
 use jiff::Timestamp;
 
-/// The time of day, and a clock that nobody sets. Leases expire by the second.
+/// The time of day, and a steady clock that determines when leases expire.
 pub(in crate::queue) struct Clock {
     pub(in crate::queue) wall: Box<dyn Fn() -> Timestamp + Send + Sync>,
     pub(in crate::queue) steady: Box<dyn Fn() -> Duration + Send + Sync>,

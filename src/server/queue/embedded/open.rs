@@ -1,4 +1,4 @@
-//! Opening the queue: jobs and results as the last process left them.
+//! Opens the queue with the jobs and results of the last process.
 
 use std::{
     collections::HashMap,
@@ -15,11 +15,11 @@ use crate::{
     store::{Batch, Rows, StoreError, Tree},
 };
 
-/// Results that are read at a time.
+/// Results per read.
 const PAGE: usize = 256;
 
 impl EmbeddedQueue {
-    /// Opens the queue in `rows`. Unfinished jobs of another version of the fitter than `fitter` begin again.
+    /// Opens the queue in `rows`. Unfinished jobs of another fitter version start again.
     ///
     /// # Errors
     /// When the rows cannot be read or written.
@@ -62,7 +62,7 @@ impl EmbeddedQueue {
             }
         }
         for (mut record, mut finished) in records.into_values() {
-            // Pages are in descending order.
+            // Pages are in descending order of keys.
             finished.reverse();
             if record.job.state.name().is_final() {
                 state.insert(Entry::ended(record, finished));
@@ -90,7 +90,7 @@ impl EmbeddedQueue {
     }
 }
 
-/// Whether a stored result belongs to a shard that is not fitted again.
+/// Whether a stored result can still be used.
 fn keeps(record: &Record, shard: u32, fitter: u32) -> bool {
     let is_shard = (shard as usize) < record.shards.len();
     match record.job.state {

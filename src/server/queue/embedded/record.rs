@@ -1,4 +1,4 @@
-//! Jobs as rows of the database, and in memory.
+//! Jobs in rows of the database, and in memory.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,13 +11,13 @@ use crate::{
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Record {
     pub(super) job: Job,
-    /// Its number in the order of submissions.
+    /// The number of the submission.
     pub(super) submission: u64,
-    /// The version of the fitter that makes its results.
+    /// The fitter version of its results.
     pub(super) fitter: u32,
-    /// The tag of its first shard.
+    /// The start of the job on the virtual clock of [`order`].
     pub(super) base: i64,
-    /// Empty once it is done or cancelled.
+    /// The shards. Empty once the job is done or cancelled.
     pub(super) shards: Vec<Shard>,
 }
 
@@ -44,7 +44,7 @@ pub(super) fn parse_result_key(key: &[u8]) -> Option<(JobId, u32)> {
 /// The state of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TaskState {
-    /// An assembly whose shards are not all finished, or a task of a job that is about to fail.
+    /// An assembly with unfinished shards, or a task of a doomed job.
     Blocked,
     /// No worker has it.
     Waiting,
@@ -66,9 +66,9 @@ pub(super) enum TaskState {
 pub(super) struct Task {
     pub(super) tag: i64,
     pub(super) state: TaskState,
-    /// Leases without those that were given back.
+    /// Number of leases, except leases that were given back.
     pub(super) leases: u32,
-    /// Reported failures.
+    /// Number of reported failures.
     pub(super) failures: u32,
 }
 
@@ -78,7 +78,7 @@ pub(super) struct Entry {
     pub(super) record: Record,
     /// A task for each shard, then the assembly; empty once the job has ended.
     pub(super) tasks: Vec<Task>,
-    /// Shards that are not finished.
+    /// Number of unfinished shards.
     pub(super) unfinished: usize,
     /// Shards of a failed job whose results are stored.
     pub(super) kept: Vec<u32>,
@@ -109,7 +109,7 @@ impl Entry {
         Self { record, tasks: vec![], unfinished: 0, kept, is_stored_as_running: true }
     }
 
-    /// The work of a task.
+    /// The kind of a task.
     pub(super) fn kind(&self, task: u32) -> TaskKind {
         if task as usize == self.record.shards.len() { TaskKind::Assemble } else { TaskKind::Shard(task) }
     }
@@ -134,7 +134,7 @@ impl Entry {
         self.finished().iter().for_each(|shard| batch.remove(Tree::Results, result_key(self.record.job.id, *shard)));
     }
 
-    /// The job as it is now.
+    /// The current state of the job.
     pub(super) fn job(&self) -> Job {
         let mut job = self.record.job.clone();
         if self.tasks.is_empty() {

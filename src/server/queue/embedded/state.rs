@@ -15,37 +15,37 @@ use crate::queue::{
 };
 use ltcforge_files::digest::Digest;
 
-/// Jobs that one write forgets, at most.
+/// Maximum number of jobs that one write forgets.
 const MOST_FORGOTTEN: usize = 256;
 
-/// A job that is about to fail, and why.
+/// A job that fails with the next write, and the reason.
 pub(super) type Doomed = (u64, Failure);
 
 #[derive(Debug, Default)]
 pub(super) struct State {
-    /// By submission.
+    /// Jobs by submission.
     pub(super) jobs: BTreeMap<u64, Entry>,
     pub(super) by_id: HashMap<JobId, u64>,
     by_table: HashMap<Digest, u64>,
     /// Unfinished jobs.
     pub(super) active: BTreeSet<u64>,
-    /// Ended jobs by their end.
+    /// Ended jobs by the time of their end.
     ended: BTreeSet<(Timestamp, u64)>,
-    /// Tag, submission and task.
+    /// Waiting tasks: tag, submission, task.
     waiting: BTreeSet<(i64, u64, u32)>,
-    /// Submission and task.
+    /// Leased tasks: submission, task.
     leased: BTreeSet<(u64, u32)>,
     /// Jobs that fail with the next write.
     pub(super) doomed: VecDeque<Doomed>,
     pub(super) last_submission: u64,
     last_lease: u64,
     pub(super) is_closed: bool,
-    /// Leases that expired, and reported failures.
+    /// Number of expired leases, and of reported failures.
     pub(super) failures: (u64, u64),
 }
 
 impl State {
-    /// No jobs. Leases of an earlier process are not taken for new ones: their numbers begin elsewhere.
+    /// No jobs. Lease numbers start at random, so leases of an earlier process are not valid.
     pub(super) fn new() -> Self {
         Self { last_lease: RandomState::new().hash_one(()) >> 1, ..Self::default() }
     }
@@ -55,7 +55,7 @@ impl State {
         self.by_id.get(&id).and_then(|submission| self.jobs.get(submission))
     }
 
-    /// The virtual time of the [order], in microseconds; `None` if no task waits or is leased.
+    /// The virtual time of the [order], in microseconds; `None` without waiting and leased tasks.
     pub(super) fn virtual_time(&self) -> Option<i64> {
         let start = |(submission, number): (u64, u32)| {
             let entry = self.jobs.get(&submission)?;
@@ -128,7 +128,7 @@ impl State {
         }
     }
 
-    /// The task of a current lease, and its work.
+    /// The task of a current lease, and its kind.
     pub(super) fn current(&mut self, lease: &Lease) -> Result<(TaskKind, &mut Task), StaleLease> {
         let entry = self.jobs.get_mut(&lease.submission).ok_or(StaleLease)?;
         let kind = entry.kind(lease.task);
@@ -166,7 +166,7 @@ impl State {
         leased
     }
 
-    /// Puts the tasks back whose lease has expired at `now`.
+    /// Sets tasks whose lease has expired at `now` back to waiting.
     pub(super) fn put_back_expired(&mut self, now: Duration) {
         let leased: Vec<_> = self.leased.iter().copied().collect();
         for (submission, number) in leased {
@@ -180,7 +180,8 @@ impl State {
         }
     }
 
-    /// Puts a leased task back, with the error that its worker reported. Its job is doomed if that was too often.
+    /// Sets a leased task back to waiting, with the error that its worker reported. After too many leases or failures,
+    /// the job is doomed.
     pub(super) fn put_back(&mut self, submission: u64, number: u32, error: Option<&str>) {
         let Some(entry) = self.jobs.get_mut(&submission) else { return };
         let kind = entry.kind(number);
@@ -197,13 +198,13 @@ impl State {
         }
     }
 
-    /// Lets the job of a task fail with the next write.
+    /// Marks the job of a task to fail with the next write.
     pub(super) fn doom(&mut self, submission: u64, task: u32, failure: Failure) {
         self.set(submission, task, TaskState::Blocked);
         self.doomed.push_back((submission, failure));
     }
 
-    /// Marks a shard as finished. With the last one, the assembly waits.
+    /// Sets a shard to finished. The last shard sets the assembly to waiting.
     pub(super) fn finish_shard(&mut self, submission: u64, shard: u32) {
         self.set(submission, shard, TaskState::Finished);
         let Some(entry) = self.jobs.get_mut(&submission) else { return };
@@ -214,7 +215,7 @@ impl State {
         }
     }
 
-    /// Lets shards wait again whose results are lost, and the assembly after them.
+    /// Sets shards with lost results back to waiting, and the assembly to blocked.
     pub(super) fn lose(&mut self, submission: u64, shards: &[u32]) {
         for shard in shards {
             self.set(submission, *shard, TaskState::Waiting);
@@ -225,7 +226,7 @@ impl State {
         self.set(submission, assembly, TaskState::Blocked);
     }
 
-    /// Ended jobs to forget, at most [`MOST_FORGOTTEN`].
+    /// At most [`MOST_FORGOTTEN`] ended jobs to forget.
     pub(super) fn forgettable(&self, limits: &Limits, now: Timestamp) -> Vec<u64> {
         let too_many = self.ended.len().saturating_sub(limits.most_ended.unwrap_or(usize::MAX));
         let is_old = |ended: Timestamp| {

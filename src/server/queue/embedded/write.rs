@@ -1,4 +1,4 @@
-//! Changes that are written to the database before they are visible.
+//! Changes that become visible only after they are written to the database.
 
 use std::{collections::BTreeSet, sync::MutexGuard};
 
@@ -11,11 +11,11 @@ use crate::{
     store::{Batch, StoreError, Tree},
 };
 
-/// Proves that the caller holds the writer's lock.
+/// Proof that the caller holds the writer's lock.
 pub(super) type Writer<'a> = MutexGuard<'a, ()>;
 
 impl EmbeddedQueue {
-    /// Stores a job that is unknown or has ended, and forgets old ones.
+    /// Stores a new job, or an ended one again. Forgets old jobs.
     pub(super) fn store_new(&self, _writer: &Writer<'_>, new: NewJob) -> Result<Job, StoreError> {
         let now = (self.clock.wall)();
         let id = JobId::of_recipe(&new.recipe_digest);
@@ -117,7 +117,7 @@ impl EmbeddedQueue {
         cancelled_by: Option<&str>,
         rows: Batch,
     ) -> Result<Job, StoreError> {
-        let unknown = || StoreError::Database(format!("there is no submission {submission}"));
+        let unknown = || StoreError::Database(format!("submission {submission} is unknown"));
         let state = self.state();
         let entry = state.jobs.get(&submission).ok_or_else(unknown)?;
         let mut record = entry.record.clone();
@@ -145,7 +145,7 @@ impl EmbeddedQueue {
         Ok(job)
     }
 
-    /// Lets the doomed jobs fail.
+    /// Writes the failures of doomed jobs.
     pub(super) fn fail_doomed(&self) -> Result<(), StoreError> {
         if self.state().doomed.is_empty() {
             return Ok(());

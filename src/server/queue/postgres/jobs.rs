@@ -1,4 +1,4 @@
-//! Rows of jobs: reading them, and ending a job.
+//! Rows of jobs: read jobs, and end a job.
 
 use deadpool_postgres::{GenericClient, Transaction};
 use jiff::Timestamp;
@@ -14,7 +14,7 @@ use crate::{
 };
 use ltcforge_files::digest::Digest;
 
-/// Entries and attempts of an unfinished job follow from its tasks.
+/// Selects jobs. Entries and attempts of an unfinished job are computed from its tasks.
 const SELECT: &str = "
     SELECT submission, id, recipe, recipe_digest, state, table_digest, failure, entries_total, created_at, started_at,
         finished_at, submitted_by, cancelled_by,
@@ -26,7 +26,7 @@ const SELECT: &str = "
             AS attempts
     FROM ltcforge.jobs WHERE ";
 
-/// `$1` submission, `$2` state, `$3` table, `$4` failure, `$5` who cancels it.
+/// Ends a job. `$1` submission, `$2` state, `$3` table, `$4` failure, `$5` who cancels it.
 const END: &str = "
     UPDATE ltcforge.jobs AS j SET state = $2, table_digest = $3, failure = $4, cancelled_by = $5,
         finished_at = ltcforge.clock(),
@@ -41,17 +41,17 @@ fn damaged(reason: &str) -> StoreError {
     StoreError::Database(format!("a job's row cannot be read: {reason}"))
 }
 
-/// A column of a row that has no value that this program writes is an error.
+/// Reads a column of a row. An unexpected value is an error.
 fn column<'a, T: FromSql<'a>>(row: &'a Row, name: &str) -> Result<T, StoreError> {
     row.try_get(name).map_err(|error| damaged(&error.to_string()))
 }
 
-/// A digest in a column.
+/// Reads a digest from a column.
 pub(super) fn digest(bytes: &[u8]) -> Result<Digest, StoreError> {
     bytes.try_into().map(Digest::from_bytes).map_err(|_| damaged("a digest has 32 bytes"))
 }
 
-/// A job's id in a column.
+/// Reads a job's id from a column.
 pub(super) fn id(bytes: &[u8]) -> Result<JobId, StoreError> {
     JobId::from_slice(bytes).ok_or_else(|| damaged("an id has 16 bytes"))
 }
@@ -85,13 +85,13 @@ fn job(row: &Row) -> Result<(u64, Job), StoreError> {
     Ok((column::<i64>(row, "submission")?.cast_unsigned(), job))
 }
 
-/// The jobs for which the condition `those` holds.
+/// The jobs that meet the condition `filter`.
 pub(super) async fn select(
     client: &impl GenericClient,
-    those: &str,
+    filter: &str,
     parameters: &[&(dyn ToSql + Sync)],
 ) -> Result<Vec<(u64, Job)>, StoreError> {
-    let statement = client.prepare_cached(&format!("{SELECT}{those}")).await?;
+    let statement = client.prepare_cached(&format!("{SELECT}{filter}")).await?;
     client.query(&statement, parameters).await?.iter().map(job).collect()
 }
 
@@ -101,7 +101,7 @@ pub(super) async fn lock_open(client: &Transaction<'_>, submission: i64) -> Resu
     Ok(client.query_opt(&client.prepare_cached(open).await?, &[&submission]).await?.map(drop))
 }
 
-/// Ends a job that is locked. Only a failed one keeps its finished shards.
+/// Ends a locked job. Only a failed job keeps its finished shards.
 pub(super) async fn end(
     client: &Transaction<'_>,
     submission: i64,
@@ -111,7 +111,7 @@ pub(super) async fn end(
     let (table, failure) = match state {
         JobState::Done { table } => (Some(table.as_bytes().as_slice()), None),
         JobState::Failed { error } => {
-            // PostgreSQL's texts have no NUL, which JSON escapes.
+            // PostgreSQL does not allow NUL in a text, so the error is stored as JSON, which escapes it.
             (None, Some(serde_json::to_string(error).map_err(|error| damaged(&error.to_string()))?))
         }
         _ => (None, None),
@@ -125,9 +125,9 @@ pub(super) async fn end(
 }
 
 impl PostgresQueue {
-    /// The jobs for which the condition `those` holds, with their submissions.
-    pub(super) fn jobs(&self, those: &str, parameters: &[&(dyn ToSql + Sync)]) -> Result<Vec<(u64, Job)>, StoreError> {
-        self.database.run(async |client| select(&*client, those, parameters).await)
+    /// The jobs that meet the condition `filter`, with their submissions.
+    pub(super) fn jobs(&self, filter: &str, parameters: &[&(dyn ToSql + Sync)]) -> Result<Vec<(u64, Job)>, StoreError> {
+        self.database.run(async |client| select(&*client, filter, parameters).await)
     }
 
     pub(super) fn cancel_job(&self, id: JobId, by: Option<&str>) -> Result<(), StoreError> {

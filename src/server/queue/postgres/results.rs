@@ -1,4 +1,4 @@
-//! Results of shards, and the end of a job.
+//! Stores results of shards, and ends jobs.
 
 use deadpool_postgres::GenericClient;
 
@@ -9,10 +9,11 @@ use crate::{
 };
 use ltcforge_files::digest::Digest;
 
-/// Results that are read at a time.
+/// Results per read.
 const PAGE: i32 = 256;
 
-/// A result that is there under the same lease was stored by a statement whose answer was lost.
+/// Stores results. A result that is already stored under the same lease is accepted too: the response to the first try
+/// was lost.
 const COMPLETE: &str = "
     UPDATE ltcforge.tasks AS t SET state = 'finished', result = g.result, lease_until = NULL
     FROM (
@@ -25,7 +26,7 @@ const COMPLETE: &str = "
         AND (t.state = 'leased' OR t.state = 'finished' AND t.result = g.result)
     RETURNING g.n - 1";
 
-/// Every last shard's transaction sees all others: this runs after it is committed.
+/// Sets assemblies to waiting. It runs after the commit of a shard, so the last shard sees that all others are finished.
 const UNBLOCK: &str = "
     UPDATE ltcforge.tasks AS t SET state = 'waiting' WHERE t.submission = ANY ($1) AND t.state = 'blocked' AND NOT EXISTS (
         SELECT FROM ltcforge.tasks AS s
@@ -36,14 +37,14 @@ const RESULTS: &str = "
     SELECT task, result FROM ltcforge.tasks
     WHERE submission = $1 AND task >= $2 AND task < $3 AND state = 'finished' AND result IS NOT NULL ORDER BY task";
 
-/// `$2` are shards whose results are lost, `$3` is the assembly.
+/// Sets lost shards back to waiting. `$2` lost shards, `$3` the assembly.
 const LOSE: &str = "
     UPDATE ltcforge.tasks SET state = CASE WHEN is_assembly THEN 'blocked' ELSE 'waiting' END, result = NULL,
         lease_until = NULL, lease = NULL
     WHERE submission = $1 AND (task = ANY ($2) AND state = 'finished' OR task = $3)";
 
 impl PostgresQueue {
-    /// Lets the assemblies of jobs wait whose shards are all finished.
+    /// Sets the assembly of each job to waiting if all its shards are finished.
     pub(super) async fn unblock(client: &impl GenericClient, submissions: &[i64]) -> Result<(), tokio_postgres::Error> {
         client.execute(&client.prepare_cached(UNBLOCK).await?, &[&submissions]).await.map(drop)
     }
@@ -112,7 +113,7 @@ impl PostgresQueue {
         let is_done = self.database.run(async |client| {
             let transaction = client.transaction().await?;
             if jobs::lock_open(&transaction, submission).await?.is_none() {
-                // The answer to an earlier try may have been lost.
+                // The response to an earlier try may have been lost.
                 let done = "SELECT FROM ltcforge.jobs WHERE submission = $1 AND table_digest = $2";
                 let done = transaction.prepare_cached(done).await?;
                 return Ok(transaction.query_opt(&done, &[&submission, &table.as_bytes().as_slice()]).await?.is_some());

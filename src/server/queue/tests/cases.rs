@@ -1,4 +1,4 @@
-//! Single cases.
+//! Single cases for all queues.
 
 use std::{collections::BTreeMap, time::Duration};
 
@@ -12,7 +12,7 @@ use crate::{
 };
 use ltcforge_files::digest::Digest;
 
-/// Does all tasks of the first job until it is done. Returns the digest of its table.
+/// Runs all tasks of the first job. Returns the digest of its table.
 fn make_table(queue: &dyn Queue) -> Digest {
     loop {
         let task = lease(queue, 1).pop().unwrap();
@@ -60,7 +60,7 @@ pub(super) fn under_an_endless_flood_of_small_jobs_a_long_one_goes_on<W: World>(
     let long = submit(world.queue(), new_job("long", 10, 0.2));
     let (mut leases, mut flood) = (0, 0);
     while leases < 3 {
-        // More than can be served: each takes two leases.
+        // New jobs arrive faster than one worker can fit them, because each takes two leases.
         flood += 1;
         submit(world.queue(), new_job(&format!("small {flood}"), 1, 0.01));
         world.pass(1);
@@ -106,13 +106,13 @@ pub(super) fn a_task_fails_its_job_after_five_failures_or_twenty_five_leases<W: 
     }
     let job = world.queue().job(id).unwrap().unwrap();
     let JobState::Failed { error } = job.state else { panic!("{job:?}") };
-    assert_eq!(error.detail, "shard 0 was leased 25 times and gave no result");
-    // Another fitter's job is left alone.
+    assert_eq!(error.detail, "shard 0 was leased 25 times without a result");
+    // Jobs of another fitter version are not leased.
     if W::LEASES_SURVIVE {
         submit(world.queue(), crate::queue::NewJob { fitter: FITTER + 1, ..new_job("other", 1, 1.0) });
         assert!(lease(world.queue(), 9).is_empty());
     }
-    // The failure of a whole job.
+    // A failure ends the whole job.
     let id = submit(world.queue(), new_job("b", 2, 1.0));
     let task = lease(world.queue(), 1).pop().unwrap();
     let failure = Failure { kind: FailureKind::Storage, detail: "x".to_owned() };

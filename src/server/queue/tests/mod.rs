@@ -1,4 +1,4 @@
-//! Tests that both queues have to pass.
+//! Tests for both queues.
 
 mod cases;
 mod model;

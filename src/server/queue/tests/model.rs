@@ -1,4 +1,4 @@
-//! Random histories of a queue, which agree with a simple model. The seed is the number of the history.
+//! Compares random histories of a queue with a simple model. The number of a history is its seed.
 
 use std::env;
 
@@ -25,15 +25,15 @@ const MODEL_LIMITS: Limits = Limits { jobs: 2, ..LIMITS };
 
 #[derive(Debug, Clone)]
 enum Action {
-    /// Submit a recipe; whether the table of a done job is still stored.
+    /// Submit a recipe. The flag says whether the table of a done job is still stored.
     Submit(u8, bool),
     Cancel(u8),
     Lease(usize),
-    /// Deliver a lease, whether it is still current or not.
+    /// Deliver a result under a lease, current or stale.
     Deliver(Index),
     Fail(Index),
     GiveBack(Index),
-    /// Renew a lease with one entry done, and put expired ones back.
+    /// Renew a lease with one finished entry, which also ends expired leases.
     Renew(Index),
     Pass(i64),
     Restart,
@@ -63,7 +63,7 @@ fn action() -> impl Strategy<Value = Action> {
 #[derive(Debug, Clone, PartialEq)]
 enum Task {
     Waiting,
-    Leased { held: usize, until: i64, entries: u64 },
+    Leased { lease: usize, until: i64, entries: u64 },
     Finished,
 }
 
@@ -78,8 +78,8 @@ struct ModelJob {
 #[derive(Default)]
 struct Model {
     jobs: [Option<ModelJob>; RECIPES as usize],
-    /// All leases so far, with the recipe.
-    held: Vec<(u8, LeasedTask)>,
+    /// All leases so far, with their recipes.
+    leases: Vec<(u8, LeasedTask)>,
     now: i64,
 }
 
@@ -135,21 +135,22 @@ impl Model {
         }
     }
 
-    /// A lease, and its job if it is current.
+    /// A lease, and its job if the lease is current.
     fn pick(&mut self, index: Index) -> Option<(u8, LeasedTask, Option<&mut ModelJob>)> {
-        if self.held.is_empty() {
+        if self.leases.is_empty() {
             return None;
         }
-        let at = index.index(self.held.len());
-        let (n, task) = self.held[at].clone();
+        let at = index.index(self.leases.len());
+        let (n, task) = self.leases[at].clone();
         let number = task_number(&task);
         let job = self.jobs[usize::from(n)].as_mut();
-        let is_current =
-            |job: &&mut ModelJob| job.is_open() && matches!(job.tasks[number], Task::Leased { held, .. } if held == at);
+        let is_current = |job: &&mut ModelJob| {
+            job.is_open() && matches!(job.tasks[number], Task::Leased { lease, .. } if lease == at)
+        };
         Some((n, task, job.filter(is_current)))
     }
 
-    /// Does the same to the queue and to the model, and compares the answers.
+    /// Applies an action to the queue and to the model, and compares their results.
     fn act<W: World>(&mut self, world: &mut W, action: &Action, is_full: bool) -> Result<(), TestCaseError> {
         match action {
             Action::Submit(n, has_table) => self.submit(world, *n, *has_table, is_full)?,
@@ -179,8 +180,8 @@ impl Model {
                     prop_assert!(job.is_available(number), "{:?}", task);
                     job.state = StateName::Running;
                     job.leases[number] += 1;
-                    job.tasks[number] = Task::Leased { held: self.held.len(), until: self.now + TTL, entries: 0 };
-                    self.held.push((n, task));
+                    job.tasks[number] = Task::Leased { lease: self.leases.len(), until: self.now + TTL, entries: 0 };
+                    self.leases.push((n, task));
                 }
             }
             Action::Deliver(index) => self.deliver(world, *index, is_full)?,
@@ -295,7 +296,7 @@ impl Model {
         Ok(())
     }
 
-    /// The queue and the model agree on all jobs, the depth and the stored results.
+    /// Compares all jobs, the depth and the stored results of queue and model.
     fn agree<W: World>(&self, world: &W) -> Result<(), TestCaseError> {
         let (mut depth, mut results) = (Depth::default(), 0);
         for (n, wanted) in (0..RECIPES).zip(&self.jobs) {
@@ -337,7 +338,7 @@ fn number(name: &str) -> Option<u64> {
     env::var(name).ok().map(|text| text.parse().unwrap_or_else(|_| panic!("{name} must be a number, got {text}")))
 }
 
-/// One history for each seed up to [`World::HISTORIES`] or `LTCFORGE_TEST_HISTORIES`, or that of `LTCFORGE_TEST_SEED` alone.
+/// Runs a history for each seed up to [`World::HISTORIES`] or `LTCFORGE_TEST_HISTORIES`, or only `LTCFORGE_TEST_SEED`.
 pub(super) fn every_history_agrees_with_the_model<W: World>() {
     let seeds = match number("LTCFORGE_TEST_SEED") {
         Some(seed) => seed..seed + 1,

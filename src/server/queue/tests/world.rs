@@ -1,4 +1,4 @@
-//! The queues under test, with clocks that tests set.
+//! The queues under test, with clocks that the tests set.
 
 use std::{
     sync::{
@@ -22,23 +22,23 @@ const START: i64 = 1_700_000_000;
 pub(super) const LIMITS: Limits =
     Limits { jobs: 1000, lease_ttl: Duration::from_secs(10), keep_ended: None, most_ended: None };
 
-/// A queue of its own, empty at first.
+/// A separate queue for a test, empty at first.
 pub(super) trait World: Sized {
-    /// Random histories that the model is compared with in every run of the tests.
+    /// Number of random histories in every test run.
     const HISTORIES: u64;
-    /// The part of `LTCFORGE_TEST_HISTORIES` that is for this world.
+    /// The part of `LTCFORGE_TEST_HISTORIES` for this world.
     const PART: u64;
     /// Whether leases outlive the process.
     const LEASES_SURVIVE: bool;
 
-    /// An empty queue; `None`, with a message, where a part is missing.
+    /// An empty queue. Prints a message and returns `None` if a dependency is missing.
     fn new(limits: Limits) -> Option<Self>;
     fn queue(&self) -> &dyn Queue;
-    /// Lets seconds pass.
+    /// Advances the clocks by seconds.
     fn pass(&self, seconds: i64);
-    /// The process ends without warning, and another one opens its data.
+    /// Simulates a killed process: another one opens its data.
     fn restart(&mut self, limits: Limits);
-    /// While it is full, nothing can be written. `false` if this cannot be had.
+    /// Makes the disk full, so that nothing can be written. Returns `false` if the world cannot do this.
     fn fill(&self, is_full: bool) -> bool;
     /// Number of stored results.
     fn results(&self) -> usize;
@@ -102,11 +102,11 @@ impl World for EmbeddedWorld {
     }
 }
 
-/// The queue in PostgreSQL, in a database of its own for each thread.
+/// The queue in PostgreSQL, with a database per thread.
 #[cfg(feature = "cluster")]
 pub(super) struct PostgresWorld {
     database: Arc<crate::store::Database>,
-    /// Of two processes, which act in turn.
+    /// The queues of two processes, which act in turn.
     queues: [crate::queue::PostgresQueue; 2],
     turn: std::sync::atomic::AtomicUsize,
 }
@@ -170,7 +170,7 @@ impl World for PostgresWorld {
     }
 }
 
-/// A job of `shards` shards of two entries, each of which takes so many seconds.
+/// A job with `shards` shards of two entries. Each shard takes `seconds`.
 pub(super) fn new_job(name: &str, shards: usize, seconds: f64) -> NewJob {
     NewJob {
         recipe: name.to_owned(),
@@ -181,7 +181,7 @@ pub(super) fn new_job(name: &str, shards: usize, seconds: f64) -> NewJob {
     }
 }
 
-/// Submits a job that is not known, or has ended.
+/// Submits a new job, or an ended one again.
 #[track_caller]
 pub(super) fn submit(queue: &dyn Queue, new: NewJob) -> JobId {
     match queue.submit(new, &|_| false) {
@@ -190,7 +190,7 @@ pub(super) fn submit(queue: &dyn Queue, new: NewJob) -> JobId {
     }
 }
 
-/// Up to `most` tasks.
+/// Leases up to `most` tasks.
 #[track_caller]
 pub(super) fn lease(queue: &dyn Queue, most: usize) -> Vec<LeasedTask> {
     queue.lease(most.try_into().unwrap()).unwrap()

@@ -1,4 +1,4 @@
-//! Opening an object store by its URL.
+//! Opens an object store by its URL.
 
 use std::{sync::Arc, time::Duration};
 
@@ -10,38 +10,38 @@ use object_store::{
 
 use crate::store::{ConnectError, certificates};
 
-/// How long a request is retried.
+/// Time limit for retries of a request.
 const RETRY: Duration = Duration::from_secs(8);
-/// Timeout until the first byte of an answer, and between two reads of it. A large answer may take as long as it keeps
-/// coming.
+/// Timeout until the first byte of a response, and between two reads. A large response may take longer in total.
 const READ_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// Environment variables with URLs of stores.
+/// Environment variables that may contain URLs of stores.
 const ENDPOINTS: [&str; 5] =
     ["AWS_ENDPOINT", "AWS_ENDPOINT_URL", "AWS_ENDPOINT_URL_S3", "AZURE_STORAGE_ENDPOINT", "GOOGLE_BASE_URL"];
 
-/// The variables with credentials.
-const SETTINGS: &str = "s3:// takes AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY or the machine's role, gs:// \
-    GOOGLE_SERVICE_ACCOUNT, az:// AZURE_STORAGE_ACCOUNT_NAME and AZURE_STORAGE_ACCOUNT_KEY";
+/// A hint about the variables with credentials.
+const SETTINGS: &str = "s3:// needs AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY, or the machine's role; gs:// needs \
+    GOOGLE_SERVICE_ACCOUNT; az:// needs AZURE_STORAGE_ACCOUNT_NAME and AZURE_STORAGE_ACCOUNT_KEY";
 
-/// Parts of the addresses at which a machine in a cloud is asked for its role's credentials if none are set.
+/// Parts of metadata addresses in clouds. A client without credentials requests the machine's role there.
 const METADATA: [&str; 3] = ["/latest/api/token", "/computeMetadata/", "/metadata/identity/"];
 
-/// The object that is written to find out whether the store can be written.
+/// The object for testing whether the store can be written.
 const MARK: &str = "ltcforge";
 
-/// Installs the provider of cryptography that reqwest uses.
+/// Installs the cryptography provider for reqwest.
 pub(super) fn install_crypto() {
-    // This fails if one was installed before, which is fine.
+    // This fails if a provider is already installed, which is fine.
     let _ = rustls::crypto::ring::default_provider().install_default();
 }
 
 /// The error of a missing setting.
 pub(super) fn lacking(url: &str, reason: &str) -> ConnectError {
-    ConnectError(format!("the environment lacks what {url} needs: {reason}"))
+    ConnectError(format!("the environment lacks settings for {url}: {reason}"))
 }
 
-/// The store of `url`, with credentials as the provider's own tools read them from the environment.
+/// Connects to the store of `url`. Reads credentials from the environment, from the same variables as the provider's
+/// tools.
 pub(super) fn connect(url: &str) -> Result<(Arc<dyn ObjectStore>, Path), ConnectError> {
     let bad = |url: &str, reason: &str| {
         let schemes = "use s3://BUCKET/PREFIX, gs:// or az://";
@@ -49,7 +49,7 @@ pub(super) fn connect(url: &str) -> Result<(Arc<dyn ObjectStore>, Path), Connect
     };
     let parsed = reqwest::Url::parse(url).map_err(|error| bad(url, &error.to_string()))?;
     if !parsed.username().is_empty() || parsed.password().is_some() || parsed.query().is_some() {
-        let reason = "credentials are not part of the URL; they are read from the environment";
+        let reason = "leave credentials out of the URL; they are read from the environment";
         return Err(bad(&format!("{}://...", parsed.scheme()), reason));
     }
     let (scheme, prefix) = ObjectStoreScheme::parse(&parsed).map_err(|error| bad(url, &error.to_string()))?;
@@ -63,7 +63,7 @@ pub(super) fn connect(url: &str) -> Result<(Arc<dyn ObjectStore>, Path), Connect
         has_plain_endpoint |= endpoint.scheme() == "http";
         if !endpoint.username().is_empty() || endpoint.password().is_some() {
             return Err(ConnectError(format!(
-                "the environment variable {name} has a user or a password, which errors would show; use variables for credentials"
+                "the environment variable {name} has a user or a password, which errors would show; use the variables for credentials"
             )));
         }
         if endpoint.scheme() == "http" && scheme == ObjectStoreScheme::AmazonS3 && name.starts_with("AWS") && !is_plain
@@ -89,11 +89,11 @@ pub(super) fn connect(url: &str) -> Result<(Arc<dyn ObjectStore>, Path), Connect
             built!(GoogleCloudStorageBuilder::from_env().with_client_options(client))
         }
         ObjectStoreScheme::MicrosoftAzure => built!(MicrosoftAzureBuilder::from_env().with_client_options(client)),
-        _ => Err(bad(url, &format!("`{}` is not one of its schemes", parsed.scheme()))),
+        _ => Err(bad(url, &format!("the scheme `{}` is not supported", parsed.scheme()))),
     }
 }
 
-/// Whether the store can be read, or written if `writes`.
+/// Checks that the store can be read, or written if `writes`.
 pub(super) async fn probe(store: &dyn ObjectStore, prefix: &Path, url: &str, writes: bool) -> Result<(), ConnectError> {
     let (verb, done) = if writes {
         let mark = prefix.clone().join(MARK);
@@ -108,7 +108,7 @@ pub(super) async fn probe(store: &dyn ObjectStore, prefix: &Path, url: &str, wri
         if matches!(error, Error::PermissionDenied { .. } | Error::Unauthenticated { .. }) {
             ConnectError(format!("the object store {url} cannot be {verb}: {reason}"))
         } else if is_missing {
-            ConnectError(format!("the object store {url} does not exist: {reason}"))
+            ConnectError(format!("the object store {url} does not exist: {reason}; create the bucket first"))
         } else if METADATA.iter().any(|address| reason.contains(address)) {
             lacking(url, &format!("no credentials are set: {reason}; {SETTINGS}"))
         } else {

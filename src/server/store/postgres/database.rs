@@ -20,29 +20,29 @@ use crate::store::{ConnectError, StoreError, certificates, threads::Threads};
 /// A connection of the pool.
 pub(crate) type Client = deadpool_postgres::Client;
 
-/// How long connecting may take, and how long the server may not respond.
+/// Time limit for connecting, and for a server that does not respond.
 const TIMEOUT: Duration = Duration::from_secs(5);
 
-/// How long an operation may take, with waiting for a connection and all retries.
+/// Time limit for an operation, including waiting for a connection and all retries.
 const LIMIT: Duration = Duration::from_secs(20);
 
-/// How long a connection that nobody uses is kept.
+/// How long an unused connection is kept.
 const IDLE: Duration = Duration::from_secs(60);
 
 /// How long an operation is retried after its connection was lost.
 const RETRY: Duration = Duration::from_secs(5);
 
-/// The first pause between two tries, and the longest.
+/// The first and the longest pause between two tries.
 const PAUSES: (Duration, Duration) = (Duration::from_millis(20), Duration::from_millis(500));
 
-/// Settings of every connection: each statement is to use indexes, whatever the statistics and the arguments; it is planned
-/// once for a connection, and compiling it takes longer than running it. The server ends what this process does not end
-/// any more.
+/// Settings of every connection. Every statement must use indexes, whatever the statistics and the arguments. It is
+/// planned once per connection. JIT is off, because compiling a statement takes longer than running it. The timeouts
+/// end statements and transactions of dead processes.
 const SETTINGS: &str = "SET jit = off; SET enable_seqscan = off; SET enable_bitmapscan = off; SET enable_hashjoin = off; \
     SET enable_mergejoin = off; SET plan_cache_mode = force_generic_plan; SET client_connection_check_interval = 5000; \
     SET statement_timeout = 30000; SET idle_in_transaction_session_timeout = 60000";
 
-/// Why a process cannot write, in words; NULL if it can.
+/// Selects the reason why the process cannot write; NULL if it can.
 const FAULT: &str = "
     SELECT CASE WHEN current_setting('transaction_read_only') = 'on' THEN 'its transactions are read-only' ELSE (
         SELECT 'the role ' || current_user || ' may not write ' || string_agg(relname, ', ' ORDER BY relname)
@@ -53,9 +53,9 @@ const FAULT: &str = "
             OR relkind = 'S' AND NOT has_sequence_privilege(oid, 'USAGE'))
     ) END";
 
-const STRAY_AT: &str = "in a user or a password, @ : / ? # are written as %40 %3A %2F %3F %23";
+const STRAY_AT: &str = "in the user and the password, write @ : / ? # as %40 %3A %2F %3F %23";
 
-/// Whether a URL has an `@` that does not end the user and the password. Parsers would take a part of the password for
+/// Whether a URL has an `@` that does not end the user and the password. Parsers would read a part of the password as
 /// the host or the name, and errors would show it.
 fn has_stray_at(url: &str) -> bool {
     let Some((_, rest)) = url.split_once("://") else { return false };
@@ -65,7 +65,7 @@ fn has_stray_at(url: &str) -> bool {
 
 /// A PostgreSQL database with the schema of this program. Its methods block: do not call them in async tasks.
 pub struct Database {
-    /// Runs the connections.
+    /// The threads that run the connections.
     threads: Threads,
     pool: Pool,
     /// Host, port and name.
@@ -79,10 +79,10 @@ impl fmt::Debug for Database {
 }
 
 impl Database {
-    /// Connections of a process, at most, by default.
+    /// The default maximum number of connections of a process.
     pub const CONNECTIONS: NonZeroUsize = NonZeroUsize::new(16).unwrap();
 
-    /// Connects to the database of `url` and brings its schema up to date.
+    /// Connects to the database of `url` and updates its schema.
     ///
     /// # Errors
     /// The reason, as a text.
@@ -90,7 +90,8 @@ impl Database {
         Self::open_with(url, Self::CONNECTIONS)
     }
 
-    /// As [`Self::open`], with at most so many connections. One is enough: no operation needs another while it has one.
+    /// As [`Self::open`], with a maximum number of connections. One is enough, because no operation needs two at the
+    /// same time.
     ///
     /// # Errors
     /// The reason, as a text.
@@ -107,10 +108,10 @@ impl Database {
         if has_stray_at(url) {
             return Err(bad_url(STRAY_AT));
         }
-        // The error has the name of a parameter, never its value.
+        // The error contains the name of a parameter, never its value.
         let mut config: Config = url.parse().map_err(|error: tokio_postgres::Error| bad_url(&failure::text(&error)))?;
         if config.get_hosts().is_empty() {
-            return Err(bad_url("it has no host"));
+            return Err(bad_url("the host is missing"));
         }
         config.connect_timeout(TIMEOUT).keepalives_idle(TIMEOUT).tcp_user_timeout(2 * TIMEOUT);
         if config.get_application_name().is_none() {
@@ -125,11 +126,11 @@ impl Database {
         };
         let timeouts = Timeouts { wait: Some(6 * TIMEOUT), create: Some(2 * TIMEOUT), recycle: Some(TIMEOUT) };
         let pool = Pool::builder(manager).max_size(connections.get()).timeouts(timeouts).runtime(PoolRuntime::Tokio1);
-        // Not among the startup parameters, of which a pooler in between knows only some.
+        // The settings are not startup parameters, because a pooler may reject some of them.
         let pool = pool.post_create(Hook::async_fn(|client: &mut ClientWrapper, _| {
             Box::pin(async { client.batch_execute(SETTINGS).await.map_err(HookError::Backend) })
         }));
-        // The last one used is used next, so that the others are idle.
+        // The most recently used connection is used next, so the others become idle.
         let pool = pool.queue_mode(QueueMode::Lifo).build().map_err(failed)?;
         let idle = pool.clone();
         let close_idle = async move {
@@ -151,12 +152,12 @@ impl Database {
         let reason = failure::text(error);
         let is = |state: &SqlState| error.code() == Some(state);
         let is_role = is(&SqlState::INVALID_AUTHORIZATION_SPECIFICATION);
-        // pg_hba.conf has no entry for a connection without TLS.
+        // pg_hba.conf does not allow connections without TLS.
         let needs_tls = is_role && reason.contains("no encryption");
         let is_unanswered = error.code().is_none();
         if needs_tls || is_unanswered && (reason.contains("TLS") || reason.contains("certificate")) {
             ConnectError(format!(
-                "{database}: {reason}; `sslmode` is `disable`, `prefer` or `require`; certificates are always verified"
+                "{database}: {reason}; `sslmode` must be `disable`, `prefer` or `require`; certificates are always verified"
             ))
         } else if is_role || is(&SqlState::INVALID_PASSWORD) || is_unanswered && reason.contains("password") {
             ConnectError(format!("{database} refuses the user or the password: {reason}"))
@@ -170,7 +171,7 @@ impl Database {
         self.threads.block_on(work)
     }
 
-    /// A connection.
+    /// A connection of the pool.
     pub(crate) async fn client(&self) -> Result<Client, StoreError> {
         self.pool.get().await.map_err(|error| match error {
             PoolError::Backend(error) | PoolError::PostCreateHook(HookError::Backend(error)) => error.into(),
@@ -178,11 +179,11 @@ impl Database {
         })
     }
 
-    /// Runs `work` on a connection. If the connection is lost, or a transaction conflicts with another, `work` is retried
-    /// for some seconds. Its transaction may have been committed the first time.
+    /// Runs `work` on a connection. If the connection is lost or transactions conflict, `work` is retried for some
+    /// seconds. Its transaction may already have been committed the first time.
     ///
     /// # Errors
-    /// [`StoreError::Unavailable`] if it may succeed later, or the database's error.
+    /// [`StoreError::Unavailable`] if `work` may succeed later, or the database's error.
     #[expect(clippy::needless_pass_by_value, reason = "callers pass closures")]
     pub(crate) fn run<T>(&self, work: impl AsyncFn(&mut Client) -> Result<T, StoreError>) -> Result<T, StoreError> {
         self.block_on(async {
@@ -200,8 +201,8 @@ impl Database {
         })
     }
 
-    /// Runs `work` once. A connection that does not answer in time is given up: it may never answer, and others would
-    /// wait for it too.
+    /// Runs `work` once. A connection that does not respond in time is dropped, because it may never respond, and the
+    /// pool would reuse it.
     async fn tried<T>(
         &self,
         until: Instant,
@@ -216,7 +217,8 @@ impl Database {
         done.map_err(late)?
     }
 
-    /// Why it cannot be used now, in words: it does not answer, or nothing can be written.
+    /// The reason why the database cannot be used now; `None` if it can. For example, it does not respond or cannot be
+    /// written.
     pub(crate) fn fault(&self) -> Option<String> {
         let ask = async |client: &mut Client| {
             Ok(client.query_one(&client.prepare_cached(FAULT).await?, &[]).await?.get::<_, Option<String>>(0))
@@ -237,7 +239,7 @@ fn failed(error: impl fmt::Display) -> ConnectError {
     ConnectError(format!("the database: {error}"))
 }
 
-/// TLS with the system's certificates, or those of `SSL_CERT_FILE`.
+/// TLS with the certificates of the system or of `SSL_CERT_FILE`.
 fn tls() -> Result<MakeRustlsConnect, ConnectError> {
     let mut roots = rustls::RootCertStore::empty();
     roots.add_parsable_certificates(certificates::load().map_err(failed)?);
@@ -247,7 +249,7 @@ fn tls() -> Result<MakeRustlsConnect, ConnectError> {
     Ok(MakeRustlsConnect::new(config.with_root_certificates(roots).with_no_client_auth()))
 }
 
-/// Host, port and name of a database, without user and password.
+/// The name of a database for messages: name, host and port, without user and password.
 fn name(config: &Config) -> String {
     let host = match config.get_hosts().first() {
         Some(Host::Tcp(host)) => host.clone(),

@@ -12,11 +12,11 @@ impl From<Error> for ConnectError {
     }
 }
 
-/// Whether the same transaction may succeed if it is retried soon: the connection was lost, the server is starting,
-/// stopping or has no free connection, or two transactions conflicted.
+/// Whether the same transaction may succeed if it is retried soon. Examples: the connection was lost, the server is
+/// starting or stopping or has no free connection, or two transactions conflicted.
 pub(super) fn is_temporary(error: &Error) -> bool {
     let Some(code) = error.code() else {
-        // The server did not answer: the connection failed, unless the client itself found the error.
+        // The server did not respond. The connection failed, unless the client itself found the error.
         return error.is_closed() || causes(error).any(<dyn std::error::Error + 'static>::is::<std::io::Error>);
     };
     let temporary = [
@@ -27,7 +27,7 @@ pub(super) fn is_temporary(error: &Error) -> bool {
         SqlState::TOO_MANY_CONNECTIONS,
         SqlState::T_R_SERIALIZATION_FAILURE,
         SqlState::T_R_DEADLOCK_DETECTED,
-        // A standby that is not promoted yet.
+        // The server is a standby that is not promoted yet.
         SqlState::READ_ONLY_SQL_TRANSACTION,
         SqlState::QUERY_CANCELED,
         SqlState::LOCK_NOT_AVAILABLE,
@@ -52,7 +52,7 @@ impl From<Error> for StoreError {
     }
 }
 
-/// The error in one line: the server's message if it has answered, otherwise all causes.
+/// The error in one line: the server's message if it has responded, otherwise all causes.
 pub(super) fn text(error: &Error) -> String {
     if let Some(answer) = error.as_db_error() {
         return answer.message().replace('\n', " ");

@@ -1,6 +1,6 @@
 //! PostgreSQL: a pool of connections, the schema, and rows.
 //!
-//! Invariant: no error and no log line has a password; they name a database by host, port and name.
+//! Invariant: errors and log lines contain no password. They name a database by host, port and name.
 
 mod database;
 mod failure;

@@ -31,7 +31,7 @@ impl PostgresRows {
 
 /// Applies a batch in the transaction of `client`.
 pub(crate) async fn apply(client: &impl GenericClient, batch: &Batch) -> Result<(), tokio_postgres::Error> {
-    // In order: the last change of a key counts.
+    // The order matters: the last change of a key wins.
     for (tree, key, value) in &batch.changes {
         if let Some(value) = value {
             let put = "INSERT INTO ltcforge.rows (tree, key, value) VALUES ($1, $2, $3)
@@ -45,7 +45,7 @@ pub(crate) async fn apply(client: &impl GenericClient, batch: &Batch) -> Result<
     Ok(())
 }
 
-/// A shard's result as it is stored in a task: with a hash in front of it.
+/// A shard's result with a hash in front of it, as it is stored in a task.
 pub(crate) fn seal_result(result: &[u8]) -> Vec<u8> {
     seal::seal(Tree::Results.name(), &[], result)
 }

@@ -1,4 +1,4 @@
-//! Data folders: damaged, newer, full, in use, and of earlier versions.
+//! Data folders that are damaged, newer, full, in use, or from earlier versions.
 
 use std::{
     fs::{self, File},
@@ -31,7 +31,7 @@ fn has_blob(store: &Store) -> bool {
     store.blobs.get(Digest::of(BLOB)).unwrap().is_some()
 }
 
-/// Number of databases in quarantine.
+/// The number of databases in quarantine.
 fn moved(dir: &Path) -> usize {
     let Ok(entries) = fs::read_dir(dir.join("quarantine")) else { return 0 };
     entries.filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().starts_with("db-")).count()
@@ -46,7 +46,7 @@ fn a_folder_has_one_user_at_a_time() {
     assert!(open(dir.path()).unwrap().is_clean);
 }
 
-/// Either the database is moved aside, or all rows that it gives are right.
+/// Checks that a damaged database is moved to quarantine, or that all its rows are correct.
 #[test]
 fn flipped_bits_move_the_database_aside_or_change_no_value_and_lose_no_blob() {
     let dir = tempfile::tempdir().unwrap();
@@ -72,7 +72,7 @@ fn flipped_bits_move_the_database_aside_or_change_no_value_and_lose_no_blob() {
         }
         store.rows.commit(&batch(Tree::Jobs, "new", b"job")).unwrap();
     }
-    // sled takes some damage for the end of its log: rows are missing then.
+    // sled takes some damage for the end of its log. Then rows are missing.
     assert!(replaced > 0);
 }
 

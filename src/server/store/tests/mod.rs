@@ -6,7 +6,7 @@ mod small_disk;
 
 use super::{Batch, MemoryRows, Row, Rows, Tree};
 
-/// Any rows are found by key, by prefix and in order.
+/// Rows are found by key, by prefix and in order.
 pub(crate) fn rows_behave(rows: &dyn Rows) {
     let mut batch = Batch::default();
     for key in [b"a\xff".as_slice(), b"a\xff\xff", b"b", b""] {

@@ -1,4 +1,4 @@
-//! Rows that can be made to fail.
+//! Rows that fail on demand.
 
 use std::sync::{
     Arc,
@@ -7,11 +7,11 @@ use std::sync::{
 
 use crate::store::{Batch, MemoryRows, Row, Rows, StoreError, Tree};
 
-/// Rows in memory that outlive the queue above them.
+/// Rows in memory that outlive their queue.
 #[derive(Debug, Default, Clone)]
 pub(crate) struct PowerRows {
     pub(crate) rows: Arc<MemoryRows>,
-    /// While it is set, nothing can be written.
+    /// While this is set, nothing can be written.
     pub(crate) is_full: Arc<AtomicBool>,
 }
 

@@ -1,12 +1,12 @@
-//! A disk that can be filled, for tests.
+//! A small disk for tests, which can be filled.
 
 use std::{fs, fs::File, io::Write as _, path::PathBuf, process::Command};
 
-/// A file system of its own, unmounted when dropped.
+/// A separate file system, unmounted when dropped.
 pub(crate) struct SmallDisk(pub(crate) PathBuf);
 
 impl SmallDisk {
-    /// 16 MB at a new folder; `None`, with a message, without the right to mount.
+    /// Mounts 16 MB at a new folder. Prints a message and returns `None` without the right to mount.
     pub(crate) fn mount(at: PathBuf) -> Option<Self> {
         fs::create_dir(&at).unwrap();
         let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", "size=16m", "tmpfs"]).arg(&at).output();
@@ -31,7 +31,7 @@ impl SmallDisk {
 
 impl Drop for SmallDisk {
     fn drop(&mut self) {
-        // The folder goes with the test's temporary folder.
+        // The test deletes the folder with its temporary folder.
         let _ = Command::new("umount").arg("-l").arg(&self.0).status();
     }
 }

@@ -1,4 +1,4 @@
-//! Databases of tests.
+//! Databases for tests.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use crate::store::{Batch, Rows as _, StoreError, Tree};
 
 pub(crate) mod throwaway;
 
-/// An empty database with the current schema; `None`, with a message, where PostgreSQL is not installed.
+/// An empty database with the current schema. Prints a message and returns `None` if PostgreSQL is not installed.
 pub(crate) fn database() -> Option<Arc<Database>> {
     Some(Database::open(&throwaway::empty_database()?).unwrap())
 }
@@ -42,7 +42,7 @@ fn an_operation_goes_on_after_the_server_was_started_again() {
     rows.commit(&batch).unwrap();
     server.stop();
     std::thread::scope(|scope| {
-        // On a busy machine the server starts later than an operation is retried.
+        // On a busy machine, starting the server takes longer than the retries of an operation.
         let reading = scope.spawn(|| {
             loop {
                 match rows.get(Tree::Tables, b"a") {

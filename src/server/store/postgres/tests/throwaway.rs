@@ -14,9 +14,9 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Makes a database cluster in `$1` with the programs in `$2`, or copies the one whose socket is in `$4`. Runs the
-/// server with the arguments `$3` until standard input ends, then removes it. The server refuses to run as root, so
-/// root runs it as `nobody`.
+/// Makes a database cluster in `$1` with the programs in `$2`, or copies the cluster whose socket is in `$4`. Runs the
+/// server with the arguments `$3` until standard input ends, then removes the cluster. PostgreSQL does not run as root,
+/// so root runs it as `nobody`.
 const SCRIPT: &str = r#"
 as=''; if [ "$(id -u)" = 0 ]; then as='setpriv --reuid=65534 --regid=65534 --clear-groups'; chown 65534:65534 "$1"; fi
 cd "$1"
@@ -37,7 +37,7 @@ as=''; if [ "$(id -u)" = 0 ]; then as='setpriv --reuid=65534 --regid=65534 --cle
 exec $as "$@"
 "#;
 
-/// How long the server may take to start.
+/// Time limit for starting the server.
 const DEADLINE: Duration = Duration::from_secs(60);
 
 /// A running server. Its shell stops it when this process ends, even if it is killed.
@@ -49,26 +49,26 @@ pub struct Server {
     databases: AtomicU32,
 }
 
-/// The server that the tests of this process share. Its data need not survive, so it does not wait for the disk.
+/// The server that the tests of this process share. It does not wait for the disk, because its data need not survive.
 static SHARED: LazyLock<Option<Server>> = LazyLock::new(|| Server::start("-c fsync=off"));
 
-/// The URL of an empty database on the shared server; `None`, with a message, where PostgreSQL is not installed.
+/// The URL of an empty database on the shared server. Prints a message and returns `None` without PostgreSQL.
 pub fn empty_database() -> Option<String> {
     SHARED.as_ref().map(Server::empty_database)
 }
 
-/// The server of [`empty_database`]; `None`, with a message, where PostgreSQL is not installed.
+/// The server of [`empty_database`]. Prints a message and returns `None` without PostgreSQL.
 pub fn shared() -> Option<&'static Server> {
     SHARED.as_ref()
 }
 
 impl Server {
-    /// Starts a server with further arguments; `None`, with a message, where PostgreSQL is not installed.
+    /// Starts a server with more arguments. Prints a message and returns `None` without PostgreSQL.
     pub fn start(arguments: &str) -> Option<Self> {
         Self::start_as(arguments, None)
     }
 
-    /// A standby, which follows this server until it is promoted.
+    /// Starts a standby, which follows this server until it is promoted.
     pub fn standby(&self) -> Option<Self> {
         Self::start_as(&self.arguments, Some(&self.folder))
     }
@@ -76,7 +76,7 @@ impl Server {
     fn start_as(arguments: &str, copy_of: Option<&Path>) -> Option<Self> {
         static SERVERS: AtomicU32 = AtomicU32::new(0);
         let Some(programs) = programs() else {
-            tell_skipped("there is no PostgreSQL server here; `make cluster` installs it");
+            print_skipped("there is no PostgreSQL server here; `make cluster` installs it");
             return None;
         };
         let number = SERVERS.fetch_add(1, Ordering::Relaxed);
@@ -98,12 +98,12 @@ impl Server {
         }
     }
 
-    /// Stops it at once: connections end, and committed data stays.
+    /// Stops the server at once. Connections end, and committed data stays.
     pub fn stop(&self) {
         self.control(&["-m", "immediate", "stop"]);
     }
 
-    /// Starts it again.
+    /// Starts the server again.
     pub fn start_again(&self) {
         let options =
             format!("-k {} -c listen_addresses= -c max_connections=300 {}", self.folder.display(), self.arguments);
@@ -124,7 +124,7 @@ impl Server {
         assert!(command.status().expect("pg_ctl").success(), "pg_ctl {arguments:?}");
     }
 
-    /// Whether it answers.
+    /// Whether the server responds.
     pub fn is_ready(&self) -> bool {
         let mut command = self.client("pg_isready");
         command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
@@ -143,17 +143,17 @@ impl Server {
         format!("postgres://postgres@/{name}?host={}&sslmode=disable", self.folder.display())
     }
 
-    /// Its socket.
+    /// The socket of the server.
     pub fn socket(&self) -> PathBuf {
         self.folder.join(".s.PGSQL.5432")
     }
 
-    /// Its folder, which has its socket.
+    /// The folder of the server, which contains its socket.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// One of PostgreSQL's programs, with arguments that connect to this server.
+    /// A program of PostgreSQL, with arguments that connect to this server.
     pub fn client(&self, program: &str) -> Command {
         let mut command = Command::new(self.programs.join(program));
         command.arg("-h").arg(&self.folder).args(["-U", "postgres"]);
@@ -177,7 +177,7 @@ impl Drop for Server {
     }
 }
 
-/// The folder of the server's programs: where Debian puts them, or in `PATH`.
+/// The folder of the server's programs: Debian's, or the one in `PATH`.
 fn programs() -> Option<PathBuf> {
     let on_path = env::split_paths(&env::var_os("PATH")?).collect::<Vec<_>>();
     let mut debian: Vec<PathBuf> = fs::read_dir("/usr/lib/postgresql")
@@ -193,9 +193,9 @@ fn programs() -> Option<PathBuf> {
     debian.into_iter().chain(on_path).find(has_all)
 }
 
-/// Prints why the running test is skipped, past the test harness, which would hide it.
-fn tell_skipped(reason: &str) {
+/// Prints why the running test is skipped, directly to the terminal, because the test harness would hide it.
+fn print_skipped(reason: &str) {
     let name = thread::current().name().unwrap_or_default().to_owned();
-    // The test does not fail if this cannot be printed.
+    // A test does not fail because of this message.
     let _ = std::io::stderr().write_all(format!("\n*** SKIPPED: {name}: {reason}\n\n").as_bytes());
 }
