@@ -284,5 +284,5 @@ impl Pulling<'_, '_> {
     }
 }
 
-/// What to do when a pinned file is not one that this program makes.
+/// The advice for a pinned file that this version does not make.
 const ADVICE: &str = "run `ltcforge lock` to pin the files of this version";

@@ -254,7 +254,7 @@ const NO_MODULE: &str = "--es-module needs -o NAME.js or -o NAME.mjs";
 fn refusal(args: &ShaderArgs) -> Option<String> {
     let AdditionArgs { cut, compensate, textured } = args.additions;
     let (language, model, form) = (args.language, args.model, args.form);
-    // Those with `true` are for a text to include.
+    // The flag is true for options of `--as include`.
     let options = [
         ("--model", model != LightModel::Ltc, false),
         ("--rule", args.rule.is_some(), false),

@@ -18,7 +18,7 @@ use ltcforge_files::{
 /// The folders that are searched for tables by default: the one that `fit` writes to, and the one that the manual uses.
 pub(super) const TABLE_FOLDERS: [&str; 2] = [".", "tables"];
 
-/// The path of the table that `name` stands for: a path, or a digest or its beginning, as `fit` prints it. A digest is
+/// The path of a table by its path, its digest, or the first digits of its digest, as `fit` prints it. A digest is
 /// searched in `folder`, or without one in each of [`TABLE_FOLDERS`].
 ///
 /// # Errors

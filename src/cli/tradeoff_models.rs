@@ -10,7 +10,7 @@ use ltcforge_view::{
     tradeoff::{LIGHTS, ModelRow, ModelRows},
 };
 
-/// A table that stands for model `ltc`, or for fitted Gaussians.
+/// A table that represents model `ltc` or fitted Gaussians.
 pub(super) struct FittedTable {
     pub(super) recipe: Recipe,
     pub(super) table: Table,

@@ -89,7 +89,7 @@ fn all_of(failures: Vec<CommandFailure>) -> Result<(), CommandFailure> {
 enum Found {
     /// A table, or files of one.
     Table(Digest),
-    /// So many files that are named by their digests.
+    /// The number of files that are named by their digests.
     Blobs(u64),
 }
 

@@ -1,4 +1,4 @@
-//! `verify` of the files of an export: by their manifest, and made anew from the recipe that it has.
+//! `verify` of the files of an export: against their manifest, and exported again from its recipe.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -30,7 +30,7 @@ struct Listed {
     sha256: String,
 }
 
-/// The manifest that `name` stands for: it, or the folder that has it.
+/// The manifest of an export, by its own name or by its folder.
 pub(super) fn manifest_of(name: &Path) -> Option<PathBuf> {
     if name.is_dir() {
         return Some(name.join(MANIFEST));

@@ -1,4 +1,4 @@
-//! What makes `serve` one of several processes on a shared database and object store.
+//! Flags with which `serve` shares a database and an object store with other processes.
 
 use std::{
     num::{NonZeroU64, NonZeroUsize},
