@@ -30,12 +30,12 @@ pub enum Error {
     /// A file cannot be read or written.
     #[error("{}: {source}", path.display())]
     File {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Why.
+        /// The system's error.
         source: io::Error,
     },
-    /// Bytes are no picture of a light.
+    /// Bytes are not a picture of a light.
     #[cfg(feature = "textures")]
     #[error(transparent)]
     Picture(#[from] ltcforge_textures::LightFileError),
