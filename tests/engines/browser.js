@@ -1,4 +1,4 @@
-// A browser that needs no GPU and no display, and pages that say what goes wrong in them.
+// A browser that needs no GPU and no display, and pages whose errors are printed.
 
 import { chromium } from 'playwright-core';
 
@@ -8,8 +8,8 @@ import { repacked, stock } from './tables.js';
 const FLAGS = [ '--no-sandbox', '--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist' ];
 
 /**
- * Milliseconds after which a browser is taken to hang. A run takes half a minute, and three where five others share its
- * two cores. No other time is limited, so that a busy machine fails no test.
+ * The longest run of a browser in milliseconds. A run takes half a minute, or three minutes if five others share its two cores.
+ * No other time is limited, so that a busy machine does not fail tests.
  */
 const DEADLINE = 600_000;
 
@@ -42,12 +42,12 @@ const TABLES = {
 	'https://raw.githubusercontent.com/playcanvas/engine/main/examples/assets/json/area-light-luts.json': 'playcanvas/area-light-luts.json',
 };
 
-/** A page whose errors are printed. `faults` collects them. Engines' tables come from here. */
+/** Opens a page. Its errors are printed and added to `faults`. The tables of engines are served from here. */
 export async function openPage( browser, name, address, faults = [] ) {
 
 	const page = await browser.newPage();
 	page.setDefaultTimeout( 0 );
-	const tell = ( text ) => {
+	const report = ( text ) => {
 
 		faults.push( text );
 		console.error( `${ name }: ${ text }` );
@@ -57,8 +57,8 @@ export async function openPage( browser, name, address, faults = [] ) {
 	for ( const [ address, file ] of Object.entries( TABLES ) ) await page.route( address, ( route ) => route.fulfill( {
 		body: Buffer.from( repacked[ file ]( stock() ) ), headers: { 'access-control-allow-origin': '*' },
 	} ) );
-	page.on( 'console', ( message ) => message.type() === 'error' && tell( message.text() ) );
-	page.on( 'pageerror', ( error ) => tell( error.message ) );
+	page.on( 'console', ( message ) => message.type() === 'error' && report( message.text() ) );
+	page.on( 'pageerror', ( error ) => report( error.message ) );
 	await page.goto( address );
 	return page;
 

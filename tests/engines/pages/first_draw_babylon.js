@@ -22,7 +22,7 @@ export async function firstDraw( way, lights ) {
 
 	};
 
-	// The context's own start is not the material's. Nor are the lamps, which are not lit.
+	// The start of the context and of the unlit lamps does not count.
 	await milliseconds( ( material ) => Object.assign( material, { unlit: true } ) );
 	return milliseconds( ( material ) => text ? withClosedFormAreaLights( material, text, BABYLON ) : material );
 

@@ -25,7 +25,7 @@ export async function firstDraw( way, lights, _, unclustered ) {
 
 	};
 
-	// The context's own start is not the material's. Nor are the lamps, which are not lit.
+	// The start of the context and of the unlit lamps does not count.
 	await milliseconds( ( material ) => {
 
 		Object.assign( material, { useLighting: false } ).update();
