@@ -27,7 +27,7 @@ impl Wanted {
     }
 }
 
-/// How sources are accessed.
+/// The settings for access to sources.
 #[derive(Clone, Copy)]
 pub struct Access<'a> {
     /// The longest file whose size is not stated.

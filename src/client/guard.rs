@@ -1,4 +1,4 @@
-//! One writer of a lock file at a time.
+//! A guard that allows one writer of a lock file at a time.
 
 use std::{
     env,
@@ -36,7 +36,7 @@ impl Guard {
             }
             Err(fs::TryLockError::Error(error)) => Err(error),
         };
-        // The folder itself leaves no file behind, but Windows opens no folders, and NFS locks none.
+        // A lock on the folder itself leaves no file behind, but Windows cannot open folders, and NFS cannot lock them.
         if let Ok(guard) = File::open(folder).and_then(&mut locked) {
             return Ok(guard);
         }

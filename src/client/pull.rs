@@ -60,7 +60,7 @@ pub enum PullError {
         path: PathBuf,
         /// Its folder, without links.
         real: PathBuf,
-        /// Why nothing is written there.
+        /// The reason that nothing is written there.
         reason: &'static str,
     },
 }
@@ -107,7 +107,7 @@ pub fn digest_of_file(path: &Path) -> io::Result<(Digest, u64)> {
 /// not lead a write out of the checkout, or to the files of version control, editors and tools.
 ///
 /// # Errors
-/// When a link leads to such a place, or a folder on the way cannot be read.
+/// When a link leads out of the checkout or to such files, or a folder on the way cannot be read.
 pub fn target(path: &Path, folder: &Path) -> Result<PathBuf, PullError> {
     let named = folder.join(path);
     let failed = |source| PullError::File { path: named.clone(), source };

@@ -145,7 +145,7 @@ pub fn presets(published: Option<&Path>) -> Result<String, Box<dyn std::error::E
     Ok(out)
 }
 
-/// Every fifth node of the uniform grid, without those whose ratio is zero.
+/// Every fifth node of the uniform grid, except nodes with ratio zero.
 fn grid() -> Vec<Configuration> {
     let part = |i: u32| f64::from(i) / f64::from(GRID - 1);
     let node = |index: u32| {

@@ -4,7 +4,7 @@ import { chromium } from 'playwright-core';
 
 import { repacked, stock } from './tables.js';
 
-/** WebGL2 by Mesa's rasterizer on the processor. */
+/** Flags for WebGL 2 by Mesa's software rasteriser. */
 const FLAGS = [ '--no-sandbox', '--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist' ];
 
 /**
@@ -13,7 +13,7 @@ const FLAGS = [ '--no-sandbox', '--use-gl=angle', '--use-angle=gl-egl', '--ignor
  */
 const DEADLINE = 600_000;
 
-/** Runs `work` with a browser, started with more flags, and ends it. */
+/** Starts a browser with more flags, runs `work` with it, and closes it. */
 export async function withBrowser( program, work, flags = [] ) {
 
 	const deadline = setTimeout( () => {
@@ -36,7 +36,7 @@ export async function withBrowser( program, work, flags = [] ) {
 
 }
 
-/** The tables that engines fetch from their servers, and the stock tables as they have them. */
+/** The addresses of tables that engines fetch from their servers, and their files of stock tables. */
 const TABLES = {
 	'https://assets.babylonjs.com/core/areaLights/areaLightsLTC.bin': 'babylon/areaLights/areaLightsLTC.bin',
 	'https://raw.githubusercontent.com/playcanvas/engine/main/examples/assets/json/area-light-luts.json': 'playcanvas/area-light-luts.json',

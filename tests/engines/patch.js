@@ -17,7 +17,7 @@ const { values } = parseArgs( { options: {
 	ltcforge: { type: 'string' }, chromium: { type: 'string' }, package: { type: 'string' }, picture: { type: 'string' },
 } } );
 
-/** The truth at the pixels that show the floor, as three.js layers a coat: the base times what the coat lets through, and the coat. */
+/** The truth at the pixels of the floor with a coat as in three.js: the base times the transmission of the coat, plus the coat. */
 async function truthOfCoat() {
 
 	const points = pointsOf( views[ 1 ] );

@@ -5,7 +5,7 @@ import { join } from 'node:path';
 
 import { openPage } from './browser.js';
 
-/** The page that a package's README has. */
+/** The page in the README of a package. */
 export async function pageOfReadme( folder ) {
 
 	const readme = await readFile( join( folder, 'README.md' ), 'utf8' );

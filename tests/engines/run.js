@@ -74,7 +74,7 @@ const COLUMNS = [ 'stock tables', 'ours', 'truth', `${ ERROR_SCALE } x error, st
 /** The font of all pictures in the docs. */
 const FONT = new URL( '../../src/view/picture/font/dejavu_sans.ttf', import.meta.url );
 
-/** Writes a row for each picture: by the stock tables, by ours, the truth, and the errors of both. */
+/** Writes a row for each picture: by the stock tables, by our tables, the truth, and the errors of both. */
 async function writePictures( browser, engine, drawn, truth ) {
 
 	const rows = pictures.map( ( _, number ) => {
@@ -158,7 +158,7 @@ if ( values.dielectric ) folders[ '/tables/dielectric/' ] = values.dielectric;
 const server = await serve( folders, answers );
 const address = `http://127.0.0.1:${ server.address().port }`;
 
-// One picture for three.js.
+// three.js has one picture for both renderers.
 const engines = values.pictures ? new Set( Object.values( ENGINES ) ) : Object.keys( ENGINES );
 
 const names = values.exports ? [ ...Object.keys( sets ), 'ours' ] : Object.keys( sets );

@@ -22,7 +22,7 @@ const lights = lightsOf( 1 );
 const points = Array.from( { length: width * height }, ( _, pixel ) => ( { pixel, ...seenBy( pixel % width, Math.floor( pixel / width ), width, height, lights ) } ) )
 	.filter( ( { surface } ) => surface >= 0 );
 
-/** What these pixels show of a picture by the program, in f64: red, green, blue of each. */
+/** The red, green and blue of these pixels under a picture, by the program in f64. */
 function byTheProgram( folder, png ) {
 
 	const path = join( folder, 'shown.png' );

@@ -49,7 +49,7 @@ function floorPoints() {
 
 }
 
-/** The light that the floor reflects at each point, of radiance one: by the table and in truth. */
+/** The light of radiance one that the floor reflects at each point: by the table and by the truth. */
 function reflected( points ) {
 
 	const rows = points.map( ( point ) => {

@@ -25,14 +25,14 @@ pub fn short_digest(digest: &str) -> &str {
     digest.get(..8).unwrap_or(digest)
 }
 
-/// Where a text is placed relative to its point.
+/// The position of a text relative to its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
-    /// It begins there.
+    /// The text begins at the point.
     Left,
-    /// Its middle is there.
+    /// The middle of the text is at the point.
     Middle,
-    /// It ends there.
+    /// The text ends at the point.
     Right,
 }
 

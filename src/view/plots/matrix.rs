@@ -72,7 +72,7 @@ fn is_off_diagonal([row, column]: [usize; 2]) -> bool {
 #[derive(Debug)]
 struct Tiling {
     nodes: PerAxis<usize>,
-    /// One node of this many is shown.
+    /// The step between shown nodes on each axis.
     step: PerAxis<usize>,
     /// Side of a cell in pixels.
     cell: usize,
@@ -106,7 +106,7 @@ impl Tiling {
         length(self.down(), self.cell)
     }
 
-    /// One panel, `width` pixels wide.
+    /// Draws a panel, `width` pixels wide.
     fn panel(&self, width: u32, numbers: &[f32], scale: &Scale) -> Picture {
         let mut picture = Picture::filled(width, self.height() as u32, GROUND);
         let (cell, step) = (self.cell as u32, &self.step);

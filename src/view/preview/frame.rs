@@ -24,7 +24,8 @@ pub(super) const LOWEST_VIEW: f32 = 1e-3;
 pub(super) struct Frame {
     pub(super) surface: Surface,
     pub(super) eye: Vec3,
-    /// From the middle of the image plane, at distance one, to its right and upper edges, and from the eye to it.
+    /// Vectors from the middle of the image plane, at distance one, to its right and upper edges, and from the eye to
+    /// it.
     pub(super) right: Vec3,
     pub(super) up: Vec3,
     pub(super) forward: Vec3,

@@ -25,7 +25,7 @@ pub struct Parameter {
 /// The form of a parameter, and its field in a scene.
 #[derive(Debug, Clone, Copy)]
 pub enum ParameterForm {
-    /// One of some names.
+    /// A name from a list.
     Name {
         /// The names.
         names: fn() -> Vec<&'static str>,

@@ -18,7 +18,7 @@ pub(super) const COMPARED: [LightModel; 2] = [LightModel::Ltc, LightModel::Norma
 pub struct Scene {
     /// The surface.
     pub surface: Surface,
-    /// One material, or up to four that share the picture, two a row.
+    /// One material, or up to four that share the picture in two columns.
     pub materials: Vec<Material>,
     /// Reflectance at normal incidence, linear sRGB. At grazing incidence it is one.
     pub f0: [f64; 3],

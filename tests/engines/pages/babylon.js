@@ -76,7 +76,7 @@ export async function draw( tables, dielectric ) {
 
 }
 
-/** Resolves once a texture has got its numbers; fails where Babylon says that it has none. */
+/** Resolves when a texture has its numbers. Fails if Babylon logs that the numbers are missing. */
 function updated( BABYLON, texture ) {
 
 	return new Promise( ( resolve, reject ) => {
@@ -98,7 +98,7 @@ function updated( BABYLON, texture ) {
 
 }
 
-/** Babylon's one script, which is no module. */
+/** Loads the script of Babylon, which is not a module. */
 export function library() {
 
 	return new Promise( ( resolve, reject ) => {

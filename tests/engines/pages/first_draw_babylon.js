@@ -5,7 +5,7 @@ import { withClosedFormAreaLights } from '/examples/babylon/ggx_area_light.js';
 import { library } from './babylon.js';
 import { textOf } from './first_draw_text.js';
 
-/** Milliseconds to the pixels of a floor under these lights. */
+/** Milliseconds from a first draw to the pixels of a floor under these lights. */
 export async function firstDraw( way, lights ) {
 
 	globalThis.BABYLON = await library();

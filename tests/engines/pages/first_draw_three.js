@@ -8,7 +8,7 @@ import { loadTable, withClosedFormAreaLights, withTableAreaLights } from '/examp
 import { litScene } from '/examples/three/lit_scene.js';
 import { textOf } from './first_draw_text.js';
 
-/** Milliseconds to the pixels of a floor under these lights. */
+/** Milliseconds from a first draw to the pixels of a floor under these lights. */
 export async function firstDraw( way, lights, clearcoat ) {
 
 	const renderer = new THREE.WebGLRenderer();

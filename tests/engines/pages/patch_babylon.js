@@ -123,7 +123,7 @@ export async function draw() {
 
 }
 
-/** One of Babylon's simpler materials that is lit as this one. */
+/** A simpler material of Babylon with the same light as this material. */
 function simpleOf( material ) {
 
 	const simple = new BABYLON.PBRMetallicRoughnessMaterial( 'metal', material.getScene() );

@@ -14,7 +14,7 @@ import { refusal } from './refusal.js';
 /** The contents of the light: the example's drawing and the second of the video, by name. */
 const SHOWN = { colour: [ 'colour', 0 ], picture: [ 'picture', 0 ], start: [ 'video', 0 ], later: [ 'video', 1.2 ] };
 
-/** A video that shows a canvas, as a texture that has its first frame. */
+/** A video of a canvas, as a texture that has its first frame. */
 async function playing( canvas ) {
 
 	const video = Object.assign( document.createElement( 'video' ), { srcObject: canvas.captureStream(), muted: true } );

@@ -80,7 +80,7 @@ export async function draw( tables, dielectric, isMixed ) {
 
 }
 
-/** Holds what a grey material, a quarter metal, shows to the same mix of what it shows as metal and as dielectric. */
+/** Checks that a material with metalness 0.25 equals the mix of its pictures as metal and as dielectric. */
 function requireMixed( material, shots ) {
 
 	material.color.setScalar( 0.5 );

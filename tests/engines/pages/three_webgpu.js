@@ -5,7 +5,7 @@ import { RectAreaLightTexturesLib } from 'three/addons/lights/RectAreaLightTextu
 
 import { height, light, pictures, redFromTop, table, width } from '/world.js';
 
-/** As in three.js. */
+/** Draws every picture, as in three.js. */
 export async function draw( tables, dielectric, isMixed ) {
 
 	const load = async ( folder ) => ( await import( `${ folder }/ltc.js` ) ).createLTC( THREE );
