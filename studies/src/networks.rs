@@ -260,8 +260,7 @@ impl Search {
 
     fn estimate(&self, features: &Features, units: &mut [f32]) -> Estimate {
         for (row, unit) in self.weights.chunks_exact(self.inputs + 1).zip(units.iter_mut()) {
-            let inputs = &features.inputs[..self.inputs];
-            let sum = row.iter().zip(inputs).fold(row[self.inputs], |sum, (w, x)| sum + w * x);
+            let sum = row.iter().zip(&features.inputs[..self.inputs]).fold(row[self.inputs], |s, (w, x)| s + w * x);
             *unit = sum.max(0.0);
         }
         let mut out = [0.0; OUTPUTS];

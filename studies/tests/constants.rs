@@ -77,12 +77,9 @@ fn the_bulge_of_arcs_is_the_best_of_the_grid() {
 fn a_short_search_comes_near_to_the_numbers_of_networks() {
     for (rule, most) in [(NormalsRule::Fast, 1.3), (NormalsRule::Balanced, 2.5), (NormalsRule::Fine, 2.5)] {
         let found = networks::find(&Options { rule, lights: 6000, rounds: 40, starts: 2, seed: 71 });
-        let [current, end] = found.held_out;
-        println!("{rule}: {end:.6}; current: {current:.6}; training: {:.6?}", found.training);
-        assert!(
-            (0.85..most).contains(&(end / current)) && found.training[1] < most * found.training[0],
-            "{rule}: {found:?}"
-        );
+        let ([current, end], training) = (found.held_out, found.training);
+        println!("{rule}: {end:.6}; current: {current:.6}; training: {training:.6?}");
+        assert!((0.85..most).contains(&(end / current)) && training[1] < most * training[0], "{rule}: {found:?}");
     }
 }
 
