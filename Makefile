@@ -1,23 +1,24 @@
-# `make demo` and `make test` need a Rust toolchain and nothing else: what they lack of Debian's packages they install, and
-# for the tests in real engines what npm has.
+# `make demo` and `make test` only need a Rust toolchain. They install missing Debian packages, and npm packages for the tests in
+# real engines.
 
 CARGO ?= cargo
-# As root apt-get runs as it is, otherwise through sudo.
+# apt-get runs through sudo, except as root.
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
-# The linker for crates, what the demo and the tests call, and a Vulkan driver that needs no GPU.
+# The linker for crates, programs that the demo and the tests call, and a Vulkan driver that needs no GPU.
 PACKAGES := gcc libc6-dev make curl jq ca-certificates mesa-vulkan-drivers
-# A proxy before the service; what checks translated shaders, runs the lines for CMake in docs/ci.md, and records what a service writes.
+# A proxy in front of the service, checkers of translated shaders, CMake for docs/ci.md, and strace to record the writes of a
+# service.
 TEST_PACKAGES := nginx-light spirv-tools glslang-tools cmake strace
-# The database of a service in several processes, a pooler of its connections, a link between them that loses packets, and a clock that is wrong.
+# The database of a cluster, a pooler of connections, a network link that loses packets, and a wrong clock.
 CLUSTER_PACKAGES := postgresql pgbouncer util-linux iproute2 nftables faketime
-# Debian has the modules that make a virtual environment apart from Python.
+# Debian packages the modules for virtual environments separately from Python.
 PYTHON_PACKAGES = $(shell python3 -c 'import ensurepip, venv' 2>/dev/null || echo python3-venv)
-# What runs engines and the page in a browser: WebGL by Mesa, and Node.js from wherever it came.
+# The browser for engines and the page, with WebGL by Mesa, and Node.js if it is missing.
 BROWSER_PACKAGES = chromium-headless-shell libegl1 libgl1-mesa-dri \
 	$(shell command -v node >/dev/null || echo nodejs) $(shell command -v npm >/dev/null || echo npm)
-# A layer of Mesa's looks for a display to choose a device by, and complains where there is none.
+# A layer of Mesa looks for a display to select a device, and prints warnings if there is no display.
 export NODEVICE_SELECT := 1
-# Mesa asks for it although it opens no window, and complains.
+# Mesa prints warnings without this variable, although it opens no window.
 export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
@@ -25,17 +26,17 @@ NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
-	@echo 'make release build, and list the crates that it is made of'
-	@echo 'make load    downloads beside nginx, requests while the service fits, 2,000 jobs: figures, and what they may be'
-	@echo 'make lighthouse  what Lighthouse says of the page'
+	@echo 'make release build, and write a list of the crates (CycloneDX)'
+	@echo 'make load    measure downloads against nginx, requests during fits, and 2,000 jobs, with their limits'
+	@echo 'make lighthouse  rate the page by Lighthouse'
 	@echo 'make figures draw the figures of studies/figures.md again'
-	@echo 'make test    run the tests that every change has to pass'
-	@echo 'make test-all run those, and the slow ones: engines, pages, schemathesis, pgbouncer, studies, documents of deploy/'
-	@echo 'make soak    kills, power cuts, histories of the queue and mutated inputs for up to an hour'
-	@echo 'make lint    rustfmt, clippy and docs, warnings denied'
-	@echo 'make bench   measure an evaluation, an entry, the speed-up over the published algorithm, a picture, a plan, what the service adds'
+	@echo 'make test    run the tests that every change must pass'
+	@echo 'make test-all also run slow tests: engines, pages, schemathesis, pgbouncer, studies, files of deploy/'
+	@echo 'make soak    test kills, power cuts, histories of the queue and mutated inputs for up to an hour'
+	@echo 'make lint    run rustfmt, clippy and rustdoc, with warnings as errors'
+	@echo 'make bench   measure a fit, its speed-up over the published algorithm, a picture, a plan, and the overhead of the service'
 
-# Asks apt only for what is missing, so that a machine without network or root works once it has everything.
+# Only installs missing packages, so that a machine with all packages needs no network and no root.
 packages:
 	@missing=; for p in $(PACKAGES) $(EXTRA_PACKAGES); do dpkg -s $$p >/dev/null 2>&1 || missing="$$missing $$p"; done; \
 	if [ -n "$$missing" ]; then \
@@ -47,7 +48,7 @@ demo: packages
 	$(CARGO) build --release --locked -p ltcforge
 	@LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" ./demo.sh
 
-# A file server to compare with, and what sends requests: as many as are answered, and at a constant rate.
+# A file server to compare with, and clients that send requests as fast as possible or at a constant rate.
 LOAD_PACKAGES := nginx-light wrk apache2-utils hey
 load: packages
 	@$(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(LOAD_PACKAGES)' \
@@ -56,13 +57,14 @@ load: packages
 	@missed=0; for part in downloads fitting jobs; do \
 		LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" load/$$part.sh || missed=1; echo; done; exit $$missed
 
-# Of the page; it is no test, since it installs 185 MB and its scores depend on the machine.
+# Rates the page. It is not a test, because it installs 185 MB and its scores depend on the machine.
 lighthouse: packages browser
 	$(CARGO) build --release --locked
 	@cd tests/page && npm install --no-save --ignore-scripts --no-audit --no-fund lighthouse@13.5.0 && \
 		node lighthouse.js --chromium "$$(command -v chromium-headless-shell)" --ltcforge "$(abspath $(or $(CARGO_TARGET_DIR),target))/release/ltcforge"
 
-# The program and a CycloneDX list of its crates. cargo-cyclonedx writes a list into the folder of each crate; the program's stays.
+# The program and a CycloneDX list of its crates. cargo-cyclonedx writes a list into the folder of each crate. Only the list of the
+# program is kept.
 release: packages
 	$(CARGO) build --release --locked
 	@if $(CARGO) cyclonedx --version >/dev/null 2>&1; then \
@@ -73,8 +75,8 @@ release: packages
 figures: packages
 	$(CARGO) run --release --locked -p ltcforge-studies -- figures -o studies/figures
 
-# Not every system has these packages, and not every machine reaches npm's registry: the tests that need them say then
-# that they are skipped.
+# Some systems lack these packages, and some machines cannot reach the npm registry. Tests that need them report that they are
+# skipped.
 browser:
 	@$(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(BROWSER_PACKAGES)' \
 		|| echo '*** no browser: the tests in real engines will be skipped' >&2
@@ -85,8 +87,8 @@ browser:
 		|| npm ci --ignore-scripts --no-audit --no-fund --fetch-retries=1; } \
 		|| echo '*** npm ci failed in tests/page: the tests of the page will be skipped' >&2
 
-# The PostgreSQL and the S3 server of the tests. Not every system has these packages, and not every machine reaches PyPI: the
-# tests that need them say then that they are skipped.
+# The PostgreSQL and the S3 server of the tests. Some systems lack these packages, and some machines cannot reach PyPI. Tests that
+# need them report that they are skipped.
 PYTHON_TARGET := $(or $(CARGO_TARGET_DIR),target)
 cluster:
 	@$(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(CLUSTER_PACKAGES)' \
@@ -96,7 +98,7 @@ cluster:
 			&& python3 -m venv $(PYTHON_TARGET)/s3 && $(PYTHON_TARGET)/s3/bin/pip install -q --retries 1 'moto[server]==5.2.1'; } \
 		|| echo '*** no moto[server] of PyPI: the tests on an S3 server will be skipped' >&2
 
-# What holds the service to openapi.yaml, in a folder of its own.
+# schemathesis checks the service against openapi.yaml. It has its own folder.
 schemathesis:
 	@[ -x $(PYTHON_TARGET)/schemathesis/bin/schemathesis ] \
 		|| { $(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(PYTHON_PACKAGES)' \
@@ -104,7 +106,7 @@ schemathesis:
 			&& $(PYTHON_TARGET)/schemathesis/bin/pip install -q --retries 1 schemathesis==4.32.5; } \
 		|| echo '*** no schemathesis of PyPI: the test of openapi.yaml by it will be skipped' >&2
 
-# The long forms of the harnesses in docs/soak.md.
+# The long forms of the harnesses: see CONTRIBUTING.md.
 soak: EXTRA_PACKAGES := strace
 soak: packages cluster schemathesis
 	LTCFORGE_TEST_HISTORIES=10000 $(CARGO) test --locked -p ltcforge-server --features cluster --lib -- every_history
@@ -112,7 +114,7 @@ soak: packages cluster schemathesis
 		$(CARGO) test --locked --test product -- --include-ignored kills power_cut memory:: schemathesis
 	LTCFORGE_TEST_FUZZ_SECONDS=600 $(CARGO) test --locked --test core -- --test-threads 32 fuzz
 
-# What checks deploy/, each in a folder of its own, since installing Prometheus would start it.
+# Checkers of deploy/, each in its own folder, because an installed Prometheus would start.
 lint-deploy: lint-manifests lint-alerts lint-dashboard
 
 lint-manifests:
@@ -126,7 +128,7 @@ lint-manifests:
 		$(PYTHON_TARGET)/schemas/bin/check-jsonschema -q --builtin-schema vendor.compose-spec deploy/compose.yaml; \
 	else echo '*** SKIPPED: no kubernetes-validate and check-jsonschema of PyPI: deploy/ was not checked' >&2; fi
 
-# The alerts with when they fire, and the queries of the dashboard.
+# The alerts with their tests, and the queries of the dashboard.
 PROMETHEUS = $(PYTHON_TARGET)/prometheus
 PROMTOOL = $(or $(shell command -v promtool),$(PROMETHEUS)/usr/bin/promtool)
 lint-alerts:
@@ -139,7 +141,7 @@ lint-alerts:
 		$(PROMTOOL) test rules deploy/prometheus/ltcforge.test.yaml; \
 	else echo "*** SKIPPED: no promtool, of Debian's prometheus: alerts and queries were not checked" >&2; fi
 
-# The dashboard by Grafana's own types.
+# The dashboard, checked with Grafana's types.
 GRAFANA = $(PYTHON_TARGET)/grafana
 GRAFANA_PACKAGES := @grafana/schema@13.2.3 typescript@5.9.3
 lint-dashboard:
@@ -154,7 +156,7 @@ lint-dashboard:
 		$(GRAFANA)/node_modules/.bin/tsc --noEmit --strict --skipLibCheck --target es2022 --module nodenext $(GRAFANA)/dashboard.ts; \
 	else echo '*** SKIPPED: no @grafana/schema and typescript of npm: the dashboard was not checked' >&2; fi
 
-# Tests marked `ignore`, and those of these names, are for `make test-all`.
+# `make test-all` runs tests with these names, and tests marked `ignore`.
 SLOW := schemathesis pgbouncer
 # Without incremental compilation, a first build takes a quarter less processor time.
 test test-all lint: export CARGO_INCREMENTAL ?= 0
@@ -164,7 +166,7 @@ test: packages browser cluster
 	@$(MAKE) --no-print-directory -j2 --output-sync=target test-units test-suites
 	@$(MAKE) --no-print-directory test-native
 
-# The suites that mostly wait, for processes, leases and browsers, run beside those that compute.
+# Suites that mostly wait for processes, leases and browsers run in parallel with suites that compute.
 CARGO_BESIDE = env -u MAKEFLAGS $(CARGO)
 test-units:
 	$(CARGO_BESIDE) test --locked --lib --bins --test core --test library
@@ -177,15 +179,15 @@ test-all: test schemathesis lint-deploy
 	$(CARGO) test --locked --test product -- $(SLOW)
 	$(CARGO) test --locked -p ltcforge-studies -p ltcforge-driver -p ltcforge-benches --lib --bins
 
-# The pinned digests again, by the crates that make tables, compiled for this machine's own processor, and for one with AVX2
-# and no AVX-512.
+# Tests the pinned digests again, with the crates that make tables compiled for this machine's processor, and for a processor with
+# AVX2 but without AVX-512.
 NATIVE_CPUS := native $(if $(filter x86_64,$(shell uname -m)),$(shell grep -qw avx2 /proc/cpuinfo && echo x86-64-v3))
 test-native: $(addprefix test-for-,$(NATIVE_CPUS))
 test-for-%:
 	CARGO_TARGET_DIR=$(NATIVE_TARGET)/$* RUSTFLAGS="-C target-cpu=$*" $(CARGO_BESIDE) test --locked -p ltcforge-pinned-test
 
-# One pass over the workspace, and the core alone, which the rest must not hide. There are no examples: asked for them, cargo
-# takes the features that tests need too, so that the docs use what clippy has checked rather than check it all again.
+# Clippy checks the workspace, and the core alone, whose errors other features could hide. There are no examples: with --examples
+# cargo selects the features of tests, so that rustdoc reuses the results of clippy.
 lint: packages
 	$(CARGO) fmt --all -- --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
@@ -203,7 +205,7 @@ lint-deny:
 lines:
 	@files=$$(find src -name '*.rs'); awk -f .ci/lines.awk $$files pass=2 $$files
 
-# What a Rust program takes along that only wants a table.
+# The dependencies of a Rust program that only needs a table.
 CORE_CRATES := 50
 CORE_WITHOUT := tokio|axum|sled|wgpu|naga|clap|rustls|ureq|object_store|reqwest
 lint-core:

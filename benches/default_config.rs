@@ -4,7 +4,7 @@ use std::{path::Path, time::Duration};
 
 use ltcforge::{files::recipe_document::DEFAULT_ENTRY_LIMIT, server::service::Config, view::preview::Adapter};
 
-/// A service in a folder with so many workers; nothing of it ends within the bench.
+/// A service in `folder` with `workers` workers, whose limits no bench reaches.
 pub fn config(folder: &Path, workers: usize) -> Config {
     Config {
         data_dir: folder.to_owned(),

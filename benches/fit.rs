@@ -1,7 +1,8 @@
 //! The cost of an entry: one evaluation, one entry of each preset, and one step of the paper's algorithm.
 //!
-//! `cargo bench --bench fit` ends with the speed-up over the paper's fitter: the time of its 10,000 steps of 2048
-//! samples and 64 directions, from the step measured in the same run, over that of an entry of preset `paper`.
+//! `cargo bench --bench fit` ends with the speed-up over the paper's fitter. The speed-up is the time of the paper's
+//! 10,000 steps of 2048 samples and 64 directions, from a step measured in the same run, over the time of an entry of
+//! preset `paper`.
 #![allow(missing_docs, reason = "criterion's macros define undocumented functions")]
 
 use std::{
@@ -48,7 +49,6 @@ fn view(theta: f64, phi: f64) -> DVec3 {
     DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
 }
 
-/// Goes on.
 fn go_on() -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
@@ -108,7 +108,7 @@ fn paper_step(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The median of seven runs of each, in turn, so that a busy machine slows both.
+/// The median of seven runs of each. They take turns, so that a busy machine slows both.
 fn speed_up(_: &mut Criterion) {
     const RUNS: usize = 7;
     const STEPS: u32 = 4;

@@ -1,9 +1,9 @@
 //! The cost of sharing a database and a store of tables, and the gain of a second worker.
 //!
-//! `cargo bench -p ltcforge-benches --bench hosts`, or with `-- PART` only a part of it: `tables`, `large`, `workers`,
-//! `threads` or `start`. The shared service is compared with the embedded one, job by job in turn; two workers with
-//! one, on several jobs at once, and on one larger job. PostgreSQL is one of the bench's own that waits for its disk,
-//! the store a folder. Times are those of the queue's clock, so that asking for them takes no processor's.
+//! `cargo bench -p ltcforge-benches --bench hosts` runs every part, and `-- PART` one: `tables`, `large`, `workers`,
+//! `threads` or `start`. It compares the shared service with the embedded one, job by job in turn, and two workers with
+//! one, on several jobs at once and on one larger job. The bench starts its own PostgreSQL, which waits for its disk.
+//! The store is a folder. Times come from the queue's clock, so that measuring them takes no processor time.
 
 use std::{
     num::NonZeroUsize,
@@ -22,14 +22,14 @@ mod throwaway;
 
 use default_config::config;
 
-/// Turns of each.
+/// Turns of each side of a comparison.
 const TURNS: u32 = 5;
 /// Jobs at once when workers are compared.
 const JOBS: u32 = 4;
 
 /// The resolution of the default table: 3,780 entries.
 const DEFAULT: [u32; 4] = [10, 6, 9, 7];
-/// That of a larger one: 20,160 entries.
+/// The resolution of a larger table: 20,160 entries.
 const LARGE: [u32; 4] = [16, 10, 14, 9];
 
 fn recipe([alpha, ratio, theta, phi]: [u32; 4], seed: u32) -> String {
@@ -44,7 +44,7 @@ fn submit(service: &Service, recipe: &str) -> JobId {
     }
 }
 
-/// The job as it is when it is there.
+/// Waits until the state of the job satisfies `is_there`, and returns the job.
 fn wait(service: &Service, id: JobId, is_there: fn(StateName) -> bool) -> Job {
     let mut followed = service.watch(id).expect("an answer").expect("a job");
     let runtime = tokio::runtime::Builder::new_current_thread().build().expect("a runtime");
@@ -52,7 +52,7 @@ fn wait(service: &Service, id: JobId, is_there: fn(StateName) -> bool) -> Job {
     there.expect("the last snapshot has the final state").job.clone()
 }
 
-/// Seconds from the submission of the tables of `recipes` until all are stored.
+/// Seconds from the submission of `recipes` until all their tables are stored.
 fn seconds(service: &Service, recipes: &[String]) -> f64 {
     let ids: Vec<JobId> = recipes.iter().map(|recipe| submit(service, recipe)).collect();
     let jobs: Vec<Job> = ids.into_iter().map(|id| wait(service, id, StateName::is_final)).collect();
@@ -62,12 +62,12 @@ fn seconds(service: &Service, recipes: &[String]) -> f64 {
     ended.duration_since(began).as_secs_f64()
 }
 
-/// `jobs` default tables of their own.
+/// Recipes of `jobs` default tables that no other turn has.
 fn tables(turn: u32, jobs: u32) -> Vec<String> {
     (turn * jobs..(turn + 1) * jobs).map(|seed| recipe(DEFAULT, seed)).collect()
 }
 
-/// A larger table of its own.
+/// The recipe of a larger table that no other turn has.
 fn large_table(turn: u32) -> Vec<String> {
     vec![recipe(LARGE, turn)]
 }
@@ -77,20 +77,20 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Prints the medians of both, and of their ratio in each turn.
+/// Prints the medians of both sides, and the median of their ratios in each turn.
 fn compare(name: &str, unit: &str, pairs: &[[f64; 2]]) {
     let [one, other] = [0, 1].map(|side| median(pairs.iter().map(|pair| pair[side]).collect()));
     let ratio = median(pairs.iter().map(|pair| pair[1] / pair[0]).collect());
     println!("{name}: {one:.3} and {other:.3} {unit}, ratio {ratio:.3} (medians of {} turns)", pairs.len());
 }
 
-/// Whether the part was asked for, or none in particular.
+/// Whether the command line names this part, or no part at all.
 fn is_wanted(part: &str) -> bool {
     let mut parts = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).peekable();
     parts.peek().is_none() || parts.any(|wanted| wanted == part)
 }
 
-/// Services of this bench, which keep what they have in `folder`.
+/// The services of this bench, whose files are in `folder`.
 struct Bench {
     server: throwaway::Server,
     folder: tempfile::TempDir,

@@ -1,1 +1,1 @@
-//! Nothing: the package is its benches.
+//! This library is empty: the package consists of its benches.

@@ -1,5 +1,5 @@
-//! The time and the memory that planning takes on two threads: a scene of a million triangles and 50 textures of 1024 x 1024
-//! texels, of metal and of dielectrics, seen from everywhere and by two cameras.
+//! The time and the memory that planning takes on two threads. The scene has a million triangles and 50 textures of
+//! 1024 x 1024 texels, of metals and dielectrics. It is seen from everywhere, or by two cameras.
 //!
 //! `cargo bench -p ltcforge-benches --bench plan`.
 #![allow(missing_docs, reason = "criterion's macros define undocumented functions")]
@@ -10,19 +10,19 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use ltcforge_plan::{Budget, Form, Needs, Scene, TablePlan};
 use serde_json::{Value, json};
 
-/// Textures, each of a material and a mesh of its own.
+/// Textures, each with its own material and mesh.
 const TEXTURES: usize = 50;
 const TEXELS: usize = 1024;
 /// Squares along a mesh, each of two triangles.
 const SQUARES: u32 = 100;
 
-/// A whole number from another, as good as drawn.
+/// A pseudo-random byte for each `i`.
 fn mixed(i: usize) -> u8 {
     let bits = (i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     (bits >> 56) as u8
 }
 
-/// A PNG of roughness that changes slowly with a little noise, and of metal in spots.
+/// A PNG whose roughness changes slowly with a little noise, and whose metal comes in spots.
 fn texture(number: usize) -> Vec<u8> {
     let texel = |i: usize| {
         let (x, y) = (i % TEXELS, i / TEXELS);
@@ -123,7 +123,7 @@ fn scene(has_cameras: bool) -> Vec<u8> {
     out
 }
 
-/// Reads the scene and plans its table: the time at the end of each.
+/// Reads the scene and plans its table. Returns the time at the end of each step.
 fn planned<T>(glb: &[u8], now: impl Fn() -> T) -> [T; 2] {
     let scene = Scene::from_bytes(glb.to_vec(), &|| true).expect("a scene");
     let read = now();
@@ -133,13 +133,13 @@ fn planned<T>(glb: &[u8], now: impl Fn() -> T) -> [T; 2] {
     [read, now()]
 }
 
-/// Seconds that all threads of this process had together.
+/// The processor time of all threads of this process, in seconds.
 fn processor_seconds() -> f64 {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
-/// The most memory that this process had, in megabytes; `None` where the system does not tell.
+/// The peak memory of this process in megabytes; `None` where the system does not report it.
 fn most_memory() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

@@ -1,4 +1,4 @@
-//! The cost of a picture: the first one, one of each estimator once warm, and the share of the lookup.
+//! The cost of a picture: the first picture, a picture of each estimator once warm, and the share of the lookup.
 //!
 //! `cargo bench --bench preview`. The lookup's cost is the difference between a frame and one whose lookup is replaced
 //! by a constant; all variants take turns, so that a busy machine slows all of them.
@@ -18,7 +18,7 @@ use ltcforge::{
     view::preview::{Adapter, Light, LightKind, Material, Mode, Preview, Scene, ShaderTable, TexelFormat, Weights},
 };
 
-/// The table of a layout at its default resolution. How well it is fitted does not change what it costs.
+/// The table of a layout at its default resolution. The quality of its fit does not change the cost of a picture.
 fn table(layout: &str) -> Table {
     let document = format!(r#"{{"preset": "draft", "layout": "{layout}"}}"#);
     let plan = Plan::new(&recipe_document::parse(document.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe"));
@@ -38,7 +38,7 @@ fn timed(preview: &mut Preview, table: &Arc<ShaderTable>, scene: &Scene) -> Dura
     start.elapsed()
 }
 
-/// The median, and the least: what a machine that does something else too would take without it.
+/// The median and the least time. The least is the time on a machine that does nothing else.
 fn summary(mut times: Vec<Duration>) -> String {
     times.sort();
     format!("{:.1?}, at least {:.1?}", times[times.len() / 2], times[0])

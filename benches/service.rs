@@ -1,9 +1,8 @@
 //! The overhead of the service over a fit and a download.
 //!
-//! `cargo bench -p ltcforge-benches --bench service`. A job is compared with the same recipe fitted, encoded and
-//! measured without a service, by processor time; a download with a bare server that reads, hashes and sends the same
-//! file over the same kind of connection. Both take turns with what they are compared with, so that a busy machine
-//! slows both.
+//! `cargo bench -p ltcforge-benches --bench service`. The bench compares a job with the same recipe fitted, encoded and
+//! measured without a service, by processor time. It compares a download with a bare server that reads, hashes and
+//! sends the same file over the same kind of connection. The two sides take turns, so that a busy machine slows both.
 
 use std::{
     fs,
@@ -34,10 +33,10 @@ mod default_config;
 
 use default_config::config;
 
-/// Turns of each.
+/// Turns of each side of a comparison.
 const JOBS: u32 = 7;
 const DOWNLOADS: u32 = 15;
-/// Downloads of a turn.
+/// Downloads in a turn.
 const REPEATED: u32 = 100;
 
 /// A recipe of the default table that was not fitted before.
@@ -45,7 +44,7 @@ fn recipe(seed: u32) -> String {
     format!(r#"{{"preset":"draft","fit":{{"seed":{seed}}}}}"#)
 }
 
-/// Seconds that the processor has worked for this process.
+/// The processor time of this process, in seconds.
 fn processor_seconds() -> f64 {
     /// `USER_HZ` of every Linux.
     const TICKS: f64 = 100.0;
@@ -65,7 +64,7 @@ impl Client {
         Self(BufReader::new(tcp))
     }
 
-    /// The body of the answer to a request.
+    /// Sends a request and returns the body of the response.
     fn ask(&mut self, method: &str, path: &str, body: &str) -> Vec<u8> {
         let tcp = self.0.get_mut();
         let host = tcp.peer_addr().expect("an address");
@@ -106,7 +105,7 @@ impl Client {
     }
 }
 
-/// A text in a JSON object of the service.
+/// The text of a field in a JSON object of the service.
 fn text(json: &[u8], name: &str) -> String {
     let json = String::from_utf8_lossy(json);
     let (_, rest) = json.split_once(&format!("\"{name}\":\"")).unwrap_or_else(|| panic!("no {name} in {json}"));
@@ -123,7 +122,7 @@ fn fit_directly(pool: &rayon::ThreadPool, recipe: &str) -> usize {
     })
 }
 
-/// A server that answers each byte with the file's bytes, read and hashed anew.
+/// A server that answers each byte with the file's bytes, which it reads and hashes again each time.
 fn bare_server(path: &Path) -> SocketAddr {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let (address, path) = (listener.local_addr().expect("an address"), path.to_owned());
@@ -149,7 +148,7 @@ fn least(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-/// Prints what both took, and by which part the second took longer.
+/// Prints the times of both sides, and by how many per cent the service took longer.
 fn compare(name: &str, unit: &str, [plain, service]: [Vec<f64>; 2]) {
     let ratios = plain.iter().zip(&service).map(|(plain, service)| service / plain).collect();
     let part = 100.0 * (median(ratios) - 1.0);
@@ -181,23 +180,23 @@ fn main() {
 
     let mut digest = client.fit(&recipe(0));
     fit_directly(&pool, &recipe(0));
-    let mut taken = [vec![], vec![]];
+    let mut times = [vec![], vec![]];
     for turn in 1..=JOBS {
         let recipe = recipe(turn);
         let start = processor_seconds();
         fit_directly(&pool, &recipe);
         let middle = processor_seconds();
         digest = client.fit(&recipe);
-        taken[0].push(middle - start);
-        taken[1].push(processor_seconds() - middle);
+        times[0].push(middle - start);
+        times[1].push(processor_seconds() - middle);
     }
-    compare("a job", "s of processor time", taken);
+    compare("a job", "s of processor time", times);
 
     let hex = digest.trim_start_matches("sha256:");
     let blob = folder.path().join("blobs").join(&hex[..2]).join(hex);
     let bytes = fs::metadata(&blob).expect("a table").len() as usize;
     let mut bare = Client::new(bare_server(&blob));
-    let mut taken = [vec![], vec![]];
+    let mut times = [vec![], vec![]];
     for turn in 0..=DOWNLOADS {
         let start = Instant::now();
         for _ in 0..REPEATED {
@@ -211,11 +210,11 @@ fn main() {
         // The first warms up.
         if turn > 0 {
             let each = |time: Duration| 1e3 * time.as_secs_f64() / f64::from(REPEATED);
-            taken[0].push(each(middle - start));
-            taken[1].push(each(middle.elapsed()));
+            times[0].push(each(middle - start));
+            times[1].push(each(middle.elapsed()));
         }
     }
-    compare(&format!("a download of {bytes} bytes"), "ms", taken);
+    compare(&format!("a download of {bytes} bytes"), "ms", times);
 
     drop((client, stop));
     runtime.block_on(serving).expect("the end of the service").expect("it was served");

@@ -1,9 +1,9 @@
-//! Ours against the published algorithm, run to its end, on the same lobes in the same minutes.
+//! Our fitter against the published algorithm, run to its end, on the same lobes in the same minutes.
 //!
-//! `cargo bench --bench speedup [-- STEPS]`: an entry at preset `paper` and by solver `sgd` at the paper's settings,
-//! 10,000 steps of 2048 samples and 64 directions unless told otherwise: a quarter of an hour on two cores. Prints time
-//! and error of both for 16 lobes, and writes the matrices, in the format of `ltcforge lookup`, to
-//! `speedup/{ours,published}.csv` in the current folder's `target`, for whoever wants to judge them.
+//! `cargo bench --bench speedup [-- STEPS]` fits each entry at preset `paper` and by solver `sgd` at the paper's
+//! settings: 10,000 steps by default, of 2048 samples and 64 directions. It takes a quarter of an hour on two cores. It
+//! prints the time and the error of both for 16 lobes, and writes the matrices, in the format of `ltcforge lookup`, to
+//! `target/speedup/{ours,published}.csv` in the current folder.
 
 use std::{
     fs,
@@ -23,7 +23,7 @@ use ltcforge::{
 use rayon::prelude::*;
 
 const LOBES: usize = 16;
-/// An entry of ours takes milliseconds: the median of some is told.
+/// Repetitions of our fit, which takes milliseconds. The bench prints their median.
 const REPEATS: usize = 31;
 
 /// The time of one lobe, and its error.
@@ -68,7 +68,7 @@ fn main() {
     write("published", &rows, |row| row.published.2);
 }
 
-/// A lobe as artists set materials: evenly in perceptual roughness, ratio, theta and phi.
+/// A lobe of a material as artists set it: even in perceptual roughness, ratio, theta and phi.
 fn place(k: usize) -> [f64; 4] {
     let [roughness, ratio, theta, phi] = recurrence4(k, [0.5, 0.1, 0.9, 0.3]);
     let alpha = (0.05 + 0.95 * roughness) * (0.05 + 0.95 * roughness);
@@ -97,7 +97,7 @@ fn compare(k: usize, sgd: &FitSettings) -> Row {
         descend.descended(&ggx, wo, k as u64, &mut StopCheck::new(&mut go_on)).expect("nothing stops it");
     let their_time = start.elapsed();
 
-    // On samples that neither has seen.
+    // Samples that neither fit has used.
     let mut judge = Fitter::new(&settings(Recipe::builder().samples(4096).directions(64).seed(7)));
     let mut error = |m: &DMat3| judge.error(&ggx, wo, m);
     let (our_error, their_error) = (error(&our_matrix), error(&their_matrix));

@@ -1,7 +1,7 @@
-//! ltcforge makes the lookup tables with which renderers light glossy surfaces by area lights: Linearly Transformed
-//! Cosines, fitted to the GGX lobe in seconds, the same bytes on every machine.
+//! ltcforge makes lookup tables with which renderers light glossy surfaces by area lights. The tables hold Linearly
+//! Transformed Cosines. A fit to the GGX lobe takes seconds, and gives the same bytes on every machine.
 //!
-//! A program that only wants a table takes the core, without any feature:
+//! A program that only needs a table uses the core, without any feature:
 //!
 //! ```toml
 //! ltcforge = { path = "../ltcforge", default-features = false }
@@ -13,7 +13,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! use ltcforge::{Configuration, Layout, Preset, Recipe, RecipeDocument as _};
 //!
-//! // A recipe decides every byte of a table. One with faults is an error that lists them all.
+//! // A recipe decides every byte of a table. `build` lists all errors of a recipe.
 //! let recipe = Recipe::builder()
 //!     .preset(Preset::Draft)
 //!     .isotropic()
@@ -25,12 +25,12 @@
 //! let folder = tempfile::tempdir()?;
 //! let file = ltcforge::cached(&recipe, folder.path())?;
 //!
-//! // `M` for a surface and a view direction, row-major: what a shader gets.
+//! // `M` for a surface and a view direction, row-major, as a shader gets it.
 //! let seen = Configuration { alpha_x: 0.3, alpha_y: 0.3, theta: 0.8, phi: 0.0 };
 //! let lobe = file.table().lookup(&seen);
 //! println!("{:?}, reflectance {:?}", lobe.matrix, lobe.amplitude);
 //!
-//! // How good it is: the mean error between nodes, as a part of the lobe's width.
+//! // The accuracy: the mean error between nodes, relative to the lobe's width.
 //! let report = file.measure()?;
 //! assert!(report.between.width.mean < 0.1);
 //!
@@ -47,20 +47,20 @@
 //!
 //! # Light without a table
 //!
-//! [`light()`] tells what GGX reflects of a polygon light in closed form, and of a disk, sphere, tube or line, a
-//! [`light::ShapedLight`]; [`mod@light`] also has the truth by quadrature.
+//! [`light()`] computes in closed form the light that GGX reflects from a polygon, or from a [`light::ShapedLight`]: a
+//! disk, sphere, tube or line. [`mod@light`] also has the truth by quadrature.
 //!
 //! ```
 //! # fn main() -> Result<(), ltcforge::Error> {
 //! use ltcforge::{Configuration, Sides, glam::DVec3, light};
 //!
-//! // A lamp of 1 x 0.4 in the tangent frame around the shaded point; it shines to the side of `half[0] x half[1]`.
+//! // A lamp of 1 x 0.4 in the tangent frame around the shaded point. It emits to the side of `half[0] x half[1]`.
 //! let (centre, half) = (DVec3::new(-0.8, 0.1, 1.0), [0.2 * DVec3::Y, 0.5 * DVec3::X]);
 //! let lamp = light::rectangle(centre, half, Sides::One)?;
 //!
 //! let seen = Configuration { alpha_x: 0.3, alpha_y: 0.1, theta: 0.8, phi: 0.0 };
 //! let reflected = ltcforge::light(&seen, &lamp)?;
-//! println!("of a white lamp, iron reflects {}", reflected.schlick(0.56, 1.0));
+//! println!("iron reflects {} of a white lamp", reflected.schlick(0.56, 1.0));
 //!
 //! let truth = light::truth(&seen, &lamp)?;
 //! assert!((reflected.energy - truth.energy).abs() < 0.01);
@@ -75,16 +75,16 @@
 //! | none | recipes, fits, tables, reports, files, the shader in WGSL |
 //! | `shaders` | [`translate`]: the shader in GLSL, HLSL, MSL and SPIR-V (naga) |
 //! | `textures` | [`textures`]: tables as files for engines, pictures on lights (ddsfile, exr, image, png, rawzip, ruzstd, zune-jpeg) |
-//! | `render` | [`view`]: previews on a GPU or the CPU, plots, the trade-off (wgpu, png); takes the two above |
-//! | `client` | [`client`]: calls of a service, and the lock file (ureq) |
-//! | `server` | [`server`], on Unix: the HTTP service, its queue and store (axum, tokio, sled); takes `render` |
-//! | `cli`, the default | [`cli`]: the commands (clap), and the binary `ltcforge`; takes all features above |
+//! | `render` | [`view`]: previews on a GPU or the CPU, plots, the trade-off (wgpu, png); includes the two above |
+//! | `client` | [`client`]: requests to a service, and the lock file (ureq) |
+//! | `server` | [`server`], on Unix: the HTTP service, its queue and store (axum, tokio, sled); includes `render` |
+//! | `cli`, the default | [`cli`]: the commands (clap), and the binary `ltcforge`; includes all features above |
 //!
 //! # Crates
 //!
-//! Each module of this list is a crate of its own, `ltcforge-fit` and so on. [`mod@fit`] is the core: equal arguments
-//! give equal bytes on every machine. [`mod@light`] has the models of light and the truth, [`files`] documents and
-//! containers, [`shaders`] the WGSL. The others are built on them. Vectors and matrices in signatures are those of
+//! Each module of this list is also a crate, such as `ltcforge-fit`. [`mod@fit`] is the core: equal arguments give
+//! equal bytes on every machine. [`mod@light`] has the models of light and the truth, [`files`] documents and
+//! containers, [`shaders`] the WGSL. The other crates build on them. Vectors and matrices in signatures come from
 //! [`glam`].
 
 mod library;

@@ -27,7 +27,7 @@ impl Wanted {
     }
 }
 
-/// How sources are accessed.
+/// The settings for access to sources.
 #[derive(Clone, Copy)]
 pub struct Access<'a> {
     /// The longest file whose size is not stated.
@@ -43,13 +43,13 @@ pub struct Access<'a> {
 /// The reason that no source delivered a file.
 #[derive(Debug, thiserror::Error)]
 pub enum SourcesError {
-    /// None of them has it. The errors are in the order of the sources.
+    /// No source has the file. The errors are in the order of the sources.
     #[error("{}", list(.0))]
     NoneHasIt(Vec<ClientError>),
     /// The file could not be written.
     #[error(transparent)]
     Write(#[from] io::Error),
-    /// The user stopped it.
+    /// The user stopped the download.
     #[error("it was stopped")]
     Stopped,
 }

@@ -1,4 +1,4 @@
-//! One writer of a lock file at a time.
+//! A guard that allows one writer of a lock file at a time.
 
 use std::{
     env,
@@ -12,18 +12,18 @@ use ltcforge_files::digest::Digest;
 /// The right to change the lock files of a folder. The system takes it back when it is dropped or its process ends.
 #[derive(Debug)]
 pub struct Guard {
-    _held: File,
+    _file: File,
 }
 
 impl Guard {
-    /// Waits until no other process has the right. `on_wait` is called before, if one has it.
+    /// Waits until no other process has the right. If another process has it, `on_wait` is called first.
     ///
     /// # Errors
     /// When the folder is missing, or the system cannot lock any file for it.
     pub fn of(folder: &Path, on_wait: impl FnOnce()) -> io::Result<Self> {
         let mut on_wait = Some(on_wait);
         let mut locked = |file: File| match file.try_lock() {
-            Ok(()) => Ok(Self { _held: file }),
+            Ok(()) => Ok(Self { _file: file }),
             Err(fs::TryLockError::WouldBlock) => {
                 on_wait.take().into_iter().for_each(|on_wait| on_wait());
                 while let Err(error) = file.lock() {
@@ -32,13 +32,13 @@ impl Guard {
                         return Err(error);
                     }
                 }
-                Ok(Self { _held: file })
+                Ok(Self { _file: file })
             }
             Err(fs::TryLockError::Error(error)) => Err(error),
         };
-        // The folder itself leaves no file behind, but Windows opens no folders, and NFS locks none.
-        if let Ok(held) = File::open(folder).and_then(&mut locked) {
-            return Ok(held);
+        // A lock on the folder itself leaves no file behind, but Windows cannot open folders, and NFS cannot lock them.
+        if let Ok(guard) = File::open(folder).and_then(&mut locked) {
+            return Ok(guard);
         }
         let name = Digest::of(fs::canonicalize(folder)?.as_os_str().as_encoded_bytes()).hex();
         let path = env::temp_dir().join(format!("ltcforge-{name}.lock"));

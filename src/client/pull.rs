@@ -53,22 +53,22 @@ pub enum PullError {
         /// The pinned length.
         stated_bytes: u64,
     },
-    /// Its folder is really one that no pinned file may be in. A link may lead there.
+    /// A link leads to a folder that no pinned file may be in.
     #[error("{}: the folder is really {}; {reason}", .path.display(), .real.display())]
     Place {
         /// The file.
         path: PathBuf,
         /// Its folder, without links.
         real: PathBuf,
-        /// Why nothing is written there.
+        /// The reason that nothing is written there.
         reason: &'static str,
     },
 }
 
 const LEADS_OUT: &str = "a link leads out of the lock file's folder";
 
-/// The state of the file at `path` below `folder`, which should have this digest, and this size if one is stated. It
-/// writes nothing, and reads the file part by part.
+/// The state of the file at `path` below `folder`, which should have this digest, and this size if the lock file states
+/// it. The function writes nothing, and reads the file part by part.
 ///
 /// # Errors
 /// When the file cannot be read or is not a regular file, or has the pinned digest but not the stated size.
@@ -96,18 +96,18 @@ pub fn check_size(path: PathBuf, bytes: u64, stated_bytes: Option<u64>) -> Resul
 /// The digest of a regular file, and its length in bytes.
 ///
 /// # Errors
-/// The system's, and that it is not a regular file.
+/// When the file cannot be read, or is not a regular file.
 pub fn digest_of_file(path: &Path) -> io::Result<(Digest, u64)> {
     let file = open_regular(path)?;
     let bytes = file.metadata()?.len();
     Ok((Digest::of_stream(file)?, bytes))
 }
 
-/// The path to which the file at `path` below `folder` is written, without links. A checkout may hold links, and none
-/// may lead a write out of it, or to the files of version control, editors and tools.
+/// The path to which the file at `path` below `folder` is written, without links. A checkout may hold links. They must
+/// not lead a write out of the checkout, or to the files of version control, editors and tools.
 ///
 /// # Errors
-/// When a link leads to such a place, or a folder on the way cannot be read.
+/// When a link leads out of the checkout or to such files, or a folder on the way cannot be read.
 pub fn target(path: &Path, folder: &Path) -> Result<PathBuf, PullError> {
     let named = folder.join(path);
     let failed = |source| PullError::File { path: named.clone(), source };
@@ -143,10 +143,10 @@ pub fn target(path: &Path, folder: &Path) -> Result<PathBuf, PullError> {
     Ok(real.join(name))
 }
 
-/// Moves files into place that were staged for paths of [`target`], if their folders still are what they were.
+/// Moves files into place that were staged for paths of [`target`], if their folders did not change since.
 ///
 /// # Errors
-/// When a folder became a link since. Nothing is moved then. When a file cannot be moved.
+/// When a folder has become a link: then nothing is moved. When a file cannot be moved.
 pub fn place(staged: Staged) -> Result<(), PullError> {
     for path in staged.places() {
         let named = || path.to_owned();

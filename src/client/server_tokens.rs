@@ -1,7 +1,7 @@
 //! Tokens of services, each for one server.
 //!
-//! Invariant: a token is sent to the scheme, host and port that it was given for and to no other: neither to a server that a
-//! lock file names, nor to where a server sends the client on.
+//! Invariant: a token is sent only to the scheme, host and port that the user gave it for: neither to another server
+//! that a lock file names, nor to the target of a redirect.
 
 use std::str::FromStr;
 
@@ -19,10 +19,10 @@ type Server = (String, String, u16);
 /// The reason that tokens cannot be used. No message shows a token.
 #[derive(Debug, thiserror::Error)]
 pub enum ServerTokensError {
-    /// It is not a URL and a token, or has another token's server.
+    /// An item of the list is not a URL and a token, or its server has a token already.
     #[error("token {0}: {1}")]
     Form(usize, &'static str),
-    /// The URL is invalid.
+    /// The URL of an item is invalid.
     #[error("token {0}: {1}")]
     Url(usize, ClientError),
 }
@@ -30,7 +30,7 @@ pub enum ServerTokensError {
 impl FromStr for ServerTokens {
     type Err = ServerTokensError;
 
-    /// `URL TOKEN`, of several servers with `;` between.
+    /// `URL TOKEN`, separated by `;` for several servers.
     fn from_str(text: &str) -> Result<Self, ServerTokensError> {
         let mut tokens = Self::NONE;
         for (at, part) in (1..).zip(text.split(';')) {
@@ -44,7 +44,7 @@ impl FromStr for ServerTokens {
             }
             let base = parse_base(url.trim_end_matches('/')).map_err(|error| ServerTokensError::Url(at, error))?;
             if tokens.of(&base).is_some() {
-                return wrong("another one is for the same server");
+                return wrong("another token is for the same server");
             }
             tokens.0.push((server(&base), token.to_owned()));
         }
@@ -53,7 +53,7 @@ impl FromStr for ServerTokens {
 }
 
 impl ServerTokens {
-    /// None.
+    /// No tokens.
     pub const NONE: Self = Self(Vec::new());
 
     /// The token for the server of a URL.

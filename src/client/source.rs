@@ -82,13 +82,13 @@ impl Source {
     /// The service at `url`.
     ///
     /// # Errors
-    /// [`ClientError::BadUrl`] when that is not an http or https URL.
+    /// [`ClientError::BadUrl`] when `url` is not an http or https URL.
     pub fn server(url: &str) -> Result<Self, ClientError> {
         parse_base(url.trim_end_matches('/'))?;
         Ok(Self::Server(url.to_owned()))
     }
 
-    /// The same, with the path of a folder relative to `folder`.
+    /// This source; a relative path of a folder is taken below `folder`.
     #[must_use]
     pub fn below(&self, folder: &Path) -> Self {
         match self {
@@ -119,11 +119,11 @@ impl Source {
 /// Writes a file to a sink.
 type Download<'a> = dyn FnMut(&mut dyn Write) -> Result<(), SourcesError> + 'a;
 
-/// Tries `sources` in order until one delivers the wanted file. `attempt` is called once for each source that is tried,
-/// with a function that writes the file to a sink, and begins with an empty sink each time.
+/// Tries `sources` in order until one delivers the wanted file. `attempt` is called once for each source, with a
+/// function that writes the file to a sink. It begins with an empty sink each time.
 ///
 /// # Errors
-/// When no source has it, `attempt` fails to write it, or the user stopped it.
+/// When no source has it, `attempt` fails to write it, or the user stopped the download.
 pub(super) fn from_first<T>(
     sources: &[Source],
     wanted: &Wanted,
@@ -143,7 +143,7 @@ pub(super) fn from_first<T>(
 /// The bytes of the wanted file, from the first of `sources` that has it.
 ///
 /// # Errors
-/// When none has it, or the user stopped it.
+/// When no source has it, or the user stopped the download.
 pub fn fetch(sources: &[Source], wanted: &Wanted, access: &Access<'_>) -> Result<Vec<u8>, SourcesError> {
     from_first(sources, wanted, access, &mut |write| {
         let mut bytes = Vec::new();
@@ -198,8 +198,8 @@ mod tests {
         }
         assert_eq!(fetched(&sources, digest, None).expect("the third"), b"right");
         let refused = fetched(&sources[..2], digest, None).expect_err("none of two");
-        let SourcesError::NoneHasIt(said) = refused else { panic!("{refused}") };
-        assert!(matches!(said[..], [ClientError::Unreadable { .. }, ClientError::Mismatch { .. }]), "{said:?}");
+        let SourcesError::NoneHasIt(errors) = refused else { panic!("{refused}") };
+        assert!(matches!(errors[..], [ClientError::Unreadable { .. }, ClientError::Mismatch { .. }]), "{errors:?}");
         assert_eq!(fetched(&sources, digest, Some(5)).expect("the third"), b"right");
         let long = fetched(&sources[2..], digest, Some(6)).expect_err("too short");
         assert!(long.to_string().contains("has 5 bytes, the lock file states 6"), "{long}");

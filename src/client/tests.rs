@@ -12,8 +12,8 @@ use super::{
 };
 use ltcforge_files::{digest::Digest, job::StateName};
 
-/// A server that reads the head of each request and hands the connection to the next of `answers`. Returns its URL and
-/// the requests.
+/// Starts a server that reads the head of each request and hands the connection to the next of `answers`. Returns its
+/// URL and the requests.
 fn server_of(answers: Vec<Box<dyn FnOnce(TcpStream) + Send>>) -> (String, thread::JoinHandle<Vec<String>>) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
     let url = format!("http://{}", listener.local_addr().expect("an address"));
@@ -35,7 +35,7 @@ fn server_of(answers: Vec<Box<dyn FnOnce(TcpStream) + Send>>) -> (String, thread
     (url, requests)
 }
 
-/// A server that sends each connection one of `answers`, and its URL.
+/// Starts a server that sends each connection one of `answers`. Returns its URL and the requests.
 fn server(answers: Vec<String>) -> (String, thread::JoinHandle<Vec<String>>) {
     server_of(
         answers
@@ -47,7 +47,7 @@ fn server(answers: Vec<String>) -> (String, thread::JoinHandle<Vec<String>>) {
     )
 }
 
-/// A server that answers with a head and then `part` again and again, until the client has enough.
+/// Starts a server that sends a head and then `part` again and again, until the client closes the connection.
 fn endless(part: &'static [u8]) -> String {
     let answer = move |mut stream: TcpStream| {
         let head = "HTTP/1.1 200 OK\r\nconnection: close\r\n\r\n";
@@ -159,7 +159,7 @@ fn a_list_that_never_ends_is_left() {
 
     let job = document("done");
     let page = answer("application/json", &serde_json::json!({ "items": vec![job; 9], "next": "more" }).to_string());
-    assert_eq!(client(&server(vec![page]).0).jobs(None, 3).expect("a list").len(), 3, "no more than asked for");
+    assert_eq!(client(&server(vec![page]).0).jobs(None, 3).expect("a list").len(), 3, "no more than requested");
 }
 
 #[test]
@@ -185,7 +185,7 @@ fn a_download_that_is_stopped_ends() {
     assert!(matches!(stopped, Err(SourcesError::Stopped)));
 }
 
-/// A server that sends the client on gets the token; where it sends it, nobody does.
+/// A server that redirects the client gets the token. The target of the redirect does not.
 #[test]
 fn a_token_goes_to_its_own_server_alone() {
     let bytes = b"table";
@@ -197,12 +197,12 @@ fn a_token_goes_to_its_own_server_alone() {
     let moved = format!("HTTP/1.1 307 x\r\nlocation: {elsewhere}/b\r\ncontent-length: 0\r\nconnection: close\r\n\r\n");
     let (own, requests) = server(vec![moved]);
     assert_eq!(of(&format!("{own} s3cret"), &own), bytes);
-    let asked = requests.join().expect("requests").concat().to_lowercase();
-    assert!(asked.contains("authorization: bearer s3cret"), "{asked}");
-    let asked = sent_on.join().expect("requests").concat().to_lowercase();
-    assert!(asked.starts_with("get /b") && !asked.contains("s3cret"), "{asked}");
+    let request = requests.join().expect("requests").concat().to_lowercase();
+    assert!(request.contains("authorization: bearer s3cret"), "{request}");
+    let request = sent_on.join().expect("requests").concat().to_lowercase();
+    assert!(request.starts_with("get /b") && !request.contains("s3cret"), "{request}");
     let (other, requests) = server(vec![whole]);
     assert_eq!(of(&format!("{own} s3cret"), &other), bytes);
-    let asked = requests.join().expect("requests").concat().to_lowercase();
-    assert!(!asked.contains("authorization"), "{asked}");
+    let request = requests.join().expect("requests").concat().to_lowercase();
+    assert!(!request.contains("authorization"), "{request}");
 }

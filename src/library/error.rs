@@ -5,7 +5,7 @@ use std::{io, path::PathBuf};
 use ltcforge_files::{container::TableFileError, recipe_document::RecipeError, tabulated::TabulatedError};
 use ltcforge_light::LightError;
 
-/// Why a call of the library failed.
+/// The reason that a call of the library failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -30,12 +30,12 @@ pub enum Error {
     /// A file cannot be read or written.
     #[error("{}: {source}", path.display())]
     File {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Why.
+        /// The system's error.
         source: io::Error,
     },
-    /// Bytes are no picture of a light.
+    /// Bytes are not a picture of a light.
     #[cfg(feature = "textures")]
     #[error(transparent)]
     Picture(#[from] ltcforge_textures::LightFileError),

@@ -4,8 +4,8 @@ use super::Error;
 use ltcforge_light::textured::LightPyramid;
 use ltcforge_textures::LightPicture;
 
-/// The prefiltered pyramid of a picture, PNG, `OpenEXR`, Radiance HDR or JPEG, on a rectangle light of this width and height,
-/// in any unit. Its files are those of [`light_texture_files`](ltcforge_textures::light_texture_files).
+/// The prefiltered pyramid of a picture (PNG, `OpenEXR`, Radiance HDR or JPEG) on a rectangle light of this width and
+/// height, in any unit. Its files are made by [`light_texture_files`](ltcforge_textures::light_texture_files).
 ///
 /// ```
 /// # fn main() -> Result<(), ltcforge::Error> {
@@ -19,8 +19,8 @@ use ltcforge_textures::LightPicture;
 /// ```
 ///
 /// # Errors
-/// [`Error::Picture`] for bytes that are no picture, one that is too large, and a pixel that is negative or not finite.
-/// Domain: lengths above zero.
+/// [`Error::Picture`] for bytes that are not a picture, a picture that is too large, and a pixel that is negative or
+/// not finite. Domain: lengths above zero.
 pub fn light_pyramid(picture: &[u8], light: [f64; 2]) -> Result<LightPyramid, Error> {
     let image = LightPicture::decode(picture, None)?.image;
     Ok(LightPyramid::new(&image.resampled(image.square_size(light))))

@@ -4,7 +4,7 @@ use super::Error;
 use ltcforge_fit::{Configuration, Table};
 use ltcforge_light::{AreaLight, NormalsRule, ReflectedLight, TableUse, by_normals, by_table, by_table_as};
 
-/// The reflection of a light of radiance one, in closed form and without a table; see [`mod@ltcforge_light`] for other
+/// The reflection of a light of radiance one, in closed form and without a table. See [`mod@ltcforge_light`] for other
 /// rules and the truth by quadrature. The light is a [`PolygonLight`](ltcforge_light::PolygonLight) or a
 /// [`ShapedLight`](ltcforge_light::ShapedLight).
 ///
@@ -14,7 +14,8 @@ pub fn light<'a>(at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<
     Ok(by_normals(at, light, NormalsRule::Balanced)?)
 }
 
-/// The same by a table of LTCs, as a shader would: disks, spheres, tubes and lines as they are.
+/// [`light()`] by a table of LTCs, as a shader computes it. Disks, spheres, tubes and lines are not replaced by
+/// polygons.
 ///
 /// # Errors
 /// [`Error::Light`] as [`light()`], and for a table without amplitude and Fresnel term.
@@ -26,8 +27,8 @@ pub fn light_by_table<'a>(
     Ok(by_table(table, at, light)?)
 }
 
-/// The same without light from below the surface, where an LTC lets some of it through: lights are cut at the surface,
-/// and the lobe there too.
+/// [`light_by_table()`] without the light that an LTC lets through from below the surface: the lights and the lobe are
+/// cut at the surface.
 ///
 /// # Errors
 /// [`Error::Light`] as [`light_by_table()`].

@@ -1,6 +1,6 @@
 //! The functions that a Rust program calls: fits on all cores, and tables kept in a folder. They share one error type.
 //!
-//! Invariant: nothing here decides anything about a table; it only calls the layers below.
+//! Invariant: this module decides nothing about a table; it only calls the layers below.
 
 mod builder;
 mod error;

@@ -4,11 +4,11 @@ use super::Error;
 use ltcforge_shaders::{Language, LitBy};
 use ltcforge_translate::port;
 
-/// The shader that reads tables of a layout, or that needs none, in `language`: UTF-8, or the words of SPIR-V in
+/// The shader in `language` that reads tables of a layout, or needs no table: UTF-8 text, or the words of SPIR-V in
 /// little-endian order.
 ///
-/// Text begins with a comment that explains how to call it and lists values that a port has to reproduce. SPIR-V holds
-/// that comment in its `OpSource`.
+/// Text begins with a comment that explains how to call the shader and lists values that a port has to reproduce.
+/// SPIR-V holds that comment in its `OpSource`.
 ///
 /// # Errors
 /// [`Error::Shader`] when naga does not translate the shader, which is a defect of this crate.

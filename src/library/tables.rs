@@ -13,12 +13,13 @@ use ltcforge_files::{
 };
 use ltcforge_fit::{Recipe, Table};
 
-/// The table of a recipe, from `folder` if it was fitted before, else fitted and kept there under the recipe's digest.
+/// The table of a recipe: read from `folder` if it was fitted before, otherwise fitted and stored there under the
+/// recipe's digest.
 ///
-/// A file that is damaged, or is the table of another recipe, is replaced. The folder is made where it is missing.
+/// A damaged file, or the table of another recipe, is replaced. The folder is created if it is missing.
 ///
 /// # Errors
-/// [`Error::File`] for a folder that cannot be read or written, and those of [`fit()`].
+/// [`Error::File`] for a folder that cannot be read or written, and the errors of [`fit()`].
 pub fn cached(recipe: &Recipe, folder: impl AsRef<Path>) -> Result<TableFile, Error> {
     let path = folder.as_ref().join(format!("{}.safetensors", recipe.digest().hex()));
     match fs::read(&path) {
@@ -26,7 +27,7 @@ pub fn cached(recipe: &Recipe, folder: impl AsRef<Path>) -> Result<TableFile, Er
             if let Ok(file) = container::decode(&bytes)
                 && file.recipe == *recipe
             {
-                // Equal recipes, but this one has its BRDF's file.
+                // The recipes are equal, but only this recipe has its BRDF's file.
                 let table = Table { brdf: recipe.brdf.clone(), ..file.table };
                 return Ok(TableFile { recipe: recipe.clone(), table });
             }
@@ -40,11 +41,11 @@ pub fn cached(recipe: &Recipe, folder: impl AsRef<Path>) -> Result<TableFile, Er
 }
 
 /// Writes a table and its manifest into `folder`, both named by the table's digest, and measures the table for the
-/// manifest. Gives the digest and the table's path. The manifest's path ends in `.manifest.json`. The file of a
-/// tabulated BRDF is the caller's to keep.
+/// manifest. Returns the digest and the table's path. The manifest's path ends in `.manifest.json`. The caller has to
+/// keep the file of a tabulated BRDF.
 ///
 /// # Errors
-/// [`Error::File`] where one of them cannot be written; then no half-written file is left, and no manifest without its
+/// [`Error::File`] when one of them cannot be written. No half-written file is left then, and no manifest without its
 /// table.
 pub fn write_table(file: &TableFile, folder: impl AsRef<Path>) -> Result<(Digest, PathBuf), Error> {
     let bytes = file.to_bytes()?;
@@ -76,7 +77,7 @@ mod tests {
         let bytes = fs::read(&path).expect("the file");
         assert_eq!(cached(&recipe, folder.path()).expect("the same"), first);
 
-        // The table of another recipe under this one's name would be a wrong answer.
+        // The table of another recipe under this recipe's name would be a wrong result.
         let other = cached(&tiny(2), folder.path()).expect("a table").to_bytes().expect("a file");
         for wrong in [&bytes[..bytes.len() / 2], b"", &other] {
             fs::write(&path, wrong).expect("a damaged file");

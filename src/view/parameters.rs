@@ -1,4 +1,4 @@
-//! Reading the parameters of a picture, given as texts such as those of a query string.
+//! Reads the parameters of a picture from texts, such as a query string.
 //!
 //! Invariant: every fault is listed, not only the first.
 
@@ -20,27 +20,27 @@ impl ParameterFault {
         Self { parameter: name.to_owned(), detail: detail.into() }
     }
 
-    /// The fault of a parameter that was given before.
+    /// The fault of a parameter that is given a second time.
     #[must_use]
     pub fn repeated(name: &str) -> Self {
         Self::new(name, "is given more than once")
     }
 }
 
-/// Passes each pair of a name and a text to `set`. Returns every fault: the texts that `set` refused, and each name
-/// that was given before.
+/// Passes each pair of a name and a text to `set`. Returns every fault: the texts that `set` refused, and the names
+/// that appear twice.
 pub fn read_pairs<'a>(
     pairs: impl IntoIterator<Item = (&'a str, &'a str)>,
     mut set: impl FnMut(&str, &str) -> Result<(), String>,
 ) -> Vec<ParameterFault> {
-    let (mut faults, mut seen) = (Vec::new(), Vec::new());
+    let (mut faults, mut names) = (Vec::new(), Vec::new());
     for (name, text) in pairs {
-        if seen.contains(&name) {
+        if names.contains(&name) {
             faults.push(ParameterFault::repeated(name));
         } else if let Err(detail) = set(name, text) {
             faults.push(ParameterFault::new(name, detail));
         }
-        seen.push(name);
+        names.push(name);
     }
     faults
 }

@@ -1,18 +1,18 @@
-//! The decoder of compact forms in WGSL, on the GPU against the one in Rust.
+//! The decoder of compact forms in WGSL on the GPU, against the decoder in Rust.
 
-use super::preview::{GpuFailure, run_decoder, tell_skipped};
+use super::preview::{GpuFailure, report_skipped, run_decoder};
 use ltcforge_files::compact::{decode, encode};
 use ltcforge_fit::{Layout, Table, testing::planted_isotropic};
 use ltcforge_textures::{About, CompactContainer, textures_of};
 
-/// A number that the module's header states: the one before ` bytes` in the line of a binding, or before ` workgroups`.
+/// The number in the module's header before `word`, such as ` bytes`, in the first line that contains `line`.
 fn stated(text: &str, line: &str, word: &str) -> u64 {
     let line = text.lines().find(|found| found.contains(line)).expect(line);
     let (before, _) = line.split_once(word).expect(word);
     before.split_whitespace().next_back().and_then(|number| number.parse().ok()).expect("a number")
 }
 
-/// Tables with an edge, so that entries need corrections.
+/// A table with an edge, so that entries need corrections.
 fn edged(layout: Layout) -> Table {
     let mut table = planted_isotropic(layout);
     let numbers = &mut table.matrix;
@@ -37,7 +37,7 @@ fn the_decoder_in_wgsl_makes_the_textures() {
         let passes = passes.map(|n| u32::try_from(n).expect("few"));
         let found = match run_decoder(source, &bytes, sizes, passes) {
             Ok(found) => found,
-            Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+            Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
             Err(error) => panic!("{error}"),
         };
         let decoded = decode(&bytes).expect("a table");

@@ -1,13 +1,13 @@
-//! Counts that a Vulkan driver's compiler makes of a compute shader: `VK_KHR_pipeline_executable_properties`.
+//! Counts of a compute shader by the compiler of a Vulkan driver: `VK_KHR_pipeline_executable_properties`.
 //!
-//! Mesa's RADV compiles for a GPU that is not there when the environment variable [`FAMILY_VARIABLE`] names one before the driver is
-//! loaded. What it says is then the same on every machine with the same Mesa.
+//! Mesa's RADV compiles for an absent GPU if the environment variable [`FAMILY_VARIABLE`] names it before the driver is
+//! loaded. The counts are then equal on every machine with the same Mesa.
 
 use std::ffi::{CStr, CString};
 
 use ash::{khr::pipeline_executable_properties, vk};
 
-/// The environment variable by which RADV takes a GPU for there.
+/// The environment variable that names the GPU for which RADV compiles without hardware.
 pub const FAMILY_VARIABLE: &str = "RADV_FORCE_FAMILY";
 
 /// The compiler's counts of a shader.
@@ -15,11 +15,11 @@ pub const FAMILY_VARIABLE: &str = "RADV_FORCE_FAMILY";
 pub struct Figures {
     /// Vector registers of a thread.
     pub registers: u64,
-    /// The number of those that are kept in memory.
+    /// The number of these registers that are kept in memory.
     pub spilled: u64,
     /// Instructions.
     pub instructions: u64,
-    /// Cycles a group of threads takes, if nothing waits.
+    /// Cycles of a group of threads, if nothing waits.
     pub inverse_throughput: u64,
 }
 
@@ -36,33 +36,33 @@ pub enum Resource {
     Sampler,
 }
 
-/// Why there are no figures.
+/// The reason that there are no figures.
 #[derive(Debug, thiserror::Error)]
 pub enum DriverError {
-    /// No loader, or no driver that takes the named GPU for there.
+    /// There is no loader, or no driver that compiles for the named GPU.
     #[error(
-        "no driver tells: it needs Mesa's RADV (Debian: mesa-vulkan-drivers) and {FAMILY_VARIABLE}, for example navi21; {0}"
+        "no driver reports costs: install Mesa's RADV (Debian: mesa-vulkan-drivers) and set {FAMILY_VARIABLE}, for example to navi21; {0}"
     )]
     Absent(String),
-    /// A shader that the driver does not take.
+    /// The driver refuses the shader.
     #[error("{0}")]
     Refused(#[from] vk::Result),
-    /// An entry point with a zero in its name.
+    /// The name of the entry point has a zero.
     #[error("the name of the entry point has a zero in it")]
     Name(#[from] std::ffi::NulError),
 }
 
-/// A device of RADV, with all that is made on it until the process ends.
+/// A device of RADV. Its objects live until the process ends.
 pub struct Driver {
     device: ash::Device,
     statistics: pipeline_executable_properties::Device,
     name: String,
-    // The library that the functions above are in.
+    // The library of the functions above.
     _entry: ash::Entry,
 }
 
 impl Driver {
-    /// Opens the device that RADV takes for there.
+    /// Opens the device of RADV for the named GPU.
     ///
     /// # Errors
     /// [`DriverError::Absent`].
@@ -72,24 +72,24 @@ impl Driver {
         let entry = unsafe { ash::Entry::load() }.map_err(|error| DriverError::Absent(error.to_string()))?;
         let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_2);
         let info = vk::InstanceCreateInfo::default().application_info(&application);
-        // SAFETY: what `info` points to lives until the call returns; so below.
+        // SAFETY: the data behind `info` lives until the call returns. This also holds for the calls below.
         let instance = unsafe { entry.create_instance(&info, None) }.map_err(absent)?;
         // SAFETY: the instance was created above and not destroyed.
         let all = unsafe { instance.enumerate_physical_devices() }.map_err(absent)?;
-        let Some((physical, name)) = all.into_iter().find_map(|physical| Some((physical, told(&instance, physical)?)))
+        let Some((physical, name)) = all.into_iter().find_map(|physical| Some((physical, name(&instance, physical)?)))
         else {
-            return Err(DriverError::Absent("no device of RADV is there".to_owned()));
+            return Err(DriverError::Absent("RADV lists no device".to_owned()));
         };
         let queues = [vk::DeviceQueueCreateInfo::default().queue_priorities(&[1.0])];
         let extensions = [pipeline_executable_properties::NAME.as_ptr()];
-        let mut told =
+        let mut executable_info =
             vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
         // Storage buffers of WGSL need this.
         let mut memory = vk::PhysicalDeviceVulkan12Features::default()
             .vulkan_memory_model(true)
             .vulkan_memory_model_device_scope(true);
         let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).enabled_extension_names(&extensions);
-        let info = info.push_next(&mut told).push_next(&mut memory);
+        let info = info.push_next(&mut executable_info).push_next(&mut memory);
         // SAFETY: as above.
         let device = unsafe { instance.create_device(physical, &info, None) }.map_err(absent)?;
         let statistics = pipeline_executable_properties::Device::new(&instance, &device);
@@ -102,7 +102,7 @@ impl Driver {
         &self.name
     }
 
-    /// The figures of a compute shader in SPIR-V, by its entry point; its resources are of group 0.
+    /// The figures of an entry point of a compute shader in SPIR-V. Its resources are in group 0.
     ///
     /// # Errors
     /// [`DriverError::Refused`], [`DriverError::Name`].
@@ -124,8 +124,8 @@ impl Driver {
         let layout = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         let module = vk::ShaderModuleCreateInfo::default().code(spirv);
         let device = &self.device;
-        // SAFETY: all handles are of this device; what the calls are handed lives until they return. The objects are left to
-        // the process, as the device is.
+        // SAFETY: all handles are of this device, and all arguments live until the calls return. The objects live until
+        // the process ends, like the device.
         unsafe {
             let sets = [device.create_descriptor_set_layout(&layout, None)?];
             let layout = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
@@ -141,7 +141,7 @@ impl Driver {
             let all = self.statistics.get_pipeline_executable_statistics(&executable)?;
             let figure = |name: &CStr| {
                 let found = all.iter().find(|figure| figure.name_as_c_str().is_ok_and(|other| other == name));
-                // RADV's are all of this kind.
+                // All counts of RADV have this type.
                 found.map_or(0, |figure| figure.value.u64)
             };
             Ok(Figures {
@@ -154,8 +154,8 @@ impl Driver {
     }
 }
 
-/// The name of a device of RADV with the driver's version; `None` for another driver's.
-fn told(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
+/// The name of a device of RADV with the driver's version; `None` for a device of another driver.
+fn name(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
     let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
     // SAFETY: the device is of this instance.

@@ -1,4 +1,4 @@
-//! The numbers of `LOSS` in `src/light/albedo.rs`: a cubic that tells what GGX loses of light from everywhere.
+//! The numbers of `LOSS` in `src/light/albedo.rs`: a cubic for the part of light from everywhere that GGX loses.
 
 use std::{f64::consts::FRAC_PI_2, fmt::Write as _};
 
@@ -14,22 +14,22 @@ use rayon::prelude::*;
 
 use crate::linear::solve;
 
-/// Surfaces of the search; half as many are held out.
+/// Surfaces of the search. Half as many are held out.
 pub const PLACES: usize = 12_000;
-/// Samples of a lobe; the albedo is within 2e-4 of its limit.
+/// Samples of a lobe. The albedo is within 2e-4 of its limit.
 const SAMPLES: usize = 4096;
 /// The lowest view of the search, in quarter turns: 89.9 degrees.
 const LOWEST: f64 = 89.9 / 90.0;
-/// Where the sequences of surfaces begin: of the search, and of those held out.
+/// The starts of the sequences of surfaces: for the search, and for the held-out surfaces.
 const STARTS: [[f64; 4]; 2] = [[0.5; 4], [0.137, 0.593, 0.871, 0.219]];
-/// How often the errors are looked at, and weights raised where they are large.
+/// Rounds of the search. Each raises the weights of large errors.
 const ROUNDS: usize = 8;
-/// An error of this size is worth three times as much in the next round.
+/// An error of this size has three times the weight in the next round.
 const LARGE: f64 = 0.01;
-/// Added to each diagonal element of the mean normal equations, which keeps the numbers small.
+/// A constant on the diagonal of the mean normal equations, which keeps the numbers small.
 const RIDGE: f64 = 1e-8;
 
-/// A surface and a view, and what it reflects of light from everywhere.
+/// A surface, a view, and the reflected part of light from everywhere.
 #[derive(Debug, Clone, Copy)]
 pub struct Place {
     alpha: [f64; 2],
@@ -44,8 +44,8 @@ impl Place {
     }
 }
 
-/// Surfaces even in the square root of the larger alpha and in ratio, a third of them isotropic, and views even in
-/// their angles; `held_out` others.
+/// Surfaces even in the square root of the larger alpha and in ratio, a third of them isotropic. Views are even in
+/// their angles. `held_out` selects another sequence.
 #[must_use]
 pub fn places(count: usize, held_out: bool) -> Vec<Place> {
     let start = STARTS[usize::from(held_out)];
@@ -71,7 +71,7 @@ pub fn errors(places: &[Place], of: impl Fn(&Place) -> f64) -> [f64; 3] {
     [errors.iter().sum::<f64>() / count as f64, errors[count * 95 / 100], errors[count - 1]]
 }
 
-/// The numbers of least weighted squares, with four decimals.
+/// The numbers with the least weighted squares, with four decimals.
 ///
 /// # Panics
 /// Never: the ridge makes the equations positive.
@@ -141,39 +141,39 @@ pub fn as_wgsl(n: &[f64; 31]) -> String {
     .concat()
 }
 
-/// What stands and what is found, with their errors on surfaces that the search does not see.
+/// The errors of the current and the found numbers on held-out surfaces, the found numbers, and [`materials`].
 #[must_use]
-pub fn told(count: usize) -> String {
+pub fn text(count: usize) -> String {
     let found = find(&places(count, false));
     let held_out = places(count / 2, true);
     let (low, usual): (Vec<Place>, Vec<Place>) = held_out.iter().partition(|place| place.theta() > 88_f64.to_radians());
     let mut out = String::new();
     // Writing to a String cannot fail.
     for (name, places) in [("views to 88 degrees", &usual), ("views from 88 to 89.9 degrees", &low)] {
-        let told = |numbers: &[f64; 31]| errors_of(places, numbers).map(|x| format!("{x:.4}")).join(" / ");
-        let (standing, new) = (told(&LOSS), told(&found));
-        let _ = writeln!(out, "{name}, mean / 95th percentile / largest error: standing {standing}, found {new}");
+        let errors = |numbers: &[f64; 31]| errors_of(places, numbers).map(|x| format!("{x:.4}")).join(" / ");
+        let (current, new) = (errors(&LOSS), errors(&found));
+        let _ = writeln!(out, "{name}, mean / 95th percentile / largest error: current {current}, found {new}");
     }
     let least = usual.iter().map(|place| place.albedo).fold(1.0, f64::min);
     let _ = writeln!(out, "least albedo {least:.3}");
     let worst = errors(&usual, |place| albedo(place.alpha, place.wo))[2];
-    let _ = writeln!(out, "largest error of the library's {worst:.4}");
+    let _ = writeln!(out, "largest error of the library {worst:.4}");
     let _ = writeln!(out, "{}\n{}", as_rust(&found), as_wgsl(&found));
     out + &materials()
 }
 
-/// Views over which a table tells means: even in the square of the cosine, by which light from everywhere is weighed.
+/// Views of a mean. They are even in the square of the cosine, which is the weight of light from everywhere.
 const VIEWS: usize = 64;
 
-/// The tables of docs/materials.md: the part of a white sky that isotropic surfaces reflect in one bounce, with the
-/// factor, and by the series of bounces of Kulla and Conty. The series adds `f0^2 A / (1 - f0 (1 - A))` of the light that
-/// one bounce loses, for the mean albedo `A`.
+/// The tables of docs/materials.md: the part of a white sky that isotropic surfaces reflect, in one bounce, with the
+/// factor, and by the series of bounces of Kulla and Conty. For the mean albedo `A`, the series adds `f0^2 A / (1 - f0
+/// (1 - A))` of the light that one bounce loses.
 ///
 /// # Panics
 /// Never: each surface and view is within bounds.
 #[must_use]
 pub fn materials() -> String {
-    let mut out = String::from("docs/materials.md, mean albedo and that of views of 0, 45, 75 and 85 degrees:\n\n");
+    let mut out = String::from("docs/materials.md, albedo: mean, and for views of 0, 45, 75 and 85 degrees:\n\n");
     out += "| alpha | mean | 0 degrees | 45 degrees | 75 degrees | 85 degrees |\n|---|---|---|---|---|---|\n";
     let brdf = BrdfKind::Ggx.into();
     let of = |alpha: f64, theta: f64| {

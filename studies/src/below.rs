@@ -1,5 +1,5 @@
-//! The tables of docs/extremes.md and docs/lights.md: light that shines through from below the surface, by model, and
-//! the error of a table's light with and without a cut at the surface.
+//! The tables of docs/accuracy.md and docs/lights.md: light from below the surface that models let through, and the
+//! error of a table's light with and without a cut at the surface.
 
 use std::{f64::consts::TAU, fmt::Write as _};
 
@@ -17,14 +17,14 @@ use crate::{
     tables::fitted,
 };
 
-/// Random surfaces at a view, and random lights of a row.
+/// Random surfaces for a view, and random lights of a row.
 const COUNT: usize = 4000;
 /// The polar angles of the views, in degrees.
 const VIEWS: [f64; 6] = [0.0, 45.0, 60.0, 75.0, 85.0, 89.0];
-/// Where the sequence of surfaces begins.
+/// The start of the sequence of surfaces.
 const START: [f64; 4] = [0.5; 4];
 
-/// The models by name; the table is one of LTCs.
+/// The models by name. The table has LTCs.
 fn models(table: &Table) -> Vec<(String, Lighting<'_>)> {
     let mut models = vec![
         ("`ltc`, default table".to_owned(), Lighting::by(table)),
@@ -38,7 +38,7 @@ fn models(table: &Table) -> Vec<(String, Lighting<'_>)> {
     models
 }
 
-/// What each surface reflects of a ground that fills all directions below it: the mean and the most.
+/// The reflected light of a ground that fills all directions below the surface: mean and greatest over the surfaces.
 fn through(model: Lighting<'_>, theta: f64, count: usize) -> [f64; 2] {
     let square = [[-1e4, -1e4, -1.0], [-1e4, 1e4, -1.0], [1e4, 1e4, -1.0], [1e4, -1e4, -1.0]].map(DVec3::from_array);
     let ground = PolygonLight::new(square.to_vec(), Sides::Two).expect("a light");
@@ -55,7 +55,7 @@ fn through(model: Lighting<'_>, theta: f64, count: usize) -> [f64; 2] {
 /// The tables, with a `part` of the surfaces and lights.
 ///
 /// # Errors
-/// None, unless preset `paper` is no recipe.
+/// None, unless preset `paper` is not a recipe.
 pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
     let count = ((COUNT as f64 * part) as usize).max(20);
     let table = fitted(&Recipe::builder().preset(Preset::Paper).build()?);
@@ -68,7 +68,7 @@ pub fn tables_of(table: &Table, count: usize) -> String {
     let mut out = String::new();
     let models = models(table);
     // Writing to a String cannot fail.
-    let _ = writeln!(out, "docs/extremes.md, {count} surfaces a view, mean / most of a ground's light:\n");
+    let _ = writeln!(out, "docs/accuracy.md, {count} surfaces a view, mean / most of a ground's light:\n");
     let heads = VIEWS.map(|theta| format!("{theta} degrees"));
     let _ = writeln!(out, "| model | {} |\n|---|{}", heads.join(" | "), "---|".repeat(VIEWS.len()));
     for (name, model) in &models {

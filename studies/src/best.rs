@@ -1,6 +1,6 @@
-//! How far tables are from the best LTC at each configuration: the tables of README.md and docs/layouts.md.
+//! The error of tables against the best LTC at each configuration: the tables of README.md and docs/layouts.md.
 //!
-//! The distance is that of a report, which shares no code and no samples with the fit.
+//! The distance is the distance of a report, which shares no code and no samples with the fit.
 
 use std::{f64::consts::FRAC_PI_2, fmt::Write as _, path::Path};
 
@@ -16,13 +16,13 @@ use crate::{
     tables::{best, fitted, looked_up, materials},
 };
 
-/// Materials between the nodes, and isotropic ones.
+/// Materials between the nodes, and isotropic materials.
 const MATERIALS: [usize; 2] = [400, 300];
-/// Nodes a side of the grid of KT et al. 2022, of which every fifth is measured.
+/// Nodes along each axis of the grid of KT et al. 2022. Every fifth node is measured.
 const GRID: u32 = 8;
 const EVERY: usize = 5;
 
-/// Places, and how good the best LTCs are there.
+/// Places, and the errors of the best LTCs there.
 struct Judged {
     places: Vec<Configuration>,
     best: Vec<Figures>,
@@ -65,18 +65,18 @@ impl Judged {
     }
 }
 
-/// A table beside the best LTCs.
+/// A table against the best LTCs.
 #[derive(Debug, Clone, Copy)]
 pub struct Comparison {
-    /// Mean distance over that of the best, less one.
+    /// Mean distance over the mean distance of the best LTCs, minus one.
     pub excess: f64,
-    /// Distance over that of the best.
+    /// Distance over the distance of the best LTC.
     pub ratio: Spread,
-    /// Its mean where alpha is below 0.15.
+    /// Mean ratio where alpha is below 0.15.
     pub sharp: f64,
-    /// Its mean where theta is above 1.3.
+    /// Mean ratio where theta is above 1.3.
     pub grazing: f64,
-    /// The part of the lobe's width by which the table is farther from the lobe.
+    /// The difference of the distances, relative to the lobe's width.
     pub width: Spread,
     /// Mean error of the energy in square lights.
     pub light: f64,
@@ -113,10 +113,10 @@ fn bytes(recipe: &Recipe) -> String {
     format!("{} KiB", (11 * number * recipe.entries() + 512) / 1024)
 }
 
-/// The presets' default tables, `f16` beside `draft`, and a table as KT et al. published theirs.
+/// The presets' default tables, `draft` in `f16`, and a table in the published form of KT et al.
 ///
 /// # Errors
-/// A file that cannot be read or is no such table.
+/// A file that cannot be read or is not such a table.
 pub fn presets(published: Option<&Path>) -> Result<String, Box<dyn std::error::Error>> {
     let judged = Judged::at(materials(MATERIALS[0], false));
     let mut out = HEAD.to_owned();
@@ -145,7 +145,7 @@ pub fn presets(published: Option<&Path>) -> Result<String, Box<dyn std::error::E
     Ok(out)
 }
 
-/// Every fifth node of the uniform grid, without those whose ratio is zero.
+/// Every fifth node of the uniform grid, except nodes with ratio zero.
 fn grid() -> Vec<Configuration> {
     let part = |i: u32| f64::from(i) / f64::from(GRID - 1);
     let node = |index: u32| {
@@ -157,7 +157,7 @@ fn grid() -> Vec<Configuration> {
     (0..GRID.pow(4)).step_by(EVERY).map(node).collect()
 }
 
-/// Isotropic tables as engines read them, at preset `standard`, and the textures that engines ship.
+/// Isotropic tables in the layouts of engines, at preset `standard`, and the textures that engines ship.
 ///
 /// # Errors
 /// Files that cannot be read.
@@ -185,7 +185,7 @@ pub fn isotropic(shipped: Option<[&Path; 2]>) -> Result<String, Box<dyn std::err
     Ok(out)
 }
 
-/// How far a table is from the best LTCs at a few materials.
+/// The error of a table against the best LTCs at a few materials.
 #[must_use]
 pub fn compared(recipe: &Recipe, places: usize) -> Comparison {
     Judged::at(materials(places, false)).compare(&fitted(recipe))

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-/// A moment, and the processor time until then where the system tells it.
+/// A point in time, with the processor time until then if the system reports it.
 pub struct Clock {
     wall: Instant,
     counted: Counted,
@@ -16,13 +16,13 @@ enum Counted {
 }
 
 impl Clock {
-    /// Counts what this thread takes.
+    /// Counts the time of this thread.
     #[must_use]
     pub fn of_thread() -> Self {
         Self::new(Counted::Thread)
     }
 
-    /// Counts what all threads of the process take.
+    /// Counts the time of all threads of the process.
     #[must_use]
     pub fn of_process() -> Self {
         Self::new(Counted::Process)
@@ -32,7 +32,7 @@ impl Clock {
         Self { wall: Instant::now(), counted, then: processor_seconds(counted) }
     }
 
-    /// Processor seconds since then; seconds that passed where the system does not tell.
+    /// Processor seconds since then, or wall-clock seconds if the system does not report them.
     #[must_use]
     pub fn seconds(&self) -> f64 {
         let since = |then: f64| processor_seconds(self.counted).map(|now| now - then);

@@ -1,8 +1,8 @@
 //! The seconds of a fit, as `fit_seconds` predicts them: constants of `src/fit/cost.rs`, `metric` and `solver`.
 //!
-//! Each solver's fits of a few lobes are measured, in processor seconds of one thread, at several samples and
-//! directions; the constants are those with the least relative error. How fast a machine is changes all of them by one
-//! factor, which is told beside them: their proportions count.
+//! The study measures each solver's fits of a few lobes at several samples and directions, in processor seconds of one
+//! thread. The constants have the least relative error. The speed of the machine changes all of them by one factor,
+//! which is printed with them. Only their proportions matter.
 
 use std::{fmt::Write as _, ops::ControlFlow};
 
@@ -47,8 +47,8 @@ const CONSTANTS: [Constant; 11] = [
 ];
 const STEP_SAMPLING: Constant = constant!("STEP_SAMPLING", "cost.rs", 0);
 const POINT: Constant = constant!("POINT_SECONDS", "measure/effort.rs", 0);
-/// Evaluations of a fit by `bfgs`, by `nelder_mead`, and of one of the latter's steps: conventions of the model, to
-/// which the seconds of an evaluation belong.
+/// Evaluations of a fit by `bfgs`, of a fit by `nelder_mead`, and of a step of `nelder_mead`. These are conventions of
+/// the model, and define the seconds of an evaluation.
 const EVALUATIONS: [Constant; 3] = [
     constant!("EVALUATIONS", "solver/bfgs/mod.rs", 0),
     constant!("EVALUATIONS", "solver/nelder_mead/mod.rs", 0),
@@ -56,13 +56,13 @@ const EVALUATIONS: [Constant; 3] = [
 ];
 
 impl Constant {
-    /// As it stands. NaN if the source has no such constant, which a test finds out.
-    fn standing(&self) -> f64 {
+    /// The current value. NaN if the source has no such constant, which a test checks.
+    fn current(&self) -> f64 {
         number(self.source, self.name, self.index).unwrap_or(f64::NAN)
     }
 }
 
-/// Lobes of a measured fit: no two of its table's share one.
+/// Lobes of a measured fit. The table has no two equal lobes.
 const ISOTROPIC_LOBES: u32 = 9;
 const LOBES: u32 = 18;
 
@@ -94,7 +94,7 @@ impl Task {
     }
 
     /// # Errors
-    /// Settings out of their bounds.
+    /// Settings that are out of bounds.
     fn recipe(&self) -> Result<Recipe, ltcforge::Error> {
         let Self { brdf, lobe, metric, solver, samples, directions, steps } = *self;
         let builder = Recipe::builder().brdf(brdf).lobe(lobe).metric(metric).solver(solver);
@@ -108,10 +108,10 @@ impl Task {
         builder.range("ratio", 0.3, 0.3).range("phi", 0.3, 1.2).resolution("phi", 2).build()
     }
 
-    /// Seconds of an entry for each constant's unit.
+    /// The factor of each constant in the seconds of an entry.
     fn factors(&self) -> [f64; CONSTANTS.len()] {
         let [samples, directions, steps] = [self.samples, self.directions, self.steps].map(f64::from);
-        let [bfgs, simplex, of_step] = EVALUATIONS.map(|constant| constant.standing());
+        let [bfgs, simplex, of_step] = EVALUATIONS.map(|constant| constant.current());
         let evaluations = match self.solver {
             Solver::Bfgs => steps.min(bfgs),
             Solver::NelderMead => (steps * of_step).min(simplex),
@@ -124,31 +124,31 @@ impl Task {
             LobeModel::Sg => 4.0,
             LobeModel::Asg => 6.0,
         };
-        let drawn = if self.solver == Solver::Sgd { steps * samples } else { 0.0 };
-        let sorted = if is_sw1 { drawn * directions } else { 0.0 };
+        let samples_of_steps = if self.solver == Solver::Sgd { steps * samples } else { 0.0 };
+        let sorted = if is_sw1 { samples_of_steps * directions } else { 0.0 };
         let is_descent = if self.solver == Solver::Sgd { 1.0 } else { 0.0 };
         [
             sw1 * directions * samples,
             sw1 * directions,
             (evaluations - sw1) * samples,
             evaluations * samples * numbers,
-            drawn,
+            samples_of_steps,
             sorted,
             sorted * samples.log2(),
-            if is_sw1 { 0.0 } else { drawn },
+            if is_sw1 { 0.0 } else { samples_of_steps },
             is_descent * samples * directions,
             samples,
             1.0,
         ]
     }
 
-    /// Processor seconds of an entry: the least of some runs.
+    /// Processor seconds of an entry: the least of `runs` runs.
     fn measure(&self, runs: usize) -> Result<f64, ltcforge::Error> {
         let lobes = if self.is_isotropic() { ISOTROPIC_LOBES } else { LOBES };
         Ok(seconds_of(&self.recipe()?, runs) / f64::from(lobes))
     }
 
-    fn standing(&self) -> Result<f64, ltcforge::Error> {
+    fn current(&self) -> Result<f64, ltcforge::Error> {
         let lobes = if self.is_isotropic() { ISOTROPIC_LOBES } else { LOBES };
         Ok(fit_seconds(&self.recipe()?) / f64::from(lobes))
     }
@@ -159,20 +159,20 @@ impl Task {
     }
 }
 
-/// The samples and directions of the fits that the constants are found by, each with each, and of others.
+/// Samples and directions of the fits, in all combinations: for finding the constants, and for testing them.
 #[derive(Debug, Clone, Copy)]
 pub struct Efforts {
-    /// Those from which the constants are found.
-    pub seen: [&'static [u32]; 2],
-    /// The others.
+    /// The fits that find the constants.
+    pub training: [&'static [u32]; 2],
+    /// The fits that test the constants.
     pub held_out: [&'static [u32]; 2],
-    /// Runs of each fit, of which the shortest counts.
+    /// Runs of each fit. The shortest counts.
     pub runs: usize,
 }
 
 impl Efforts {
-    /// Half a minute.
-    pub const WHOLE: Self = Self { seen: [&[128, 512, 4096], &[8, 64]], held_out: [&[256, 1024], &[32]], runs: 5 };
+    /// The full study, half a minute.
+    pub const WHOLE: Self = Self { training: [&[128, 512, 4096], &[8, 64]], held_out: [&[256, 1024], &[32]], runs: 5 };
 }
 
 /// The fits of GGX.
@@ -181,7 +181,7 @@ fn tasks([samples, directions]: [&'static [u32]; 2]) -> Vec<Task> {
     let few = || samples.iter().map(|s| Task { samples: (*s).min(2048), ..USUAL });
     let mut tasks: Vec<Task> = grid().collect();
     tasks.extend(grid().map(|task| Task { solver: Solver::Sgd, steps: 10, ..task }));
-    // The time outside of the steps shows where there are few.
+    // Fits with few steps show the time outside of the steps.
     tasks.extend(grid().map(|task| Task { solver: Solver::Sgd, steps: 1, ..task }));
     tasks.extend(few().map(|task| Task { metric: Metric::L3, ..task }));
     tasks.extend(few().map(|task| Task { metric: Metric::L3, solver: Solver::NelderMead, ..task }));
@@ -192,37 +192,38 @@ fn tasks([samples, directions]: [&'static [u32]; 2]) -> Vec<Task> {
     tasks
 }
 
-/// The constants that were found, how far measured seconds are from theirs, and from those that stand.
+/// The found constants, with the errors of their seconds and of the seconds by the current constants.
 #[derive(Debug, Clone)]
 struct Found {
-    /// In the order of the printed table.
+    /// The found constants, in the order of the printed table.
     constants: [f64; CONSTANTS.len()],
-    /// Relative errors of the fits that they were found by, and of others.
+    /// Relative errors of the training fits and of the held-out fits.
     relative_errors: [f64; 2],
-    /// Measured seconds over those of the constants that stand, of every fit.
-    over_standing: Vec<f64>,
+    /// Measured seconds over the seconds by the current constants, for every fit.
+    over_current: Vec<f64>,
 }
 
-/// Finds the constants from the seconds that `seconds_of` tells of each fit.
+/// Finds the constants from the seconds of each fit, by `seconds_of`. Calls `report` with the name, the measured and
+/// the predicted seconds of each.
 fn find(
     efforts: &Efforts,
     seconds_of: impl Fn(&Task) -> Result<f64, ltcforge::Error>,
-    mut tell: impl FnMut(&str, f64, f64),
+    mut report: impl FnMut(&str, f64, f64),
 ) -> Result<Found, ltcforge::Error> {
-    let mut over_standing = Vec::new();
+    let mut over_current = Vec::new();
     let mut measure = |tasks: Vec<Task>| -> Result<Vec<Measured<11>>, ltcforge::Error> {
         let measured = tasks.iter().map(|task| {
-            let (value, standing) = (seconds_of(task)?, task.standing()?);
-            tell(&task.name(), value, standing);
-            over_standing.push(value / standing);
+            let (value, current) = (seconds_of(task)?, task.current()?);
+            report(&task.name(), value, current);
+            over_current.push(value / current);
             Ok(Measured { factors: task.factors(), value })
         });
         measured.collect()
     };
-    let (seen, held_out) = (measure(tasks(efforts.seen))?, measure(tasks(efforts.held_out))?);
-    let constants = least_squares(&seen);
-    let relative_errors = [&seen, &held_out].map(|measured| relative_error(measured, &constants));
-    Ok(Found { constants, relative_errors, over_standing })
+    let (training, held_out) = (measure(tasks(efforts.training))?, measure(tasks(efforts.held_out))?);
+    let constants = least_squares(&training);
+    let relative_errors = [&training, &held_out].map(|measured| relative_error(measured, &constants));
+    Ok(Found { constants, relative_errors, over_current })
 }
 
 fn median(mut ratios: Vec<f64>) -> f64 {
@@ -230,35 +231,36 @@ fn median(mut ratios: Vec<f64>) -> f64 {
     ratios[ratios.len() / 2]
 }
 
-/// The constants as text: as they stand, as found, and as found on a machine as fast as that of those that stand.
+/// The constants as text: the current values, the found values, and the found values at the speed of the current
+/// values.
 ///
 /// # Errors
 /// None, unless a fit's settings are out of bounds.
 pub fn text(efforts: &Efforts) -> Result<String, ltcforge::Error> {
     let runs = efforts.runs;
     let mut out =
-        "| fit | samples x directions x steps | measured, ms | over those that stand |\n|---|---|---|---|\n".to_owned();
+        "| fit | samples x directions x steps | measured, ms | over current |\n|---|---|---|---|\n".to_owned();
     // Writing to a String cannot fail.
     let found = find(
         efforts,
         |task| task.measure(runs),
-        |name, measured, standing| {
-            let _ = writeln!(out, "| {name} | {:.3} | {:.2} |", 1e3 * measured, measured / standing);
+        |name, measured, current| {
+            let _ = writeln!(out, "| {name} | {:.3} | {:.2} |", 1e3 * measured, measured / current);
         },
     )?;
-    let speed = median(found.over_standing.clone());
-    let [seen, held_out] = found.relative_errors.map(|error| 100.0 * error);
+    let speed = median(found.over_current.clone());
+    let [training, held_out] = found.relative_errors.map(|error| 100.0 * error);
     let _ = writeln!(
         out,
-        "\nThis machine takes {speed:.2} times as long. Relative error of what was found: {seen:.0} % of the fits that it was found by, {held_out:.0} % of others.\n"
+        "\nThis machine takes {speed:.2} times as long. Relative error of the found constants: {training:.0} % for the training fits, {held_out:.0} % for other fits.\n"
     );
-    out += "| constant | file | stands | found | as fast as the machine of those that stand |\n|---|---|---|---|---|\n";
+    out += "| constant | file | current | found | found, at the speed of the current values |\n|---|---|---|---|---|\n";
     let mut line = |constant: &Constant, found: f64| {
         let Constant { name, file, index, .. } = constant;
         let _ = writeln!(
             out,
             "| `{name}`, {index} | `src/fit/{file}` | {:.2e} | {found:.1e} | {:.1e} |",
-            constant.standing(),
+            constant.current(),
             found / speed
         );
     };
@@ -279,16 +281,16 @@ fn point_seconds() -> Result<f64, ltcforge::Error> {
     Ok(start.seconds() / POINTS as f64)
 }
 
-/// How much longer samples of other scattering models take, and which part of a step they are.
+/// The cost of samples of other scattering models over GGX's, and their share of a step.
 fn factors(runs: usize, constants: &[f64; 11]) -> Result<String, ltcforge::Error> {
     let few = Task { samples: 4096, directions: 4, steps: 1, ..USUAL };
     let sampling = constants[9] * f64::from(few.samples);
-    let mut out = "\n| model | its samples take, over GGX's |\n|---|---|\n".to_owned();
-    let (mut beckmann, of_ggx) = (1.0, few.measure(runs)?);
+    let mut out = "\n| model | cost of its samples over GGX's |\n|---|---|\n".to_owned();
+    let (mut beckmann, ggx_seconds) = (1.0, few.measure(runs)?);
     for brdf in BrdfKind::formulas().filter(|kind| *kind != BrdfKind::Ggx) {
-        // GGX's of isotropic lobes where the model has no others.
-        let beside = if brdf.is_isotropic() { isotropic_ggx(&few, runs)? } else { of_ggx };
-        let over = 1.0 + (Task { brdf, ..few }.measure(runs)? - beside) / sampling;
+        // A model with only isotropic lobes is compared with isotropic lobes of GGX.
+        let ggx = if brdf.is_isotropic() { isotropic_ggx(&few, runs)? } else { ggx_seconds };
+        let over = 1.0 + (Task { brdf, ..few }.measure(runs)? - ggx) / sampling;
         if brdf == BrdfKind::Beckmann {
             beckmann = over;
         }
@@ -300,13 +302,13 @@ fn factors(runs: usize, constants: &[f64; 11]) -> Result<String, ltcforge::Error
             + constants[9] * (over - 1.0) * f64::from(descent.samples)
     };
     let steps = Task { brdf: BrdfKind::Beckmann, ..descent }.measure(runs)? - rest(beckmann);
-    let of_ggx = descent.measure(runs)? - rest(1.0);
-    let found = (steps / of_ggx - 1.0) / (beckmann - 1.0);
-    let _ = writeln!(out, "\n`STEP_SAMPLING`: {:.2} stands, {found:.2} found", STEP_SAMPLING.standing());
+    let ggx_steps = descent.measure(runs)? - rest(1.0);
+    let found = (steps / ggx_steps - 1.0) / (beckmann - 1.0);
+    let _ = writeln!(out, "\n`STEP_SAMPLING`: {:.2} current, {found:.2} found", STEP_SAMPLING.current());
     Ok(out)
 }
 
-/// A task's seconds by GGX for lobes of isotropic surfaces.
+/// The seconds of a task for isotropic lobes of GGX.
 fn isotropic_ggx(task: &Task, runs: usize) -> Result<f64, ltcforge::Error> {
     let builder = Recipe::builder().samples(task.samples).directions(task.directions).steps(task.steps);
     let builder =
@@ -314,7 +316,7 @@ fn isotropic_ggx(task: &Task, runs: usize) -> Result<f64, ltcforge::Error> {
     Ok(seconds_of(&builder.isotropic().build()?, runs) / f64::from(ISOTROPIC_LOBES))
 }
 
-/// Processor seconds of a recipe's fits on one thread: the least of some runs.
+/// Processor seconds of a recipe's fits on one thread: the least of `runs` runs.
 fn seconds_of(recipe: &Recipe, runs: usize) -> f64 {
     let plan = Plan::new(recipe);
     let run = || {
@@ -331,21 +333,21 @@ fn seconds_of(recipe: &Recipe, runs: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// The factors of the study are those of the model: the constants that stand give `fit_seconds`.
+    /// The study has the factors of the model: the current constants give `fit_seconds`.
     #[test]
-    fn the_constants_that_stand_predict_what_the_model_does() {
-        let standing = CONSTANTS.map(|constant| constant.standing());
-        assert!(standing.iter().chain([&STEP_SAMPLING.standing(), &POINT.standing()]).all(|x| x.is_finite()));
-        for task in tasks(Efforts::WHOLE.seen) {
-            let [found, wanted] = [predicted(&task.factors(), &standing), task.standing().expect("a recipe")];
+    fn the_current_constants_predict_the_seconds_of_the_model() {
+        let current = CONSTANTS.map(|constant| constant.current());
+        assert!(current.iter().chain([&STEP_SAMPLING.current(), &POINT.current()]).all(|x| x.is_finite()));
+        for task in tasks(Efforts::WHOLE.training) {
+            let [found, wanted] = [predicted(&task.factors(), &current), task.current().expect("a recipe")];
             assert!((found / wanted - 1.0).abs() < 1e-9, "{task:?}: {found} {wanted}");
         }
     }
 
-    /// On a machine whose constants are others, none of them in the same proportion, these are found.
+    /// The study finds the constants of a machine with other proportions.
     #[test]
     fn planted_seconds_give_planted_constants() {
-        let mut planted = CONSTANTS.map(|constant| constant.standing());
+        let mut planted = CONSTANTS.map(|constant| constant.current());
         for (i, constant) in planted.iter_mut().enumerate() {
             *constant *= 1.0 + 0.2 * (i % 4) as f64;
         }
@@ -357,7 +359,7 @@ mod tests {
         }
     }
 
-    /// A clock that runs tells a time above zero for a fit, whatever the machine.
+    /// A fit takes more than zero seconds on every machine.
     #[test]
     fn a_fit_takes_time() {
         let few = Task { samples: 64, directions: 4, steps: 1, ..USUAL };

@@ -1,4 +1,4 @@
-//! Random numbers of the shapes that studies draw surfaces and lights from.
+//! The random numbers from which studies draw surfaces and lights.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,7 @@ use glam::DVec3;
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// A sequence of random numbers, the same for a seed on every machine.
+/// A sequence of random numbers. A seed gives the same numbers on every machine.
 pub(crate) struct Draw(Xoshiro256PlusPlus);
 
 impl Draw {
@@ -14,12 +14,12 @@ impl Draw {
         Self(Xoshiro256PlusPlus::seed_from_u64(seed))
     }
 
-    /// A number between two, all alike.
+    /// A uniform number between `low` and `high`.
     pub(crate) fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
     }
 
-    /// A number between two above zero, whose logarithms are all alike.
+    /// A number between `low` and `high` with a uniform logarithm. Domain: bounds above zero.
     pub(crate) fn logarithmic(&mut self, low: f64, high: f64) -> f64 {
         self.within(low.ln(), high.ln()).exp()
     }

@@ -1,8 +1,8 @@
 //! The expected error of a table, as `expectation` predicts it from its recipe: numbers of `src/fit/expectation.rs`,
 //! the layouts, and the factors of scattering and lobe models.
 //!
-//! Tables are fitted and measured by a report's figure, `between.width.mean`. The law is a sum of powers, whose factors
-//! are found by least squares of relative errors, and the two exponents by trying: see docs/tradeoff.md.
+//! The study fits tables and measures `between.width.mean` of a report. The law is a sum of powers. Least squares of
+//! relative errors find its factors, and a grid search its two exponents. See docs/tradeoff.md.
 
 use ltcforge::{
     BrdfKind, Layout, LobeModel, Preset, Recipe, RecipeDocument as _,
@@ -15,15 +15,15 @@ use crate::{
     tables::fitted,
 };
 
-/// The exponents that are tried: from, to, step.
+/// The tried exponents: from, to, step.
 const SAMPLES_EXPONENT: [f64; 3] = [0.8, 2.0, 0.1];
 const DIRECTIONS_EXPONENT: [f64; 3] = [1.0, 3.0, 0.5];
 const AXES: [&str; 4] = ["alpha", "ratio", "theta", "phi"];
 
-/// Limit, the factors of alpha, ratio, theta and phi, of samples and of directions.
+/// The limit, and the factors of alpha, ratio, theta, phi, samples and directions.
 pub type Numbers = [f64; 7];
 
-/// A layout's numbers, and the laws of samples and directions.
+/// The numbers of a layout, and the exponents of samples and directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Law {
     /// Factors.
@@ -54,8 +54,8 @@ impl Fitted {
         Measured { factors: [1.0, alpha, ratio, theta, phi, samples, directions], value: *error }
     }
 
-    /// Measured over expected by what stands.
-    fn over_standing(&self) -> f64 {
+    /// Measured error over the error that the current constants predict.
+    fn over_current(&self) -> f64 {
         self.error / expectation(&self.recipe).error
     }
 }
@@ -74,32 +74,33 @@ fn nodes_of(layout: Layout) -> Result<[u32; 4], ltcforge::Error> {
     Ok([nodes.alpha, nodes.ratio, nodes.theta, nodes.phi])
 }
 
-/// How much is fitted and measured.
+/// The extent of the study.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
-    /// Where each table is measured.
+    /// Points at which each table is measured.
     pub points: usize,
-    /// By what the default numbers of nodes are multiplied, on all axes and one at a time.
+    /// Factors on the default numbers of nodes, for all axes together and for one axis at a time.
     pub scales: &'static [f64],
-    /// Samples and directions, each with each.
+    /// Samples and directions, in all combinations.
     pub efforts: [&'static [u32]; 2],
     /// Nodes of alpha and theta of isotropic tables.
     pub isotropic: &'static [[u32; 2]],
 }
 
 impl Extent {
-    /// Some minutes on two cores.
+    /// The full study, some minutes on two cores.
     pub const WHOLE: Self = Self {
         points: 512,
         scales: &[0.4, 0.6, 0.8, 1.25, 1.6],
         efforts: [&[64, 128, 256, 512, 1024], &[4, 8, 16, 32]],
         isotropic: &[[12, 48], [24, 48], [48, 12], [48, 24], [16, 16], [32, 32], [64, 64]],
     };
-    /// Seconds.
+    /// The study of tests, some seconds.
     pub const SHORT: Self = Self { points: 96, scales: &[0.4, 0.6], efforts: [&[64, 192], &[4, 8]], isotropic: &[] };
 }
 
-/// The recipes of a layout: all axes and one at a time; for the first one also the efforts at its nodes.
+/// The recipes of a layout with scaled nodes, on all axes and on one at a time. With `has_effort`, also with other
+/// efforts at the default nodes.
 fn recipes(layout: Layout, extent: &Extent, has_effort: bool) -> Result<Vec<Recipe>, ltcforge::Error> {
     if layout.only_ranges().is_some() {
         let nodes = extent.isotropic.iter();
@@ -125,7 +126,7 @@ fn recipes(layout: Layout, extent: &Extent, has_effort: bool) -> Result<Vec<Reci
     Ok(found)
 }
 
-/// Recipes that no law was found by.
+/// Recipes that are not used to find a law.
 fn held_out(layout: Layout) -> Result<Vec<Recipe>, ltcforge::Error> {
     if layout.only_ranges().is_some() {
         return [[20, 50], [50, 20]].map(|n| recipe(layout, [n[0], 1, n[1], 1], 96, 8)).into_iter().collect();
@@ -168,14 +169,14 @@ fn with_effort_of(law: &Law, tables: &[Fitted]) -> Law {
     Law { numbers: [limit, alpha, ratio, theta, phi, law.numbers[5], law.numbers[6]], exponents: law.exponents }
 }
 
-/// A law, and how far it and the one that stands are from tables that it was not found by: measured over expected.
+/// A law, with its errors and the errors of the current law on held-out tables: measured over expected.
 #[derive(Debug, Clone)]
 pub struct Found {
     /// The layout.
     pub layout: Layout,
     /// The constants found.
     pub law: Law,
-    /// The errors on each table that was held out: by the constants found, and by those in the sources.
+    /// Measured over expected for each held-out table: by the found constants, and by the constants in the sources.
     pub held_out: Vec<[f64; 2]>,
 }
 
@@ -183,23 +184,24 @@ pub struct Found {
 ///
 /// # Errors
 /// None, unless a recipe is out of bounds.
-pub fn find(layouts: &[Layout], extent: &Extent, mut tell: impl FnMut(&Found)) -> Result<(), ltcforge::Error> {
+pub fn find(layouts: &[Layout], extent: &Extent, mut report: impl FnMut(&Found)) -> Result<(), ltcforge::Error> {
     let first = with_exponents(&measured(recipes(Layout::Reflected, extent, true)?, extent.points));
     for layout in layouts {
         let is_first = *layout == Layout::Reflected;
         let tables = if is_first { Vec::new() } else { measured(recipes(*layout, extent, false)?, extent.points) };
         let law = if is_first { first } else { with_effort_of(&first, &tables) };
-        let unseen = measured(held_out(*layout)?, extent.points);
+        let tests = measured(held_out(*layout)?, extent.points);
         let ratio = |table: &Fitted| {
             let Measured { factors, value } = table.measured(law.exponents);
-            [value / predicted(&factors, &law.numbers), table.over_standing()]
+            [value / predicted(&factors, &law.numbers), table.over_current()]
         };
-        tell(&Found { layout: *layout, law, held_out: unseen.iter().map(ratio).collect() });
+        report(&Found { layout: *layout, law, held_out: tests.iter().map(ratio).collect() });
     }
     Ok(())
 }
 
-/// The quotient of a scattering or lobe model: measured over expected, if it were GGX's LTC.
+/// The factor of a scattering or lobe model: the error of its table over the expected error of an LTC of GGX, measured
+/// and by the current constants.
 fn factor(brdf: BrdfKind, lobe: LobeModel, points: usize) -> Result<[f64; 2], ltcforge::Error> {
     let layout = if brdf.follows_reflection() { Layout::Reflected } else { Layout::Kt2022 };
     let with = |brdf: BrdfKind, lobe: LobeModel, samples: u32, nodes: [u32; 4]| {
@@ -213,20 +215,20 @@ fn factor(brdf: BrdfKind, lobe: LobeModel, points: usize) -> Result<[f64; 2], lt
     } else {
         [([5, 3, 5, 3], 64), ([7, 4, 7, 5], 96)]
     };
-    let (mut measured, mut standing) = (1.0, 1.0);
+    let (mut measured, mut current) = (1.0, 1.0);
     for (nodes, samples) in tables {
         let recipe = with(brdf, lobe, samples, nodes)?;
         let expected = expectation(&recipe).error;
-        // The same recipe of GGX: an isotropic range of it.
+        // The same recipe for GGX, with an isotropic range if the model is isotropic.
         let ggx = Recipe::builder().preset(Preset::Draft).layout(layout).samples(samples);
         let ggx = if brdf.is_isotropic() { ggx.isotropic() } else { ggx };
         let axes = AXES.into_iter().zip(nodes).filter(|(_, n)| *n > 1);
         let ggx = axes.fold(ggx, |builder, (axis, nodes)| builder.resolution(axis, nodes)).build()?;
         let of_ggx = expectation(&ggx).error;
         measured *= width_between(&fitted(&recipe), points).mean / of_ggx;
-        standing *= expected / of_ggx;
+        current *= expected / of_ggx;
     }
-    Ok([measured, standing].map(f64::sqrt))
+    Ok([measured, current].map(f64::sqrt))
 }
 
 const REFLECTED: &str = include_str!("../../src/fit/layout/reflected.rs");
@@ -234,15 +236,15 @@ const KT2022: &str = include_str!("../../src/fit/layout/kt2022.rs");
 const ISOTROPIC: &str = include_str!("../../src/fit/layout/isotropic.rs");
 const EXPECTATION: &str = include_str!("../../src/fit/expectation.rs");
 
-/// The layouts that have numbers of their own; `inverse` and `matrix33` have those of `hdrp`.
+/// The layouts with their own numbers. Layouts `inverse` and `matrix33` have the numbers of `hdrp`.
 const LAYOUTS: [Layout; 6] =
     [Layout::Reflected, Layout::Kt2022, Layout::Ltc2017, Layout::Ltc2016, Layout::Godot, Layout::Hdrp];
 
-/// Tells the numbers as the sources have them, found and standing, line by line.
+/// Passes the found and the current numbers to `line_of`, line by line, in the form of the sources.
 ///
 /// # Errors
-/// As [`find`].
-pub fn tell(mut line_of: impl FnMut(String)) -> Result<(), ltcforge::Error> {
+/// The errors of [`find`].
+pub fn lines(mut line_of: impl FnMut(String)) -> Result<(), ltcforge::Error> {
     let isotropic = || ISOTROPIC.lines().map(str::trim).filter(|line| line.contains("interpolation: ["));
     find(&LAYOUTS, &Extent::WHOLE, |Found { layout, law: Law { numbers, exponents }, held_out }| {
         let [limit, alpha, ratio, theta, phi, samples, directions] = numbers.map(|x| format!("{x:.3}"));
@@ -251,29 +253,29 @@ pub fn tell(mut line_of: impl FnMut(String)) -> Result<(), ltcforge::Error> {
             line_of(format!("const SAMPLES: [f64; 2] = [{samples}, {of_samples}];"));
             line_of(format!("const DIRECTIONS: [f64; 2] = [{directions}, {of_directions}];"));
             for name in ["const SAMPLES", "const DIRECTIONS"] {
-                line_of(format!("// stands: {}", line(EXPECTATION, name).unwrap_or_default()));
+                line_of(format!("// current: {}", line(EXPECTATION, name).unwrap_or_default()));
             }
         }
         let of_source = |source| line(source, "Interpolation { limit").unwrap_or_default();
         let isotropic_index = LAYOUTS.iter().position(|item| item == layout).unwrap_or_default().saturating_sub(2);
         if layout.only_ranges().is_some() {
             line_of(format!("// {layout}\ninterpolation: [{limit}, {:.1}, {:.1}],", numbers[1], numbers[3]));
-            line_of(format!("// stands: {}", isotropic().nth(isotropic_index).unwrap_or_default()));
+            line_of(format!("// current: {}", isotropic().nth(isotropic_index).unwrap_or_default()));
         } else {
             let step = format!("PerAxis {{ alpha: {alpha}, ratio: {ratio}, theta: {theta}, phi: {phi} }}");
             line_of(format!("// {layout}\nInterpolation {{ limit: {:.4}, step: {step} }}", numbers[0]));
             let source = if *layout == Layout::Reflected { REFLECTED } else { KT2022 };
-            line_of(format!("// stands: {}", of_source(source)));
+            line_of(format!("// current: {}", of_source(source)));
         }
-        let ratios: Vec<_> = held_out.iter().map(|[found, standing]| format!("{found:.2} ({standing:.2})")).collect();
-        line_of(format!("// held out, measured over expected (by what stands): {}", ratios.join(", ")));
+        let ratios: Vec<_> = held_out.iter().map(|[found, current]| format!("{found:.2} ({current:.2})")).collect();
+        line_of(format!("// held out, measured over expected (by the current constants): {}", ratios.join(", ")));
     })?;
-    line_of("\n| model | error over that of LTCs of GGX: found | stands |\n|---|---|---|".to_owned());
+    line_of("\n| model | error over the error of LTCs of GGX: found | current |\n|---|---|---|".to_owned());
     let ltcs = BrdfKind::formulas().skip(1).map(|kind| (kind, LobeModel::Ltc));
     let gaussians = [LobeModel::Sg, LobeModel::Asg].map(|lobe| (BrdfKind::Ggx, lobe));
     for (brdf, lobe) in ltcs.chain(gaussians) {
-        let [found, standing] = factor(brdf, lobe, Extent::WHOLE.points)?;
-        line_of(format!("| `{brdf}`, `{lobe}` | {found:.2} | {standing:.2} |"));
+        let [found, current] = factor(brdf, lobe, Extent::WHOLE.points)?;
+        line_of(format!("| `{brdf}`, `{lobe}` | {found:.2} | {current:.2} |"));
     }
     Ok(())
 }

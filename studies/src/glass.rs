@@ -1,5 +1,5 @@
-//! The tables of docs/refraction.md: how far the closed form of light through a rough interface is from a quadrature over the
-//! light's area, and f32 from f64.
+//! The tables of docs/refraction.md for light through a rough interface: the error of the closed form against a
+//! quadrature over the light's area, and the difference between f32 and f64.
 
 use std::fmt::Write as _;
 
@@ -7,9 +7,9 @@ use ltcforge_light::transmission::cases::{self, Set, f32_errors};
 
 use crate::markdown::short;
 
-/// Lights of a row of the first table, and of a cell of the second.
+/// Lights in a row of the first table, and in a cell of the second.
 const LIGHTS: [usize; 2] = [500, 4000];
-/// The quadrature's.
+/// The tolerance of the quadrature.
 const TOLERANCE: f64 = 1e-7;
 /// The rows of the first table for each index.
 const SETS: [(Set, &str); 7] = [
@@ -21,7 +21,7 @@ const SETS: [(Set, &str); 7] = [
     (Set::Horizon, "clipped by `h.z > 0`"),
     (Set::Anywhere, "in any direction below"),
 ];
-/// The rows of the second table: what they are called, and the indices.
+/// The rows of the second table: names and ranges of the index.
 const INDICES: [(&str, [f64; 2]); 8] = [
     ("1.5", [1.5, 1.5]),
     ("1/1.5", [1.0 / 1.5, 1.0 / 1.5]),
@@ -32,10 +32,10 @@ const INDICES: [(&str, [f64; 2]); 8] = [
     ("1.8 to 3", [1.8, 3.0]),
     ("1/3 to .55", [1.0 / 3.0, 0.55]),
 ];
-/// Its columns.
+/// The columns of the second table: ranges of alpha.
 const ALPHAS: [[f64; 2]; 4] = [[0.05, 1.0], [0.005, 0.05], [5e-4, 0.005], [1e-4, 5e-4]];
 
-/// The rows of errors against the quadrature, which take minutes.
+/// The rows of errors against the quadrature. They take minutes.
 #[must_use]
 pub fn errors() -> String {
     let mut rows = String::new();

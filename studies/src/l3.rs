@@ -1,4 +1,4 @@
-//! The L3 distance between isotropic lobes of GGX and tables as engines read them: the tables of docs/isotropic.md.
+//! The L3 distance between isotropic lobes of GGX and tables as engines read them: the tables of studies/isotropic.md.
 
 use std::{fmt::Write as _, ops::ControlFlow, path::Path};
 
@@ -20,18 +20,19 @@ use crate::{
 };
 
 const MATERIALS: usize = 300;
-/// Points of either distribution at which both are compared: a square of so many a side.
+/// Points of either distribution at which both are compared, along each side of a square.
 const SIDE: u32 = 283;
-/// Texels a side of the textures that engines ship.
+/// Side of the textures that engines ship, in texels.
 const TEXELS: usize = 64;
 /// Bytes of a DDS header of Direct3D 9.
 const HEADER: usize = 128;
 
-/// The L3 norm of the difference between a lobe of GGX and the LTC of `found` times its amplitude, over the lobe's own
-/// norm: metric `l3`, but for the amplitude, which is the table's.
+/// The L3 norm of the difference between a lobe of GGX and the LTC of `found` times its amplitude, over the norm of the
+/// lobe. It is metric `l3` with the amplitude of the table.
 ///
-/// Both are drawn at the points of a square; by multiple importance sampling with the balance heuristic the sum of
-/// `|f - g|^3 / (p_f + p_g)` is the integral of the cube. Directions below the surface are the LTC's to find.
+/// Both distributions are sampled at the points of a square. By multiple importance sampling with the balance
+/// heuristic, the sum of `|f - g|^3 / (p_f + p_g)` is the integral of the cube. Only the LTC samples directions below
+/// the surface.
 #[must_use]
 pub fn distance(at: &Configuration, found: &LookedUp, side: u32) -> f64 {
     let ggx = Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y };
@@ -50,12 +51,12 @@ pub fn distance(at: &Configuration, found: &LookedUp, side: u32) -> f64 {
     };
     let part = |i: u32| (f64::from(i) + 0.5) / f64::from(side);
     let points = (0..side).flat_map(|i| (0..side).map(move |j| [part(i), part(j)]));
-    let drawn = points.flat_map(|u| [cubes(ggx.sample(wo, u).wi, false), cubes(ltc.sample(u), true)]);
-    let [apart, whole] = drawn.fold([0.0; 2], |sum, cubes| [sum[0] + cubes[0], sum[1] + cubes[1]]);
-    (apart / whole).cbrt()
+    let samples = points.flat_map(|u| [cubes(ggx.sample(wo, u).wi, false), cubes(ltc.sample(u), true)]);
+    let [difference, norm] = samples.fold([0.0; 2], |sum, cubes| [sum[0] + cubes[0], sum[1] + cubes[1]]);
+    (difference / norm).cbrt()
 }
 
-/// The form in which `M` is stored: itself or its inverse, over one of its elements or the length of its third column.
+/// The stored form of `M`: the matrix or its inverse, over one of its elements or the length of its third column.
 #[derive(Debug, Clone, Copy)]
 struct Form {
     is_inverse: bool,
@@ -73,8 +74,8 @@ impl Form {
     }
 }
 
-/// Matrices and amplitudes over perceptual roughness and `sqrt(1 - cos theta)`, both even from 0 to 1, as engines
-/// sample them: bilinear between the nodes.
+/// Matrices and amplitudes over perceptual roughness and `sqrt(1 - cos theta)`, both even from 0 to 1, with bilinear
+/// interpolation as in engines.
 pub(crate) struct Sampled {
     side: usize,
     form: Form,
@@ -82,7 +83,7 @@ pub(crate) struct Sampled {
 }
 
 impl Sampled {
-    /// The textures `LTC_1` and `LTC_2` of 2017: DDS with 64 x 64 texels of four halves.
+    /// Reads the textures `LTC_1` and `LTC_2` of 2017: DDS with 64 x 64 texels of four halves.
     ///
     /// # Errors
     /// A file that cannot be read or has another length.
@@ -103,7 +104,7 @@ impl Sampled {
         Ok(Self { side: TEXELS, form: Form { is_inverse: true, over: None }, nodes: nodes.collect() })
     }
 
-    /// Entries as they were fitted, by alpha and after it by theta, in a form.
+    /// The fitted entries in a form, sorted by alpha and then by theta.
     fn of(entries: &[FittedEntry], side: usize, form: Form) -> Self {
         let node = |x: usize, y: usize| {
             let entry = &entries[x * side + y];
@@ -151,10 +152,10 @@ fn mean(x: impl Iterator<Item = f64>) -> f64 {
     sum / f64::from(count)
 }
 
-/// The fits of the first table: what they are called, and their recipes.
+/// The fits of the first table: names and recipes.
 ///
 /// # Errors
-/// None, unless one is no recipe.
+/// None, unless one is not a recipe.
 fn recipes() -> Result<[(&'static str, Recipe); 5], ltcforge::Error> {
     let with = |metric, solver| Recipe::builder().layout(Layout::Ltc2017).metric(metric).solver(solver).steps(60);
     let simplex = || with(Metric::L3, Solver::NelderMead).samples(512).directions(16);
@@ -167,7 +168,7 @@ fn recipes() -> Result<[(&'static str, Recipe); 5], ltcforge::Error> {
     ])
 }
 
-/// The tables, with the files that engines ship or without.
+/// The tables, with or without the files that engines ship.
 ///
 /// # Errors
 /// Files that cannot be read.
@@ -180,7 +181,7 @@ pub fn tables(shipped: Option<[&Path; 2]>) -> Result<String, Box<dyn std::error:
     .to_owned();
     let mut row = |name: &str, found: &[f64], seconds: Option<f64>| {
         let mean_found = mean(found.iter().copied());
-        let beside = of_shipped.as_ref().map_or("| ".to_owned(), |shipped| {
+        let ratio = of_shipped.as_ref().map_or("| ".to_owned(), |shipped| {
             let over = mean_found / mean(shipped.iter().copied());
             let mut cubes: Vec<f64> = found.iter().zip(shipped).map(|(a, b)| (a / b).powi(3)).collect();
             cubes.sort_by(f64::total_cmp);
@@ -188,7 +189,7 @@ pub fn tables(shipped: Option<[&Path; 2]>) -> Result<String, Box<dyn std::error:
         });
         let seconds = seconds.map_or(String::new(), |seconds| format!("{seconds:.1} "));
         // Writing to a String cannot fail.
-        let _ = writeln!(out, "| {name} | {mean_found:.4} | {beside} | {seconds}|");
+        let _ = writeln!(out, "| {name} | {mean_found:.4} | {ratio} | {seconds}|");
     };
     if let Some(shipped) = &of_shipped {
         row("shipped with engines", shipped, None);
@@ -213,12 +214,12 @@ pub fn tables(shipped: Option<[&Path; 2]>) -> Result<String, Box<dyn std::error:
     Ok(out)
 }
 
-/// Three digits.
+/// A number with three digits.
 fn with_digits(x: f64) -> String {
     if x < 0.1 { format!("{x:.4}") } else { format!("{x:.3}") }
 }
 
-/// The forms in which entries may be stored.
+/// The possible stored forms of entries.
 const FORMS: [(&str, Form); 7] = [
     ("`M = B m`", Form { is_inverse: false, over: None }),
     (
@@ -232,7 +233,7 @@ const FORMS: [(&str, Form); 7] = [
     ("`M^-1` over its last element (`hdrp`)", Form { is_inverse: true, over: Some(|m| m.z_axis.z) }),
 ];
 
-/// The entries of the first fit, with another number of nodes.
+/// The entries of the first fit, with `side` nodes on each axis.
 ///
 /// # Errors
 /// None, unless there are too few nodes.
@@ -253,7 +254,7 @@ pub fn mean_distance(table: &Table, places: usize, side: u32) -> f64 {
 mod tests {
     use super::*;
 
-    /// A view and a lobe that an LTC cannot be: the distance does not depend on how finely it is integrated.
+    /// The distance does not depend on the number of points, for a lobe that no LTC equals.
     #[test]
     fn the_integral_converges() {
         let at = Configuration { alpha_x: 0.1, alpha_y: 0.1, theta: 0.3, phi: 0.0 };

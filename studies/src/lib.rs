@@ -1,6 +1,6 @@
-//! Where constants of the sources come from, and rows of the documents.
+//! The sources of constants in the code and of tables in the docs.
 //!
-//! Each study has its generator, its objective and what it holds out; all are seeded. studies/README.md has the
+//! Each study has a generator of cases, an objective and held-out cases. All are seeded. studies/README.md has the
 //! commands.
 
 pub mod albedo;

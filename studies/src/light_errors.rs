@@ -1,5 +1,5 @@
-//! How far models of light are off, as docs/accuracy.md, gaussians.md, recipe.md and tradeoff.md have it: a table or closed
-//! forms by random lights, and what engines and papers ship by the lights of `ltcforge tradeoff`.
+//! Errors of models of light, for docs/accuracy.md, lights.md, recipe.md and tradeoff.md: tables and closed forms by
+//! random lights, and the methods of engines and papers by the lights of `ltcforge tradeoff`.
 
 use std::{error::Error, fmt::Write as _, fs, path::Path};
 
@@ -17,15 +17,16 @@ use ltcforge::{
 
 use crate::{markdown::short, tables::fitted};
 
-/// Reflectances seen from above of the materials beside a perfect metal.
+/// Reflectances F0 of the materials, in addition to a perfect metal.
 const MATERIALS: [f64; 2] = [0.2, 0.04];
 
-/// Rows of a table in a file if one is given, by both uses of two lobes where it has them, and of each closed form of
-/// `model`, by the same `count` lights within the table's range: mean, 95th percentile and largest error, and the mean
-/// as a part of the mean light that a material reflects, for an F0 of 1, .2 and .04.
+/// Rows of errors of a table, if its file is given, and of each closed form of `model`, by the same `count` lights
+/// within the table's range. A table with two lobes has a row for each of their uses. The columns are the mean, 95th
+/// percentile and largest error, and the mean relative to the mean light that a material reflects, for an F0 of 1, .2
+/// and .04.
 ///
 /// # Errors
-/// Those of the file, and of its light.
+/// The errors of the file and of its light.
 pub fn rows(table: Option<&Path>, model: LightModel, count: usize) -> Result<String, Box<dyn Error>> {
     let read = table.map(read).transpose()?;
     let ggx = BrdfModel::from(BrdfKind::Ggx);
@@ -64,7 +65,7 @@ pub fn rows(table: Option<&Path>, model: LightModel, count: usize) -> Result<Str
 
 type TableAndRanges = (Table, PerAxis<[f64; 2]>);
 
-/// The table in a file of `ltcforge fit`, and its ranges; a tabulated BRDF is read from next to it.
+/// Reads the table in a file of `ltcforge fit`, and its ranges. The file of a tabulated BRDF is next to it.
 fn read(path: &Path) -> Result<TableAndRanges, Box<dyn Error>> {
     let mut file = container::decode(&fs::read(path)?)?;
     let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
@@ -72,11 +73,11 @@ fn read(path: &Path) -> Result<TableAndRanges, Box<dyn Error>> {
     Ok((file.table, file.recipe.range))
 }
 
-/// A row for each way in which engines and papers light: errors by the lights of `tradeoff`, registers and instructions. Its
-/// tables are of the whole domain.
+/// A row for each method of engines and papers: errors by the lights of `tradeoff`, registers and instructions. Its
+/// tables cover the whole domain.
 ///
 /// # Errors
-/// None: every way has its table.
+/// None: every method has its table.
 pub fn engines(effort: Preset) -> Result<String, Box<dyn Error>> {
     let FitSettings { samples, directions, steps, .. } = effort.fit();
     let lights = RandomLights::draw(&BrdfKind::Ggx.into(), &Recipe::builder().build()?.range, LIGHTS)?;

@@ -1,5 +1,5 @@
-//! Random surfaces and polygon lights of several kinds, the same for a seed in every run, and what GGX reflects of
-//! them.
+//! Random surfaces and polygon lights of several kinds, and their light reflected by GGX. A seed gives the same cases
+//! in every run.
 
 use std::f64::consts::TAU;
 
@@ -18,53 +18,53 @@ use crate::draw::Draw;
 
 /// The truth's tolerance: a thirtieth of the mean error of the best model.
 const TOLERANCE: f64 = 1e-5;
-/// The same where lobes may be so sharp that a high one overlooks them.
+/// The tolerance for kinds with very sharp lobes, which a larger tolerance could miss.
 const TOLERANCE_OF_EXTREMES: f64 = TRUTH_TOLERANCE;
 
 /// The distributions from which a case's surface, view and light are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
-    /// Any surface, and a rectangle half as wide as 0.05 to 1.2 times up to e, at distance one around a direction that
-    /// the lobe reflects.
+    /// Any surface, and a rectangle at distance one around a direction that the lobe reflects. Half its side is 0.05 to
+    /// 1.2, and one side is stretched by up to e.
     Random,
-    /// The same on surfaces of alpha 0.1 to 0.6 and ratio 0.03 to 0.23.
+    /// `Random` with alpha 0.1 to 0.6 and ratio 0.03 to 0.23.
     Anisotropic,
     /// Rectangles of 50 radii, which fill nearly half of all directions.
     Huge,
     /// Alpha and ratio over decades, sizes from 0.002 to 50, views to 89.9 degrees.
     Extreme,
-    /// An upright wall across from the viewer: the middle of its lower edge is `foot` times its height above the
-    /// surface, one end of that edge `tilt` times as much higher and the other lower.
+    /// An upright wall opposite the viewer. The middle of its lower edge is `foot` times its height above the surface.
+    /// One end of the edge is `tilt` times the height higher, and the other end lower.
     Wall {
         /// Height of the lower edge's middle.
         foot: f64,
-        /// How much higher one of its ends is.
+        /// Height of one end of the lower edge above its middle.
         tilt: f64,
     },
     /// Walls with any foot from -0.1 to 0.25 and any tilt to 0.05.
     NearHorizon,
-    /// Walls far wider than high or the other way round, and larger: floors and ceilings as a wall sees them.
+    /// Large walls that are far wider than high or far higher than wide: floors and ceilings as seen from a wall.
     Floor,
-    /// A rectangle near the shaded point, which it surrounds.
+    /// A rectangle that surrounds a point close to it.
     Around,
-    /// Rectangles twenty times as long as wide and more.
+    /// Rectangles at least twenty times as long as wide.
     Sliver,
     /// Views from 75 to 89 degrees.
     Grazing,
     /// Views from 80 to 89 degrees.
     Steep,
-    /// Low, wide walls that stand on the surface, across from the viewer: strips of light on a floor.
+    /// Low, wide walls on the surface, opposite the viewer: strips of light on a floor.
     Strip,
     /// Alpha from 0.01 to 0.05.
     Sharp,
     /// Rectangles whose middle is about as high as the horizon.
     Across,
-    /// Rectangles that are seen at 0.3 to 3 degrees.
+    /// Rectangles with an angular size of 0.3 to 3 degrees.
     Tiny,
 }
 
 impl Kind {
-    /// The kinds of which the numbers of networks are found.
+    /// The kinds that the search of networks uses.
     pub const ALL: [Self; 15] = [
         Self::Random,
         Self::Anisotropic,
@@ -106,7 +106,7 @@ impl Kind {
     }
 }
 
-/// A surface seen from a direction, and the vertices of a light that is seen from both sides.
+/// A surface, a view direction, and the vertices of a light that emits to both sides.
 #[derive(Debug, Clone)]
 pub struct Lit {
     /// The surface and the view.
@@ -122,7 +122,7 @@ impl Lit {
         [self.at.alpha_x, self.at.alpha_y]
     }
 
-    /// The direction from which the surface is seen.
+    /// The view direction.
     #[must_use]
     pub fn wo(&self) -> [f64; 3] {
         direction(self.at.theta, self.at.phi).to_array()
@@ -131,13 +131,13 @@ impl Lit {
     /// The light.
     ///
     /// # Errors
-    /// Those of [`PolygonLight::new`].
+    /// The errors of [`PolygonLight::new`].
     pub fn light(&self) -> Result<PolygonLight, LightError> {
         PolygonLight::new(self.vertices.iter().map(|v| DVec3::from_array(*v)).collect(), Sides::Two)
     }
 }
 
-/// A light, and what GGX reflects of it: for a Fresnel factor of one, and weighed by Schlick's fifth power.
+/// A light and its light reflected by GGX: for a Fresnel factor of one, and weighted by Schlick's fifth power.
 #[derive(Debug, Clone)]
 pub struct Case {
     /// The surface and the light.
@@ -150,30 +150,30 @@ pub struct Case {
 #[must_use]
 pub fn cases(kind: Kind, seed: u64, count: usize) -> Vec<Case> {
     let mut draw = Generator(Draw::new(seed));
-    let drawn: Vec<(Lit, PolygonLight)> = (0..count).map(|_| draw.valid(kind)).collect();
+    let lights: Vec<(Lit, PolygonLight)> = (0..count).map(|_| draw.valid(kind)).collect();
     let case = |(lit, light): (Lit, PolygonLight)| {
         let tolerance = if kind == Kind::Extreme { TOLERANCE_OF_EXTREMES } else { TOLERANCE };
         let truth = truth_within(tolerance, &lit.at, &light).map_or([0.0; 2], |truth| [truth.energy, truth.fresnel]);
         Case { lit, truth }
     };
-    drawn.into_par_iter().map(case).collect()
+    lights.into_par_iter().map(case).collect()
 }
 
 /// Absolute errors over cases: mean, 95th percentile, largest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
-    /// Mean.
+    /// Mean error.
     pub mean: f64,
     /// The error that one case in twenty exceeds.
     pub p95: f64,
     /// The error that one case in a thousand exceeds.
     pub p999: f64,
-    /// Largest.
+    /// Largest error.
     pub max: f64,
 }
 
 impl Spread {
-    /// Domain: at least one error.
+    /// The spread of `errors`. Domain: at least one error.
     #[must_use]
     pub fn of(mut errors: Vec<f64>) -> Self {
         errors.sort_by(f64::total_cmp);
@@ -183,7 +183,7 @@ impl Spread {
     }
 }
 
-/// Errors of the energy and of Schlick's part that `reflected` finds.
+/// Errors of the energy and of Schlick's part by `reflected`.
 #[must_use]
 pub fn errors(cases: &[Case], reflected: impl Fn(&Lit) -> [f64; 2] + Sync) -> [Spread; 2] {
     let both: Vec<[f64; 2]> = cases
@@ -196,16 +196,16 @@ pub fn errors(cases: &[Case], reflected: impl Fn(&Lit) -> [f64; 2] + Sync) -> [S
     [0, 1].map(|part| Spread::of(both.iter().map(|errors| errors[part]).collect()))
 }
 
-/// Surfaces and lights, drawn at random.
+/// A generator of random surfaces and lights.
 struct Generator(Draw);
 
-/// Where roughness, ratio and theta are drawn from.
+/// The ranges of roughness, ratio and theta.
 struct Surfaces {
     alpha: fn(&mut Generator) -> f64,
     ratio: fn(&mut Generator) -> f64,
-    /// Least roughness across.
+    /// Least smaller roughness.
     least: f64,
-    /// Degrees.
+    /// Theta in degrees.
     theta: [f64; 2],
 }
 
@@ -240,7 +240,7 @@ impl Generator {
         Configuration { alpha_x, alpha_y, theta: self.0.within(low, high), phi: self.0.within(0.0, TAU) }
     }
 
-    /// Draws until what comes is a light; a rectangle that the surface sees edge on may not look convex.
+    /// Draws until the rectangle is a valid light. Rounding may make a rectangle that is edge on concave.
     fn valid(&mut self, kind: Kind) -> (Lit, PolygonLight) {
         loop {
             let (at, vertices) = self.lit(kind);
@@ -295,8 +295,8 @@ impl Generator {
         }
     }
 
-    /// A rectangle at distance one around a direction that the lobe reflects, one side up to `e^stretch` times longer
-    /// and the other shorter.
+    /// A rectangle at distance one around a direction that the lobe reflects. One side is up to `e^stretch` times
+    /// longer, and the other shorter.
     fn around_lobe(&mut self, surfaces: &Surfaces, sizes: [f64; 2], stretch: f64) -> (Configuration, [DVec3; 4]) {
         loop {
             let at = self.configuration(surfaces);
@@ -312,7 +312,7 @@ impl Generator {
         }
     }
 
-    /// A rectangle around a place, turned and tilted at random, with these half sides.
+    /// A rectangle around a place with these half sides, turned and tilted at random.
     fn rectangle(&mut self, centre: DVec3, [width, height]: [f64; 2]) -> [DVec3; 4] {
         let normal = (0.5 * self.0.vector() - centre).normalize();
         let x = normal.cross(self.0.vector()).normalize();
@@ -336,7 +336,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lights_of_each_kind_come_again_and_are_seen() {
+    fn lights_of_each_kind_are_reproducible_and_visible() {
         for (i, kind) in Kind::ALL.into_iter().enumerate() {
             let [once, again] = [0; 2].map(|_| cases(kind, i as u64, 60));
             let vertices = |cases: &[Case]| cases.iter().map(|case| case.lit.vertices.clone()).collect::<Vec<_>>();

@@ -1,6 +1,6 @@
 //! Least squares with numbers that are not negative.
 
-/// One measurement: what each number is multiplied by, and what their sum was measured to be.
+/// One measurement: the factor of each number, and the measured sum.
 #[derive(Debug, Clone)]
 pub struct Measured<const N: usize> {
     /// Factor of each number.
@@ -9,14 +9,14 @@ pub struct Measured<const N: usize> {
     pub value: f64,
 }
 
-/// The numbers, none below zero, for which the sum of squares of relative errors is least. A number that would be
-/// negative is zero, the most negative first; one whose factors are all zero is zero.
+/// The numbers of at least zero with the least sum of squared relative errors. Negative numbers become zero, the most
+/// negative first. A number whose factors are all zero is zero.
 #[must_use]
 pub fn least_squares<const N: usize>(measured: &[Measured<N>]) -> [f64; N] {
     let mut free: Vec<usize> = (0..N).filter(|i| measured.iter().any(|measured| measured.factors[*i] != 0.0)).collect();
     loop {
         let column = |i: usize| measured.iter().map(move |m| m.factors[i] / m.value);
-        // Numbers of seconds and of errors differ by orders: each is found in a unit of its own.
+        // Numbers differ by orders of magnitude, so each has its own unit.
         let unit = |i: usize| column(i).map(|x| x * x).sum::<f64>().sqrt();
         let dot = |i: usize, j: usize| column(i).zip(column(j)).map(|(x, y)| x * y).sum::<f64>() / unit(i) / unit(j);
         let matrix = free.iter().flat_map(|i| free.iter().map(|j| dot(*i, *j)).collect::<Vec<_>>()).collect();
@@ -34,7 +34,7 @@ pub fn least_squares<const N: usize>(measured: &[Measured<N>]) -> [f64; N] {
     }
 }
 
-/// The solution of a symmetric positive system, row-major, by Cholesky's factors; `None` where it is not positive.
+/// The solution of a symmetric positive system, row-major, by Cholesky's factors. `None` if it is not positive.
 #[must_use]
 pub fn solve(mut matrix: Vec<f64>, mut right: Vec<f64>) -> Option<Vec<f64>> {
     let count = right.len();
@@ -61,7 +61,7 @@ pub fn solve(mut matrix: Vec<f64>, mut right: Vec<f64>) -> Option<Vec<f64>> {
     Some(right)
 }
 
-/// The sum that `numbers` predict.
+/// The sum that `numbers` predict for `factors`.
 #[must_use]
 pub fn predicted<const N: usize>(factors: &[f64; N], numbers: &[f64; N]) -> f64 {
     factors.iter().zip(numbers).map(|(x, y)| x * y).sum()

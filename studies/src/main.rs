@@ -1,4 +1,5 @@
-//! Programs that find the constants of the sources anew, print rows of the documents and draw their figures: see studies/README.md.
+//! Programs that find the constants of the sources, print tables of the docs and draw their figures. See
+//! studies/README.md.
 
 use std::{
     env,
@@ -19,12 +20,12 @@ use ltcforge_studies::{
     albedo, arcs, below, best, costs, expected,
     figures::Figure,
     glass, gpu_costs, gpu_times, l3, light_errors, materials, minimax, models,
-    networks::{self, Asked, Numbers},
+    networks::{self, Numbers, Options},
     prefilter, tabulated, textured,
 };
 
 #[derive(Parser)]
-#[command(about = "Finds constants of the sources anew, prints rows of the documents and draws their figures")]
+#[command(about = "Find constants of the sources, print tables of the docs and draw their figures")]
 struct Arguments {
     #[command(subcommand)]
     study: Study,
@@ -32,105 +33,106 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Study {
-    /// The numbers of a rule of model `normals`: src/light/normals/numbers.rs and `shaders/normals_RULE.wgsl`
+    /// Find the network of a rule of model `normals`: src/light/normals/numbers.rs and `shaders/normals_RULE.wgsl`
     Networks {
         /// The rule: fast, balanced or fine
         #[arg(value_parser = rule)]
         rule: NormalsRule,
-        /// Lights of the search, and as many that it does not see
+        /// Lights of the search, and as many held-out lights
         #[arg(long, default_value_t = 240_000)]
         lights: usize,
-        /// How often each light is seen
+        /// Rounds over all lights
         #[arg(long, default_value_t = 150)]
         rounds: usize,
-        /// How many networks are tried
+        /// Number of networks to try
         #[arg(long, default_value_t = 4)]
         starts: u64,
         /// Seed of the lights
         #[arg(long, default_value_t = 1)]
         seed: u64,
-        /// Print the numbers that stand, and search for none
+        /// Print the current numbers without a search
         #[arg(long)]
-        standing: bool,
+        current: bool,
     },
-    /// How far the arcs of an edge lie outside of its chord: `BULGE` of `src/light/normals/arcs.rs`
+    /// Find the distance of the arcs of an edge from its chord: `BULGE` of `src/light/normals/arcs.rs`
     Arcs {
-        /// Lights of each kind of the search, and as many that it does not see
+        /// Lights of each kind in the search, and as many held-out lights
         #[arg(long, default_value_t = 1500)]
         lights: usize,
         /// Seed of the lights
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
-    /// The expected errors of tables: numbers of src/fit/expectation.rs and of the layouts
+    /// Find the prediction of a table's error: numbers of src/fit/expectation.rs and of the layouts
     Expected,
-    /// The seconds of fits: constants of src/fit/cost.rs, metrics and solvers
+    /// Find the prediction of a fit's seconds: constants of src/fit/cost.rs, metrics and solvers
     Costs,
-    /// The tables of docs/normals.md and docs/light.md: model `normals` over random lights
+    /// Print the tables of docs/normals.md and docs/lights.md: model `normals` over random lights
     Models,
-    /// How far a table's light is off, or that of closed forms: docs/accuracy.md, gaussians.md and recipe.md
+    /// Print errors of the light of a table or of closed forms: docs/accuracy.md, lights.md and recipe.md
     Errors {
-        /// A table's file, as `ltcforge fit` writes it
+        /// The file of a table by `ltcforge fit`
         table: Option<PathBuf>,
-        /// The model whose closed forms are measured by the same lights
+        /// The model whose closed forms are measured with the same lights
         #[arg(long, value_parser = model, default_value = "ltc")]
         model: LightModel,
-        /// Random lights
+        /// Number of random lights
         #[arg(long, default_value_t = 2000)]
         lights: usize,
     },
-    /// How far the light of engines is off: rows of docs/tradeoff.md and README.md
+    /// Print errors of the methods of engines: rows of docs/tradeoff.md and README.md
     Engines,
-    /// The table of README.md: tables beside the best LTCs
+    /// Print the table of README.md: tables compared with the best LTCs
     Best {
-        /// A table as KT et al. published theirs, .npy
+        /// A table in the published form of KT et al., .npy
         #[arg(long)]
         published: Option<PathBuf>,
-        /// The table of docs/layouts.md: isotropic tables of engines
+        /// Print the table of docs/layouts.md: isotropic tables of engines
         #[arg(long)]
         isotropic: bool,
         /// The textures that engines ship, .dds: matrices and terms
         #[arg(long, num_args = 2, requires = "isotropic")]
         shipped: Option<Vec<PathBuf>>,
     },
-    /// The table of studies/isotropic.md: isotropic tables by the L3 distance
+    /// Print the table of studies/isotropic.md: isotropic tables by the L3 distance
     L3 {
         /// The textures that engines ship, .dds: matrices and terms
         #[arg(long, num_args = 2)]
         shipped: Option<Vec<PathBuf>>,
     },
-    /// What GGX loses by shadowing: `LOSS` of `src/light/albedo.rs` and the numbers of `shaders/ltc_albedo.wgsl`
+    /// Find the part of the light that GGX loses by shadowing: `LOSS` of `src/light/albedo.rs` and the numbers of
+    /// `shaders/ltc_albedo.wgsl`
     Albedo,
-    /// The tables of docs/extremes.md and docs/lights.md: light from below the surface, and a cut there
+    /// Print the tables of docs/accuracy.md and docs/lights.md: light from below the surface, and a cut there
     Below,
-    /// The polynomials of the shaders: `ltc_light.wgsl`, `ltc_quadrant.wgsl` and `normals_arcs*.wgsl`
+    /// Find the polynomials of the shaders: `ltc_light.wgsl`, `ltc_quadrant.wgsl` and `normals_arcs*.wgsl`
     Polynomials,
-    /// The parts of the levels of a picture on a light: `OWN_PARTS` of `src/light/textured/pyramid.rs`, and the table of
-    /// docs/textured.md
+    /// Find the parts of the levels of a light's picture: `OWN_PARTS` of `src/light/textured/pyramid.rs`, and the table
+    /// of docs/textured.md
     Prefilter,
-    /// What the texts cost a GPU: `src/shaders/gpu_cost.rs`. Needs Mesa's RADV, no GPU
+    /// Print the costs of shaders on a GPU: `src/shaders/gpu_cost.rs`. Needs Mesa's RADV, but no GPU
     GpuCosts {
-        /// The GPU that is taken for there
+        /// The GPU for which to compile
         #[arg(long, default_value = "navi21")]
         family: String,
     },
-    /// What the texts take on the GPU that is there
+    /// Print the times of shaders on the GPU of this machine
     GpuTimes,
-    /// The tables of docs/textured.md: lights with a picture
+    /// Print the tables of docs/textured.md: lights with a picture
     Textured {
-        /// Lights of a row
+        /// Lights in a row
         #[arg(long, default_value_t = 900)]
         lights: usize,
-        /// Draw the scenes of docs/textured.md into this file in place of the table
+        /// Draw the scenes of docs/textured.md into this file instead of printing the table
         #[arg(long, value_name = "FILE.png")]
         scenes: Option<PathBuf>,
-        /// Print the table of lights with a profile in place of that of pictures
+        /// Print the table of lights with a profile instead of pictures
         #[arg(long, conflicts_with = "scenes")]
         profiles: bool,
     },
-    /// The tables of docs/refraction.md: light through rough interfaces
+    /// Print the tables of docs/refraction.md: light through rough interfaces
     Glass,
-    /// The table of docs/tabulated.md: what it costs to have a BRDF as numbers
+    /// Print the table of docs/materials.md: the error of a BRDF as a file of numbers
     Tabulated,
     /// Nine materials in truth, by a table and by model `normals`: docs/materials.png, and the errors
     Materials {
@@ -140,28 +142,28 @@ enum Study {
     },
     /// Draw the figures of studies/figures.md, isotropic.md, gaussians.md and docs/refraction.md
     Figures {
-        /// Only this one, once or several times [default: all]
+        /// Names of figures [default: all]
         #[arg(value_name = "NAME", value_parser = figure)]
         names: Vec<Figure>,
-        /// The renderer of the spheres: any, gpu or cpu
+        /// Renderer of the spheres: any, gpu or cpu
         #[arg(long, value_parser = adapter, default_value = "any", env = "LTCFORGE_ADAPTER")]
         adapter: Adapter,
-        /// Folder that the figures go to
+        /// Folder of the figures
         #[arg(short, long, value_name = "DIR", default_value = "studies/figures")]
         out: PathBuf,
     },
 }
 
 fn figure(name: &str) -> Result<Figure, String> {
-    Figure::from_name(name).ok_or_else(|| format!("a figure is {}", names(Figure::ALL)))
+    Figure::from_name(name).ok_or_else(|| format!("the figures are {}", names(Figure::ALL)))
 }
 
 fn adapter(name: &str) -> Result<Adapter, String> {
-    Adapter::from_name(name).ok_or_else(|| format!("a renderer is {}", names(Adapter::ALL)))
+    Adapter::from_name(name).ok_or_else(|| format!("the renderers are {}", names(Adapter::ALL)))
 }
 
 fn model(name: &str) -> Result<LightModel, String> {
-    LightModel::from_name(name).ok_or_else(|| format!("a model is {}", names(LightModel::ALL)))
+    LightModel::from_name(name).ok_or_else(|| format!("the models are {}", names(LightModel::ALL)))
 }
 
 fn names<T: ToString>(all: &[T]) -> String {
@@ -170,7 +172,7 @@ fn names<T: ToString>(all: &[T]) -> String {
 
 fn rule(name: &str) -> Result<NormalsRule, String> {
     let rule = NormalsRule::SHADED.into_iter().find(|rule| rule.name() == name);
-    rule.ok_or_else(|| format!("a rule with numbers is {}", names(&NormalsRule::SHADED)))
+    rule.ok_or_else(|| format!("the rules with numbers are {}", names(&NormalsRule::SHADED)))
 }
 
 fn main() -> ExitCode {
@@ -185,13 +187,13 @@ fn main() -> ExitCode {
 
 fn run(study: Study) -> Result<(), Box<dyn Error>> {
     match study {
-        Study::Expected => expected::tell(|line| println!("{line}"))?,
+        Study::Expected => expected::lines(|line| println!("{line}"))?,
         Study::Costs => print!("{}", costs::text(&costs::Efforts::WHOLE)?),
         Study::Models => print!("{}", models::tables(1.0)?),
         Study::Errors { table, model, lights } => print!("{}", light_errors::rows(table.as_deref(), model, lights)?),
         Study::Engines => print!("{}", light_errors::engines(Preset::Paper)?),
-        Study::Albedo => print!("{}", albedo::told(albedo::PLACES)),
-        Study::Prefilter => print!("{}", prefilter::told(prefilter::POINTS)),
+        Study::Albedo => print!("{}", albedo::text(albedo::PLACES)),
+        Study::Prefilter => print!("{}", prefilter::text(prefilter::POINTS)),
         Study::Below => print!("{}", below::tables(1.0)?),
         Study::Best { isotropic: true, shipped, .. } => print!("{}", best::isotropic(pair(shipped.as_deref()))?),
         Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),
@@ -202,25 +204,25 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::Textured { lights, .. } => print!("{}", textured::tables(lights)?),
         Study::Glass => print!("{}\n{}", glass::errors(), glass::differences()),
         Study::Arcs { lights, seed } => {
-            let arcs::Found { bulge: [least, more], seen, held_out } = arcs::find(lights, seed);
+            let arcs::Found { bulge: [least, more], training, held_out } = arcs::find(lights, seed);
             println!("found: {least:.1} + {more:.1} |l|^2");
-            println!("mean error of V     standing     found");
-            for (name, [standing, found]) in [("seen", seen), ("held out", held_out)] {
-                println!("{name:16}  {standing:.3e}  {found:.3e}");
+            println!("mean error of V     current      found");
+            for (name, [current, found]) in [("training", training), ("held out", held_out)] {
+                println!("{name:16}  {current:.3e}  {found:.3e}");
             }
         }
         Study::GpuCosts { family } => {
-            // RADV reads the variable when it is loaded, so it is set for a process of its own.
+            // RADV reads the variable when it is loaded, so the program starts itself again with the variable.
             if env::var_os(FAMILY_VARIABLE).is_none() {
                 let mut again = Command::new(env::current_exe()?);
                 let status = again.args(env::args_os().skip(1)).env(FAMILY_VARIABLE, family).status()?;
                 return if status.success() { Ok(()) } else { Err("no figures".into()) };
             }
-            print!("{}", gpu_costs::told()?);
+            print!("{}", gpu_costs::text()?);
         }
-        Study::GpuTimes => print!("{}", gpu_times::told(&gpu_times::Effort::WHOLE)?),
+        Study::GpuTimes => print!("{}", gpu_times::text(&gpu_times::Effort::WHOLE)?),
         Study::Polynomials => {
-            for (name, numbers, error) in minimax::told() {
+            for (name, numbers, error) in minimax::rows() {
                 println!("{name}: {}; error {error:.1e}", numbers.join(" "));
             }
         }
@@ -235,15 +237,15 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
                 println!("{}", figure.write(&mut preview, &out)?.display());
             }
         }
-        Study::Networks { rule, standing: true, .. } => print_numbers(rule, &Numbers::from(rule.network())),
+        Study::Networks { rule, current: true, .. } => print_numbers(rule, &Numbers::from(rule.network())),
         Study::Networks { rule, lights, rounds, starts, seed, .. } => {
-            let found = networks::find(&Asked { rule, lights, rounds, starts, seed });
-            println!("mean error of energy and Schlick's part   standing  found");
-            for (name, [standing, found]) in [("seen", found.seen), ("held out", found.held_out)] {
-                println!("{name:40}  {standing:.6}  {found:.6}");
+            let found = networks::find(&Options { rule, lights, rounds, starts, seed });
+            println!("mean error of energy and Schlick's part   current   found");
+            for (name, [current, found]) in [("training", found.training), ("held out", found.held_out)] {
+                println!("{name:40}  {current:.6}  {found:.6}");
             }
-            let standing = Numbers::from(rule.network());
-            let candidates = [("standing", &standing), ("found", &found.numbers)];
+            let current = Numbers::from(rule.network());
+            let candidates = [("current", &current), ("found", &found.numbers)];
             println!("\n{}", networks::by_kind(rule, seed + 1, lights.min(60_000), &candidates));
             print_numbers(rule, &found.numbers);
         }

@@ -1,8 +1,8 @@
-//! Numbers as the documents have them.
+//! The format of numbers in the docs.
 
 use crate::lights::Spread;
 
-/// A number with `digits` digits that count, and no zero before the point.
+/// A number with `digits` significant digits, and no zero before the decimal point.
 #[must_use]
 pub fn short(x: f64, digits: i32) -> String {
     if x == 0.0 {
@@ -14,7 +14,7 @@ pub fn short(x: f64, digits: i32) -> String {
     text.strip_prefix('0').filter(|rest| rest.starts_with('.')).map_or(text.clone(), str::to_owned)
 }
 
-/// Mean, 95th percentile and largest.
+/// The mean, 95th percentile and largest error as text.
 #[must_use]
 pub fn spread(Spread { mean, p95, max, .. }: Spread) -> String {
     [mean, p95, max].map(|x| short(x, 2)).join(" / ")

@@ -1,5 +1,5 @@
-//! The tables of docs/normals.md and docs/lights.md: how far model `normals` is off over random lights, beside a table
-//! of LTCs.
+//! The tables of docs/normals.md and docs/lights.md: errors of model `normals` and of a table of LTCs over random
+//! lights.
 
 use std::fmt::Write as _;
 
@@ -19,10 +19,10 @@ use crate::{
     tables::fitted,
 };
 
-/// Lights of a row of the first table, of its tail, and of a row of walls.
+/// Lights in a row of the first table, in its tail, and in a row of walls.
 const LIGHTS: [usize; 3] = [4000, 20_000, 600];
 const RULES: [NormalsRule; 3] = [NormalsRule::Fast, NormalsRule::Balanced, NormalsRule::Fine];
-/// The rows of walls: what they are called, and height and tilt of the lower edge.
+/// The rows of walls: name, height and tilt of the lower edge.
 const WALLS: [(&str, f64, f64); 7] = [
     ("on the surface", 0.0, 0.0),
     (".01 above", 0.01, 0.0),
@@ -33,10 +33,10 @@ const WALLS: [(&str, f64, f64); 7] = [
     ("one end .01 above, the other .05 below", -0.02, 0.03),
 ];
 
-/// Kinds for which the visible part by four arcs is told.
+/// Kinds in the table of the visible part by four arcs.
 const ARCS: [Kind; 6] = [Kind::Random, Kind::Anisotropic, Kind::Huge, Kind::Steep, Kind::Strip, Kind::Sliver];
 
-/// Errors of V by four arcs an edge, against the exact integrals.
+/// Errors of V by four arcs per edge, against the exact integrals.
 fn visible_errors(cases: &[Case]) -> Spread {
     let error = |case: &Case| {
         let Lit { vertices, .. } = &case.lit;
@@ -47,7 +47,7 @@ fn visible_errors(cases: &[Case]) -> Spread {
     Spread::of(cases.iter().map(error).collect())
 }
 
-/// By a rule of model `normals`.
+/// The light by a rule of model `normals`.
 #[must_use]
 pub fn by_rule(rule: NormalsRule, lit: &Lit) -> [f64; 2] {
     reflected(lit.alpha(), lit.wo(), &lit.vertices, Sides::Two, rule)
@@ -58,10 +58,10 @@ fn by_ltc(table: &Table, lit: &Lit) -> [f64; 2] {
     found.map_or([f64::NAN; 2], |found| [found.energy, found.fresnel])
 }
 
-/// The tables, a `part` of the lights in each row.
+/// The tables, with a `part` of the lights in each row.
 ///
 /// # Errors
-/// None, unless preset `paper` is no recipe.
+/// None, unless preset `paper` is not a recipe.
 pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
     let [lights, tail, walls] = LIGHTS.map(|count| ((count as f64 * part) as usize).max(20));
     let table = fitted(&Recipe::builder().preset(Preset::Paper).build()?);
@@ -127,10 +127,10 @@ pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
     Ok(out)
 }
 
-/// Mean errors of the energy by the numbers that stand, and by a network that tells nothing.
+/// Mean errors of the energy by the current numbers, and by an empty network.
 #[must_use]
-pub fn standing_and_wrong(cases: &[Case]) -> [f64; 2] {
+pub fn current_and_empty(cases: &[Case]) -> [f64; 2] {
     let rule = NormalsRule::Balanced;
-    let nothing = Numbers { units: Vec::new(), outputs: Vec::new() };
-    [Numbers::from(rule.network()), nothing].map(|numbers| errors(cases, |lit| numbers.reflected(rule, lit))[0].mean)
+    let empty = Numbers { units: Vec::new(), outputs: Vec::new() };
+    [Numbers::from(rule.network()), empty].map(|numbers| errors(cases, |lit| numbers.reflected(rule, lit))[0].mean)
 }

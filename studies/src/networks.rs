@@ -1,8 +1,8 @@
-//! The numbers by which model `normals` takes the mean of the weight of shadowing: see docs/normals.md, section 7.
+//! The networks of model `normals`, which estimate the mean weight of shadowing: see docs/normals.md.
 //!
-//! Networks are found by Adam [Kingma, Ba 2015]: steps along the gradient over a few cases at a time, in units of its
-//! running size, which get shorter along half a cosine. The best of several starts is taken. Everything is drawn from
-//! the seed, and sums have one order.
+//! Adam [Kingma, Ba 2015] finds the networks: steps along the gradient over a few cases, in units of its running size.
+//! Steps shrink along half a cosine. The best of several starts is the result. All random numbers come from the seed,
+//! and sums have a fixed order.
 
 use std::{f32::consts::PI, fmt::Write as _};
 
@@ -19,37 +19,37 @@ use rayon::prelude::*;
 
 use crate::lights::{Case, Kind, Lit, Spread, cases};
 
-/// Digits of a number, as the source has them.
+/// Digits of a number in the source.
 const DIGITS: i32 = 4;
-/// Cases of a step.
+/// Cases in a step.
 const BATCH: usize = 256;
 /// The length of the first step.
 const STEP: f32 = 0.015;
-/// How much of the gradient's running mean is kept from step to step, and of its running square.
-const KEPT: [f32; 2] = [0.9, 0.999];
-/// Errors below this are as good as none: squares take the place of sizes there.
+/// The decay per step of the gradient's running mean and of its running square.
+const DECAY: [f32; 2] = [0.9, 0.999];
+/// Errors below this are negligible. The objective is quadratic there.
 const NEGLIGIBLE: f32 = 2e-4;
-/// How much an error's square counts beside its size, so that no light is far off.
+/// The weight of an error's square relative to its size, which reduces large errors.
 const LARGE: f32 = 10.0;
-/// How much an error of Schlick's part counts beside one of the energy.
+/// The weight of an error of Schlick's part, relative to an error of the energy.
 const SCHLICK: f32 = 0.7;
 
-/// The arguments of [`find`].
+/// The options of [`find`].
 #[derive(Debug, Clone, Copy)]
-pub struct Asked {
+pub struct Options {
     /// The rule.
     pub rule: NormalsRule,
-    /// Lights of the search, and again of the hold-out.
+    /// Lights of the search, and as many held-out lights.
     pub lights: usize,
-    /// How often each is seen.
+    /// Rounds over all lights.
     pub rounds: usize,
-    /// How many networks are tried.
+    /// Number of tried networks.
     pub starts: u64,
     /// Seed of lights and starts.
     pub seed: u64,
 }
 
-/// How many units a rule's network has.
+/// The number of units of a rule's network.
 #[must_use]
 pub fn units(rule: NormalsRule) -> usize {
     match rule {
@@ -59,15 +59,15 @@ pub fn units(rule: NormalsRule) -> usize {
     }
 }
 
-/// How many outputs a rule's network has: only triangles have a tip.
+/// The number of outputs of a rule's network. Only triangles have a tip.
 #[must_use]
 pub fn outputs(rule: NormalsRule) -> usize {
     if matches!(rule, NormalsRule::Fine | NormalsRule::Exact) { OUTPUTS } else { OUTPUTS - 1 }
 }
 
-/// `count` cases, shared evenly among the kinds.
+/// Draws `count` cases, evenly of all kinds.
 #[must_use]
-pub fn drawn(seed: u64, count: usize) -> Vec<(usize, Case)> {
+pub fn draw(seed: u64, count: usize) -> Vec<(usize, Case)> {
     let kinds = Kind::ALL.into_iter().enumerate();
     let of = |(i, kind): (usize, Kind)| {
         cases(kind, 100 * seed + i as u64, count / Kind::ALL.len()).into_iter().map(move |case| (i, case))
@@ -78,7 +78,7 @@ pub fn drawn(seed: u64, count: usize) -> Vec<(usize, Case)> {
 /// The numbers of a network.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Numbers {
-    /// Rows of the units, as in [`Network`].
+    /// Rows of the units, in the form of [`Network`].
     pub units: Vec<Vec<f64>>,
     /// Rows of the outputs.
     pub outputs: Vec<Vec<f64>>,
@@ -92,7 +92,7 @@ impl From<Network<'_>> for Numbers {
 }
 
 impl Numbers {
-    /// The light that a rule finds by these numbers.
+    /// The light by a rule with these numbers.
     #[must_use]
     pub fn reflected(&self, rule: NormalsRule, lit: &Lit) -> [f64; 2] {
         let (units, outputs) = (slices(&self.units), slices(&self.outputs));
@@ -101,7 +101,7 @@ impl Numbers {
         found.map_or([0.0; 2], |found| found.reflected(|region| network.at(&region.inputs[..rule.inputs()])))
     }
 
-    /// The numbers as `src/light/normals/numbers.rs` has them.
+    /// The numbers in the form of `src/light/normals/numbers.rs`.
     #[must_use]
     pub fn as_rust(&self, rule: NormalsRule) -> String {
         let rows = |rows: &[Vec<f64>]| {
@@ -116,7 +116,7 @@ impl Numbers {
         )
     }
 
-    /// The numbers as the rule's shader has them: matrices by columns, four inputs a matrix and at most four units.
+    /// The numbers in the form of the rule's shader: matrices by columns, each with four inputs and at most four units.
     #[must_use]
     pub fn as_wgsl(&self, rule: NormalsRule) -> String {
         let mut out = String::new();
@@ -158,62 +158,61 @@ fn listed(numbers: &[f64]) -> String {
     numbers.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ")
 }
 
-/// A number with as many digits as the source has.
+/// A number rounded to the digits of the source.
 fn rounded(x: f64) -> f64 {
     if x == 0.0 {
         return 0.0;
     }
     let one = 10_f64.powi(DIGITS - 1 - x.abs().log10().floor() as i32);
-    // Decimal digits: the quotient of two whole numbers, or the product where there are no digits behind the point.
+    // The quotient of two whole numbers gives exact decimal digits. A number without decimals is a product.
     if one >= 1.0 { (x * one).round() / one } else { (x * one).round() * one.recip().round() }
 }
 
-/// A region in the numbers of the search.
-struct Seen {
+/// A region of a case, in f32.
+struct Features {
     part: f32,
     at_mean: f32,
     schlick: f32,
-    /// What the outputs count: 1 times the part for the first two, then how far corners and tip are from the mean.
-    beside: [f32; 2],
+    /// Differences of the values at corners and tip from the value at the mean: the factors of the last two outputs.
+    offsets: [f32; 2],
     inputs: [f32; INPUTS],
 }
 
-/// How much the cases of a kind count.
+/// The weight of the cases of a kind.
 fn weight(kind: Kind) -> f64 {
     if matches!(kind, Kind::Random | Kind::Anisotropic | Kind::Strip) { 3.0 } else { 1.0 }
 }
 
-/// A case in the numbers of the search.
+/// A case, in f32.
 struct Lesson {
     truth: [f32; 2],
-    /// How much it counts.
-    count: f32,
+    /// The weight of the case.
+    weight: f32,
     visible: f32,
-    regions: Vec<Seen>,
+    regions: Vec<Features>,
 }
 
 impl Lesson {
     fn of(rule: NormalsRule, kind: Kind, Case { lit, truth }: &Case) -> Self {
         let found = regions(lit.alpha(), lit.wo(), &lit.vertices, Sides::Two, rule);
         let (visible, regions) = found.map_or((0.0, Vec::new()), |found| (found.visible, found.regions));
-        let seen = |region: &Region<f64>| Seen {
+        let features = |region: &Region<f64>| Features {
             part: region.part as f32,
             at_mean: region.at_mean as f32,
             schlick: region.schlick as f32,
-            beside: [region.at_corners - region.at_mean, region.at_tip - region.at_mean].map(|x| x as f32),
+            offsets: [region.at_corners - region.at_mean, region.at_tip - region.at_mean].map(|x| x as f32),
             inputs: region.inputs.map(|x| x as f32),
         };
-        let count = weight(kind) as f32;
         Self {
             truth: truth.map(|x| x as f32),
-            count,
+            weight: weight(kind) as f32,
             visible: visible as f32,
-            regions: regions.iter().map(seen).collect(),
+            regions: regions.iter().map(features).collect(),
         }
     }
 }
 
-/// A network in the search: `weights` are its rows, one after the other.
+/// A network during the search. `weights` has its rows, one after the other.
 struct Search {
     inputs: usize,
     units: usize,
@@ -221,9 +220,9 @@ struct Search {
     weights: Vec<f32>,
 }
 
-/// What a network makes of a region, and what of it can be moved.
+/// The means that a network computes for a region, and whether the clamp leaves them free.
 #[derive(Clone, Copy, Default)]
-struct Told {
+struct Estimate {
     mean: [f32; 2],
     is_free: [bool; 2],
 }
@@ -232,7 +231,8 @@ struct Told {
 struct Adam {
     slope: Vec<f32>,
     square: Vec<f32>,
-    kept: [f32; 2],
+    /// The powers of [`DECAY`] so far, which correct the bias of the sums.
+    decayed: [f32; 2],
 }
 
 impl Search {
@@ -247,20 +247,20 @@ impl Search {
         }
         for output in 0..outputs {
             weights.extend((0..units).map(|_| 0.05 * normal()));
-            // Corners count a third to begin with.
+            // The weight of corners starts at about a third.
             weights.push(if output == 2 { 0.3 } else { 0.0 });
         }
         Self { inputs, units, outputs, weights }
     }
 
-    /// Where the row of an output begins.
+    /// The index at which the row of an output begins.
     fn output(&self, output: usize) -> usize {
         self.units * (self.inputs + 1) + output * (self.units + 1)
     }
 
-    fn tell(&self, seen: &Seen, units: &mut [f32]) -> Told {
+    fn estimate(&self, features: &Features, units: &mut [f32]) -> Estimate {
         for (row, unit) in self.weights.chunks_exact(self.inputs + 1).zip(units.iter_mut()) {
-            let sum = row.iter().zip(&seen.inputs[..self.inputs]).fold(row[self.inputs], |sum, (w, x)| sum + w * x);
+            let sum = row.iter().zip(&features.inputs[..self.inputs]).fold(row[self.inputs], |s, (w, x)| s + w * x);
             *unit = sum.max(0.0);
         }
         let mut out = [0.0; OUTPUTS];
@@ -268,40 +268,41 @@ impl Search {
             let row = &self.weights[self.output(output)..][..=self.units];
             *out = row.iter().zip(&*units).fold(row[self.units], |sum, (w, x)| sum + w * x);
         }
-        let size = seen.part.abs();
-        let mean = seen.at_mean + out[2] * seen.beside[0] + out[3] * seen.beside[1] + size * out[0];
-        let held = mean.clamp(0.0, 1.0);
-        let schlick = held * seen.schlick + size * out[1];
-        Told { mean: [held, schlick.clamp(0.0, held)], is_free: [mean == held, (0.0..=held).contains(&schlick)] }
+        let Features { part, at_mean, offsets, .. } = *features;
+        let size = part.abs();
+        let free = at_mean + out[2] * offsets[0] + out[3] * offsets[1] + size * out[0];
+        let mean = free.clamp(0.0, 1.0);
+        let schlick = mean * features.schlick + size * out[1];
+        Estimate { mean: [mean, schlick.clamp(0.0, mean)], is_free: [free == mean, (0.0..=mean).contains(&schlick)] }
     }
 
     /// Adds the gradient of a lesson's error.
     fn learn(&self, lesson: &Lesson, units: &mut [Vec<f32>], slope: &mut [f32]) {
         let (mut sum, mut all, mut parts) = ([0.0; 2], [0.0; 2], 1e-30_f32);
-        let mut told = [Told::default(); 16];
-        for ((seen, told), units) in lesson.regions.iter().zip(&mut told).zip(units.iter_mut()) {
-            *told = self.tell(seen, units);
+        let mut estimates = [Estimate::default(); 16];
+        for ((features, estimate), units) in lesson.regions.iter().zip(&mut estimates).zip(units.iter_mut()) {
+            *estimate = self.estimate(features, units);
             for i in 0..2 {
-                sum[i] += seen.part * told.mean[i];
-                all[i] += seen.part.abs() * told.mean[i];
+                sum[i] += features.part * estimate.mean[i];
+                all[i] += features.part.abs() * estimate.mean[i];
             }
-            parts += seen.part.abs();
+            parts += features.part.abs();
         }
         let least = LEAST_OF_OVERLAPPING as f32 * lesson.visible / parts;
         let is_least = [0, 1].map(|i| least * all[i] > sum[i]);
         let errors = [0, 1].map(|i| sum[i].max(least * all[i]) - lesson.truth[i]);
         let by_error = |i: usize| {
-            let (error, count) = (errors[i], if i == 0 { lesson.count } else { SCHLICK * lesson.count });
-            count * (error / error.hypot(NEGLIGIBLE) + 2.0 * LARGE * error)
+            let (error, weight) = (errors[i], if i == 0 { lesson.weight } else { SCHLICK * lesson.weight });
+            weight * (error / error.hypot(NEGLIGIBLE) + 2.0 * LARGE * error)
         };
         let by_error = [by_error(0), by_error(1)];
-        for ((seen, told), units) in lesson.regions.iter().zip(&told).zip(units.iter()) {
-            let size = seen.part.abs();
-            let by_mean = |i: usize| by_error[i] * if is_least[i] { least * size } else { seen.part };
-            let by_schlick = if told.is_free[1] { by_mean(1) } else { 0.0 };
-            let by_energy = if told.is_free[0] { by_mean(0) + by_schlick * seen.schlick } else { 0.0 };
-            let by_output =
-                [by_energy * size, by_schlick * size, by_energy * seen.beside[0], by_energy * seen.beside[1]];
+        for ((features, estimate), units) in lesson.regions.iter().zip(&estimates).zip(units.iter()) {
+            let Features { part, schlick, offsets, .. } = *features;
+            let size = part.abs();
+            let by_mean = |i: usize| by_error[i] * if is_least[i] { least * size } else { part };
+            let by_schlick = if estimate.is_free[1] { by_mean(1) } else { 0.0 };
+            let by_energy = if estimate.is_free[0] { by_mean(0) + by_schlick * schlick } else { 0.0 };
+            let by_output = [by_energy * size, by_schlick * size, by_energy * offsets[0], by_energy * offsets[1]];
             for (output, by_output) in by_output[..self.outputs].iter().enumerate() {
                 let row = &mut slope[self.output(output)..][..=self.units];
                 row.iter_mut().zip(units).for_each(|(slope, unit)| *slope += by_output * unit);
@@ -311,25 +312,25 @@ impl Search {
                 let by_unit =
                     (0..self.outputs).map(|k| by_output[k] * self.weights[self.output(k) + unit]).sum::<f32>();
                 let row = &mut slope[unit * (self.inputs + 1)..][..=self.inputs];
-                row.iter_mut().zip(&seen.inputs[..self.inputs]).for_each(|(slope, x)| *slope += by_unit * x);
+                row.iter_mut().zip(&features.inputs[..self.inputs]).for_each(|(slope, x)| *slope += by_unit * x);
                 row[self.inputs] += by_unit;
             }
         }
     }
 
     fn step(&mut self, adam: &mut Adam, slope: &[f32], length: f32) {
-        for (kept, of) in adam.kept.iter_mut().zip(KEPT) {
-            *kept *= of;
+        for (decayed, decay) in adam.decayed.iter_mut().zip(DECAY) {
+            *decayed *= decay;
         }
-        let [by, by2] = adam.kept.map(|kept| 1.0 / (1.0 - kept));
+        let [by, by2] = adam.decayed.map(|decayed| 1.0 / (1.0 - decayed));
         for (i, slope) in slope.iter().enumerate() {
-            adam.slope[i] += (1.0 - KEPT[0]) * (slope - adam.slope[i]);
-            adam.square[i] += (1.0 - KEPT[1]) * (slope * slope - adam.square[i]);
+            adam.slope[i] += (1.0 - DECAY[0]) * (slope - adam.slope[i]);
+            adam.square[i] += (1.0 - DECAY[1]) * (slope * slope - adam.square[i]);
             self.weights[i] -= length * (adam.slope[i] * by) / ((adam.square[i] * by2).sqrt() + 1e-9);
         }
     }
 
-    /// The numbers for inputs as they are, found for inputs less `mean` over `spread`.
+    /// The numbers for plain inputs. The search used inputs minus `mean`, over `spread`.
     fn numbers(&self, mean: &[f32], spread: &[f32]) -> Numbers {
         let unit = |row: &[f32]| {
             let weights: Vec<f64> =
@@ -347,22 +348,22 @@ impl Search {
 /// Mean and spread of each input.
 fn spreads(lessons: &[Lesson]) -> [Vec<f32>; 2] {
     let count = lessons.iter().map(|lesson| lesson.regions.len()).sum::<usize>() as f64;
-    let mean = |of: &dyn Fn(&Seen) -> f64| lessons.iter().flat_map(|l| &l.regions).map(of).sum::<f64>() / count;
-    let means: Vec<f64> = (0..INPUTS).map(|i| mean(&|seen| f64::from(seen.inputs[i]))).collect();
-    let spread = |i: usize| mean(&|seen| (f64::from(seen.inputs[i]) - means[i]).powi(2)).sqrt().max(1e-6) as f32;
+    let mean = |f: &dyn Fn(&Features) -> f64| lessons.iter().flat_map(|l| &l.regions).map(f).sum::<f64>() / count;
+    let means: Vec<f64> = (0..INPUTS).map(|i| mean(&|region| f64::from(region.inputs[i]))).collect();
+    let spread = |i: usize| mean(&|region| (f64::from(region.inputs[i]) - means[i]).powi(2)).sqrt().max(1e-6) as f32;
     [means.iter().map(|x| *x as f32).collect(), (0..INPUTS).map(spread).collect()]
 }
 
-fn trained(asked: &Asked, start: u64, lessons: &[Lesson]) -> Search {
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(1000 * asked.seed + start);
-    let mut search = Search::new(asked.rule, &mut random);
+fn trained(options: &Options, start: u64, lessons: &[Lesson]) -> Search {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(1000 * options.seed + start);
+    let mut search = Search::new(options.rule, &mut random);
     let count = search.weights.len();
-    let mut adam = Adam { slope: vec![0.0; count], square: vec![0.0; count], kept: [1.0; 2] };
+    let mut adam = Adam { slope: vec![0.0; count], square: vec![0.0; count], decayed: [1.0; 2] };
     let mut units = vec![vec![0.0; search.units]; 16];
     let mut order: Vec<usize> = (0..lessons.len()).collect();
-    let steps = asked.rounds * lessons.len().div_ceil(BATCH);
+    let steps = options.rounds * lessons.len().div_ceil(BATCH);
     let mut step = 0;
-    for _ in 0..asked.rounds {
+    for _ in 0..options.rounds {
         for i in (1..order.len()).rev() {
             order.swap(i, (random.next_u64() % (i as u64 + 1)) as usize);
         }
@@ -382,54 +383,54 @@ fn trained(asked: &Asked, start: u64, lessons: &[Lesson]) -> Search {
     search
 }
 
-/// The mean over cases of both parts' absolute errors, weighed as in the search.
+/// The mean over cases of the absolute errors of both parts, weighted as in the search.
 #[must_use]
 pub fn objective(rule: NormalsRule, numbers: &Numbers, cases: &[(usize, Case)]) -> f64 {
     let error = |(kind, case): &(usize, Case)| {
         let found = numbers.reflected(rule, &case.lit);
-        let count = weight(Kind::ALL[*kind]);
-        count * ((found[0] - case.truth[0]).abs() + f64::from(SCHLICK) * (found[1] - case.truth[1]).abs())
+        let weight = weight(Kind::ALL[*kind]);
+        weight * ((found[0] - case.truth[0]).abs() + f64::from(SCHLICK) * (found[1] - case.truth[1]).abs())
     };
     let errors: Vec<f64> = cases.par_iter().map(error).collect();
     errors.iter().sum::<f64>() / cases.len() as f64
 }
 
-/// The numbers that were found, and the objective of those that stand and of these, on other lights.
+/// The found numbers, with the objectives of the current and the found numbers.
 #[derive(Debug, Clone)]
 pub struct Found {
-    /// The numbers, rounded as the source has them.
+    /// The numbers, rounded to the digits of the source.
     pub numbers: Numbers,
-    /// Objectives on the cases of the search: of the numbers that stand, of those found.
-    pub seen: [f64; 2],
-    /// The same on others.
+    /// Objectives of the current and the found numbers on the cases of the search.
+    pub training: [f64; 2],
+    /// The objectives on held-out cases.
     pub held_out: [f64; 2],
 }
 
 /// Finds the numbers of a rule.
 #[must_use]
-pub fn find(asked: &Asked) -> Found {
-    let rule = asked.rule;
-    let [seen, held_out] = [asked.seed, asked.seed + 1].map(|seed| drawn(seed, asked.lights));
+pub fn find(options: &Options) -> Found {
+    let rule = options.rule;
+    let [training, held_out] = [options.seed, options.seed + 1].map(|seed| draw(seed, options.lights));
     let mut lessons: Vec<Lesson> =
-        seen.par_iter().map(|(kind, case)| Lesson::of(rule, Kind::ALL[*kind], case)).collect();
+        training.par_iter().map(|(kind, case)| Lesson::of(rule, Kind::ALL[*kind], case)).collect();
     let [mean, spread] = spreads(&lessons);
     for x in lessons.iter_mut().flat_map(|lesson| &mut lesson.regions) {
         for (i, input) in x.inputs.iter_mut().enumerate() {
             *input = (*input - mean[i]) / spread[i];
         }
     }
-    let starts: Vec<u64> = (0..asked.starts).collect();
+    let starts: Vec<u64> = (0..options.starts).collect();
     let tried: Vec<Numbers> =
-        starts.into_par_iter().map(|start| trained(asked, start, &lessons).numbers(&mean, &spread)).collect();
-    let scored = tried.into_iter().map(|numbers| (objective(rule, &numbers, &seen), numbers));
-    let standing = Numbers::from(rule.network());
-    let best = scored.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(|| standing.clone(), |(_, numbers)| numbers);
-    let [seen, held_out] =
-        [seen, held_out].map(|cases| [&standing, &best].map(|numbers| objective(rule, numbers, &cases)));
-    Found { numbers: best, seen, held_out }
+        starts.into_par_iter().map(|start| trained(options, start, &lessons).numbers(&mean, &spread)).collect();
+    let scored = tried.into_iter().map(|numbers| (objective(rule, &numbers, &training), numbers));
+    let current = Numbers::from(rule.network());
+    let best = scored.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(|| current.clone(), |(_, numbers)| numbers);
+    let [training, held_out] =
+        [training, held_out].map(|cases| [&current, &best].map(|numbers| objective(rule, numbers, &cases)));
+    Found { numbers: best, training, held_out }
 }
 
-/// The errors of some numbers for each kind, on cases of another seed, as markdown.
+/// A Markdown table of errors of some numbers for each kind, on cases of another seed.
 #[must_use]
 pub fn by_kind(rule: NormalsRule, seed: u64, count: usize, candidates: &[(&str, &Numbers)]) -> String {
     let mut out = "| lights |".to_owned();
@@ -442,10 +443,10 @@ pub fn by_kind(rule: NormalsRule, seed: u64, count: usize, candidates: &[(&str, 
         let _ = write!(out, "| {} |", kind.name());
         for (_, numbers) in candidates {
             let found: Vec<[f64; 2]> = cases.par_iter().map(|case| numbers.reflected(rule, &case.lit)).collect();
-            let of = |part: usize| {
+            let spread = |part: usize| {
                 Spread::of(cases.iter().zip(&found).map(|(case, x)| (x[part] - case.truth[part]).abs()).collect())
             };
-            let (Spread { mean, p95, max, .. }, schlick) = (of(0), of(1).mean);
+            let (Spread { mean, p95, max, .. }, schlick) = (spread(0), spread(1).mean);
             let dark = dark(&cases, &found);
             let _ = write!(out, " {mean:.5} / {p95:.5} / {max:.4}, {dark}, {schlick:.5} |");
         }
@@ -454,7 +455,7 @@ pub fn by_kind(rule: NormalsRule, seed: u64, count: usize, candidates: &[(&str, 
     out
 }
 
-/// How many lights are nearly black that are not: less than a fifth of the truth, where that is above .001.
+/// The number of lights that are wrongly dark: less than a fifth of the truth, for a truth above .001.
 #[must_use]
 pub fn dark(cases: &[Case], found: &[[f64; 2]]) -> usize {
     cases.iter().zip(found).filter(|(case, x)| case.truth[0] > 0.001 && x[0] < 0.2 * case.truth[0]).count()

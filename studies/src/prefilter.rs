@@ -1,7 +1,7 @@
 //! The parts of a level and of the level above in the pyramid of a picture on a light: `OWN_PARTS` of
 //! `src/light/textured/pyramid.rs`, and the table of docs/textured.md.
 //!
-//! The truth is the kernel summed over a grid of 3 x 3 points a texel, which shares nothing with the pyramid.
+//! The truth sums the kernel over a grid of 3 x 3 points per texel, and shares nothing with the pyramid.
 
 use std::fmt::Write as _;
 
@@ -12,14 +12,14 @@ use rayon::prelude::*;
 
 /// Even, odd and long pictures.
 const SIZES: [[usize; 2]; 5] = [[64, 64], [63, 63], [96, 40], [37, 53], [65, 127]];
-/// Points of each size.
+/// Points for each size.
 pub const POINTS: usize = 400;
-/// Seeds of the points that are searched on, and of those that are not.
+/// Seeds of the points of the search, and of the held-out points.
 const SEEDS: [u64; 2] = [1, 2];
-/// The parts that are tried.
+/// The tried parts.
 const TRIED: [[f64; 5]; 3] = [[0.75, 0.8, 0.85, 0.9, 0.95], [0.65, 0.7, 0.75, 0.8, 0.85], [0.55, 0.6, 0.65, 0.7, 0.75]];
 
-/// A picture with the kernel summed at random points.
+/// A picture with the sum of the kernel at random points.
 struct Case {
     image: LightImage,
     /// Place, sigma and sum.
@@ -46,7 +46,7 @@ fn picture(size: [usize; 2]) -> LightImage {
     LightImage::new(size[0], size[1], places.map(texel).collect()).expect("texels that are finite")
 }
 
-/// Points anywhere in the pictures, with sigma from 2 texels to that of the last level, even in its logarithm.
+/// Points anywhere in the pictures, with sigma from 2 texels to the sigma of the last level, even in its logarithm.
 fn cases(points: usize, seed: u64) -> Vec<Case> {
     let case = |size: &[usize; 2]| {
         let (image, mut rng) = (picture(*size), Xoshiro256PlusPlus::seed_from_u64(seed));
@@ -79,24 +79,23 @@ fn mean(cases: &[Case], parts: [f64; 3]) -> f64 {
     all.sum::<f64>() / (3 * cases.len()) as f64
 }
 
-/// The best of all that is tried, beside what stands and 0.65 for all; and the table, for [`POINTS`] that were not searched
-/// on.
+/// The errors of the best tried parts, of the current parts and of 0.65 for all, and the table for held-out points.
 #[must_use]
-pub fn told(points: usize) -> String {
-    let [seen, unseen] = SEEDS.map(|seed| cases(points, seed));
+pub fn text(points: usize) -> String {
+    let [training, held_out] = SEEDS.map(|seed| cases(points, seed));
     let [first, second, rest] = TRIED;
     let tried: Vec<[f64; 3]> =
         first.iter().flat_map(|a| second.iter().flat_map(move |b| rest.map(|c| [*a, *b, c]))).collect();
-    let found: Vec<(f64, [f64; 3])> = tried.par_iter().map(|parts| (mean(&seen, *parts), *parts)).collect();
+    let found: Vec<(f64, [f64; 3])> = tried.par_iter().map(|parts| (mean(&training, *parts), *parts)).collect();
     let best = found.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(OWN_PARTS, |(_, parts)| *parts);
     let mut out = String::new();
     for (name, parts) in [("best", best), ("OWN_PARTS", OWN_PARTS), ("one for all", [0.65; 3])] {
-        let [here, there] = [&seen, &unseen].map(|cases| mean(cases, parts));
+        let [here, there] = [&training, &held_out].map(|cases| mean(cases, parts));
         // Writing to a String cannot fail.
         let _ = writeln!(out, "{name} {parts:?}: mean error {here:.5}, at other points {there:.5}");
     }
     let _ = writeln!(out, "\n| size | disk | checkerboard, 6 x 6 | ramp |\n|---|---|---|---|");
-    for case in &unseen {
+    for case in &held_out {
         let cells = errors(case, OWN_PARTS).map(|[mean, largest]| format!("{mean:.4}, {largest:.3}"));
         let _ = writeln!(out, "| {} x {} | {} |", case.image.width(), case.image.height(), cells.join(" | "));
     }

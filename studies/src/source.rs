@@ -1,10 +1,10 @@
-//! Constants as the sources have them.
+//! Reads constants from the sources.
 
-/// The value of a constant in a source; of a list, the item with this index.
+/// The value of a constant in a source. For a list it is the item with this index.
 #[must_use]
 pub fn number(source: &str, name: &str, index: usize) -> Option<f64> {
     let declaration = source.split_once(&format!("const {name}:"))?.1.split_once(';')?;
-    // A list's type has a semicolon of its own.
+    // The type of a list also has a semicolon.
     let value = match declaration {
         (kind, rest) if kind.trim_start().starts_with('[') => rest.split_once('=')?.1.split(';').next()?,
         (kind, _) => kind.split_once('=')?.1,
@@ -12,7 +12,7 @@ pub fn number(source: &str, name: &str, index: usize) -> Option<f64> {
     parsed(value.trim().trim_matches(['[', ']']).split(',').nth(index)?)
 }
 
-/// The number that a field is given in a source, where it first is.
+/// The number of a field where it first appears in a source.
 #[must_use]
 pub fn field(source: &str, name: &str) -> Option<f64> {
     let is_number = |rest: &&str| rest.trim_start().starts_with(|c: char| c.is_ascii_digit());
@@ -23,7 +23,7 @@ fn parsed(text: &str) -> Option<f64> {
     text.trim().replace('_', "").parse().ok()
 }
 
-/// A line of a source that begins with `start`, without what is before it.
+/// The first line of a source that contains `start`, from `start` on.
 #[must_use]
 pub fn line<'a>(source: &'a str, start: &str) -> Option<&'a str> {
     source.lines().map(str::trim).find(|line| line.starts_with(start))
@@ -34,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_read_as_they_stand() {
+    fn numbers_are_read_from_sources() {
         let source = "/// Seconds.\nconst SORT_SECONDS: [f64; 2] = [12e-9, 4.5e-9];\npub const RATE: u32 = 1_000;\n";
         let found =
             [("SORT_SECONDS", 1), ("RATE", 0), ("RATE", 1), ("NONE", 0)].map(|(name, i)| number(source, name, i));

@@ -1,4 +1,4 @@
-//! Tables that a study fits, and materials to measure them at.
+//! Tables that studies fit, and the materials at which they are measured.
 
 use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
@@ -8,9 +8,9 @@ use ltcforge::{
 };
 use rayon::prelude::*;
 
-/// Where the sequence of materials begins: other places than those of a report.
+/// The start of the sequence of materials. Reports use other places.
 const SHIFT: [f64; 4] = [0.326_237_921_249_264, 0.899_494_936_611_665, 0.124_355_652_982_141, 0.652_475_842_498_528];
-/// Samples, directions and steps of the fits that stand for the best LTC at a configuration.
+/// Samples, directions and steps of the fits of the best LTCs.
 const BEST: [u32; 3] = [8192, 64, 120];
 
 /// The table of a recipe, fitted on the current rayon pool.
@@ -23,7 +23,7 @@ pub fn fitted(recipe: &Recipe) -> Table {
 }
 
 /// Materials and views as artists set them: even in perceptual roughness from 0.05 to 1, in ratio from 0.05 to 1, and
-/// in the view's angles, to 89 degrees.
+/// in the angles of the view up to 89 degrees.
 #[must_use]
 pub fn materials(count: usize, is_isotropic: bool) -> Vec<Configuration> {
     let material = |i: usize| {
@@ -37,7 +37,7 @@ pub fn materials(count: usize, is_isotropic: bool) -> Vec<Configuration> {
     (0..count).map(material).collect()
 }
 
-/// The best LTC at each place, fitted there with as many samples as a table never has.
+/// The best LTC at each place, fitted with more samples than any table.
 ///
 /// # Panics
 /// Never: the settings are within their bounds, and nothing stops the fit.

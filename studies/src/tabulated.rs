@@ -1,5 +1,5 @@
-//! What it costs to have a BRDF as numbers: the table of docs/tabulated.md. GGX, of which the truth is known, is tabulated
-//! with azimuths and ratios; the tables of its numbers and of its formula are held to the truth of the formula.
+//! The error of a BRDF as a file of numbers: the table of docs/materials.md. The study tabulates GGX, whose truth is
+//! known, with azimuths and ratios. It compares tables of the numbers and of the formula with the truth of the formula.
 
 use std::{fmt::Write as _, sync::Arc};
 
@@ -15,38 +15,38 @@ use ltcforge::{
 
 use crate::{clock::Clock, markdown::short, tables::fitted};
 
-/// The recipe that the page names.
+/// The recipe of the page.
 const RECIPE: &str = include_str!("../../docs/recipes/tabulated-anisotropic.json");
-/// The nodes of the command on the page: roughnesses and their ratios.
+/// The nodes of the command on the page: roughnesses and ratios.
 const ALPHA: [f64; 4] = [0.2, 0.4, 0.7, 1.0];
 const RATIO: [f64; 3] = [0.4, 0.7, 1.0];
-/// Polar angles, differences of azimuths on one side, azimuths of the view.
+/// The numbers of polar angles, differences of azimuths on one side, and azimuths of the view.
 const ANGLES: [u16; 3] = [32, 17, 7];
-/// Random rectangles on random surfaces within the file.
+/// Random rectangles with random surfaces in the range of the file.
 const LIGHTS: usize = 2000;
-/// The tolerance of the truth, as that of the lights is.
+/// The tolerance of the truth, as in [`lights`](crate::lights).
 const TOLERANCE: f64 = 1e-5;
 
-/// What the study finds.
+/// The results of the study.
 pub struct Found {
-    /// Absolute errors of the energy against the truth of the formula: the numbers themselves, their table, the formula's
-    /// table on the same nodes, and the default table of the formula.
+    /// Absolute errors of the energy against the truth of the formula: of the numbers, of their table, of the formula's
+    /// table on the same nodes, and of the default table of the formula.
     pub errors: [Spread; 4],
     mean_energy: f64,
     lights: usize,
     /// Values of the file.
     pub values: usize,
-    /// Its bytes.
+    /// Bytes of the file.
     pub file_bytes: usize,
     entries: u64,
     /// Processor seconds of the fits to numbers and to the formula on the same nodes.
     seconds: [f64; 2],
 }
 
-/// Fits the tables by a preset and measures them on a part of the lights.
+/// Fits the tables by a preset and measures them with a part of the lights.
 ///
 /// # Errors
-/// None, unless the recipe of the page is none of its file.
+/// None, unless the recipe of the page does not fit its file.
 ///
 /// # Panics
 /// Never: GGX between these nodes is a BRDF.
@@ -88,7 +88,7 @@ pub fn find(preset: Preset, part: f64) -> Result<Found, Error> {
 }
 
 impl Found {
-    /// The table of the page, and what it cost.
+    /// The table of the page, and the seconds of the fits.
     #[must_use]
     pub fn text(&self) -> String {
         let names = [

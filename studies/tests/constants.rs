@@ -1,4 +1,4 @@
-//! Shortened studies find what the sources have, and print what the documents have.
+//! Shortened studies find the constants of the sources, and print the tables of the docs.
 
 use ltcforge::{
     Layout, Metric, Preset, Recipe, RecipeDocument as _, Solver,
@@ -8,13 +8,13 @@ use ltcforge_studies::{
     albedo, arcs, best, expected,
     expected::Extent,
     glass, l3, minimax, models,
-    networks::{self, Asked, Numbers},
+    networks::{self, Numbers, Options},
     tables::fitted,
     tabulated::{self, grouped},
 };
 
 const NUMBERS: &str = include_str!("../../src/light/normals/numbers.rs");
-/// In the order of [`NormalsRule::SHADED`].
+/// The shaders of rules, in the order of [`NormalsRule::SHADED`].
 const SHADERS: [&str; 3] = [
     include_str!("../../shaders/normals_balanced.wgsl"),
     include_str!("../../shaders/normals_fast.wgsl"),
@@ -27,7 +27,7 @@ const ISOTROPIC_PAGE: &str = include_str!("../isotropic.md");
 const MATERIALS_PAGE: &str = include_str!("../../docs/materials.md");
 const REFRACTION_PAGE: &str = include_str!("../../docs/refraction.md");
 
-/// The numbers are printed as they stand, in Rust and in the shader, which have the same ones.
+/// The printed numbers equal the source in Rust and the shader.
 #[test]
 fn the_numbers_of_networks_are_printed_as_the_sources_have_them() {
     for (rule, shader) in NormalsRule::SHADED.into_iter().zip(SHADERS) {
@@ -40,7 +40,7 @@ fn the_numbers_of_networks_are_printed_as_the_sources_have_them() {
     }
 }
 
-/// The polynomials of tables' shaders are printed as they stand there.
+/// The printed polynomials equal the polynomials of the shaders.
 #[test]
 fn the_polynomials_of_the_shaders_are_those_with_the_least_error() {
     let shaders = [
@@ -49,9 +49,9 @@ fn the_polynomials_of_the_shaders_are_those_with_the_least_error() {
         (include_str!("../../shaders/normals_arcs.wgsl"), 2e-5),
         (include_str!("../../shaders/normals_arcs_rough.wgsl"), 8.5e-4),
     ];
-    let told = minimax::told();
-    assert_eq!(told.len(), shaders.len());
-    for ((name, numbers, error), (shader, most)) in told.into_iter().zip(shaders) {
+    let rows = minimax::rows();
+    assert_eq!(rows.len(), shaders.len());
+    for ((name, numbers, error), (shader, most)) in rows.into_iter().zip(shaders) {
         for number in numbers {
             assert!(shader.contains(&number), "{name}: {number}");
         }
@@ -59,7 +59,7 @@ fn the_polynomials_of_the_shaders_are_those_with_the_least_error() {
     }
 }
 
-/// The search finds on other lights what stands, and the shader has the same.
+/// A search on other lights finds the current numbers, and the shader has them.
 #[test]
 fn the_bulge_of_arcs_is_the_best_of_the_grid() {
     let found = arcs::find(400, 30);
@@ -72,18 +72,18 @@ fn the_bulge_of_arcs_is_the_best_of_the_grid() {
     }
 }
 
-/// A short search from nothing comes near to the numbers that stand, on lights that neither saw.
+/// A short search comes close to the current numbers, on held-out lights.
 #[test]
 fn a_short_search_comes_near_to_the_numbers_of_networks() {
     for (rule, most) in [(NormalsRule::Fast, 1.3), (NormalsRule::Balanced, 2.5), (NormalsRule::Fine, 2.5)] {
-        let found = networks::find(&Asked { rule, lights: 6000, rounds: 40, starts: 2, seed: 71 });
-        let [standing, end] = found.held_out;
-        println!("{rule}: {end:.6}; stands: {standing:.6}; seen: {:.6?}", found.seen);
-        assert!((0.85..most).contains(&(end / standing)) && found.seen[1] < most * found.seen[0], "{rule}: {found:?}");
+        let found = networks::find(&Options { rule, lights: 6000, rounds: 40, starts: 2, seed: 71 });
+        let ([current, end], training) = (found.held_out, found.training);
+        println!("{rule}: {end:.6}; current: {current:.6}; training: {training:.6?}");
+        assert!((0.85..most).contains(&(end / current)) && training[1] < most * training[0], "{rule}: {found:?}");
     }
 }
 
-/// Tables that the law was not found by have about the error of the found law, and of the law that stands.
+/// The found law and the current law predict about the error of held-out tables.
 #[test]
 fn a_short_run_finds_the_expected_errors_of_tables() {
     expected::find(&[Layout::Reflected], &Extent::SHORT, |found| {
@@ -95,13 +95,13 @@ fn a_short_run_finds_the_expected_errors_of_tables() {
     .expect("recipes");
 }
 
-/// The numbers in a cell of a table of markdown.
+/// The numbers in a cell of a Markdown table.
 fn numbers(cell: &str) -> Vec<f64> {
     cell.split([' ', ',']).filter_map(|word| word.trim().parse().ok()).collect()
 }
 
-/// The rows of a text that begin with the same cells, and the first number of each other cell.
-fn rows(text: &str, named: usize) -> Vec<(String, Vec<f64>)> {
+/// The rows of a text: the first `named` cells as their name, and the first number of each other cell.
+fn table_rows(text: &str, named: usize) -> Vec<(String, Vec<f64>)> {
     let row = |line: &str| {
         let cells: Vec<&str> = line.strip_prefix("| ")?.strip_suffix(" |")?.split(" | ").collect();
         let (names, rest) = cells.split_at_checked(named)?;
@@ -111,10 +111,10 @@ fn rows(text: &str, named: usize) -> Vec<(String, Vec<f64>)> {
     text.lines().filter_map(row).filter(|(_, numbers)| !numbers.is_empty()).collect()
 }
 
-/// Compares the rows of a document with the rows of the same names that a shortened study prints: their means are about
-/// as large. Returns the number of compared rows; a document may leave out some that the study prints.
+/// Compares the rows of a document with the rows of the same name from a shortened study: their means are equal up to
+/// `factor`. Returns the number of compared rows. The document may lack rows of the study.
 fn check_rows(document: &str, printed: &str, named: usize, factor: f64) -> usize {
-    let (documented, printed) = (rows(document, named), rows(printed, named));
+    let (documented, printed) = (table_rows(document, named), table_rows(printed, named));
     let mut compared = 0;
     for (name, found) in &printed {
         let Some((_, wanted)) = documented.iter().find(|(other, _)| other == name) else { continue };
@@ -132,7 +132,7 @@ fn the_documents_have_the_rows_of_model_normals() {
     let printed = models::tables(0.2).expect("a recipe");
     let (errors, light) = printed.split_once("docs/lights.md").expect("two documents");
     assert_eq!(check_rows(NORMALS_PAGE, errors, 1, 1.8), 7 + 3 + 3);
-    // Their names tell how many lights there are.
+    // The names of rows contain the number of lights.
     let few = |text: &str| {
         text.replace(", 10000 |", " |").replace(", 3000 |", " |").replace(", 2000 |", " |").replace(", 600 |", " |")
     };
@@ -175,16 +175,16 @@ fn differences_of_f32_through_glass_are_those_of_the_document() {
     }
 }
 
-/// A search over fewer surfaces finds a cubic as good as the one that stands, on surfaces that neither saw; the library
-/// and the shader have the numbers as they are printed.
+/// A search over fewer surfaces finds a cubic as good as the current cubic, on held-out surfaces. The library and the
+/// shader have the printed numbers.
 #[test]
 fn the_albedo_is_the_cubic_that_a_search_finds() {
     let found = albedo::find(&albedo::places(3000, false));
     let held_out = albedo::places(600, true);
-    let by = |numbers: [f64; 31]| albedo::errors_of(&held_out, &numbers);
-    let (standing, new) = (by(LOSS), by(found));
-    println!("{standing:?} {new:?}");
-    assert!(standing[0] < 1.1 * new[0] && standing[0] < 0.007, "{standing:?} {new:?}");
+    let errors = |numbers: [f64; 31]| albedo::errors_of(&held_out, &numbers);
+    let (current, new) = (errors(LOSS), errors(found));
+    println!("{current:?} {new:?}");
+    assert!(current[0] < 1.1 * new[0] && current[0] < 0.007, "{current:?} {new:?}");
     assert!(include_str!("../../src/light/albedo.rs").contains(&albedo::as_rust(&LOSS)), "{}", albedo::as_rust(&LOSS));
     let shader = include_str!("../../shaders/ltc_albedo.wgsl");
     assert!(shader.contains(&albedo::as_wgsl(&LOSS)), "{}", albedo::as_wgsl(&LOSS));
@@ -193,7 +193,7 @@ fn the_albedo_is_the_cubic_that_a_search_finds() {
     }
 }
 
-/// The table of the numbers is nearly as near to GGX as that of the formula, and no farther than the numbers.
+/// The table of the numbers has about the error of the formula's table, and about the error of the numbers.
 #[test]
 fn a_brdf_as_numbers_costs_what_the_page_says() {
     let found = tabulated::find(Preset::Draft, 0.05).expect("the page's recipe");

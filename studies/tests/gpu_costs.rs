@@ -1,4 +1,4 @@
-//! The costs of the texts are those that the compiler tells.
+//! The costs of shaders in the source equal the costs by the compiler.
 
 use std::{
     io::{Write as _, stderr},
@@ -9,31 +9,31 @@ use ltcforge::shaders::{COMPILER, GpuCost};
 
 const SOURCE: &str = include_str!("../../src/shaders/gpu_cost.rs");
 
-/// Says past the harness that the test could not look.
-fn tell_skipped(reason: &str) {
-    // A line that cannot be printed is no failure of what is tested.
+/// Reports a skipped test past the harness.
+fn report_skipped(reason: &str) {
+    // A failed print does not fail the test.
     let _ = stderr().write_all(format!("\n*** SKIPPED: the costs of shaders: {reason}\n\n").as_bytes());
 }
 
 #[test]
-fn every_text_costs_what_the_source_has() {
+fn every_shader_has_the_costs_of_the_source() {
     let output = Command::new(env!("CARGO_BIN_EXE_ltcforge-studies")).arg("gpu-costs").output().expect("a program");
     let errors = String::from_utf8_lossy(&output.stderr);
-    if errors.contains("no driver tells") {
-        return tell_skipped(&errors);
+    if errors.contains("no driver reports costs") {
+        return report_skipped(&errors);
     }
     assert!(output.status.success(), "{errors}");
-    let told = String::from_utf8(output.stdout).expect("text");
-    let mut lines = told.lines();
+    let printed = String::from_utf8(output.stdout).expect("text");
+    let mut lines = printed.lines();
     let device = lines.next().and_then(|line| line.strip_prefix("// ")).expect("a device");
     let rows: Vec<&str> = lines.collect();
     let names: Vec<String> = GpuCost::names().map(|name| format!("(\"{name}\", ")).collect();
-    assert_eq!(rows.len(), names.len(), "{told}");
+    assert_eq!(rows.len(), names.len(), "{printed}");
     for (row, name) in rows.iter().zip(&names) {
         assert!(row.trim_start().starts_with(name), "{row}");
     }
     if device != COMPILER {
-        return tell_skipped(&format!("{device} is another compiler than that of the figures, {COMPILER}"));
+        return report_skipped(&format!("the compiler is {device}, and the figures are by {COMPILER}"));
     }
     for row in rows {
         assert!(SOURCE.contains(row), "{row}: cargo run -p ltcforge-studies -- gpu-costs");

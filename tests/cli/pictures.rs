@@ -68,8 +68,8 @@ fn preview_shows_a_picture_on_the_light() {
         refused.complaints(),
         [
             "exposure is 0, not within 0.0001 to 10000",
-            "light_picture is of light rectangle, and light is disk: leave one of them out",
-            "light_picture is of models ltc and normals, and model is asg: choose one of those, or leave the picture out",
+            "light_picture needs light rectangle, got disk: change the light or leave the picture out",
+            "light_picture needs model ltc or normals, got asg: change the model or leave the picture out",
         ]
     );
     fs::write(folder.path().join("no.png"), "no picture").expect("a file");

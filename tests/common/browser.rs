@@ -1,5 +1,5 @@
-//! Scripts of Node.js, and those that need a browser. `make test` installs what they need; where it cannot, tests say that
-//! they are skipped.
+//! Runs scripts of Node.js, with or without a browser. `make test` installs Node.js and the browser. Without them the
+//! tests report that they are skipped.
 
 use std::{
     env,
@@ -18,26 +18,26 @@ pub(crate) fn starts(program: &str) -> bool {
     command.status().is_ok_and(|status| status.success())
 }
 
-/// The JSON that a script of `folder` prints, of those that need a browser; `None` where it cannot run.
+/// The JSON output of a script in `folder` that needs a browser; `None` if it cannot run.
 pub(crate) fn script<T: DeserializeOwned>(folder: &Path, file: &str, args: &[&str]) -> Option<T> {
     let chromium = env::var("CHROMIUM").unwrap_or_else(|_| "chromium-headless-shell".to_owned());
     if !starts(&chromium) {
-        tell_skipped(&format!("there is no {chromium} (Debian: chromium-headless-shell)"));
+        tell_skipped(&format!("{chromium} is missing (Debian: chromium-headless-shell)"));
         return None;
     }
-    // playwright-core asks for a path.
+    // playwright-core needs a path.
     let words = ["--ltcforge", env!("CARGO_BIN_EXE_ltcforge"), "--chromium", &which(&chromium)];
     node(folder, file, &[&words, args].concat())
 }
 
-/// The JSON that a script of `folder` prints, of those that need no browser; `None` where it cannot run.
+/// The JSON output of a script in `folder` that needs no browser; `None` if it cannot run.
 pub(crate) fn node<T: DeserializeOwned>(folder: &Path, file: &str, args: &[&str]) -> Option<T> {
     if !starts("node") {
-        tell_skipped("there is no node (Debian: nodejs)");
+        tell_skipped("node is missing (Debian: nodejs)");
         return None;
     }
     if !folder.join("node_modules/.package-lock.json").exists() {
-        tell_skipped(&format!("the packages are not installed (npm ci in {})", folder.display()));
+        tell_skipped(&format!("packages are missing (run npm ci in {})", folder.display()));
         return None;
     }
     let mut command = Command::new("node");

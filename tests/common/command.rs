@@ -7,7 +7,7 @@ use std::{
     process::{Child, Command, ExitStatus, Output, Stdio},
 };
 
-/// How a run of the binary ended.
+/// The result of a run of the binary.
 #[derive(Debug)]
 pub(crate) struct Run {
     pub(crate) code: Option<i32>,
@@ -21,7 +21,7 @@ impl Run {
         self.stdout.lines().last().unwrap_or_default()
     }
 
-    /// The lines by which the command says why it failed; logs do not count.
+    /// The lines of the command's errors, without logs.
     pub(crate) fn complaints(&self) -> Vec<&str> {
         self.stderr.lines().filter_map(|line| line.strip_prefix("ltcforge: ")).collect()
     }
@@ -41,7 +41,7 @@ impl From<Output> for Run {
     }
 }
 
-/// The binary in `folder`, with nothing of ours and no proxy in its environment.
+/// The binary in `folder`, without our variables or a proxy in its environment.
 pub(crate) fn ltcforge<A: AsRef<OsStr>>(folder: &Path, args: impl IntoIterator<Item = A>) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_ltcforge"));
     for (name, _) in std::env::vars_os() {
@@ -59,10 +59,10 @@ pub(crate) fn run<A: AsRef<OsStr>>(folder: &Path, args: impl IntoIterator<Item =
     ltcforge(folder, args).output().expect("the binary runs").into()
 }
 
-/// Runs it with `input` on stdin.
+/// Runs the binary with `input` on stdin.
 pub(crate) fn run_with_stdin<A: AsRef<OsStr>>(folder: &Path, args: impl IntoIterator<Item = A>, input: &str) -> Run {
     let mut child = ltcforge(folder, args).stdin(Stdio::piped()).spawn().expect("the binary runs");
-    // A command that refuses its arguments reads nothing.
+    // A command that refuses its arguments does not read stdin.
     let _ = child.stdin.take().expect("a pipe").write_all(input.as_bytes());
     child.wait_with_output().expect("the binary ends").into()
 }

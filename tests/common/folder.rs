@@ -1,4 +1,4 @@
-//! Folders and what is in them.
+//! Folders and their files.
 
 use std::{
     collections::BTreeMap,

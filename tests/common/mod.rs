@@ -1,4 +1,5 @@
-//! The common part of the end-to-end tests: the real binary, real HTTP, and every answer held to `openapi.yaml`.
+//! The common part of the end-to-end tests: the real binary, real HTTP, and a check of every response against
+//! `openapi.yaml`.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 pub(crate) mod browser;
@@ -14,33 +15,34 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Sixteen entries that take milliseconds.
+/// A recipe of sixteen entries, which take milliseconds.
 pub(crate) const SMALL: &str = r#"{"preset":"draft","resolution":{"alpha":2,"ratio":2,"theta":2,"phi":2},
     "fit":{"samples":64,"directions":4,"steps":5}}"#;
 
-/// [`SMALL`] by other samples.
+/// [`SMALL`] with another seed.
 pub(crate) fn seeded(seed: u32) -> String {
     SMALL.replace(r#""steps":5"#, &format!(r#""steps":5,"seed":{seed}"#))
 }
 
-/// Enough entries for several shards and a few seconds.
+/// A recipe of several shards, which takes a few seconds.
 pub(crate) const LARGE: &str = r#"{"preset":"draft","resolution":{"alpha":8,"ratio":8,"theta":8,"phi":4},
     "fit":{"samples":128,"directions":8,"steps":8}}"#;
 
-/// Far more entries than any test waits for.
+/// A recipe of far more entries than any test waits for.
 pub(crate) const ENDLESS: &str = r#"{"preset":"best","resolution":{"alpha":16,"ratio":16,"theta":16,"phi":16}}"#;
 
-/// How long a condition may take to come true. No test measures time: this only ends one that hangs.
+/// The longest wait for a condition. No test measures time: this only ends a test that hangs.
 pub(crate) const DEADLINE: Duration = Duration::from_secs(400);
 
-/// Says past the harness, which would keep it to itself, that the running test leaves something out, and why.
+/// Reports that the running test skips something, and the reason. It writes past the harness, which would capture a
+/// print.
 pub(crate) fn tell_skipped(reason: &str) {
     let name = std::thread::current().name().unwrap_or_default().to_owned();
-    // A line that cannot be printed is no failure of what is tested.
+    // A failed print does not fail the test.
     let _ = stderr().write_all(format!("\n*** SKIPPED: {name}: {reason}\n\n").as_bytes());
 }
 
-/// The first thing that `look` finds.
+/// Calls `look` until it returns a value.
 pub(crate) fn eventually<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
     let start = Instant::now();
     loop {

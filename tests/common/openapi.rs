@@ -1,4 +1,4 @@
-//! `openapi.yaml` as the judge of answers.
+//! Checks of responses against `openapi.yaml`.
 
 use std::sync::LazyLock;
 
@@ -6,14 +6,14 @@ use serde_json::{Value, json};
 
 use super::server::Answer;
 
-/// The file.
+/// The document.
 pub(crate) static DOCUMENT: LazyLock<Value> =
     LazyLock::new(|| serde_saphyr::from_str(include_str!("../../openapi.yaml")).expect("openapi.yaml is YAML"));
 
 /// The methods that a path item may have.
 pub(crate) const METHODS: [&str; 7] = ["get", "head", "post", "put", "patch", "delete", "options"];
 
-/// The schema `value`, or the one that it refers to.
+/// The schema `value`, or the schema that it refers to.
 pub(crate) fn resolve(value: &'static Value) -> &'static Value {
     match value["$ref"].as_str() {
         Some(reference) => {
@@ -24,36 +24,36 @@ pub(crate) fn resolve(value: &'static Value) -> &'static Value {
     }
 }
 
-/// The faults of `instance` under `schema`, a schema in the file.
+/// The faults of `instance` under `schema`, a schema of the document.
 pub(crate) fn faults(schema: &Value, instance: &Value) -> Vec<String> {
     let whole = json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "allOf": [schema],
         "components": DOCUMENT["components"],
     });
-    let validator = jsonschema::options().should_validate_formats(true).build(&whole).expect("a sound schema");
+    let validator = jsonschema::options().should_validate_formats(true).build(&whole).expect("a valid schema");
     validator.iter_errors(instance).map(|error| format!("{}: {error}", error.instance_path())).collect()
 }
 
-/// Holds an answer to the file: status, content type, header fields, body.
+/// Checks status, content type, header fields and body of a response against the document.
 #[track_caller]
 pub(crate) fn check(method: &str, path: &str, answer: &Answer) {
     let call = format!("{method} {path} -> {}", answer.status);
     let path = path.split('?').next().unwrap_or_default();
     let item = DOCUMENT["paths"].as_object().expect("paths").iter().find(|(template, _)| matches(template, path));
     let operation = item.map(|(_, item)| match (method, &item["head"]) {
-        // HEAD answers wherever GET does; only its own entry says more.
+        // HEAD has the responses of GET unless it has its own entry.
         ("HEAD", Value::Null) => &item["get"],
         _ => &item[method.to_lowercase()],
     });
     let response = if let Some(operation) = operation.filter(|operation| !operation.is_null()) {
         match &operation["responses"][answer.status.to_string()] {
-            // Not of this call alone.
+            // Responses of all calls.
             Value::Null => resolve(&DOCUMENT["x-any-path"][answer.status.to_string()]),
             own => resolve(own),
         }
     } else {
-        // The introduction of the file says what happens outside it: a problem.
+        // Calls that are not in the document are answered with a problem, as its introduction states.
         let expected = if item.is_none() { 404 } else { 405 };
         assert_eq!(answer.status, expected, "{call}: not in the file");
         resolve(&DOCUMENT["components"]["responses"]["NotFound"])

@@ -19,26 +19,26 @@ use super::{
     eventually, openapi,
 };
 
-/// The longest body of an answer.
+/// The longest body of a response.
 const MOST_BODY: u64 = 100 << 20;
 
-/// A service on a free port. Killed when dropped.
+/// A service on a free port. It is killed when dropped.
 #[derive(Debug)]
 pub(crate) struct Server {
     child: Child,
-    /// For example `http://127.0.0.1:40000`.
+    /// Its URL, for example `http://127.0.0.1:40000`.
     pub(crate) url: String,
     stderr: Option<JoinHandle<String>>,
     agent: Agent,
-    /// Where it runs: no `ltcforge.toml` lies there.
+    /// Its working folder, which has no `ltcforge.toml`.
     _folder: TempDir,
 }
 
-/// An answer that has been held to `openapi.yaml`.
+/// A response that was checked against `openapi.yaml`.
 #[derive(Debug, Clone)]
 pub(crate) struct Answer {
     pub(crate) status: u16,
-    /// Names in lower case.
+    /// Header fields, with names in lower case.
     pub(crate) headers: Vec<(String, String)>,
     pub(crate) body: Vec<u8>,
 }
@@ -55,7 +55,7 @@ impl Answer {
         serde_json::from_slice(&self.body).unwrap_or_else(|error| panic!("{error}: {self:?}"))
     }
 
-    /// The answer, if it has `status`.
+    /// The response, if it has `status`.
     #[track_caller]
     pub(crate) fn with_status(self, status: u16) -> Self {
         assert_eq!(self.status, status, "{}", String::from_utf8_lossy(&self.body));
@@ -73,7 +73,7 @@ impl Server {
         Self::of(command, folder)
     }
 
-    /// Starts it with further variables in its environment.
+    /// Starts a service with further variables in its environment.
     pub(crate) fn start_in(data: &Path, args: &[&str], environment: &[(String, String)]) -> Self {
         let data = data.to_str().expect("a path in UTF-8");
         let fixed = ["serve", "--listen", "127.0.0.1:0", "--data", data];
@@ -83,18 +83,18 @@ impl Server {
         Self::of(command, folder)
     }
 
-    /// Starts it with `descriptors` file descriptors at most.
+    /// Starts a service with at most `descriptors` file descriptors.
     pub(crate) fn start_within(descriptors: u32, data: &Path, args: &[&str]) -> Self {
         let data = data.to_str().expect("a path in UTF-8");
         let folder = tempfile::tempdir().expect("a folder");
         let plain = ltcforge(folder.path(), ["serve", "--listen", "127.0.0.1:0", "--data", data].iter().chain(args));
-        // Only a shell can limit one child alone.
+        // Only a shell can limit a single child.
         let mut command = limited(&plain, descriptors);
         command.current_dir(folder.path());
         Self::of(command, folder)
     }
 
-    /// Starts it under another program, which has its own words first and leaves the service as the child.
+    /// Starts a service under another program with its own arguments `words`. The service is the child process.
     pub(crate) fn start_under(program: &str, words: &[&str], data: &Path, args: &[&str]) -> Self {
         let data = data.to_str().expect("a path in UTF-8");
         let folder = tempfile::tempdir().expect("a folder");
@@ -106,7 +106,7 @@ impl Server {
         Self::of(command, folder)
     }
 
-    /// Starts a service on the store in `data` if it does not refuse to.
+    /// Starts a service on the store in `data`. The error is the run of a service that did not start.
     pub(crate) fn attempt(data: &Path, args: &[&str]) -> Result<Self, Run> {
         let folder = tempfile::tempdir().expect("a folder");
         let data = data.to_str().expect("a path in UTF-8");
@@ -125,22 +125,22 @@ impl Server {
         let mut pipe = child.stderr.take().expect("a pipe");
         let stderr = thread::spawn(move || {
             let mut text = String::new();
-            // A log that is not UTF-8 to its end is read as far as it goes.
+            // A log is read up to the first invalid UTF-8.
             let _ = pipe.read_to_string(&mut text);
             text
         });
         let mut pipe = child.stdout.take().expect("a pipe");
-        let (told, line) = mpsc::channel();
+        let (sender, line) = mpsc::channel();
         thread::spawn(move || {
             let mut line = String::new();
-            // A service that ends tells nothing.
+            // A service that ends prints nothing.
             let _ = BufReader::new(&mut pipe).read_line(&mut line);
-            let _ = told.send(line);
+            let _ = sender.send(line);
         });
         let line = line.recv_timeout(DEADLINE).unwrap_or_else(|_| {
-            // It hangs.
+            // The service hangs.
             let _ = child.kill();
-            "nothing in time".to_owned()
+            "no output in time".to_owned()
         });
         let Some(url) = line.trim().strip_prefix("listening on ") else {
             let (code, stderr) = (child.wait().expect("its end").code(), stderr.join().expect("its stderr"));
@@ -171,7 +171,7 @@ impl Server {
         self.request("POST", "/v1/jobs", &[("content-type", "application/json")], Some(recipe.as_bytes()))
     }
 
-    /// A request; the answer is held to `openapi.yaml`.
+    /// Sends a request and checks the response against `openapi.yaml`.
     #[track_caller]
     pub(crate) fn request(&self, method: &str, path: &str, fields: &[(&str, &str)], body: Option<&[u8]>) -> Answer {
         let mut request = ureq::http::Request::builder().method(method).uri(format!("{}{path}", self.url));
@@ -195,7 +195,7 @@ impl Server {
         answer
     }
 
-    /// The job `id` once `is_there` says so.
+    /// The job `id` as soon as it satisfies `is_there`.
     pub(crate) fn job_when(&self, id: &str, is_there: impl Fn(&Value) -> bool) -> Value {
         eventually("the job's state", || {
             let job = self.get(&format!("/v1/jobs/{id}")).with_status(200).json();
@@ -217,7 +217,7 @@ impl Server {
         text(&job["table"]).to_owned()
     }
 
-    /// A figure of `/metrics`.
+    /// The value of a metric of `/metrics`.
     #[track_caller]
     pub(crate) fn metric(&self, name: &str) -> u64 {
         let body = self.get("/metrics").with_status(200).body;
@@ -226,13 +226,13 @@ impl Server {
         value.unwrap_or_else(|| panic!("no {name} in\n{text}")).parse().expect("a count")
     }
 
-    /// Number of its open file descriptors.
+    /// The number of its open file descriptors.
     pub(crate) fn descriptors(&self) -> usize {
         let folder = format!("/proc/{}/fd", self.child.id());
         std::fs::read_dir(folder).expect("a running service on Linux").count()
     }
 
-    /// The most memory that the process had at once, bytes.
+    /// The peak memory of the process, in bytes.
     pub(crate) fn most_memory(&self) -> u64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).expect("Linux");
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("a line");
@@ -246,32 +246,32 @@ impl Server {
         read.and_then(|bytes| bytes.parse().ok()).expect("a number")
     }
 
-    /// Takes the power away.
+    /// Kills the process, as in a power cut.
     pub(crate) fn kill(mut self) {
         self.child.kill().expect("a running service");
         self.child.wait().expect("its end");
     }
 
-    /// As [`Self::kill`]; returns what it had logged.
+    /// Kills the process and returns its log.
     pub(crate) fn kill_and_read(mut self) -> String {
         self.child.kill().expect("a running service");
         self.child.wait().expect("its end");
         self.stderr.take().map(|thread| thread.join().expect("its stderr")).unwrap_or_default()
     }
 
-    /// MiB of memory that it has had at most, since its start or since the peak was forgotten.
+    /// Its peak memory in MiB, since its start or since [`Self::forget_peak_memory`].
     pub(crate) fn peak_memory(&self) -> u64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).expect("a process on Linux");
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("its peak");
         line.split_whitespace().next().and_then(|kibibytes| kibibytes.parse::<u64>().ok()).expect("a number") >> 10
     }
 
-    /// Lets the peak begin anew.
+    /// Resets the peak memory.
     pub(crate) fn forget_peak_memory(&self) {
         std::fs::write(format!("/proc/{}/clear_refs", self.child.id()), "5").expect("a process of ours");
     }
 
-    /// Seconds that the processor has worked for it; it may have ended, if nobody has waited for its end.
+    /// Its processor time in seconds. The process may have ended, but nobody may have waited for its end yet.
     pub(crate) fn processor_seconds(&self) -> f64 {
         /// `USER_HZ` of every Linux.
         const TICKS: f64 = 100.0;
@@ -281,18 +281,18 @@ impl Server {
         [11, 12].map(|index| fields[index].parse::<f64>().expect("ticks")).iter().sum::<f64>() / TICKS
     }
 
-    /// Asks it to stop by a signal, and tells how many seconds the processor worked for it from then to its end.
+    /// Stops it by a signal. Returns the processor time from then to its end, in seconds.
     pub(crate) fn stop_and_measure(self, by: &str) -> (Run, f64) {
         let before = self.processor_seconds();
         signal(&self.child, by);
         let id = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw).expect("an id");
-        // Its end is awaited, and what it took is still told.
+        // NOWAIT keeps the times of the ended process readable.
         waitid(WaitId::Pid(id), WaitIdOptions::EXITED | WaitIdOptions::NOWAIT).expect("a child");
-        let taken = self.processor_seconds() - before;
-        (self.ended(), taken)
+        let seconds = self.processor_seconds() - before;
+        (self.ended(), seconds)
     }
 
-    /// Asks it to stop by a signal and waits for its end.
+    /// Stops it by a signal and waits for its end.
     pub(crate) fn stop(self, by: &str) -> Run {
         signal(&self.child, by);
         self.ended()
@@ -307,20 +307,20 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        // It may have ended already.
+        // The process may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// `command` as a shell runs it with `descriptors` file descriptors at most.
+/// `command` in a shell that limits it to `descriptors` file descriptors.
 fn limited(command: &Command, descriptors: u32) -> Command {
     let mut shell = Command::new("sh");
     shell.args(["-c", &format!("ulimit -n {descriptors} && exec \"$@\""), "sh"]);
     wrapped(shell, command)
 }
 
-/// `command` as the last words of another program.
+/// `command` as the last arguments of another program.
 fn wrapped(mut shell: Command, command: &Command) -> Command {
     shell.arg(command.get_program()).args(command.get_args());
     for (name, value) in command.get_envs() {
@@ -333,7 +333,7 @@ fn wrapped(mut shell: Command, command: &Command) -> Command {
     shell
 }
 
-/// A client that takes each answer as it is, by no proxy, and does not wait for ever.
+/// A client that returns all statuses, uses no proxy, and has a timeout.
 fn agent() -> Agent {
     Agent::config_builder().http_status_as_error(false).proxy(None).timeout_global(Some(DEADLINE)).build().into()
 }

@@ -1,16 +1,16 @@
-//! Harnesses with a short form for every run of the tests and a long one, which `make soak` asks for.
+//! Harnesses with a short form for every run of the tests, and a long form for `make soak`.
 
 use std::env;
 
-/// How often a harness does its work: the number in the environment variable `name`, or `short`.
+/// The number of rounds of a harness: the number in the environment variable `name`, or `short`.
 pub(crate) fn rounds(name: &str, short: usize) -> usize {
     match env::var(name) {
-        Ok(number) => number.parse().unwrap_or_else(|_| panic!("{name} is a number, and not «{number}»")),
+        Ok(number) => number.parse().unwrap_or_else(|_| panic!("{name} must be a number, got «{number}»")),
         Err(_) => short,
     }
 }
 
-/// Numbers that are the same each time.
+/// Pseudo-random numbers that are equal in every run.
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -20,7 +20,7 @@ impl Random {
     }
 }
 
-/// A recipe of four shards that no other number has, some hundredths of a second long.
+/// A recipe of four shards, unique for each number. It takes some hundredths of a second.
 pub(crate) fn four_shards(number: usize) -> String {
     format!(
         r#"{{"preset":"draft","resolution":{{"alpha":4,"ratio":4,"theta":4,"phi":4}},

@@ -1,8 +1,8 @@
-//! No two files of a crate use each other in a circle, and no file lies beside the tree of modules. Which crate uses
-//! which, the manifests say, and cargo refuses circles.
+//! Files of a crate do not use each other in a circle, and every file is in the tree of modules. Cargo refuses circles
+//! of crates.
 //!
-//! Files are read as text: paths with `crate`, `super` or `self` outside of tests, in `use` declarations and in code, are
-//! resolved through modules and re-exports to the file that defines the item.
+//! The test reads files as text. It takes paths with `crate`, `super` or `self` outside of tests, in `use` declarations
+//! and in code, and resolves them through modules and re-exports to the file that defines the item.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -10,7 +10,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Modules by their path below the crate's root, which is the empty one.
+/// Modules by their path below the crate's root. The path of the root is empty.
 type Modules = BTreeMap<Vec<String>, Module>;
 
 #[derive(Debug, Default)]
@@ -28,7 +28,7 @@ impl Module {
             if ["#[cfg(test", "#[cfg(any(test", "#[cfg(all(test"].iter().any(|start| line.starts_with(start)) {
                 let item = lines.find(|line| !line.starts_with("#[")).unwrap_or_default();
                 if item.contains("mod ") && item.ends_with('{') {
-                    // Tests within a file are at its end.
+                    // Tests are at the end of a file.
                     break;
                 }
                 let is_end = |line: &str| !line.starts_with([' ', '#']) && line.ends_with([';', '}']);
@@ -64,7 +64,7 @@ impl Module {
     }
 }
 
-/// The paths in a line of code that is no declaration.
+/// The paths in a line of code that is not a declaration.
 fn paths_of(line: &str) -> impl Iterator<Item = Vec<String>> {
     let code = if line.trim_start().starts_with("//") { "" } else { line };
     code.split(|c: char| !c.is_alphanumeric() && c != '_' && c != ':')
@@ -72,7 +72,7 @@ fn paths_of(line: &str) -> impl Iterator<Item = Vec<String>> {
         .map(|path| path.split("::").filter(|name| !name.is_empty()).map(str::to_owned).collect())
 }
 
-/// The paths of a tree such as `a::{b, c::{self, d as e}}`.
+/// The paths in a tree such as `a::{b, c::{self, d as e}}`.
 fn spread(tree: &str, before: &[String]) -> Vec<Vec<String>> {
     let (head, group) = tree.split_once('{').map_or((tree, None), |(head, group)| (head, group.rsplit_once('}')));
     let named = |part: &str| part.split(" as ").next().unwrap_or_default().trim().to_owned();
@@ -90,7 +90,7 @@ fn spread(tree: &str, before: &[String]) -> Vec<Vec<String>> {
     parts.iter().filter(|part| !part.trim().is_empty()).flat_map(|part| spread(part, &path)).collect()
 }
 
-/// The module that defines what `path` names, seen from the module `from`.
+/// The module that defines the item at `path`, relative to the module `from`.
 fn owner(modules: &Modules, from: &[String], path: &[String], depth: u32) -> Option<Vec<String>> {
     let (first, rest) = path.split_first()?;
     let mut at = match first.as_str() {
@@ -127,7 +127,7 @@ fn owner(modules: &Modules, from: &[String], path: &[String], depth: u32) -> Opt
     modules.contains_key(&at).then_some(at)
 }
 
-/// Circles, each as the modules on it.
+/// All circles, each as a list of its modules.
 fn circles(modules: &Modules) -> Vec<Vec<String>> {
     let edges: BTreeMap<&Vec<String>, BTreeSet<Vec<String>>> = modules
         .iter()
@@ -138,11 +138,11 @@ fn circles(modules: &Modules) -> Vec<Vec<String>> {
         })
         .collect();
     let reach = |from: &Vec<String>| {
-        let (mut seen, mut next) = (BTreeSet::new(), vec![from]);
+        let (mut reached, mut next) = (BTreeSet::new(), vec![from]);
         while let Some(module) = next.pop() {
-            next.extend(edges[module].iter().filter(|to| seen.insert((*to).clone())));
+            next.extend(edges[module].iter().filter(|to| reached.insert((*to).clone())));
         }
-        seen
+        reached
     };
     let reached: BTreeMap<&Vec<String>, BTreeSet<Vec<String>>> =
         edges.keys().map(|from| (*from, reach(from))).collect();

@@ -1,4 +1,4 @@
-//! Relative links and anchors of the documents lead somewhere.
+//! Relative links and anchors of the documents exist.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -18,7 +18,7 @@ fn add_documents(folder: &Path, documents: &mut Vec<PathBuf>) {
     }
 }
 
-/// The lines of a document outside of fenced code.
+/// The text of a document without fenced code.
 fn prose(text: &str) -> String {
     let parts = text.split("```").step_by(2);
     parts.collect::<Vec<_>>().join("\n")
@@ -31,9 +31,9 @@ fn anchors(text: &str) -> BTreeSet<String> {
     let headings =
         headings.lines().filter_map(|line| line.strip_prefix('#')?.trim_start_matches('#').strip_prefix(' '));
     let anchor = |heading: &str| {
-        let kept = heading.to_lowercase();
-        let kept = kept.chars().filter(|c| c.is_alphanumeric() || [' ', '-', '_'].contains(c));
-        kept.map(|c| if c == ' ' { '-' } else { c }).collect::<String>()
+        let slug = heading.to_lowercase();
+        let slug = slug.chars().filter(|c| c.is_alphanumeric() || [' ', '-', '_'].contains(c));
+        slug.map(|c| if c == ' ' { '-' } else { c }).collect::<String>()
     };
     let numbered = headings.map(|heading| {
         let anchor = anchor(heading);
@@ -48,7 +48,7 @@ fn anchors(text: &str) -> BTreeSet<String> {
 fn targets(text: &str) -> Vec<String> {
     let mut targets = Vec::new();
     for paragraph in prose(text).split("\n\n") {
-        // Every second part is inline code.
+        // Every second part is inline code, so the others are text.
         let paragraph: String = paragraph.split('`').step_by(2).collect();
         for (start, end) in [("](", ')'), ("src=\"", '"'), ("href=\"", '"')] {
             let found = paragraph.split(start).skip(1).filter_map(|rest| rest.split_once(end));

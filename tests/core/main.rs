@@ -1,4 +1,4 @@
-//! What computes rather than waits: tables, mutated inputs, and the sources themselves.
+//! Tests that compute rather than wait: tables, mutated inputs, and checks of the sources.
 
 mod circles;
 #[path = "../common/mod.rs"]

@@ -44,7 +44,7 @@ fn the_docs_name_every_parameter() {
         assert!(page.contains(&format!("`{name}`")), "{FILE} does not name {name}");
     }
     let scenes = NamedScene::ALL.iter().copied().filter(|named| *named != NamedScene::Sphere);
-    // The number of materials is not a parameter.
+    // Scenes that differ in the number of materials cannot be described by parameters.
     let scenes = scenes.filter(|named| named.scene().materials.len() == 1);
     let rows: String = scenes.map(differences).collect();
     assert_passage(FILE, ["| scene | differs in |\n|---|---|\n", "\n`figure14`"], &rows);
@@ -80,6 +80,6 @@ fn entry(parameter: &Parameter) -> String {
 #[test]
 fn openapi_lists_every_parameter() {
     let entries: String = PARAMETERS.iter().map(entry).collect();
-    // The rest of this line is the command.
+    // The passage begins after the command.
     assert_passage("openapi.yaml", ["preview_parameters`.\n", "        - *if_none_match\n"], &entries);
 }

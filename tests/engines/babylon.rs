@@ -1,9 +1,10 @@
-//! `examples/babylon`: a plugin for materials of Babylon.js, held to the truth.
+//! `examples/babylon`: a plugin for materials of Babylon.js, compared with the truth.
 
 use super::examples::{hold_errors, package};
 
-/// The errors in the example lie below, under one light of radiance 2 and under four, of which one stands on the floor. They
-/// are 0.00030, 0.00028 and 0.00009 under one; 0.00056, 0.00040 and 0.00017 under four, where Babylon has 0.063 and 0.090.
+/// Upper bounds of the example's errors, under one light of radiance 2 and under four, one of them on the floor. The
+/// errors are 0.00030, 0.00028 and 0.00009 under one; 0.00056, 0.00040 and 0.00017 under four, where Babylon has 0.063
+/// and 0.090.
 const EXAMPLE_ERRORS: [(&str, [f64; 2]); 3] =
     [("fast", [0.0005, 0.0009]), ("balanced", [0.0004, 0.0007]), ("fine", [0.00025, 0.00045])];
 
@@ -13,7 +14,7 @@ fn the_example_is_nearer_to_the_truth_than_babylon() {
     hold_errors("babylon", &EXAMPLE_ERRORS);
 }
 
-/// Refused inputs, each with a part of the message.
+/// Invalid inputs, each with a part of the error message.
 const REFUSALS: [(&str, &str); 10] = [
     ("standard", "StandardMaterial is not lit by the shader of PBRMaterial"),
     ("openpbr", "OpenPBRMaterial is not lit by the shader of PBRMaterial"),
@@ -32,7 +33,7 @@ const REFUSALS: [(&str, &str); 10] = [
 fn the_package_patches_materials_of_babylon_and_takes_the_patch_off() {
     let Some(report) = package("babylon", &REFUSALS) else { return };
     report.same_as_ours(&[
-        "patched anew",
+        "patched again",
         "clone",
         "clone of the clone",
         "from a file",
@@ -42,11 +43,11 @@ fn the_package_patches_materials_of_babylon_and_takes_the_patch_off() {
         "moved",
     ]);
     report.same_as_stock(&["undone", "clone of the undone"]);
-    // A light with a picture stays Babylon's, and it does light.
+    // Babylon still lights a light with a picture.
     let [ours, stock] =
         ["light with a picture", "stock, light with a picture"].map(|name| report.from_stock[name].mean);
     assert!(ours.to_bits() == stock.to_bits() && stock > 0.001, "{ours} {stock}");
-    // Rounding of a mirrored scene moves an edge at most.
+    // Rounding of a mirrored scene may move an edge.
     assert!(report.from_ours["left-handed"].mean < 1e-5, "{:?}", report.from_ours);
     report.differ_from_ours(&[("stock", 0.01), ("elsewhere", 0.01), ("another rule", 0.0001)]);
 }

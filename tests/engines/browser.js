@@ -1,19 +1,19 @@
-// A browser that needs no GPU and no display, and pages that say what goes wrong in them.
+// A browser that needs no GPU and no display, and pages whose errors are printed.
 
 import { chromium } from 'playwright-core';
 
 import { repacked, stock } from './tables.js';
 
-/** WebGL2 by Mesa's rasterizer on the processor. */
+/** Flags for WebGL 2 by Mesa's software rasteriser. */
 const FLAGS = [ '--no-sandbox', '--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist' ];
 
 /**
- * Milliseconds after which a browser is taken to hang. A run takes half a minute, and three where five others share its
- * two cores. No other time is limited, so that a busy machine fails no test.
+ * The longest run of a browser in milliseconds. A run takes half a minute, or three minutes if five others share its two cores.
+ * No other time is limited, so that a busy machine does not fail tests.
  */
 const DEADLINE = 600_000;
 
-/** Runs `work` with a browser, started with more flags, and ends it. */
+/** Starts a browser with more flags, runs `work` with it, and closes it. */
 export async function withBrowser( program, work, flags = [] ) {
 
 	const deadline = setTimeout( () => {
@@ -36,18 +36,18 @@ export async function withBrowser( program, work, flags = [] ) {
 
 }
 
-/** The tables that engines fetch from their servers, and the stock tables as they have them. */
+/** The addresses of tables that engines fetch from their servers, and their files of stock tables. */
 const TABLES = {
 	'https://assets.babylonjs.com/core/areaLights/areaLightsLTC.bin': 'babylon/areaLights/areaLightsLTC.bin',
 	'https://raw.githubusercontent.com/playcanvas/engine/main/examples/assets/json/area-light-luts.json': 'playcanvas/area-light-luts.json',
 };
 
-/** A page whose errors are printed. `faults` collects them. Engines' tables come from here. */
+/** Opens a page. Its errors are printed and added to `faults`. The tables of engines are served from here. */
 export async function openPage( browser, name, address, faults = [] ) {
 
 	const page = await browser.newPage();
 	page.setDefaultTimeout( 0 );
-	const tell = ( text ) => {
+	const report = ( text ) => {
 
 		faults.push( text );
 		console.error( `${ name }: ${ text }` );
@@ -57,8 +57,8 @@ export async function openPage( browser, name, address, faults = [] ) {
 	for ( const [ address, file ] of Object.entries( TABLES ) ) await page.route( address, ( route ) => route.fulfill( {
 		body: Buffer.from( repacked[ file ]( stock() ) ), headers: { 'access-control-allow-origin': '*' },
 	} ) );
-	page.on( 'console', ( message ) => message.type() === 'error' && tell( message.text() ) );
-	page.on( 'pageerror', ( error ) => tell( error.message ) );
+	page.on( 'console', ( message ) => message.type() === 'error' && report( message.text() ) );
+	page.on( 'pageerror', ( error ) => report( error.message ) );
 	await page.goto( address );
 	return page;
 

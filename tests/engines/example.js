@@ -1,9 +1,9 @@
-// Opens examples and prints as JSON, by engine and number of lights, the mean errors that their pages show, and what the
-// browser complains of.
+// Opens examples. Prints as JSON, by engine and number of lights, the mean errors on their pages and the errors of the
+// browser.
 //
 //   node example.js --ltcforge PROGRAM --chromium PROGRAM [--engines three,babylon,playcanvas] [--lights 1,4] [--size WIDTHxHEIGHT] [--picture FILE]
 //
-// A picture is that of the last page.
+// --picture writes a picture of the last page.
 
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
@@ -23,7 +23,7 @@ const engines = values.engines.split( ',' );
 const folders = { '/': at( '../../examples/' ) };
 for ( const engine of engines ) folders[ `/${ engine }/node_modules/` ] = at( 'node_modules/' );
 
-// Engines ask for the same truth.
+// All engines use the same truth.
 const truths = new Map();
 const answers = { '/truth': ( query ) => {
 

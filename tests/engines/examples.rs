@@ -7,35 +7,36 @@ use super::*;
 /// A page in the output of `example.js`.
 #[derive(Deserialize)]
 struct Example {
-    /// Pictures by the `stock` engine, by a `table` and by the rules of `normals`, in linear radiance.
+    /// The mean errors of pictures by the `stock` engine, by a `table` and by the rules of `normals`, in linear
+    /// radiance.
     errors: BTreeMap<String, f64>,
     /// The browser's warnings and errors.
     faults: Vec<String>,
 }
 
-/// By engine and number of lights.
+/// The examples by engine and number of lights.
 type Examples = BTreeMap<String, BTreeMap<String, Example>>;
 
-/// Holds what an example's page shows, under one light and under four, to the greatest errors of its ways. `None` where there
-/// is no browser. All engines are drawn at once, since they need the same truth.
+/// Checks the errors on an example's page, under one light and under four, against upper bounds. `None` without a
+/// browser. All engines are drawn in one run, because they need the same truth.
 pub(crate) fn hold_errors(engine: &str, greatest: &[(&str, [f64; 2])]) -> Option<&'static BTreeMap<String, f64>> {
     static EXAMPLES: OnceLock<Option<Examples>> = OnceLock::new();
     let examples = EXAMPLES.get_or_init(|| script("example.js", &[])).as_ref()?;
-    for (lights, of) in [("1", 0), ("4", 1)] {
+    for (lights, index) in [("1", 0), ("4", 1)] {
         let Example { errors, faults } = &examples[engine][lights];
-        tell(&format!("examples/{engine}, {lights} lights: mean errors {errors:.5?}"));
+        print(&format!("examples/{engine}, {lights} lights: mean errors {errors:.5?}"));
         assert_eq!(*faults, [""; 0]);
         for (way, most) in greatest {
             let error = errors.get(*way).unwrap_or_else(|| panic!("{way}: {errors:?}"));
-            assert!(*error < most[of], "{way}, {lights} lights: {errors:?}");
+            assert!(*error < most[index], "{way}, {lights} lights: {errors:?}");
         }
-        // Anisotropy is what the examples are about.
+        // The examples show anisotropy, which stock engines lack.
         assert!(errors["stock"] > 100.0 * errors["fast"], "{lights} lights: {errors:?}");
     }
     Some(&examples[engine]["1"].errors)
 }
 
-/// How far two pictures are apart.
+/// The difference of two pictures.
 #[derive(Debug, Deserialize)]
 pub(crate) struct Apart {
     pub(crate) most: f64,
@@ -45,21 +46,21 @@ pub(crate) struct Apart {
 /// The output of `package.js`.
 #[derive(Deserialize)]
 pub(crate) struct Package {
-    /// The distance of each picture from `ours`, one of a patched material.
+    /// The difference of each picture from `ours`, a picture of a patched material.
     #[serde(rename = "fromOurs")]
     pub(crate) from_ours: BTreeMap<String, Apart>,
-    /// The distance of each picture from that of the engine as it is.
+    /// The difference of each picture from the picture by the stock engine.
     #[serde(rename = "fromStock")]
     pub(crate) from_stock: BTreeMap<String, Apart>,
-    /// Messages of errors; nothing where there was none.
+    /// Error messages; `None` if there was no error.
     refusals: BTreeMap<String, Option<String>>,
-    /// With and without clusters, how far a coat is from white metal.
+    /// The difference between a coat and white metal, with and without clusters.
     #[serde(default)]
     pub(crate) coats: Vec<f64>,
-    /// Whether a material that was refused has no chunk of ours.
+    /// Whether a refused material has none of our chunks.
     #[serde(default, rename = "leavesRefused")]
     pub(crate) leaves_refused: bool,
-    /// Whether a chunk of the user's is left alone.
+    /// Whether a user's own chunk is kept.
     #[serde(default, rename = "leavesOwn")]
     pub(crate) leaves_own: bool,
     /// The share of the pixels of the README's page that are lit.
@@ -68,21 +69,21 @@ pub(crate) struct Package {
 }
 
 impl Package {
-    /// These pictures are `ours` to the bit.
+    /// Checks that these pictures are identical to `ours`.
     pub(crate) fn same_as_ours(&self, names: &[&str]) {
         for name in names {
             assert!(self.from_ours[*name].most == 0.0, "{name}: {:?}", self.from_ours);
         }
     }
 
-    /// These pictures are the engine's to the bit.
+    /// Checks that these pictures are identical to the stock engine's.
     pub(crate) fn same_as_stock(&self, names: &[&str]) {
         for name in names {
             assert!(self.from_stock[*name].most == 0.0, "{name}: {:?}", self.from_stock);
         }
     }
 
-    /// These pictures differ from `ours` by that much, so that the others could.
+    /// Checks that these pictures differ from `ours` by at least this much, so that the check of the others can fail.
     pub(crate) fn differ_from_ours(&self, names: &[(&str, f64)]) {
         for (name, least) in names {
             assert!(self.from_ours[*name].mean > *least, "{name}: {:?}", self.from_ours);
@@ -90,7 +91,7 @@ impl Package {
     }
 }
 
-/// The report of an example's package as npm packs it, with `refusals` and the README's page checked; `None` where it
+/// The report of an example's package as npm packs it. Checks `refusals` and the page of the README. `None` if it
 /// cannot run.
 pub(crate) fn package(engine: &str, refusals: &[(&str, &str)]) -> Option<Package> {
     let folder = tempfile::tempdir().expect("a folder");
@@ -99,11 +100,11 @@ pub(crate) fn package(engine: &str, refusals: &[(&str, &str)]) -> Option<Package
     let report: Package = script("package.js", &words)?;
     assert_eq!(report.faults, [""; 0]);
     for (what, part) in refusals {
-        let message = report.refusals[*what].as_deref().unwrap_or_else(|| panic!("{what} is taken"));
+        let message = report.refusals[*what].as_deref().unwrap_or_else(|| panic!("{what} is accepted"));
         assert!(message.contains(part), "{what}: {message}");
     }
     assert_eq!(report.refusals.len(), refusals.len());
-    // The sky is black; the lamps and their images on the floor are a tenth of the page or more.
+    // The sky is black. The lamps and their reflections cover a tenth of the page or more.
     assert!((0.05..0.5).contains(&report.readme), "{}", report.readme);
     Some(report)
 }
@@ -113,10 +114,10 @@ fn example(engine: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(engine)
 }
 
-/// The files of an example as npm packs them, in a folder; `None` where there is no npm. `more` have to be among them.
+/// Packs the files of an example with npm into a folder, and checks that `more` are among them. `None` without npm.
 pub(crate) fn packed(engine: &str, folder: &Path, more: &[&str]) -> Option<PathBuf> {
     if !starts("npm") {
-        tell_skipped("there is no npm (Debian: npm)");
+        tell_skipped("npm is missing (Debian: npm)");
         return None;
     }
     let pack = |more: &[&str]| {
@@ -130,12 +131,12 @@ pub(crate) fn packed(engine: &str, folder: &Path, more: &[&str]) -> Option<PathB
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         serde_json::from_slice::<serde_json::Value>(&output.stdout).expect("JSON")
     };
-    let told = pack(&["--dry-run"]);
-    // npm 12 has an object by package in place of a list.
-    let told = told.get(0).or_else(|| told.get(format!("ltcforge-{engine}"))).expect("a package");
-    assert_eq!(told["version"], env!("CARGO_PKG_VERSION"));
+    let report = pack(&["--dry-run"]);
+    // npm 12 prints an object by package instead of a list.
+    let report = report.get(0).or_else(|| report.get(format!("ltcforge-{engine}"))).expect("a package");
+    assert_eq!(report["version"], env!("CARGO_PKG_VERSION"));
     let files: BTreeSet<&str> =
-        told["files"].as_array().expect("files").iter().map(|file| file["path"].as_str().expect("a path")).collect();
+        report["files"].as_array().expect("files").iter().map(|file| file["path"].as_str().expect("a path")).collect();
     for file in ["README.md", "ggx_area_light.js", "index.d.ts"].iter().chain(more) {
         assert!(files.contains(file), "{file}: {files:?}");
         if file.starts_with("shaders/") {
@@ -144,17 +145,17 @@ pub(crate) fn packed(engine: &str, folder: &Path, more: &[&str]) -> Option<PathB
     }
     assert!(!files.iter().any(|file| file.contains("node_modules") || file.contains(".png")), "{files:?}");
     pack(&["--pack-destination", &folder.to_string_lossy()]);
-    let archive = told["filename"].as_str().expect("a name");
+    let archive = report["filename"].as_str().expect("a name");
     let unpacked = Command::new("tar").current_dir(folder).args(["-xzf", archive]).status().expect("tar runs");
     assert!(unpacked.success());
     Some(folder.join("package"))
 }
 
-/// The rules of the closed form in GLSL ES, which every package has.
+/// The rules of the closed form in GLSL ES. Every package has them.
 pub(crate) const RULES_GLSL: [&str; 3] =
     ["shaders/normals_fast.glsl.js", "shaders/normals_balanced.glsl.js", "shaders/normals_fine.glsl.js"];
 
-/// Writes the shaders of all examples by their own build step, once.
+/// Writes the shaders of all examples by their own build step. Later calls do nothing.
 pub(crate) fn build_shaders() {
     static BUILT: LazyLock<()> = LazyLock::new(|| {
         for engine in ["three", "babylon", "playcanvas"] {
@@ -167,7 +168,7 @@ pub(crate) fn build_shaders() {
     LazyLock::force(&BUILT);
 }
 
-/// The file of a module's types.
+/// The file with the types of a module.
 fn types_of(module: &str) -> String {
     format!("{}.d.ts", module.trim_end_matches(".js"))
 }

@@ -1,9 +1,10 @@
-// How long an engine takes to a first draw, compiling its shader, by ways of lighting and numbers of lights. Prints lines of
-// a table for docs/engines.md: medians, in milliseconds and as multiples of the stock engine.
+// The time of an engine's first draw, which compiles its shader, by ways of lighting and numbers of lights. Prints rows
+// of a table for docs/engines.md: medians, in milliseconds and relative to the stock engine.
 //
 //   node first_draw.js [--engine three] [--chromium PROGRAM] [--runs 3] [--lights 1,2,4,8] [--ways stock,fast,balanced,fine] [--clearcoat] [--unclustered]
 //
-// `npm run build` in the folder of the example comes first. three.js has --ways table and --clearcoat too, PlayCanvas --unclustered. Each run has a browser of its own, and no cache of shaders.
+// Run `npm run build` in the folder of the example first. three.js also has --ways table and --clearcoat, and
+// PlayCanvas --unclustered. Each run starts its own browser, without a cache of shaders.
 
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
@@ -20,7 +21,7 @@ const { values } = parseArgs( { options: {
 	clearcoat: { type: 'boolean' }, unclustered: { type: 'boolean' },
 } } );
 
-// Mesa's cache; Chromium's is off with the flag below.
+// Switches off Mesa's cache. The flag below switches off Chromium's cache.
 process.env.MESA_SHADER_CACHE_DISABLE = 'true';
 const FLAGS = [ '--disable-gpu-program-cache', '--disable-gpu-shader-disk-cache' ];
 

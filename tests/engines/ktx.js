@@ -1,4 +1,5 @@
-// Reads KTX2 files with ktx-parse, and texels behind zstd with three.js's decoder, and prints as JSON what it finds in each.
+// Reads KTX2 files with ktx-parse, and zstd texels with the decoder of three.js. Prints the contents of each file as
+// JSON.
 //
 //   node ktx.js FILE...
 

@@ -1,9 +1,9 @@
-//! Area lights in real engines, drawn in a browser and held to the truth.
+//! Area lights in real engines, drawn in a browser and compared with the truth.
 //!
-//! `node` runs the engines in Chromium, see `run.js` and `example.js`; here their errors are judged. `make test`
-//! installs what this needs; where it cannot, the tests say that they are skipped.
-//! `UPDATE_GOLDEN=three cargo test --test engines -- --ignored` writes `examples/three/table` anew; `UPDATE_PICTURES=1 cargo test --test engines -- --ignored` writes the pictures in
-//! `docs/engines/`.
+//! `node` runs the engines in Chromium, see `run.js` and `example.js`. The tests here check their errors. `make test`
+//! installs Node.js, the engines and the browser. Without them the tests report that they are skipped.
+//! `UPDATE_GOLDEN=three cargo test --test engines -- --ignored` updates `examples/three/table`. `UPDATE_PICTURES=1
+//! cargo test --test engines -- --ignored` writes the pictures in `docs/engines/`.
 
 mod babylon;
 #[path = "../common/mod.rs"]
@@ -36,7 +36,7 @@ fn here() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/engines")
 }
 
-/// The JSON that a script of this folder prints, of those that need a browser; `None` where it cannot run.
+/// The JSON output of a script in this folder that needs a browser; `None` if it cannot run.
 fn script<T: DeserializeOwned>(file: &str, args: &[&str]) -> Option<T> {
     if starts("node") {
         examples::build_shaders();
@@ -44,24 +44,25 @@ fn script<T: DeserializeOwned>(file: &str, args: &[&str]) -> Option<T> {
     browser::script(&here(), file, args)
 }
 
-/// The JSON that a script prints, of those that need no browser; `None` where it cannot run.
+/// The JSON output of a script in this folder that needs no browser; `None` if it cannot run.
 fn node<T: DeserializeOwned>(file: &str, args: &[&str]) -> Option<T> {
     browser::node(&here(), file, args)
 }
 
-/// Prints past the harness, which would keep it to itself.
-fn tell(text: &impl fmt::Display) {
-    // A line that cannot be printed is no failure of what is tested.
+/// Prints past the harness, which would capture a print.
+fn print(text: &impl fmt::Display) {
+    // A failed print does not fail the test.
     let _ = stderr().write_all(format!("\n{text}\n").as_bytes());
 }
 
-/// The output of `run.js`. Sets of tables: `stock`; `again`, the same numbers by the way that others take; `wrong`;
-/// `ours`; `both`: ours for metal and ours for plastic; and, in three.js, `mixed`: both in the shader of one material.
+/// The output of `run.js`. The sets of tables are `stock`; `again`, the stock numbers loaded like other tables;
+/// `wrong`; `ours`; `both`, our tables for metal and for plastic; and in three.js `mixed`, both in the shader of one
+/// material.
 #[derive(Deserialize)]
 struct Report {
-    /// By engine and set of tables, the mean absolute error of each picture in linear radiance.
+    /// The mean absolute error of each picture in linear radiance, by engine and set of tables.
     errors: BTreeMap<String, BTreeMap<String, Vec<f64>>>,
-    /// By engine, whether `again` drew what `stock` drew, to the bit.
+    /// Whether the pictures of `again` and `stock` are identical, by engine.
     same: BTreeMap<String, bool>,
     pictures: Vec<Picture>,
 }
@@ -73,16 +74,16 @@ struct Picture {
 }
 
 impl Report {
-    /// The mean error over the pictures that are meant.
-    fn mean(&self, engine: &str, set: &str, is_meant: impl Fn(&Picture) -> bool) -> f64 {
+    /// The mean error over the pictures that satisfy `is_included`.
+    fn mean(&self, engine: &str, set: &str, is_included: impl Fn(&Picture) -> bool) -> f64 {
         let pictures = self.pictures.iter().zip(&self.errors[engine][set]);
-        let errors: Vec<f64> = pictures.filter(|(picture, _)| is_meant(picture)).map(|(_, error)| *error).collect();
+        let errors: Vec<f64> = pictures.filter(|(picture, _)| is_included(picture)).map(|(_, error)| *error).collect();
         assert!(!errors.is_empty(), "{engine}, {set}");
         errors.iter().sum::<f64>() / errors.len() as f64
     }
 
-    /// Over the pictures of white metal and of black plastic.
-    fn whole(&self, engine: &str, set: &str) -> f64 {
+    /// The mean error over the pictures of white metal and black plastic.
+    fn overall(&self, engine: &str, set: &str) -> f64 {
         self.mean(engine, set, |picture| picture.f0 != DARK_METAL)
     }
 
@@ -106,8 +107,8 @@ impl fmt::Display for Report {
                 let dark = self.mean(engine, set, |picture| picture.f0 == DARK_METAL);
                 write!(to, "{metal:>9.5}{plastic:>9.5}{dark:>9.5}")?;
                 for roughness in &roughnesses {
-                    let is_meant = |picture: &Picture| picture.f0 == 1.0 && picture.roughness == *roughness;
-                    write!(to, "{:>9.5}", self.mean(engine, set, is_meant))?;
+                    let is_included = |picture: &Picture| picture.f0 == 1.0 && picture.roughness == *roughness;
+                    write!(to, "{:>9.5}", self.mean(engine, set, is_included))?;
                 }
             }
         }
@@ -115,42 +116,46 @@ impl fmt::Display for Report {
     }
 }
 
-/// Mean errors of the published tables in this scene lie below, in every engine: 0.0066 and 0.0015. Their own fit and
-/// what engines do at the horizon make them. A wrong scene, unit or Fresnel number is worse by far.
+/// Upper bounds of the mean errors of the published tables in this scene, in every engine. The errors are 0.0066 and
+/// 0.0015. They come from the fit and from the horizon clipping of engines. A wrong scene, unit or Fresnel number has
+/// far larger errors.
 const STOCK_ERROR: [f64; 2] = [0.0075, 0.0018];
 
-/// Our mean error on black plastic lies below: 0.0025, where stock tables have 0.0015. Tables are fitted to the lobe of
-/// white metal, and Fresnel's factor bends that of plastic towards the surface, as far as the stock tables' lobes
-/// happen to lie.
+/// Upper bound of our mean error on black plastic. The error is 0.0025, and stock tables have 0.0015. Our tables are
+/// fitted to the lobe of white metal. The Fresnel factor bends the lobe of plastic towards the surface, where the lobes
+/// of stock tables happen to be.
 const OUR_PLASTIC_ERROR: f64 = 0.0028;
 
-/// The sizes in `docs/layouts.md`: 2,655 bytes of a table for engines, 14,105 of the default one.
+/// Upper bounds of the sizes in `docs/layouts.md`: 2,655 bytes for a table of engines, and 14,105 for the default
+/// table.
 const ENGINES_COMPACT_BYTES: u64 = 3_000;
 const DEFAULT_COMPACT_BYTES: u64 = 16_000;
 
-/// Reflectance of dark metal, which is drawn at the lowest view alone.
+/// Reflectance of dark metal, which is only drawn at the lowest view.
 const DARK_METAL: f64 = 0.25;
 
-/// The mean error on black plastic with a set of tables for dielectrics lies below: 0.00084 to 0.00087.
+/// Upper bound of the mean error on black plastic with a set of tables for dielectrics. The errors are 0.00084 to
+/// 0.00087.
 const OWN_PLASTIC_ERROR: f64 = 0.00095;
 
-/// Metal has the same table with and without a set for dielectrics. A shader that mixes both rounds it otherwise, by 7e-9 of
-/// the error.
+/// Upper bound of the relative change of the error on metal by a set for dielectrics. A shader that mixes both sets
+/// changes it by 7e-9, by rounding.
 const METAL_DIFFERS: f64 = 1e-6;
 
-/// Engines differ from each other by their number formats and how they clamp roughness: 0.3 % and 1.3 % of the error.
+/// Upper bound of the relative difference between engines, which is 0.3 % and 1.3 %. They have different number formats
+/// and clamp roughness differently.
 const ENGINES_DIFFER: f64 = 0.03;
 
-/// The length of a table's compact form, whose mean error is at most 1 % above the table's.
+/// The length of a table's compact form. Checks that its mean error is at most 1 % above the table's.
 fn compact_bytes(folder: &Path, digest: &str) -> u64 {
-    let told = run(folder, ["export", digest, "--container", "compact", "-o", "compact", "--json"]).exited(0);
-    let told: serde_json::Value = serde_json::from_str(&told.stdout).expect("JSON");
-    let [of_table, of_form] = ["table", "decoded"].map(|of| told["compared"][of]["mean"].as_f64().expect("a number"));
-    assert!(of_table > 0.0 && of_form <= 1.01 * of_table, "{told}");
+    let output = run(folder, ["export", digest, "--container", "compact", "-o", "compact", "--json"]).exited(0);
+    let output: serde_json::Value = serde_json::from_str(&output.stdout).expect("JSON");
+    let [table, form] = ["table", "decoded"].map(|name| output["compared"][name]["mean"].as_f64().expect("a number"));
+    assert!(table > 0.0 && form <= 1.01 * table, "{output}");
     fs::metadata(folder.join("compact/ltc.compact")).expect("the compact form").len()
 }
 
-/// Our files for these engines, each in a folder of its name, fitted and exported as a user does.
+/// Fits a table and exports the files of these engines as a user does, each into a folder with the engine's name.
 fn our_exports(folder: &Path) -> String {
     let digest = exported(folder, "", &["three", "babylon", "playcanvas"]);
     let bytes = compact_bytes(folder, &digest);
@@ -158,7 +163,8 @@ fn our_exports(folder: &Path) -> String {
     folder.to_string_lossy().into_owned()
 }
 
-/// The digest of a table for engines by a recipe with these fields more, whose files are in folders of the engines' names.
+/// Fits a table for engines with more `fields` in its recipe, and exports it into folders with the engines' names.
+/// Returns the digest.
 fn exported(folder: &Path, fields: &str, engines: &[&str]) -> String {
     fs::create_dir_all(folder).expect("a folder");
     let recipe = format!(r#"{{"preset": "standard", "layout": "ltc2017"{fields}}}"#);
@@ -174,29 +180,29 @@ fn exported(folder: &Path, fields: &str, engines: &[&str]) -> String {
 #[ignore = "make test-all runs it"]
 fn engines_draw_what_their_tables_say() {
     let folder = tempfile::tempdir().expect("a folder");
-    // Other tables to judge: a file as `tables.js` reads it.
+    // The variable names a file for `tables.js` with other tables to check.
     let ours = match env::var("LTCFORGE_TEST_TABLES") {
         Ok(file) => ["--tables".to_owned(), file],
         Err(_) => ["--exports".to_owned(), our_exports(folder.path())],
     };
-    let [given, at] = &ours;
+    let [option, path] = &ours;
     if env::var_os("UPDATE_PICTURES").is_some() {
         let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/engines");
         fs::create_dir_all(&pictures).expect("a folder");
         let pictures = pictures.to_string_lossy();
-        script::<serde_json::Value>("run.js", &[given, at, "--pictures", &pictures]).expect("the pictures");
+        script::<serde_json::Value>("run.js", &[option, path, "--pictures", &pictures]).expect("the pictures");
         return;
     }
     let dielectric = folder.path().join("dielectric");
     exported(&dielectric, r#", "fresnel": [{"f0": 0.04}]"#, &["three", "babylon", "playcanvas"]);
-    let words = [given, at, "--dielectric", &dielectric.to_string_lossy()];
+    let words = [option, path, "--dielectric", &dielectric.to_string_lossy()];
     let Some(report) = script::<Report>("run.js", &words) else { return };
-    tell(&report);
+    print(&report);
 
     assert_eq!(report.errors.keys().collect::<Vec<_>>(), ["babylon", "playcanvas", "three", "three_webgpu"]);
     let first = report.by_material("three", "stock");
     for engine in report.errors.keys() {
-        assert!(report.same[engine], "{engine}: the stock tables, given as those of others are, draw something else");
+        assert!(report.same[engine], "{engine}: stock tables draw other pictures when loaded like ours");
         let stock = report.by_material(engine, "stock");
         let wrong = report.by_material(engine, "wrong");
         for material in 0..2 {
@@ -206,9 +212,9 @@ fn engines_draw_what_their_tables_say() {
         }
         let ours = report.by_material(engine, "ours");
         assert!(ours[0] < stock[0] && ours[1] < OUR_PLASTIC_ERROR, "{engine}: {ours:?}, {stock:?}");
-        assert!(report.whole(engine, "ours") < report.whole(engine, "stock"), "{engine}: {ours:?}, {stock:?}");
+        assert!(report.overall(engine, "ours") < report.overall(engine, "stock"), "{engine}: {ours:?}, {stock:?}");
     }
-    if given == "--exports" {
+    if option == "--exports" {
         let twice = report.errors.keys().map(|engine| (engine.as_str(), "both"));
         for (engine, set) in twice.chain([("three", "mixed"), ("three_webgpu", "mixed")]) {
             let [ours, both] = ["ours", set].map(|set| report.by_material(engine, set));
@@ -231,7 +237,7 @@ struct Ktx {
     scheme: u32,
     stored: usize,
     length: usize,
-    /// SHA-256 of the texels, as they are without zstd.
+    /// SHA-256 of the texels without zstd.
     digest: String,
     keys: Vec<String>,
     bits: Vec<u32>,
@@ -245,7 +251,7 @@ fn ktx_parse_reads_our_textures() {
     fs::write(folder.path().join("recipe.json"), recipe).expect("a recipe");
     let fitted = run(folder.path(), ["fit", "recipe.json", "-o", "."]).exited(0);
     let digest = fitted.last_line();
-    // A texel has four numbers; an array has the layers of three textures.
+    // A texel has four numbers. An array has the layers of three textures.
     let (texels, array) = (5 * 6 * 4, 3 * 5 * 6 * 4);
     let (single, half) = ((109, 4, vec![32; 4]), (97, 2, vec![16; 4]));
     let cases = [
@@ -278,7 +284,7 @@ fn ktx_parse_reads_our_textures() {
     }
 }
 
-/// Texels of 16 bits and of a shared exponent, which three.js's loader takes as they are.
+/// Texels of 16 bits and with a shared exponent, which the loader of three.js accepts.
 #[test]
 fn ktx_parse_reads_light_textures() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,5 +1,5 @@
-// The package of an example as npm packs it, in a browser: what it does to materials of its engine, and what the page of
-// its README shows. Prints one JSON document.
+// Tests the package of an example, as npm packs it, in a browser: its effect on materials of the engine, and the page
+// of its README. Prints one JSON document.
 //
 //   node package.js --ltcforge PROGRAM --chromium PROGRAM --engine babylon --package FOLDER [--picture FILE]
 
@@ -21,7 +21,7 @@ const server = await serve( {
 }, { '/readme.html': () => pageOfReadme( values.package ) } );
 const address = `http://127.0.0.1:${ server.address().port }`;
 
-/** The greatest difference of two pictures, and their mean. */
+/** The greatest and the mean difference of two pictures. */
 function apart( one, other ) {
 
 	const differences = one.map( ( value, i ) => Math.abs( value - other[ i ] ) );
@@ -36,10 +36,10 @@ try {
 		const faults = [];
 		const page = await openPage( browser, 'package', `${ address }/pages/?engine=patch_${ values.engine }`, faults );
 		await page.waitForFunction( 'window.draw' );
-		const { pictures, ...told } = await page.evaluate( 'window.draw()' );
+		const { pictures, ...rest } = await page.evaluate( 'window.draw()' );
 		await page.close();
 		const from = ( name ) => Object.fromEntries( Object.entries( pictures ).map( ( [ other, picture ] ) => [ other, apart( picture, pictures[ name ] ) ] ) );
-		return { fromOurs: from( 'ours' ), fromStock: from( 'stock' ), ...told, readme: await litShare( browser, `${ address }/readme.html`, faults, values.picture ), faults };
+		return { fromOurs: from( 'ours' ), fromStock: from( 'stock' ), ...rest, readme: await litShare( browser, `${ address }/readme.html`, faults, values.picture ), faults };
 
 	} );
 	console.log( JSON.stringify( report ) );

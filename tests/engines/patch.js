@@ -1,5 +1,5 @@
-// The package of examples/three as npm packs it, in a browser. Prints one JSON document: what its patch does to materials,
-// the errors of its pictures of clearcoat, and what the page of its README shows.
+// Tests the package of examples/three, as npm packs it, in a browser. Prints one JSON document: the effect of its patch
+// on materials, the errors of its pictures of clearcoat, and the lit share of the page in its README.
 //
 //   node patch.js --ltcforge PROGRAM --chromium PROGRAM --package FOLDER [--picture FILE]
 
@@ -17,7 +17,7 @@ const { values } = parseArgs( { options: {
 	ltcforge: { type: 'string' }, chromium: { type: 'string' }, package: { type: 'string' }, picture: { type: 'string' },
 } } );
 
-/** The truth at the pixels that show the floor, as three.js layers a coat: the base times what the coat lets through, and the coat. */
+/** The truth at the pixels of the floor with a coat as in three.js: the base times the transmission of the coat, plus the coat. */
 async function truthOfCoat() {
 
 	const points = pointsOf( views[ 1 ] );
@@ -29,7 +29,7 @@ async function truthOfCoat() {
 		const coat = answers[ pixels.length + n ];
 		const toEye = views[ 1 ].eye.map( ( value, k ) => value - points[ pixel ][ k ] );
 		const cosine = toEye[ 1 ] / Math.hypot( ...toEye );
-		// three's exp2( - 5.55473 x - 6.98316 ) for Schlick's fifth power.
+		// three.js has exp2( - 5.55473 x - 6.98316 ) for Schlick's fifth power.
 		const through = 1 - 0.04 - 0.96 * 2 ** ( ( - 5.55473 * cosine - 6.98316 ) * cosine );
 		return { pixel, radiance: answers[ n ].energy * through + 0.04 * ( coat.energy - coat.fresnel ) + coat.fresnel };
 
@@ -51,7 +51,7 @@ try {
 		const faults = [];
 		const page = await openPage( browser, 'patch', `${ address }/pages/?engine=patch_three`, faults );
 		await page.waitForFunction( 'window.draw' );
-		const { pictures, ...told } = await page.evaluate( 'window.draw()' );
+		const { pictures, ...rest } = await page.evaluate( 'window.draw()' );
 		await page.close();
 
 		const errors = {};
@@ -59,7 +59,7 @@ try {
 		for ( const [ name, picture ] of Object.entries( pictures ) ) {
 
 			errors[ name ] = truth.reduce( ( sum, { pixel, radiance } ) => sum + Math.abs( picture[ pixel ] - radiance ), 0 ) / truth.length;
-			// As bright as `ours`, where nothing is dark.
+			// The brightness relative to `ours`, at pixels that are not dark.
 			const ratios = truth.filter( ( { radiance } ) => radiance > 0.01 ).map( ( { pixel } ) => picture[ pixel ] / pictures.ours[ pixel ] );
 			brightness[ name ] = [ Math.min( ...ratios ), Math.max( ...ratios ) ];
 
@@ -67,7 +67,7 @@ try {
 
 		const same = Object.keys( pictures ).filter( ( name ) => JSON.stringify( pictures[ name ] ) === JSON.stringify( pictures.ours ) );
 		const undone = JSON.stringify( pictures.undone ) === JSON.stringify( pictures.stock );
-		return { errors, brightness, same, undone, ...told, readme: await litShare( browser, `${ address }/readme.html`, faults, values.picture ), faults };
+		return { errors, brightness, same, undone, ...rest, readme: await litShare( browser, `${ address }/readme.html`, faults, values.picture ), faults };
 
 	} );
 	console.log( JSON.stringify( report ) );

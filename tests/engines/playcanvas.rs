@@ -1,9 +1,10 @@
-//! `examples/playcanvas`: shader chunks for materials of `PlayCanvas`, held to the truth.
+//! `examples/playcanvas`: shader chunks for materials of `PlayCanvas`, compared with the truth.
 
 use super::examples::{hold_errors, package};
 
-/// The errors in the example lie below, under one light of radiance 2 and under four, of which one stands on the floor. They
-/// are 0.00030, 0.00028 and 0.00008 under one; 0.00056, 0.00040 and 0.00017 under four, where `PlayCanvas` has 0.067 and 0.101.
+/// Upper bounds of the example's errors, under one light of radiance 2 and under four, one of them on the floor. The
+/// errors are 0.00030, 0.00028 and 0.00008 under one; 0.00056, 0.00040 and 0.00017 under four, where `PlayCanvas` has
+/// 0.067 and 0.101.
 const EXAMPLE_ERRORS: [(&str, [f64; 2]); 3] =
     [("fast", [0.0005, 0.0009]), ("balanced", [0.0004, 0.0007]), ("fine", [0.00025, 0.00045])];
 
@@ -13,7 +14,7 @@ fn the_example_is_nearer_to_the_truth_than_playcanvas() {
     hold_errors("playcanvas", &EXAMPLE_ERRORS);
 }
 
-/// Refused inputs, each with a part of the message.
+/// Invalid inputs, each with a part of the error message.
 const REFUSALS: [(&str, &str); 8] = [
     ("shader", "ShaderMaterial has no GGX lobe"),
     ("nothing", "undefined has no GGX lobe"),
@@ -25,21 +26,22 @@ const REFUSALS: [(&str, &str); 8] = [
     ("version", "this patch is for 2.23"),
 ];
 
-/// Pictures of both ways of lighting differ less: 0.00002, since clustered lights have colours in 16 bits.
+/// Upper bound of the difference between clustered and other lights, which is 0.00002: clustered lights have colours in
+/// 16 bits.
 const WAYS_DIFFER: f64 = 0.0001;
 
-/// A pixel of a coat differs less from white metal: 0.0000001, by rounding.
+/// Upper bound of the difference between a coat and white metal in a pixel, which is 0.0000001 by rounding.
 const COAT_DIFFERS: f64 = 0.000_005;
 
 #[test]
 #[ignore = "make test-all runs it"]
 fn the_package_patches_materials_of_playcanvas_and_takes_the_patch_off() {
     let Some(report) = package("playcanvas", &REFUSALS) else { return };
-    report.same_as_ours(&["patched anew", "clone", "clone of the clone", "patched after a draw", "moved"]);
+    report.same_as_ours(&["patched again", "clone", "clone of the clone", "patched after a draw", "moved"]);
     report.same_as_stock(&["patch taken off", "clone of the undone", "undone clone", "before the patch", "undone"]);
     report.differ_from_ours(&[("stock", 0.01), ("elsewhere", 0.01), ("another rule", 0.0001)]);
     assert!(report.from_ours["ours, unclustered"].mean < WAYS_DIFFER, "{:?}", report.from_ours);
-    // Disks stay PlayCanvas', and they do light.
+    // PlayCanvas still lights disks.
     let [ours, stock] = ["disk", "stock, disk"].map(|name| report.from_stock[name].mean);
     assert!(ours.to_bits() == stock.to_bits() && stock > 0.001, "{ours} {stock}");
     let unclustered = ["patch taken off, unclustered", "stock, unclustered"].map(|name| &report.from_stock[name]);

@@ -1,11 +1,11 @@
-// The page in a package's README.
+// The page from a package's README.
 
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 
 import { openPage } from './browser.js';
 
-/** The page that a package's README has. */
+/** The page in the README of a package. */
 export async function pageOfReadme( folder ) {
 
 	const readme = await readFile( join( folder, 'README.md' ), 'utf8' );
@@ -20,9 +20,9 @@ export async function litShare( browser, address, faults, picture ) {
 	await page.setViewportSize( { width: 480, height: 320 } );
 	await page.goto( address );
 	await page.waitForFunction( 'document.querySelector( "canvas" )' );
-	// Babylon compiles beside its frames.
+	// Babylon compiles shaders in the background.
 	await page.waitForFunction( '! window.BABYLON || BABYLON.EngineStore.LastCreatedScene?.isReady()' );
-	// The second frame shows what the first drew.
+	// The second frame shows the result of the first.
 	await page.evaluate( () => new Promise( ( done ) => requestAnimationFrame( () => requestAnimationFrame( done ) ) ) );
 	const shot = ( await page.screenshot( { path: picture } ) ).toString( 'base64' );
 	return page.evaluate( async ( shot ) => {

@@ -1,14 +1,15 @@
-// Area lights in real engines, held to the truth. Prints one JSON document.
+// Area lights in real engines, compared with the truth. Prints one JSON document.
 //
 //   node run.js --ltcforge PROGRAM --chromium PROGRAM [--exports FOLDER [--dielectric FOLDER] | --tables FILE] [--only ENGINE] [--pictures FOLDER]
 //
-// Every engine draws every view at every roughness with the stock tables, with the same numbers by the way that others
-// take, with wrong ones, and with ours: the files that `ltcforge export --for ENGINE -o FOLDER/ENGINE` wrote, or those of FILE.
-// With --dielectric every engine draws with two sets too, that of --exports for metal and this one for plastic: by textures
-// of the material's own, and in three.js by one material that mixes both by metalness.
-// An error is the mean absolute difference of linear radiance.
+// Every engine draws every view at every roughness with the stock tables, with the stock numbers loaded like other
+// tables, with wrong tables, and with ours: the files of `ltcforge export --for ENGINE -o FOLDER/ENGINE`, or of FILE.
+// With --dielectric every engine also draws with two sets: the set of --exports for metal and this set for plastic.
+// Materials have their own textures, and in three.js one material also mixes both by metalness. An error is the mean
+// absolute difference of linear radiance.
 //
-// With --pictures it draws few and larger ones instead, and writes an ENGINE.png each: stock, ours, truth, and both errors.
+// With --pictures it draws fewer and larger pictures instead, and writes an ENGINE.png for each engine: stock, ours,
+// truth, and both errors.
 
 import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
@@ -23,28 +24,28 @@ import { height, pictures, pointsOf, query, questionOf, views, width } from './w
 
 const HERE = fileURLToPath( new URL( '.', import.meta.url ) );
 
-/** By engine, whose files it reads. `three_webgpu` is three.js by another renderer, WebGPURenderer. */
+/** The engine whose files each engine reads. `three_webgpu` is three.js with WebGPURenderer. */
 const ENGINES = { three: 'three', three_webgpu: 'three', babylon: 'babylon', playcanvas: 'playcanvas' };
 
 /** The truth of each picture, at the pixels that show the table. */
 async function truths( ltcforge ) {
 
-	// Reflectance does not change the question.
-	const asked = new Map();
+	// The light does not depend on the reflectance.
+	const questions = new Map();
 	for ( const { roughness, view } of pictures ) {
 
 		const points = pointsOf( view );
 		const pixels = points.flatMap( ( point, i ) => point ? [ i ] : [] );
-		asked.set( `${ roughness } ${ view.eye }`, { pixels, rows: pixels.map( ( i ) => questionOf( roughness, view, points[ i ] ) ) } );
+		questions.set( `${ roughness } ${ view.eye }`, { pixels, rows: pixels.map( ( i ) => questionOf( roughness, view, points[ i ] ) ) } );
 
 	}
 
-	const answers = await reflected( ltcforge, [ ...asked.values() ].flatMap( ( { rows } ) => rows ) );
+	const answers = await reflected( ltcforge, [ ...questions.values() ].flatMap( ( { rows } ) => rows ) );
 	let next = 0;
-	for ( const question of asked.values() ) question.answers = question.pixels.map( () => answers[ next ++ ] );
+	for ( const question of questions.values() ) question.answers = question.pixels.map( () => answers[ next ++ ] );
 	return pictures.map( ( { f0, roughness, view } ) => {
 
-		const { pixels, answers } = asked.get( `${ roughness } ${ view.eye }` );
+		const { pixels, answers } = questions.get( `${ roughness } ${ view.eye }` );
 		return { pixels, radiance: answers.map( ( { energy, fresnel } ) => f0 * ( energy - fresnel ) + fresnel ) };
 
 	} );
@@ -64,16 +65,16 @@ function errorsOf( drawn, expected ) {
 
 }
 
-/** What an error of linear radiance is multiplied by to be seen. */
+/** The factor that makes errors of linear radiance visible. */
 const ERROR_SCALE = 10;
 
-/** The columns of what `writePictures` writes, in its order. */
+/** The columns of the picture by `writePictures`. */
 const COLUMNS = [ 'stock tables', 'ours', 'truth', `${ ERROR_SCALE } x error, stock`, `${ ERROR_SCALE } x error, ours` ];
 
-/** The letters of all pictures of the documents. */
+/** The font of all pictures in the docs. */
 const FONT = new URL( '../../src/view/picture/font/dejavu_sans.ttf', import.meta.url );
 
-/** Writes a row for each picture: by the stock tables, by ours, the truth, and the errors of both. */
+/** Writes a row for each picture: by the stock tables, by our tables, the truth, and the errors of both. */
 async function writePictures( browser, engine, drawn, truth ) {
 
 	const rows = pictures.map( ( _, number ) => {
@@ -157,12 +158,12 @@ if ( values.dielectric ) folders[ '/tables/dielectric/' ] = values.dielectric;
 const server = await serve( folders, answers );
 const address = `http://127.0.0.1:${ server.address().port }`;
 
-// One picture for three.js.
+// three.js has one picture for both renderers.
 const engines = values.pictures ? new Set( Object.values( ENGINES ) ) : Object.keys( ENGINES );
 
 const names = values.exports ? [ ...Object.keys( sets ), 'ours' ] : Object.keys( sets );
 
-/** The pictures of an engine with a set of tables, nothing for its own, and with one for dielectrics. */
+/** The pictures of an engine with a set of tables, or its own tables, and with a set for dielectrics. */
 async function drawn( browser, engine, tables, dielectric, isMixed ) {
 
 	const page = await openPage( browser, engine, `${ address }/pages/?engine=${ engine }&${ query }` );
@@ -178,7 +179,7 @@ const report = { errors: {}, same: {} };
 try {
 
 	const truth = truths( values.ltcforge );
-	// WebGPURenderer falls back on WebGL 2 where there is no WebGPU.
+	// WebGPURenderer falls back to WebGL 2 without WebGPU.
 	await withBrowser( values.chromium, async ( browser ) => {
 
 		for ( const engine of values.only ? [ values.only ] : engines ) {
@@ -190,7 +191,7 @@ try {
 			if ( values.dielectric ) all.both = await drawn( browser, engine, 'ours', 'dielectric' );
 			if ( values.dielectric && isThree ) all.mixed = await drawn( browser, engine, 'ours', 'dielectric', true );
 			report.errors[ engine ] = {};
-			for ( const [ set, those ] of Object.entries( all ) ) report.errors[ engine ][ set ] = errorsOf( those, await truth );
+			for ( const [ set, shown ] of Object.entries( all ) ) report.errors[ engine ][ set ] = errorsOf( shown, await truth );
 			if ( values.pictures ) await writePictures( browser, engine, all, await truth );
 			report.same[ engine ] = JSON.stringify( all.stock ) === JSON.stringify( all.again );
 

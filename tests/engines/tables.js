@@ -1,5 +1,6 @@
-// Tables in the convention of 2017: 64 x 64 texels of four numbers, the roughness along rows, sqrt(1 - cos theta) down.
-// First (Minv00, Minv20, Minv02, Minv22) over Minv11, then amplitude, Fresnel, 0 and the form factor of a clipped sphere.
+// Tables in the convention of 2017: 64 x 64 texels of four numbers, with the roughness along rows and sqrt(1 - cos
+// theta) along columns. First (Minv00, Minv20, Minv02, Minv22) over Minv11, then amplitude, Fresnel, 0 and the form
+// factor of a clipped sphere.
 
 import { readFile } from 'node:fs/promises';
 
@@ -9,13 +10,13 @@ import { RectAreaLightTexturesLib } from 'three/addons/lights/RectAreaLightTextu
 const SIDE = 64;
 const NUMBERS = SIDE * SIDE * 4;
 
-/** Tables as the harness takes them: `ltc_1` and `ltc_2`, each of 16384 numbers. */
+/** Tables in the form of the harness: `ltc_1` and `ltc_2`, each with 16384 numbers. */
 function tables( ltc_1, ltc_2, from ) {
 
 	for ( const [ name, numbers ] of Object.entries( { ltc_1, ltc_2 } ) ) {
 
 		const isFull = numbers?.length === NUMBERS && Array.from( numbers ).every( Number.isFinite );
-		if ( ! isFull ) throw new Error( `${ from }: ${ name } has to be ${ NUMBERS } finite numbers` );
+		if ( ! isFull ) throw new Error( `${ from }: ${ name } must have ${ NUMBERS } finite numbers` );
 
 	}
 
@@ -23,7 +24,7 @@ function tables( ltc_1, ltc_2, from ) {
 
 }
 
-/** The tables that three.js ships. Babylon and PlayCanvas have the same ones, but not in their packages. */
+/** The tables that three.js ships. Babylon and PlayCanvas have the same tables, but not in their packages. */
 export function stock() {
 
 	const { LTC_FLOAT_1, LTC_FLOAT_2 } = RectAreaLightTexturesLib.init();
@@ -60,7 +61,7 @@ export async function fromFile( path ) {
 
 }
 
-/** Files of tables that are no export, as `ltcforge export --for` names them: by their paths below a folder for each engine. */
+/** Files of tables that `ltcforge export --for` did not write, by its paths below a folder for each engine. */
 export const repacked = {
 	'three/ltc.js': forThree,
 	'babylon/areaLights/areaLightsLTC.bin': forBabylon,
@@ -90,7 +91,7 @@ function forPlayCanvas( { ltc_1, ltc_2 } ) {
 
 }
 
-/** Eight half floats a texel, those of the first table before. */
+/** Eight half floats per texel, the first table before the second. */
 function forBabylon( { ltc_1, ltc_2 } ) {
 
 	const halves = new Uint16Array( 2 * NUMBERS );

@@ -1,5 +1,5 @@
-// Pictures on a light by examples/three, beside what `ltcforge light --texture` prints for the same pixels. Prints one JSON
-// document: how far colours are apart, refusals, and whether what the example's page shows moves.
+// Pictures on a light by examples/three, compared with `ltcforge light --texture` for the same pixels. Prints one JSON
+// document: differences of colours, errors for invalid inputs, and whether the example's page changes over time.
 //
 //   node textured.js --ltcforge PROGRAM --chromium PROGRAM
 
@@ -19,16 +19,16 @@ const [ width, height ] = [ 72, 54 ];
 const lights = lightsOf( 1 );
 
 /** The pixels that show a surface. */
-const seen = Array.from( { length: width * height }, ( _, pixel ) => ( { pixel, ...seenBy( pixel % width, Math.floor( pixel / width ), width, height, lights ) } ) )
+const points = Array.from( { length: width * height }, ( _, pixel ) => ( { pixel, ...seenBy( pixel % width, Math.floor( pixel / width ), width, height, lights ) } ) )
 	.filter( ( { surface } ) => surface >= 0 );
 
-/** What these pixels show of a picture by the program, in f64: red, green, blue of each. */
+/** The red, green and blue of these pixels under a picture, by the program in f64. */
 function byTheProgram( folder, png ) {
 
 	const path = join( folder, 'shown.png' );
 	writeFileSync( path, Buffer.from( png.split( ',' )[ 1 ], 'base64' ) );
-	const rows = seen.map( ( { surface, view: [ x, y, z ], corners: [ [ first, ...others ] ] } ) =>
-		// A picture begins at the upper left.
+	const rows = points.map( ( { surface, view: [ x, y, z ], corners: [ [ first, ...others ] ] } ) =>
+		// The first corner is the upper left of the picture.
 		[ ...surfaces[ surface ].alpha, Math.acos( z ), Math.atan2( y, x ), 1, ...others.flat(), ...first ].join( ',' ) );
 	const { stdout, status, stderr } = spawnSync( values.ltcforge, [ 'light', '-', '--texture', path ], { input: rows.join( '\n' ) + '\n', encoding: 'utf8', maxBuffer: 1e8 } );
 	if ( status !== 0 ) throw new Error( stderr );
@@ -39,32 +39,32 @@ function byTheProgram( folder, png ) {
 		const numbers = line.split( ',' );
 		const [ energy, fresnel, ...colours ] = at.map( ( column ) => Number( numbers[ column ] ) );
 		return colours.map( ( colour, channel ) => energy === 0 ? 0
-			: lights[ 0 ].radiance[ channel ] * colour / energy * ( surfaces[ seen[ i ].surface ].f0[ channel ] * ( energy - fresnel ) + fresnel ) );
+			: lights[ 0 ].radiance[ channel ] * colour / energy * ( surfaces[ points[ i ].surface ].f0[ channel ] * ( energy - fresnel ) + fresnel ) );
 
 	} );
 
 }
 
-/** The mean and the largest difference, where `expected` has three numbers for each pixel of `seen`. */
+/** The mean and the largest difference. `expected` has three numbers for each pixel of `points`. */
 function apart( drawn, expected ) {
 
-	const off = seen.flatMap( ( { pixel }, i ) => expected[ i ].map( ( value, channel ) => Math.abs( drawn[ 4 * pixel + channel ] - value ) ) );
+	const off = points.flatMap( ( { pixel }, i ) => expected[ i ].map( ( value, channel ) => Math.abs( drawn[ 4 * pixel + channel ] - value ) ) );
 	return { most: Math.max( ...off ), mean: off.reduce( ( sum, value ) => sum + value, 0 ) / off.length };
 
 }
 
-const colours = ( drawn ) => seen.map( ( { pixel } ) => drawn.slice( 4 * pixel, 4 * pixel + 3 ) );
+const colours = ( drawn ) => points.map( ( { pixel } ) => drawn.slice( 4 * pixel, 4 * pixel + 3 ) );
 
-/** Whether the example's page draws something else after a while, by what its light shows. */
+/** Whether the example's page changes after a while, by the content of its light. */
 async function moves( browser, address, faults ) {
 
 	const page = await openPage( browser, 'textured', `${ address }/three/textured.html?width=96&height=64`, faults );
 	const shot = async () => ( await page.locator( 'canvas' ).screenshot() ).toString( 'base64' );
-	const told = {};
+	const changed = {};
 	for ( const what of [ 'picture', 'video' ] ) {
 
 		await page.selectOption( '#show', what );
-		// Frames until the change is drawn, and some more.
+		// The change needs some frames until it is drawn.
 		const frames = ( count ) => page.evaluate( ( left ) => new Promise( ( done ) => {
 
 			const next = () => left -- > 0 ? requestAnimationFrame( next ) : done();
@@ -74,12 +74,12 @@ async function moves( browser, address, faults ) {
 		await frames( 3 );
 		const before = await shot();
 		await frames( 12 );
-		told[ what ] = await shot() !== before;
+		changed[ what ] = await shot() !== before;
 
 	}
 
 	await page.close();
-	return told;
+	return changed;
 
 }
 

@@ -1,12 +1,13 @@
-//! `examples/three`: a package that patches materials of three.js, held to the truth.
+//! `examples/three`: a package that patches materials of three.js, compared with the truth.
 
 use super::{
     examples::{Apart, RULES_GLSL, hold_errors, packed},
     *,
 };
 
-/// The errors in the example lie below, under one light of radiance 2 and under four, of which one stands on the floor. They
-/// are 0.00030, 0.00028, 0.00009 and 0.0094 under one; 0.00056, 0.00040, 0.00017 and 0.0167 under four. LTCs are not GGX.
+/// Upper bounds of the example's errors, under one light of radiance 2 and under four, one of them on the floor. The
+/// errors are 0.00030, 0.00028, 0.00009 and 0.0094 under one, and 0.00056, 0.00040, 0.00017 and 0.0167 under four. LTCs
+/// only approximate GGX.
 const EXAMPLE_ERRORS: [(&str, [f64; 2]); 4] =
     [("fast", [0.0005, 0.0009]), ("balanced", [0.0004, 0.0007]), ("fine", [0.00015, 0.0003]), ("table", [0.011, 0.02])];
 
@@ -24,11 +25,11 @@ struct Patch {
     errors: BTreeMap<String, f64>,
     /// The least and greatest ratio to the picture `ours`.
     brightness: BTreeMap<String, [f64; 2]>,
-    /// The pictures that are `ours` to the bit.
+    /// The pictures that are identical to `ours`.
     same: Vec<String>,
-    /// Whether the picture of a material without its patch is three's to the bit.
+    /// Whether the picture of a material without its patch is identical to three's.
     undone: bool,
-    /// Messages of errors; nothing where there was none.
+    /// Error messages; `None` if there was no error.
     refusals: BTreeMap<String, Option<String>>,
     #[serde(rename = "keysDiffer")]
     keys_differ: bool,
@@ -39,7 +40,7 @@ struct Patch {
     faults: Vec<String>,
 }
 
-/// Refused inputs, each with a part of the message.
+/// Invalid inputs, each with a part of the error message.
 const REFUSALS: [(&str, &str); 10] = [
     ("basic", "MeshBasicMaterial has no GGX lobe"),
     ("nothing", "undefined has no GGX lobe"),
@@ -53,7 +54,7 @@ const REFUSALS: [(&str, &str); 10] = [
     ("version", "this patch is for r187"),
 ];
 
-/// The errors of clearcoat on metal lie below: 0.0001 where three has 0.0065.
+/// Upper bound of the errors of clearcoat on metal. The error is 0.0001, and three has 0.0065.
 const CLEARCOAT_ERROR: f64 = 0.0002;
 
 /// Shaders of the package other than [`RULES_GLSL`].
@@ -67,15 +68,15 @@ const MORE_SHADERS: [&str; 6] = [
 ];
 
 #[test]
-fn the_package_patches_materials_and_leaves_what_is_the_user_s() {
+fn the_package_patches_materials_and_keeps_the_hooks_of_users() {
     let folder = tempfile::tempdir().expect("a folder");
     let more = ["light_pictures.js", "webgpu.js", "webgpu.d.ts", "table/ltc.json"];
     let files: Vec<&str> = more.into_iter().chain(RULES_GLSL).chain(MORE_SHADERS).collect();
     let Some(package) = packed("three", folder.path(), &files) else { return };
     let Some(patch) = script::<Patch>("patch.js", &["--package", &package.to_string_lossy()]) else { return };
-    tell(&format!("examples/three, clearcoat: mean errors {:.5?}", patch.errors));
+    print(&format!("examples/three, clearcoat: mean errors {:.5?}", patch.errors));
     assert_eq!(patch.faults, [""; 0]);
-    for name in ["ours", "clone", "clone of the clone", "patched anew", "without a hook"] {
+    for name in ["ours", "clone", "clone of the clone", "patched again", "without a hook"] {
         assert!(patch.same.iter().any(|same| same == name), "{name}: {:?}", patch.same);
     }
     for (name, by) in [("twice, hook before", 2.0), ("twice, hook after", 2.0), ("four times", 4.0)] {
@@ -85,33 +86,33 @@ fn the_package_patches_materials_and_leaves_what_is_the_user_s() {
     assert!(patch.errors["another rule"] > patch.errors["ours"] && patch.errors["by a table"] < patch.errors["stock"]);
     assert!(patch.undone && patch.keys_differ && patch.leaves_hooks);
     for (what, part) in REFUSALS {
-        let message = patch.refusals[what].as_deref().unwrap_or_else(|| panic!("{what} is taken"));
+        let message = patch.refusals[what].as_deref().unwrap_or_else(|| panic!("{what} is accepted"));
         assert!(message.contains(part), "{what}: {message}");
     }
     assert_eq!(patch.refusals.len(), REFUSALS.len());
-    // The sky is black; the lamps and their images on the floor are a tenth of the page.
+    // The sky is black. The lamps and their reflections cover a tenth of the page.
     assert!((0.05..0.5).contains(&patch.readme), "{}", patch.readme);
 }
 
 /// The output of `textured.js`.
 #[derive(Deserialize)]
 struct Textured {
-    /// What the light shows, by the example: how far it is from `ltcforge light --texture`; and `white`, `second` and `layer`
-    /// from lights without a picture, `stream` from the canvas that a video shows.
+    /// The difference from `ltcforge light --texture`, by the content of the light. `white`, `second` and `layer` are
+    /// compared with lights without a picture, and `stream` with the canvas in a video.
     errors: BTreeMap<String, Apart>,
-    /// How far a picture is from one colour, and a video from its start.
+    /// The difference between a picture and one colour, and between a video and its start.
     changes: BTreeMap<String, Apart>,
     refusals: BTreeMap<String, Option<String>>,
-    /// Whether the example's page moves, by what its light shows.
+    /// Whether the example's page changes over time, by the content of its light.
     moves: BTreeMap<String, bool>,
     faults: Vec<String>,
 }
 
-/// The errors of a picture lie below, in linear radiance under a light of up to 2: 0.00007 and 0.0043; of one colour 0.00011 and
-/// 0.0011. Texels have 16 bits, and the rectangle's rule in f32 is the rest.
+/// Upper bounds of the errors of a picture, in linear radiance under a light of up to 2. The errors are 0.00007 and
+/// 0.0043, and for one colour 0.00011 and 0.0011. They come from texels of 16 bits and the rule of rectangles in f32.
 const PICTURE_ERROR: Apart = Apart { mean: 0.0002, most: 2.0 / 255.0 };
 
-/// Browsers code frames of a stream by fewer bits for colours: 0.00025 and 0.0077.
+/// Upper bounds of the errors of a stream, which are 0.00025 and 0.0077. Browsers encode its colours with fewer bits.
 const STREAM_ERROR: Apart = Apart { mean: 0.0006, most: 0.016 };
 
 const PICTURE_REFUSALS: [(&str, &str); 6] = [
@@ -128,7 +129,7 @@ const PICTURE_REFUSALS: [(&str, &str); 6] = [
 fn the_example_shows_pictures_and_videos_on_lights() {
     let Some(report) = script::<Textured>("textured.js", &[]) else { return };
     let Textured { errors, changes, refusals, moves, faults } = report;
-    tell(&format!("examples/three, pictures on a light: {errors:.5?}, {changes:.5?}"));
+    print(&format!("examples/three, pictures on a light: {errors:.5?}, {changes:.5?}"));
     assert_eq!(faults, [""; 0]);
     for (name, most) in ["colour", "picture", "start", "later"]
         .map(|name| (name, PICTURE_ERROR))
@@ -143,7 +144,7 @@ fn the_example_shows_pictures_and_videos_on_lights() {
     assert!(changes["picture"].mean > 50.0 * PICTURE_ERROR.mean, "{changes:?}");
     assert!(changes["later"].mean > 10.0 * PICTURE_ERROR.mean, "{changes:?}");
     for (what, part) in PICTURE_REFUSALS {
-        let message = refusals[what].as_deref().unwrap_or_else(|| panic!("{what} is taken"));
+        let message = refusals[what].as_deref().unwrap_or_else(|| panic!("{what} is accepted"));
         assert!(message.contains(part), "{what}: {message}");
     }
     assert_eq!(refusals.len(), PICTURE_REFUSALS.len());
@@ -153,14 +154,14 @@ fn the_example_shows_pictures_and_videos_on_lights() {
 /// The output of `webgpu.js` for a backend of `WebGPURenderer`.
 #[derive(Deserialize)]
 struct Backend {
-    /// As those of [`Example`]; by `node` materials, a `clone` and a material whose patch was `undone`.
+    /// The errors as in [`Example`], also of `node` materials, of a `clone` and of a material whose patch was `undone`.
     errors: BTreeMap<String, f64>,
     refusal: Option<String>,
     faults: Vec<String>,
 }
 
-/// The errors lie below, under four lights: by WebGPU of `SwiftShader` 0.00073, 0.00062 and 0.00050, by WebGL 0.00056, 0.00042
-/// and 0.00028.
+/// Upper bounds of the errors under four lights. The errors are 0.00073, 0.00062 and 0.00050 by WebGPU of
+/// `SwiftShader`, and 0.00056, 0.00042 and 0.00028 by WebGL.
 const WEBGPU_ERRORS: [(&str, f64); 5] =
     [("fast", 0.001), ("balanced", 0.0009), ("fine", 0.0007), ("node", 0.0009), ("clone", 0.0009)];
 
@@ -169,11 +170,11 @@ const WEBGPU_ERRORS: [(&str, f64); 5] =
 fn the_example_lights_webgpu_renderer() {
     let Some(backends) = script::<BTreeMap<String, Backend>>("webgpu.js", &[]) else { return };
     if !backends.contains_key("WebGPUBackend") {
-        tell_skipped("the browser has no WebGPU; WebGPURenderer is tested by WebGL 2 alone");
+        tell_skipped("the browser has no WebGPU; WebGPURenderer is only tested by WebGL 2");
     }
     assert!(backends.contains_key("WebGLBackend"));
     for (backend, Backend { errors, refusal, faults }) in backends {
-        tell(&format!("examples/three, {backend}, 4 lights: mean errors {errors:.5?}"));
+        print(&format!("examples/three, {backend}, 4 lights: mean errors {errors:.5?}"));
         assert_eq!(faults, [""; 0], "{backend}");
         for (way, most) in WEBGPU_ERRORS {
             assert!(errors[way] < most && errors["stock"] > 50.0 * most, "{backend}, {way}: {errors:?}");
@@ -192,19 +193,19 @@ fn the_example_s_table_is_what_the_command_writes_and_ships_in_few_bytes() {
     run(folder.path(), ["export", fitted.last_line(), "--for", "wgpu", "-o", "table"]).exited(0);
     let bytes = compact_bytes(folder.path(), fitted.last_line());
     assert!(bytes <= DEFAULT_COMPACT_BYTES, "{bytes}");
-    let stand = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/three/table");
+    let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/three/table");
     let names = |folder: &Path| -> BTreeSet<OsString> {
         fs::read_dir(folder).expect("a folder").map(|file| file.expect("a file").file_name()).collect()
     };
     let written = folder.path().join("table");
     if env::var("UPDATE_GOLDEN").is_ok_and(|name| name == "three") {
         for name in names(&written) {
-            fs::copy(written.join(&name), stand.join(&name)).expect("the example");
+            fs::copy(written.join(&name), committed.join(&name)).expect("the example");
         }
     }
-    assert_eq!(names(&stand), names(&written));
+    assert_eq!(names(&committed), names(&written));
     for name in names(&written) {
-        let [stands, written] = [&stand, &written].map(|folder| fs::read(folder.join(&name)).expect("a file"));
-        assert!(stands == written, "{}: UPDATE_GOLDEN=three writes it anew", name.display());
+        let [old, written] = [&committed, &written].map(|folder| fs::read(folder.join(&name)).expect("a file"));
+        assert!(old == written, "{}: UPDATE_GOLDEN=three updates it", name.display());
     }
 }

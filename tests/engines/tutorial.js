@@ -1,9 +1,11 @@
-// Opens the page of docs/tutorial.md and compares its pixels with the light that `ltcforge light` prints by the same table.
+// Opens the page of docs/tutorial.md and compares its pixels with the light that `ltcforge light` prints by the same
+// table.
 //
 //   node tutorial.js --ltcforge PROGRAM --chromium PROGRAM --folder FOLDER [--picture FILE]
 //
-// FOLDER has the page and the files that the commands of the tutorial made. Prints one JSON document: how far bytes of
-// the picture are from the light by the table and from the truth, how many pixels are lit, and the complaints of the browser.
+// FOLDER has the page and the files of the tutorial's commands. Prints one JSON document: the differences of the
+// picture's bytes from the light by the table and from the truth, the number of lit pixels, and the errors of the
+// browser.
 
 import { execFileSync } from 'node:child_process';
 import { readdirSync } from 'node:fs';
@@ -25,29 +27,29 @@ const F0 = 0.56;
 const RADIANCE = [ 1, 0.85, 0.6 ];
 const LIGHT = [ [ - 0.8, 2, 0.2 ], [ - 0.8, 2, 1.2 ], [ 0.8, 2, 1.2 ], [ 0.8, 2, 0.2 ] ];
 
-/** A pixel in so many of each row and column is compared. */
+/** The distance between compared pixels, in rows and columns. */
 const STEP = 12;
 
-/** The point of the floor that each compared pixel shows: its column and row from the top left, and the point. */
-function seenPoints() {
+/** The compared pixels: column and row from the top left, and the point of the floor in the pixel. */
+function floorPoints() {
 
-	const seen = [];
+	const points = [];
 	for ( let row = STEP / 2; row < HEIGHT; row += STEP ) for ( let column = STEP / 2; column < WIDTH; column += STEP ) {
 
 		const [ x, y ] = [ ( 2 * ( column + 0.5 ) - WIDTH ) / HEIGHT, ( HEIGHT - 2 * ( row + 0.5 ) ) / HEIGHT ];
 		const ray = [ 0.4 * x, 1, 0.4 * y - 0.25 ];
 		const distance = - EYE[ 2 ] / ray[ 2 ];
 		const point = EYE.map( ( value, i ) => value + distance * ray[ i ] );
-		// Beyond the light, the floor sees its dark side or is hidden by it.
-		if ( ray[ 2 ] < 0 && point[ 1 ] < LIGHT[ 0 ][ 1 ] - 0.01 ) seen.push( { column, row, point } );
+		// Behind the light, the floor is dark or hidden.
+		if ( ray[ 2 ] < 0 && point[ 1 ] < LIGHT[ 0 ][ 1 ] - 0.01 ) points.push( { column, row, point } );
 
 	}
 
-	return seen;
+	return points;
 
 }
 
-/** The light that the floor reflects at each point, of radiance one: by the table and in truth. */
+/** The light of radiance one that the floor reflects at each point: by the table and by the truth. */
 function reflected( points ) {
 
 	const rows = points.map( ( point ) => {
@@ -99,15 +101,15 @@ try {
 
 	const faults = [];
 	const bytes = await withBrowser( values.chromium, ( browser ) => picture( browser, `http://127.0.0.1:${ server.address().port }/`, faults ) );
-	const seen = seenPoints();
-	const answers = reflected( seen.map( ( { point } ) => point ) );
-	const report = { pixels: seen.length, lit: 0, off: 0, fromTruth: 0, faults };
-	seen.forEach( ( { column, row }, n ) => RADIANCE.forEach( ( radiance, channel ) => {
+	const points = floorPoints();
+	const answers = reflected( points.map( ( { point } ) => point ) );
+	const report = { pixels: points.length, lit: 0, off: 0, fromTruth: 0, faults };
+	points.forEach( ( { column, row }, n ) => RADIANCE.forEach( ( radiance, channel ) => {
 
 		const byte = bytes[ 4 * ( row * WIDTH + column ) + channel ];
 		const { byTable, truth } = answers[ n ];
 		report.off = Math.max( report.off, Math.abs( byte - byteOf( radiance * byTable ) ) );
-		report.fromTruth += Math.abs( byte - byteOf( radiance * truth ) ) / ( 3 * seen.length );
+		report.fromTruth += Math.abs( byte - byteOf( radiance * truth ) ) / ( 3 * points.length );
 		if ( channel === 0 && byte > 100 ) report.lit ++;
 
 	} ) );

@@ -5,7 +5,7 @@ use std::os::unix::fs::symlink;
 use super::*;
 use crate::common::documents::{blocks, commands, document, shell};
 
-/// Beginnings of commands that do not run here: they install the program, or serve the page.
+/// Beginnings of commands that the test does not run: they install the program, or serve the page.
 const EXCEPT: [&str; 2] = ["cargo ", "python3 -m http.server"];
 
 /// The page of the tutorial.
@@ -14,7 +14,7 @@ const PAGE: &str = "examples/webgl/index.html";
 /// The output of `tutorial.js`.
 #[derive(Debug, Deserialize)]
 struct Tutorial {
-    /// How many pixels of the floor were compared, and how many of them are bright.
+    /// The number of compared pixels of the floor, and of bright pixels.
     pixels: usize,
     lit: usize,
     /// The largest difference from the light by the same table, in bytes of sRGB.
@@ -26,10 +26,10 @@ struct Tutorial {
     faults: Vec<String>,
 }
 
-/// Rounding to a byte is off by 0.5, and the arithmetic of the driver by little more.
+/// Upper bound of the largest difference. Rounding to a byte gives 0.5, and the driver's arithmetic little more.
 const OFF: f64 = 1.0;
 
-/// The table differs from the truth by 3.2 on average.
+/// Upper bound of the mean difference from the truth, which is 3.2.
 const FROM_TRUTH: f64 = 5.0;
 
 #[test]
@@ -40,17 +40,17 @@ fn the_page_of_the_tutorial_is_lit_by_its_table() {
     let printed = shell(folder.path(), &commands("docs/tutorial.md", &EXCEPT));
     assert!(printed.contains("energy,fresnel,reflected"), "{printed}");
     let lit = folder.path().join("lit");
-    let Some(seen) = browser::script::<Tutorial>(&here(), "tutorial.js", &["--folder", &lit.to_string_lossy()]) else {
+    let Some(page) = browser::script::<Tutorial>(&here(), "tutorial.js", &["--folder", &lit.to_string_lossy()]) else {
         return;
     };
-    tell(&format!("{seen:.2?}"));
-    assert_eq!(seen.faults, [""; 0]);
-    assert!(seen.pixels > 400 && seen.lit > 40, "{seen:?}");
-    assert!(seen.off <= OFF && seen.from_truth < FROM_TRUTH, "{seen:?}");
+    print(&format!("{page:.2?}"));
+    assert_eq!(page.faults, [""; 0]);
+    assert!(page.pixels > 400 && page.lit > 40, "{page:?}");
+    assert!(page.off <= OFF && page.from_truth < FROM_TRUTH, "{page:?}");
 }
 
 #[test]
-fn the_code_of_the_tutorial_is_that_of_its_page() {
+fn the_code_of_the_tutorial_is_the_code_of_its_page() {
     let trimmed = |text: &str| {
         let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
         lines.collect::<Vec<_>>().join("\n")

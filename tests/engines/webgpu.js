@@ -1,6 +1,6 @@
-// WebGPURenderer with the patch of examples/three, by WebGPU and by its way back to WebGL 2. Prints as JSON the mean
-// errors of linear radiance under `--lights` lights, and with `--milliseconds` the times to a first draw instead, as lines
-// of a table.
+// WebGPURenderer with the patch of examples/three, by WebGPU and by its fallback to WebGL 2. Prints as JSON the mean
+// errors of linear radiance under `--lights` lights. With `--milliseconds` it prints the times of a first draw instead,
+// as rows of a table.
 //
 //   node webgpu.js --ltcforge PROGRAM --chromium PROGRAM [--lights 4] [--milliseconds] [--runs 3]
 
@@ -23,7 +23,7 @@ process.env.MESA_SHADER_CACHE_DISABLE = 'true';
 const here = fileURLToPath( new URL( '.', import.meta.url ) );
 const server = await serve( { '/': here, '/examples/': `${ here }../../examples`, '/node_modules/': `${ here }node_modules` } );
 
-/** What a page of a browser of its own draws. */
+/** The result of a page in a new browser. */
 async function drawn( what, faults ) {
 
 	return withBrowser( values.chromium, async ( browser ) => {
@@ -51,7 +51,7 @@ try {
 				const times = [];
 				for ( let run = 0; run < Number( values.runs ); run ++ ) {
 
-					// One surface, for a material that is compiled once.
+					// A single surface, so that only one material is compiled.
 					times.push( ( await drawn( { lights, forceWebGL: false, only: 0, ways: [ way ] }, [] ) ).of[ way ].milliseconds );
 
 				}
@@ -71,10 +71,10 @@ try {
 		for ( const forceWebGL of [ false, true ] ) {
 
 			const faults = [];
-			const told = await drawn( { lights: Number( values.lights ), forceWebGL }, faults );
-			if ( ! told ) continue;
-			const errors = Object.fromEntries( Object.entries( told.of ).map( ( [ way, { pixels } ] ) => [ way, meanError( pixels, expected, width, height ) ] ) );
-			report[ told.backend ] = { errors, refusal: told.refusal, faults };
+			const result = await drawn( { lights: Number( values.lights ), forceWebGL }, faults );
+			if ( ! result ) continue;
+			const errors = Object.fromEntries( Object.entries( result.of ).map( ( [ way, { pixels } ] ) => [ way, meanError( pixels, expected, width, height ) ] ) );
+			report[ result.backend ] = { errors, refusal: result.refusal, faults };
 
 		}
 

@@ -1,10 +1,10 @@
-// The scene that every engine draws and that the truth is computed for. Right-handed, metres, y is up. One table in the
-// plane y = 0, which has gloss alone, and one rectangle of radiance one.
+// The scene that every engine draws, and for which the truth is computed. It is right-handed, in metres, and y is up.
+// It has a table in the plane y = 0, which is only glossy, and a rectangle of radiance one.
 
 /** Pictures for docs/engines.md are larger and fewer: `run.js --pictures`, or `?scale=4` of a page. */
 const scale = globalThis.location ? Number( new URLSearchParams( location.search ).get( 'scale' ) ) || 1 : process.argv.includes( '--pictures' ) ? 4 : 1;
 
-/** What a page is asked for, so that it draws the pictures that are compared. */
+/** The query of a page, so that it draws the compared pictures. */
 export const query = `scale=${ scale }`;
 
 /** Pixels of a picture. */
@@ -14,16 +14,16 @@ export const height = 36 * scale;
 /** Perceptual roughness: the square root of GGX alpha. */
 export const roughnesses = [ 0.1, 0.25, 0.4, 0.6, 0.8 ];
 
-/** Reflectance seen from above: white metal, and black plastic. At grazing angles both have 1. */
+/** Reflectance at normal incidence: white metal and black plastic. At grazing angles both have 1. */
 export const reflectances = [ 1, 0.04 ];
 
-/** Reflectance of dark metal seen from above, which is drawn at the lowest view alone. */
+/** Reflectance of dark metal at normal incidence. It is only drawn at the lowest view. */
 export const darkMetal = 0.25;
 
 /** White metal under clearcoat, whose reflectance is 0.04 and 1. */
 export const coated = { roughness: 0.6, clearcoatRoughness: 0.25 };
 
-/** From above to grazing. Nothing is symmetrical, so that a mirrored picture cannot pass. */
+/** Views from above to grazing. They are not symmetrical, so that a mirrored picture cannot pass. */
 export const views = [
 	{ eye: [ 0.5, 3.1, 1.9 ], target: [ 0.2, 0, 0 ], fov: 40 },
 	{ eye: [ - 0.6, 1.7, 3.3 ], target: [ 0.1, 0, - 0.2 ], fov: 35 },
@@ -69,7 +69,7 @@ function unit( v ) {
 
 }
 
-/** Where the middle of each pixel meets the table, from the top left; nothing where it does not or an edge is near. */
+/** The point of the table in the middle of each pixel, from the top left; `null` at and beyond the edges of the table. */
 export function pointsOf( view ) {
 
 	const back = unit( view.eye.map( ( x, i ) => x - view.target[ i ] ) );
@@ -92,8 +92,8 @@ export function pointsOf( view ) {
 
 		const column = i % width;
 		const row = Math.floor( i / width );
-		const whole = [ [ 0, 0 ], [ 1, 0 ], [ 0, 1 ], [ 1, 1 ] ].every( ( [ x, y ] ) => hit( column + x, row + y ) );
-		return whole ? hit( column + 0.5, row + 0.5 ) : null;
+		const isInside = [ [ 0, 0 ], [ 1, 0 ], [ 0, 1 ], [ 1, 1 ] ].every( ( [ x, y ] ) => hit( column + x, row + y ) );
+		return isInside ? hit( column + 0.5, row + 0.5 ) : null;
 
 	} );
 
@@ -105,13 +105,13 @@ all.push( ...roughnesses.map( ( roughness ) => ( { f0: darkMetal, roughness, vie
 const isShown = ( { f0, roughness, view } ) => f0 === 1 && roughness === 0.4 && view !== views[ 0 ];
 export const pictures = scale === 1 ? all : all.filter( isShown );
 
-/** A line for `ltcforge light`: what is seen of a point of the table. Its tangent frame is (z, x, y). */
+/** A line for `ltcforge light` for a point of the table. The tangent frame is (z, x, y). */
 export function questionOf( roughness, view, point ) {
 
 	const inFrame = ( v ) => [ v[ 2 ], v[ 0 ], v[ 1 ] ];
 	const wo = inFrame( unit( view.eye.map( ( x, i ) => x - point[ i ] ) ) );
 	const [ x, y ] = light.axes;
-	// Clockwise seen from the lit side.
+	// The corners run clockwise as seen from the lit side.
 	const corners = [ [ - 1, - 1 ], [ - 1, 1 ], [ 1, 1 ], [ 1, - 1 ] ].flatMap( ( [ i, j ] ) => inFrame( point.map( ( at, k ) =>
 		light.centre[ k ] + ( i * light.width * x[ k ] + j * light.height * y[ k ] ) / 2 - at ) ) );
 	const alpha = roughness ** 2;

@@ -1,14 +1,15 @@
-//! What of an answer is the reader's own: its words, without those that it repeats from the input.
+//! The words of an answer that a reader adds itself, without the words that it repeats from the input.
 
 use std::collections::BTreeSet;
 
-/// Shorter words are parts of escapes, units or numbers.
+/// The least length of a word. Shorter words are parts of escapes, units or numbers.
 const FEWEST_LETTERS: usize = 3;
 
-/// Words of the format that count where an answer repeats them: a long name of the input may be any number of them in any order.
+/// The number of repeated format words that count. A long name in the input may consist of many format words in any
+/// order.
 const MOST_REPEATED: usize = 2;
 
-/// Words of a format. An answer that repeats one of them, such as a field's name, says something by it.
+/// The words of a format, such as names of fields. They are relevant even if an answer repeats them from the input.
 pub(crate) struct Format(BTreeSet<String>);
 
 impl Format {
@@ -18,7 +19,8 @@ impl Format {
         Self(texts.flat_map(|text| words(&text).map(str::to_owned).collect::<Vec<_>>()).collect())
     }
 
-    /// The faults that an answer tells, a line each or with a semicolon between, as their words, each once, without what is quoted.
+    /// The faults in an answer, which are separated by line breaks or semicolons. Each fault is the list of its words,
+    /// without duplicates and quotations.
     pub(crate) fn faults(&self, answer: &str, input: &[u8]) -> BTreeSet<String> {
         let (answer, input) = (unquoted(answer), String::from_utf8_lossy(input));
         let fault = |line: &str| {
@@ -36,9 +38,9 @@ impl Format {
     }
 }
 
-/// A text without what is in «» or, with escapes, in "".
+/// A text without quotations in «» and, with escapes, in "".
 fn unquoted(text: &str) -> String {
-    let (mut left, mut depth) = (String::new(), 0_usize);
+    let (mut kept, mut depth) = (String::new(), 0_usize);
     let mut characters = text.chars();
     while let Some(c) = characters.next() {
         match c {
@@ -52,21 +54,21 @@ fn unquoted(text: &str) -> String {
                         _ => {}
                     }
                 }
-                left.push(' ');
+                kept.push(' ');
             }
-            _ if depth == 0 => left.push(c),
+            _ if depth == 0 => kept.push(c),
             _ => {}
         }
     }
-    left
+    kept
 }
 
-/// The words of a text: letters and digits, a letter first; what follows a backslash is an escape.
+/// The words of a text: letters and digits that begin with a letter. Escapes begin with a backslash and do not count.
 fn words(text: &str) -> impl Iterator<Item = &str> {
     let is_of_word = |c: char| c.is_alphanumeric() || c == '_' || c == '\\';
     text.split(move |c| !is_of_word(c))
         .flat_map(|run| {
-            // Behind the first backslash, one letter belongs to it.
+            // The letter after a backslash belongs to the escape.
             run.split('\\').enumerate().map(|(at, part)| {
                 let mut rest = part.chars();
                 if at > 0 {
@@ -79,18 +81,18 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
 }
 
 #[test]
-fn what_an_answer_repeats_is_no_fault_of_its_own() {
+fn words_that_an_answer_repeats_are_not_part_of_its_faults() {
     let format = Format::of([b"{\"alpha\": 1}".as_slice()]);
-    let of = |answer, input: &[u8]| format.faults(answer, input).into_iter().collect::<Vec<_>>();
+    let faults = |answer, input: &[u8]| format.faults(answer, input).into_iter().collect::<Vec<_>>();
     assert_eq!(
-        of("alpha: `gaga\\ngogo` is 0x1ffe, not a number; alpha: twice alpha", b"alpha gaga\ngogo"),
+        faults("alpha: `gaga\\ngogo` is 0x1ffe, not a number; alpha: twice alpha", b"alpha gaga\ngogo"),
         ["alpha not number", "alpha twice"]
     );
-    assert_eq!(of("«alpha«beta\n»» none of \"alpha\\\" x\", twice", b"alpha"), ["none twice"]);
+    assert_eq!(faults("«alpha«beta\n»» none of \"alpha\\\" x\", twice", b"alpha"), ["none twice"]);
     let long = b"unknown field: one two three four";
     assert_eq!(
         Format::of([long.as_slice()]).faults("four and three and two", long),
         ["four and three".to_owned()].into()
     );
-    assert_eq!(of("", b""), [""; 0]);
+    assert_eq!(faults("", b""), [""; 0]);
 }

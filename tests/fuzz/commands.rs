@@ -8,7 +8,7 @@ use std::{
 use super::target::Target;
 use crate::common::command::run;
 
-/// What a command answers to a file of this name: its results, or a complaint in few lines, with one of these exit codes.
+/// The output of a command for a file of this name: results or a short error, with one of these exit codes.
 fn answer(args: &[&str], name: &str, bytes: &[u8], codes: &[i32]) -> String {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join(name), bytes).expect("a file");
@@ -59,7 +59,7 @@ fn manifests_of_exports() {
     let seeds = vec![fs::read(folder.path().join("export/ltcforge.json")).expect("a manifest")];
     let words =
         ["\"path\":", "\"../x\"", "\"bytes\":", "\"sha256\":", "\"about\":", "\"table ", "[", "{", "}", ",", "null"];
-    // Files that it names and that are not there: 1, and 3 where it is no manifest.
+    // The exit code is 1 for missing files of the manifest, and 3 for an invalid manifest.
     Target { name: "manifest", seeds, words: &words, inputs: 60 }
         .survive(|bytes| answer(&["verify", "ltcforge.json"], "ltcforge.json", bytes, &[1, 3]));
 }

@@ -1,6 +1,7 @@
-//! The inputs of the repository: those that once failed, and those that trigger an error that no other input triggers.
+//! The inputs of the repository: inputs that once failed, and inputs that trigger an error that no other input
+//! triggers.
 //!
-//! `corpus/` has a text file for each target, with an input on each line. Bytes outside of printable ASCII are escaped as
+//! `corpus/` has a text file for each target, with an input on each line. Bytes outside printable ASCII are escaped as
 //! `\\n` or `\\x00`, a backslash as `\\\\`.
 
 use std::{
@@ -15,10 +16,10 @@ use std::{
 /// The longest input that is kept for its faults.
 const MOST_BYTES: usize = 4096;
 
-/// Inputs that are kept for their faults, of one target.
+/// Most inputs of a target that are kept for their faults.
 const MOST_INPUTS: usize = 100;
 
-/// How long an input is shortened.
+/// The longest time for shortening an input.
 const MOST_TIME: Duration = Duration::from_secs(20);
 
 /// The file of a target's inputs.
@@ -33,7 +34,7 @@ pub(crate) fn inputs(name: &str) -> Vec<Vec<u8>> {
     text.lines().map(input).collect()
 }
 
-/// Appends an input, unless the file has it, and returns the file and the line.
+/// Appends an input unless the file has it. Returns the file and the line.
 pub(crate) fn write(name: &str, input: &[u8]) -> String {
     let (file, known) = (file(name), inputs(name));
     let line = known.iter().position(|other| other == input).unwrap_or_else(|| {
@@ -57,7 +58,7 @@ fn escaped(input: &[u8]) -> String {
     })
 }
 
-/// The input of a line; `None` where an escape is unknown.
+/// The input of a line; `None` if an escape is unknown.
 fn unescaped(line: &str) -> Option<Vec<u8>> {
     let (mut input, mut rest) = (Vec::new(), line.as_bytes());
     while let [byte, after @ ..] = rest {
@@ -75,7 +76,7 @@ fn unescaped(line: &str) -> Option<Vec<u8>> {
     Some(input)
 }
 
-/// Writes an input with the faults `new`, shortened, if it is short then and the target has few.
+/// Shortens an input with the faults `new`. Writes it if it is short enough and the target has room for more inputs.
 pub(crate) fn keep(name: &str, input: &[u8], new: &BTreeSet<String>, faults: impl Fn(&[u8]) -> BTreeSet<String>) {
     if inputs(name).len() < MOST_INPUTS {
         let short = shortened(input, |shorter| faults(shorter).is_superset(new));
@@ -85,7 +86,7 @@ pub(crate) fn keep(name: &str, input: &[u8], new: &BTreeSet<String>, faults: imp
     }
 }
 
-/// An input without the parts that `is_as_good` says it can lose: halves, quarters and so on, down to bytes.
+/// Removes all parts of an input that `is_as_good` does not need: halves, quarters and so on, down to bytes.
 fn shortened(input: &[u8], is_as_good: impl Fn(&[u8]) -> bool) -> Vec<u8> {
     let (mut input, start) = (input.to_vec(), Instant::now());
     let mut part = input.len().div_ceil(2);

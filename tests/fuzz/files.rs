@@ -17,7 +17,7 @@ use ltcforge_plan::Scene;
 
 use super::target::Target;
 
-/// Documents of recipes, of every kind of field.
+/// Recipe documents with every kind of field.
 const RECIPES: [&str; 6] = [
     "{}",
     r#"{"preset": "draft", "resolution": {"alpha": 2, "ratio": 2, "theta": 2, "phi": 2}, "fit": {"samples": 64, "seed": 7}}"#,
@@ -46,7 +46,7 @@ const RECIPE_WORDS: [&str; 16] = [
     "\"tabulated\"",
 ];
 
-/// A table of few entries.
+/// A table with few entries.
 fn small() -> TableFile {
     let recipe = Recipe::builder().preset(Preset::Draft);
     let recipe = ["alpha", "ratio", "theta", "phi"].into_iter().fold(recipe, |recipe, axis| recipe.resolution(axis, 2));
@@ -148,7 +148,7 @@ fn lock_files() {
          file = [{{ path = \"out/1\", bytes = 3, digest = \"{digest_text}\" }}]\n"
     );
     for seed in [&old, &new] {
-        LockFile::parse(seed, path).expect("a seed in order");
+        LockFile::parse(seed, path).expect("a valid seed");
     }
     let seeds = vec![old.into_bytes(), new.into_bytes()];
     let words =
@@ -157,14 +157,14 @@ fn lock_files() {
         let Ok(text) = std::str::from_utf8(bytes) else { return "not UTF-8".to_owned() };
         match LockFile::parse(text, path) {
             Ok(lock) => {
-                // Version 1 has no recipes, which what is written needs.
+                // Version 1 has no recipes, but writing needs them.
                 if lock.pins.iter().all(|pin| pin.recipe.is_some()) {
                     let written = with_pins(text, &lock.pins).expect("what was read can be written");
                     assert_eq!(LockFile::parse(&written, path).expect("a lock file").pins, lock.pins);
                 }
                 "a lock file".to_owned()
             }
-            // Without the lines of the file.
+            // The quoted lines of the file are removed.
             Err(error) => error.to_string().lines().filter(|line| !line.contains('|')).collect::<Vec<_>>().join("\n"),
         }
     });
@@ -204,7 +204,7 @@ fn square() -> Vec<u8> {
     glb(json, &corners())
 }
 
-/// The square with a texture, the places of its pixels, two extensions and a camera.
+/// The square with a texture, texture coordinates, two extensions and a camera.
 fn textured_square() -> Vec<u8> {
     let mut png = Vec::new();
     let mut encoder = png::Encoder::new(&mut png, 2, 1);
@@ -236,7 +236,7 @@ fn textured_square() -> Vec<u8> {
 fn scenes() {
     let seeds = vec![square(), textured_square()];
     for seed in &seeds {
-        Scene::from_bytes(seed.clone(), &|| true).expect("a seed in order");
+        Scene::from_bytes(seed.clone(), &|| true).expect("a valid seed");
     }
     let words = [
         "\"children\":[0]",
@@ -252,7 +252,7 @@ fn scenes() {
     ];
     Target { name: "gltf", seeds, words: &words, inputs: 3000 }.survive(|bytes| {
         match Scene::from_bytes(bytes.to_vec(), &|| true) {
-            Ok(scene) => scene.notes.iter().fold("a scene".to_owned(), |told, note| told + "\n" + note),
+            Ok(scene) => scene.notes.iter().fold("a scene".to_owned(), |text, note| text + "\n" + note),
             Err(error) => error.to_string(),
         }
     });
@@ -264,7 +264,7 @@ fn lists_of_materials() {
     let words = ["\"openpbr\":", "\"gltf\":", "\"weight\":", "\"f0\":", "[", "{", "}", ","];
     Target { name: "materials", seeds: vec![list.to_vec()], words: &words, inputs: 3000 }.survive(|bytes| {
         match Scene::from_list(bytes) {
-            Ok(scene) => scene.notes.iter().fold("a scene".to_owned(), |told, note| told + "\n" + note),
+            Ok(scene) => scene.notes.iter().fold("a scene".to_owned(), |text, note| text + "\n" + note),
             Err(error) => error.to_string(),
         }
     });

@@ -7,7 +7,7 @@ use ltcforge::{
 
 use super::target::Target;
 
-/// The most pixels that are decoded here.
+/// Most pixels of a decoded picture.
 const MOST_PIXELS: u64 = 1 << 18;
 
 fn png(color: png::ColorType, depth: png::BitDepth, pixels: &[u8]) -> Vec<u8> {
@@ -38,7 +38,7 @@ fn exr() -> Vec<u8> {
     files.expect("files").files.remove(0).bytes
 }
 
-/// Four pixels as they are, and a line of eight of which each channel is a run.
+/// Four uncompressed pixels, and a line of eight pixels with a run in each channel.
 fn radiance() -> [Vec<u8>; 2] {
     let flat =
         [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n".as_slice(), &[128, 64, 32, 129].repeat(4)].concat();
@@ -60,7 +60,7 @@ fn pictures() {
         runs,
     ];
     for seed in &seeds {
-        LightPicture::decode(seed, None).expect("a seed in order");
+        LightPicture::decode(seed, None).expect("a valid seed");
     }
     let words =
         ["IHDR", "IDAT", "PLTE", "tRNS", "cICP", "gAMA", "-Y ", "+X ", "FORMAT=", "\n", "channels\0", "chlist\0"];
@@ -70,7 +70,7 @@ fn pictures() {
                 assert!(picture.image.texels().iter().flatten().all(|number| number.is_finite() && *number >= 0.0));
                 format!("{} {:?}", picture.format.name(), picture.curve)
             }
-            // Without the names and checksums of chunks, which are the file's.
+            // The names and checksums of chunks come from the file, so they are removed.
             Err(error) => error.to_string().split("ChunkType").next().unwrap_or_default().to_owned(),
         }
     });
@@ -82,7 +82,7 @@ fn profiles() {
     let quarters = "IESNA91\nTILT=NONE\n1,1000,2,2,3,1,1,0.1,0.1,0,1,1,50\n0 180\n0 45 90\n1 2 3 4 5 6\n";
     let seeds = [round, quarters].map(|text| text.as_bytes().to_vec()).to_vec();
     for seed in &seeds {
-        Profile::parse(seed).expect("a seed in order");
+        Profile::parse(seed).expect("a valid seed");
     }
     let words = ["TILT=NONE\n", "TILT=INCLUDE\n", " ", ",", "\n", "0 90", "0 180", "360"];
     Target { name: "profile", seeds, words: &words, inputs: 1500 }.survive(|bytes| match Profile::parse(bytes) {

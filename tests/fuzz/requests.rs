@@ -32,8 +32,8 @@ const WORDS: [&str; 20] = [
     "cursor=",
 ];
 
-/// How long an answer may take: the service waits for the rest of a request until the connection is closed. In the long run the
-/// other targets take the processor beside it.
+/// The longest time of a response. The service waits for the rest of a request until the connection is closed. In long
+/// runs other targets share the processor.
 const MOST: Duration = Duration::from_secs(60);
 
 #[test]
@@ -65,13 +65,13 @@ fn requests() {
     Target { name: "requests", seeds, words: &WORDS, inputs: 300 }.survive(|bytes| {
         let mut stream = TcpStream::connect(address).expect("the service accepts");
         stream.set_read_timeout(Some(MOST)).expect("a timeout");
-        // The service may answer and close before it has read all.
+        // The service may respond and close before it has read the whole request.
         let _ = stream.write_all(bytes);
         let _ = stream.shutdown(Shutdown::Write);
         let mut answer = Vec::new();
         let read = stream.read_to_end(&mut answer);
         let timed_out = read.is_err_and(|error| error.kind() == std::io::ErrorKind::WouldBlock);
-        assert!(!timed_out, "no end of the answer: {}", String::from_utf8_lossy(&answer));
+        assert!(!timed_out, "the response does not end: {}", String::from_utf8_lossy(&answer));
         let text = String::from_utf8_lossy(&answer);
         let line = text.lines().next().unwrap_or_default();
         assert!(line.is_empty() || line.starts_with("HTTP/1."), "{line}");

@@ -1,7 +1,7 @@
-//! Inputs for whatever reads bytes from elsewhere: seeds, what once failed, and mutations of both.
+//! Inputs for readers of foreign bytes: seeds, the corpus, and mutations of both.
 //!
-//! There is no instrumentation, which the stable compiler lacks: what a reader answers takes its place. An input that is told a fault
-//! which none was told before is mutated further.
+//! The stable compiler has no instrumentation for fuzzing, so the answers of a reader take its place. An input that
+//! triggers a new error is mutated further.
 
 use std::{
     collections::BTreeSet,
@@ -15,17 +15,17 @@ use rustix::time::{ClockId, clock_gettime};
 
 use super::{answer::Format, corpus, watch::Watch};
 
-/// Processor time for one input, of the thread that reads it: all targets may share two cores. How long an input may be waited for,
-/// for other threads or processes, the watch knows.
+/// The longest processor time of one input in the thread that reads it. It is not wall-clock time, because all targets
+/// may share two cores. [`Watch`] limits the wall-clock time.
 const MOST_TIME: Duration = Duration::from_secs(20);
 
 /// The longest input.
 const MOST_BYTES: usize = 1 << 20;
 
-/// Inputs that are mutated further.
+/// Most inputs that are mutated further.
 const MOST_KEPT: usize = 2000;
 
-/// What stands in place of a number.
+/// Replacements for a number.
 const NUMBERS: [&str; 12] = [
     "0",
     "-1",
@@ -41,20 +41,20 @@ const NUMBERS: [&str; 12] = [
     "\"\"",
 ];
 
-/// A reader of bytes, and what it is asked with.
+/// A reader of bytes, with its inputs.
 #[derive(Debug)]
 pub(crate) struct Target<'a> {
-    /// Its name, and that of its file in `tests/fuzz/corpus`.
+    /// Its name, and the name of its file in `tests/fuzz/corpus`.
     pub(crate) name: &'a str,
-    /// Inputs that are in order.
+    /// Valid inputs.
     pub(crate) seeds: Vec<Vec<u8>>,
     /// Words of the format.
     pub(crate) words: &'a [&'a str],
-    /// Inputs in every run of the tests. `LTCFORGE_TEST_FUZZ_SECONDS` goes on for so long.
+    /// The number of inputs in every run of the tests. `LTCFORGE_TEST_FUZZ_SECONDS` sets a time instead.
     pub(crate) inputs: u64,
 }
 
-/// Numbers that are the same each time.
+/// Pseudo-random numbers that are equal in every run.
 struct Random(u64);
 
 impl Random {
@@ -75,27 +75,29 @@ impl Random {
     }
 }
 
-/// The processor time that this thread has had.
+/// The processor time of this thread.
 fn processor_time() -> Duration {
     Duration::try_from(clock_gettime(ClockId::ThreadCPUTime)).expect("a time since the thread began")
 }
 
 /// A number in the environment.
 fn number_of(name: &str) -> Option<u64> {
-    env::var(name).ok().map(|text| text.parse().unwrap_or_else(|_| panic!("{name} is a number, and not «{text}»")))
+    env::var(name).ok().map(|text| text.parse().unwrap_or_else(|_| panic!("{name} must be a number, got «{text}»")))
 }
 
 impl Target<'_> {
-    /// Calls `read` with the inputs of the corpus, the seeds, and mutations of both. It returns what a user would be told.
+    /// Calls `read` with the inputs of the corpus, the seeds, and mutations of both. `read` returns the message for
+    /// users.
     ///
     /// # Panics
-    /// When `read` panics or takes too long; the input is then in the corpus, and the next run begins with it. When there is no corpus.
+    /// When `read` panics or takes too long. The input is then in the corpus, and the next run begins with it. When
+    /// there is no corpus.
     pub(crate) fn survive(&self, read: impl Fn(&[u8]) -> String) {
         assert!(!self.seeds.is_empty(), "{}: no seeds", self.name);
         let seconds = number_of("LTCFORGE_TEST_FUZZ_SECONDS");
         let keeps = number_of("LTCFORGE_TEST_FUZZ_KEEP").is_some_and(|number| number > 0);
         let corpus = corpus::inputs(self.name);
-        assert!(keeps || !corpus.is_empty(), "{}: no corpus; main.rs says how to make one", self.name);
+        assert!(keeps || !corpus.is_empty(), "{}: no corpus; tests/fuzz/mod.rs explains how to make one", self.name);
         let texts = self.seeds.iter().map(Vec::as_slice).chain(self.words.iter().map(|word| word.as_bytes()));
         let (watch, format) = (Watch::new(self.name), Format::of(texts));
         let faults = |input: &[u8]| format.faults(&self.answer(&read, input, &watch), input);
@@ -119,9 +121,9 @@ impl Target<'_> {
             }
         }
         if seconds.is_some() {
-            // Not by a macro, which tests that pass print nothing by.
-            let told = format!("{}: {inputs} inputs, {} faults and results\n", self.name, known.len());
-            std::io::stderr().write_all(told.as_bytes()).expect("stderr");
+            // The output of print macros is hidden for tests that pass.
+            let message = format!("{}: {inputs} inputs, {} faults and results\n", self.name, known.len());
+            std::io::stderr().write_all(message.as_bytes()).expect("stderr");
         }
     }
 
@@ -156,7 +158,7 @@ impl Target<'_> {
             2 => bytes.splice(at..at, self.word(random).bytes()).for_each(drop),
             3 => bytes.splice(at..end, self.word(random).bytes()).for_each(drop),
             4 => {
-                // The rest of another input.
+                // The end of another input.
                 let other = &kept[random.below(kept.len())];
                 bytes.truncate(at);
                 bytes.extend(&other[random.below(other.len() + 1)..]);
@@ -166,7 +168,7 @@ impl Target<'_> {
                 bytes.splice(at..at, again).for_each(drop);
             }
             6 => {
-                // A number of 32 or 64 bits, at the end of its range.
+                // A number of 32 or 64 bits, mostly at an end of its range.
                 let number = [0, 1, u64::MAX, u64::MAX >> 1, 1 << 31, 1 << 32, random.next()][random.below(7)];
                 let width = (4 << random.below(2)).min(bytes.len() - at);
                 bytes[at..at + width].copy_from_slice(&number.to_le_bytes()[..width]);
@@ -193,7 +195,7 @@ impl Target<'_> {
     }
 }
 
-/// A reader with faults behind three conditions that a random input does not meet at once.
+/// A reader with a fault behind three conditions, which a random input hardly meets at once.
 #[test]
 fn a_fault_behind_several_conditions_is_found() {
     let read = |bytes: &[u8]| {

@@ -13,7 +13,7 @@ use ltcforge::{
 
 use super::target::Target;
 
-/// A reader of texts.
+/// A reader of bytes from a reader of texts.
 fn of_text(read: impl Fn(&str) -> String) -> impl Fn(&[u8]) -> String {
     move |bytes| std::str::from_utf8(bytes).map_or_else(|_| "not UTF-8".to_owned(), &read)
 }
@@ -44,7 +44,7 @@ fn tokens_of_clients() {
     Target { name: "server_tokens", seeds, words: &words, inputs: 3000 }.survive(of_text(|text| {
         match text.parse::<ServerTokens>() {
             Ok(_) => "tokens".to_owned(),
-            // Without the URL.
+            // The URL is removed.
             Err(error) => error.to_string().rsplit(": ").next().unwrap_or_default().to_owned(),
         }
     }));
@@ -80,12 +80,12 @@ fn parameters_of_pictures() {
     let words: Vec<&str> = ["&", "=", ",", "true"].into_iter().chain(parameters()).collect();
     Target { name: "parameters", seeds, words: &words, inputs: 3000 }.survive(of_text(|text| {
         let pairs: Vec<(&str, &str)> = text.split('&').map(|pair| pair.split_once('=').unwrap_or((pair, ""))).collect();
-        let told = |faults: Vec<ParameterFault>| {
+        let lines = |faults: Vec<ParameterFault>| {
             let name = |fault: &ParameterFault| parameters().find(|name| *name == fault.parameter).unwrap_or("unknown");
             faults.iter().map(|fault| format!("{} {}", name(fault), fault.detail)).collect::<Vec<_>>().join("\n")
         };
-        let scene = Choices::read(pairs.iter().copied()).map_or_else(told, |_| "a scene".to_owned());
-        let slice = ErrorSlice::from_pairs(pairs).map_or_else(told, |_| "a slice".to_owned());
+        let scene = Choices::read(pairs.iter().copied()).map_or_else(lines, |_| "a scene".to_owned());
+        let slice = ErrorSlice::from_pairs(pairs).map_or_else(lines, |_| "a slice".to_owned());
         format!("{scene}\n{slice}")
     }));
 }

@@ -1,4 +1,4 @@
-//! What ends a run in which an input is waited for without end.
+//! A watchdog that ends a run when a reader does not return.
 
 use std::{
     io::Write as _,
@@ -10,13 +10,13 @@ use std::{
 
 use super::corpus;
 
-/// How long one input is waited for. All targets at once share the processor, and a small machine's is shared by many.
+/// The longest wait for one input. All targets share the processor, and a small machine has few cores.
 const MOST_WAIT: Duration = Duration::from_secs(180);
 
-/// An input, and since when it is read.
+/// The current input, and the time when its reading began.
 type Reading = Mutex<Option<(Instant, Vec<u8>)>>;
 
-/// A look at what a target reads, once a second.
+/// Checks once a second how long a target has been reading.
 pub(crate) struct Watch(Arc<Reading>);
 
 impl Watch {
@@ -36,16 +36,16 @@ impl Watch {
     }
 }
 
-/// Writes an input that is read for too long into the corpus, and ends the process: a thread cannot be ended.
+/// Writes an input that takes too long into the corpus and ends the process, because a thread cannot be ended.
 fn watch(watched: &Weak<Reading>, name: &str) {
     while let Some(reading) = watched.upgrade() {
         if let Some((since, input)) = &*reading.lock().expect("no panic")
             && since.elapsed() > MOST_WAIT
         {
             let line = corpus::write(name, input);
-            // Not by a macro, whose words would be kept until the test ends.
-            let told = format!("{name}: no answer after {MOST_WAIT:?}; the input is now {line}\n");
-            let _ = std::io::stderr().write_all(told.as_bytes());
+            // A print macro would be captured until the test ends.
+            let message = format!("{name}: no answer after {MOST_WAIT:?}; the input is now {line}\n");
+            let _ = std::io::stderr().write_all(message.as_bytes());
             process::exit(1);
         }
         drop(reading);

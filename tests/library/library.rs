@@ -1,4 +1,4 @@
-//! Calls that a program or a build script makes that wants a table: build a recipe, fit it once, and write what it needs.
+//! The calls of a program or a build script: build a recipe, fit it once, and write the files that it needs.
 
 use std::{
     error::Error,
@@ -14,7 +14,7 @@ use ltcforge::{
 
 type Result = std::result::Result<(), Box<dyn Error>>;
 
-/// The digests that `tests/cli/same_bytes.rs` pins for the command, whatever this was compiled for.
+/// The digest that `tests/cli/same_bytes.rs` pins for the command.
 const PINNED_DIGEST: &str = "sha256:2c3d0be191fa318bae02c01a19581ccfd5ffe169f39cf14adc6ab35065d221d3";
 const PINNED_GAUSSIANS: [(LobeModel, &str); 2] = [
     (LobeModel::Sg, "sha256:3f719fc926b56fa7c427aa842ea95aee574242605683c00d634ed8b246fbf74b"),
@@ -55,7 +55,7 @@ fn the_bytes_of_gaussians_are_pinned() -> Result {
 fn a_cached_table_is_not_fitted_again() -> Result {
     let (recipe, folder) = (small().build()?, tempfile::tempdir()?);
     let table = ltcforge::cached(&recipe, folder.path())?;
-    // A fit would write another file in its place, with the time of now.
+    // Another fit would replace the file, and its modification time would be now.
     let kept = folder.path().join(format!("{}.safetensors", recipe.digest().hex()));
     let long_ago = std::time::SystemTime::UNIX_EPOCH;
     fs::File::options().write(true).open(&kept)?.set_modified(long_ago)?;
@@ -65,7 +65,7 @@ fn a_cached_table_is_not_fitted_again() -> Result {
 }
 
 #[test]
-fn a_fit_reports_progress_and_stops_when_told_to() -> Result {
+fn a_fit_reports_progress_and_can_be_stopped() -> Result {
     let recipe = small().build()?;
     let most = AtomicU64::new(0);
     let watched = Fit::new(&recipe).progress(|done| {

@@ -1,4 +1,4 @@
-//! How near a table is to the best fit there is, where renderers land: between its nodes.
+//! The error of a table between its nodes, where renderers read it, against the best fits.
 
 use std::{ops::ControlFlow, sync::Arc};
 
@@ -14,7 +14,7 @@ use ltcforge::{
 };
 use rayon::prelude::*;
 
-/// Materials and views as artists set them.
+/// The number of materials and views as artists set them.
 const PLACES: usize = 48;
 
 fn table(document: &str) -> Table {
@@ -30,7 +30,7 @@ fn place(i: usize) -> Configuration {
     Configuration { alpha_x, alpha_y: alpha_x * (0.1 + 0.9 * ratio), theta: 1.5 * theta, phi: 1.57 * phi }
 }
 
-/// The error of the table and that of a fit of its own, by the same held-out samples.
+/// The errors of the table and of a separate fit, by the same held-out samples.
 fn errors(table: &Table, at: &Configuration) -> [f64; 2] {
     let (ggx, wo) = (Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y }, direction(at.theta, at.phi));
     let mut fitter = Fitter::new(&Preset::Paper.fit());
@@ -40,7 +40,7 @@ fn errors(table: &Table, at: &Configuration) -> [f64; 2] {
     [looked_up, own.error]
 }
 
-/// Sum of errors over that of the fits, and the worst ratio of the two.
+/// The sum of errors over the sum of the fits' errors, and the largest ratio of the two.
 fn excess(table: &Table) -> (f64, f64) {
     let all: Vec<[f64; 2]> = (0..PLACES).into_par_iter().map(|i| errors(table, &place(i))).collect();
     let [looked_up, own] = [0, 1].map(|k| all.iter().map(|pair| pair[k]).sum::<f64>());
@@ -59,8 +59,7 @@ fn standard_is_nearer() {
     assert!(mean < 0.11 && worst < 2.4, "{mean} {worst}");
 }
 
-/// The materials of KT et al. 2022, figure 14, and the mean absolute error of the table that they published, as
-/// docs/accuracy.md has it.
+/// The materials of KT et al. 2022, figure 14. docs/accuracy.md has the mean absolute error of their published table.
 #[test]
 fn on_the_materials_of_figure_14_a_draft_is_nearer_than_the_published_table() {
     const PUBLISHED: [f64; 4] = [0.00692, 0.02223, 0.02130, 0.05605];
@@ -73,8 +72,8 @@ fn on_the_materials_of_figure_14_a_draft_is_nearer_than_the_published_table() {
     assert_eq!(rendered.errors.len(), PUBLISHED.len());
 }
 
-/// Isotropic materials between the texels of the table that engines read. The table that they ship has 5 times the
-/// error of the best fits.
+/// Isotropic materials between the texels of a table for engines. The table that engines ship has 5 times the error of
+/// the best fits.
 #[test]
 fn the_isotropic_table_of_engines_is_near_between_its_texels() {
     let table = table(r#"{"layout": "ltc2017"}"#);
@@ -84,7 +83,7 @@ fn the_isotropic_table_of_engines_is_near_between_its_texels() {
     assert!(mean < 1.1, "{mean}");
 }
 
-/// A check of the bounds: interpolated as it is, without the reflection, the same fit is far off.
+/// The bounds can fail: without the layout's reflection, the same fit interpolates badly.
 #[test]
 fn the_layout_of_the_published_table_is_not_near() {
     let (mean, worst) = excess(&table(r#"{"preset": "draft", "layout": "kt2022"}"#));

@@ -1,4 +1,4 @@
-//! The example recipes of `docs/recipes` buy what `docs/recipe.md` says.
+//! The example recipes of `docs/recipes` have the sizes and errors that `docs/recipe.md` states.
 
 use std::{fs, ops::ControlFlow, path::Path};
 
@@ -13,7 +13,7 @@ use ltcforge::{
 };
 use rayon::prelude::*;
 
-/// An example, fitted at a preset that a test has the time for.
+/// An example with a preset that is fast enough for a test.
 fn example(name: &str) -> Recipe {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/recipes").join(name);
     let text = fs::read_to_string(path).expect("an example");
@@ -54,15 +54,15 @@ fn a_range_costs_a_part_of_the_whole_and_loses_nothing() {
 fn isotropic_surfaces_alone_take_a_hundredth() {
     let (whole, isotropic) = (parse("{}"), example("isotropic.json"));
     let table = fitted(&isotropic);
-    // The numbers; the recipe in the header is as long as in any table.
+    // Only the numbers are compared, because the header is about as long in every table.
     let numbers = |recipe: &Recipe, bytes_each: u64| recipe.entries() * 11 * bytes_each;
     assert!(100 * numbers(&isotropic, 2) < numbers(&whole, 4));
     let error = mean_error(&table, [[0.01, 1.0], [1.0, 1.0], [0.0, 1.55], [0.0, 6.2]]);
     assert!(error < 0.05, "{error}");
 }
 
-/// Mean error as a part of alpha, which a lobe's width is in proportion to, over 200 places in the ranges of alpha,
-/// ratio, theta and phi.
+/// Mean error relative to alpha, over 200 places in the ranges of alpha, ratio, theta and phi. The width of a lobe is
+/// proportional to alpha.
 fn mean_error(table: &Table, ranges: [[f64; 2]; 4]) -> f64 {
     let settings = parse(r#"{"preset": "paper"}"#).fit();
     let errors = (0..200).into_par_iter().map_init(

@@ -1,4 +1,4 @@
-//! Tables as such: how near they are to the best fit, at the extremes, those of the example recipes, and the README's.
+//! Tests of tables: errors against the best fits, extremes, example recipes, and figures of the README.
 
 mod accuracy;
 mod examples;

@@ -1,4 +1,4 @@
-//! Plans of all scenes that the project has: lists of the documents, and files of glTF.
+//! Plans of all scenes of the project: lists in the docs, and glTF files.
 
 use std::{
     fs,
@@ -30,7 +30,8 @@ fn shipped(name: &str) -> Scene {
     scene(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes").join(name))
 }
 
-/// Half of the bytes of the whole domain's table serve every scene as well as that, and as well as it was predicted.
+/// A planned table with half the bytes is as good as the table of the whole domain on every scene, and as good as
+/// predicted.
 #[test]
 fn half_of_the_bytes_is_not_worse_on_any_scene() {
     let scenes = [files("docs/plan", &["json"]), files("tests/scenes", &["gltf", "glb"])].concat();
@@ -49,10 +50,10 @@ fn half_of_the_bytes_is_not_worse_on_any_scene() {
         let (fitted, whole) = (&plan.fitted[0], plan.whole.predicted.expect("the default table is kept"));
         let off_by = fitted.error / fitted.candidate.error;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let told = format!("{name}: {:.4}, off by {off_by:.3}, {} bytes; whole {whole:.4}", fitted.error, fitted.bytes);
-        println!("{told}");
+        let line = format!("{name}: {:.4}, off by {off_by:.3}, {} bytes; whole {whole:.4}", fitted.error, fitted.bytes);
+        println!("{line}");
         if fitted.bytes > 83_160 || fitted.error > whole || !(0.85..1.15).contains(&off_by) {
-            wrong.push(told);
+            wrong.push(line);
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
@@ -69,7 +70,7 @@ fn material<'a>(scene: &'a Scene, name: &str) -> &'a SceneMaterial {
     scene.materials.iter().find(|material| material.name == name).expect(name)
 }
 
-/// Each disc has all strengths of its texture, so that alpha reaches from its own to one.
+/// Each disc has all strengths of its texture, so that alpha ranges from the disc's alpha to one.
 #[test]
 fn discs_of_anisotropy_have_every_strength() {
     let scene = shipped("AnisotropyDiscTest.glb");
@@ -80,14 +81,14 @@ fn discs_of_anisotropy_have_every_strength() {
         let [low, high] = [f64::min, f64::max]
             .map(|least| disc.lobes[0].spots.iter().map(|spot| spot.alpha).reduce(least).expect("spots"));
         assert!((low - roughness * roughness).abs() < 2e-3 && high > 0.99, "{name}: {low} to {high}");
-        // The smaller roughness is that without a direction, whatever the strength.
+        // The smaller roughness equals the roughness without anisotropy, at every strength.
         let smaller = disc.lobes[0].spots.iter().map(|spot| spot.alpha * spot.ratio);
         assert!(smaller.into_iter().all(|alpha| (alpha - roughness * roughness).abs() < 5e-3), "{name}");
     }
     assert!(material(&scene, "roughness 1.0").lobes[0].is_isotropic());
 }
 
-/// Coats are lobes of their own, of a factor or a texture of roughness, where they are.
+/// Coats are separate lobes, with the roughness of a factor or a texture, on the surface that they cover.
 #[test]
 fn coats_have_the_roughness_and_the_surface_of_their_textures() {
     let scene = shipped("ClearCoatTest.glb");
@@ -98,7 +99,7 @@ fn coats_have_the_roughness_and_the_surface_of_their_textures() {
     let partial = material(&scene, "Partial_Coated");
     let [base, coat] = [0, 1].map(|lobe| partial.lobes[lobe].weight());
     assert!((0.2..0.8).contains(&(coat / base)), "{coat} of {base}");
-    // The same roughnesses stand in a texture of the coat and in one of a surface without a coat.
+    // A texture of the coat and a texture of a surface without a coat have the same roughnesses.
     let [striped, surface] = ["RoughVariations_Coated", "RoughVariations_Coating"].map(|name| material(&scene, name));
     for alpha in [[0.0, 0.05], [0.05, 0.2], [0.2, 1.0]] {
         let [coat, plain] = [part(striped, LobeKind::Clearcoat, alpha), part(surface, LobeKind::Base, alpha)];
@@ -106,15 +107,15 @@ fn coats_have_the_roughness_and_the_surface_of_their_textures() {
     }
 }
 
-/// What goes through glass is named for each of many materials, and its reflection planned for.
+/// The light through glass is reported for each of many materials, and their reflection is planned.
 #[test]
-fn many_materials_of_glass_are_named() {
+fn many_materials_of_glass_are_reported() {
     let scene = shipped("AttenuationTest.glb");
     assert_eq!(scene.materials.len(), 18);
     let of_glass =
         |material: &&SceneMaterial| material.uncovered.iter().any(|what| what.contains("KHR_materials_volume"));
     let glass = scene.materials.iter().filter(of_glass).count();
-    let told = left_out(&scene);
-    assert_eq!(told.iter().filter(|line| line.contains("KHR_materials_volume")).count(), glass);
-    assert!(glass >= 10 && scene.materials.iter().all(|material| !material.lobes.is_empty()), "{glass}: {told:?}");
+    let notes = left_out(&scene);
+    assert_eq!(notes.iter().filter(|line| line.contains("KHR_materials_volume")).count(), glass);
+    assert!(glass >= 10 && scene.materials.iter().all(|material| !material.lobes.is_empty()), "{glass}: {notes:?}");
 }

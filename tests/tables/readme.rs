@@ -1,4 +1,4 @@
-//! The figures of the README are those of the current fitter.
+//! The figures of the README equal the results of the current fitter.
 
 use std::{fs, ops::ControlFlow, path::Path};
 
@@ -7,7 +7,7 @@ use ltcforge::{
     fit::{Plan, fit_plan, report},
 };
 
-/// Number of places at which the command of the README measures.
+/// Number of points of the command in the README.
 const POINTS: usize = 1024;
 
 /// Mean, p95 and maximum in percent, from the row of `table` in the README.

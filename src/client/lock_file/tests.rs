@@ -35,7 +35,7 @@ fn pins(text: &str) -> Result<Vec<Pin>, LockFileError> {
     parse(text).map(|(pins, _)| pins)
 }
 
-/// A lock file as version 1 of the format was written, with comments.
+/// A lock file of version 1 of the format, with comments.
 fn old() -> String {
     let (a, b) = (Digest::of(b"a"), Digest::of(b"b"));
     format!(
@@ -51,7 +51,7 @@ fn pins_are_written_and_read_back() {
     let both = [a, b];
     let text = with_pins("", &both).expect("a new file");
     assert_eq!(pins(&text).expect("a lock file"), both, "{text}");
-    // The same pins give the same text, and one fewer leaves the other as it was.
+    // The same pins give the same text. Removing a pin leaves the other as it was.
     assert_eq!(with_pins(&text, &both).expect("the same"), text);
     let one = with_pins(&text, &both[..1]).expect("one pin");
     assert_eq!(pins(&one).expect("a lock file"), both[..1], "{one}");
@@ -179,16 +179,16 @@ fn two_names_that_some_system_takes_for_one_are_told() {
         ("\u{3a3}\u{3c2}", "\u{3c3}\u{3a3}"),
         ("\u{212b}", "\u{e5}"),
     ] {
-        let said = |refused: Result<String, LockFileError>| {
+        let message = |refused: Result<String, LockFileError>| {
             let refused = refused.expect_err(one);
             assert!(matches!(refused, LockFileError::Alike { .. }), "{refused}");
             refused.to_string()
         };
-        let names = said(with_pins("", &[pin(one, "x"), pin(other, "y")]));
+        let names = message(with_pins("", &[pin(one, "x"), pin(other, "y")]));
         assert!(names.contains(one) && names.contains(other) && names.contains("two tables have the names"), "{names}");
-        let paths = said(with_pins("", &[pin("a", &format!("d/{one}")), pin("b", &format!("./d/{other}"))]));
+        let paths = message(with_pins("", &[pin("a", &format!("d/{one}")), pin("b", &format!("./d/{other}"))]));
         assert!(paths.contains("two files have the paths"), "{paths}");
-        said(with_pins("", &[Pin { exports: vec![export(&[other])], ..pin("a", one) }]));
+        message(with_pins("", &[Pin { exports: vec![export(&[other])], ..pin("a", one) }]));
         with_pins("", &[pin("a", &format!("{one}/x")), pin("b", &format!("{other}/y"))]).expect("other files");
     }
 }
@@ -203,10 +203,10 @@ fn what_git_and_editors_leave_in_a_lock_file_is_named() {
     let merged = format!("{right}<<<<<<< HEAD\n# a\n=======\n# b\n>>>>>>> other\n");
     let utf_16: Vec<u8> = "\u{feff}version = 2".encode_utf16().flat_map(u16::to_le_bytes).collect();
     let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 7\n";
-    for (bytes, said) in [(merged.as_bytes(), "merge marker"), (&utf_16, "UTF-16"), (&pointer[..], "git lfs pull")] {
+    for (bytes, message) in [(merged.as_bytes(), "merge marker"), (&utf_16, "UTF-16"), (&pointer[..], "git lfs pull")] {
         std::fs::write(&path, bytes).expect("a file");
-        let refused = LockFile::read(&path).expect_err(said).to_string();
-        assert!(refused.contains(said), "{refused}");
+        let refused = LockFile::read(&path).expect_err(message).to_string();
+        assert!(refused.contains(message), "{refused}");
     }
     let secret = "version = 2\nsources = [\"http://user:secret@h:99999\"]\n";
     let refused = parse(secret).expect_err("a password").to_string();

@@ -9,13 +9,13 @@ const AMOUNTS: [[f32; 3]; 5] =
 const SIGNED: [[f32; 3]; 5] =
     [[0.004, 0.03, 0.25], [0.08, 0.32, 0.72], [0.72, 0.72, 0.72], [0.74, 0.22, 0.08], [0.25, 0.006, 0.01]];
 
-/// The colour of an amount from 0 to 1; beyond, that of the nearest.
+/// The colour of an amount from 0 to 1. Values outside have the colour of the nearest end.
 #[must_use]
 pub fn colour(value: f32) -> [u8; 3] {
     between(&AMOUNTS, value)
 }
 
-/// The colour of a number from -1 to 1, neutral at zero; beyond, that of the nearest.
+/// The colour of a number from -1 to 1, neutral at zero. Values outside have the colour of the nearest end.
 #[must_use]
 pub fn signed_colour(value: f32) -> [u8; 3] {
     between(&SIGNED, 0.5 * (value + 1.0))

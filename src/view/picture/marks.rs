@@ -19,7 +19,8 @@ pub fn cross(picture: &mut Picture, at: [f32; 2], radius: f32) {
     mark(picture, at, radius, |x, y| arm(x, y).min(arm(y, x)));
 }
 
-/// Draws where `distance` from the mark's line, by the place relative to its middle, is small.
+/// Draws the pixels whose `distance` from the mark's line is small. `distance` takes a place relative to the mark's
+/// middle.
 fn mark(picture: &mut Picture, [x, y]: [f32; 2], radius: f32, distance: impl Fn(f32, f32) -> f32) {
     let reach = radius + RIM + 1.0;
     let pixels = |middle: f32, end: u32| {
@@ -50,7 +51,7 @@ mod tests {
         let mut picture = blank.clone();
         cross(&mut picture, [10.5, 10.5], 6.0);
         assert_eq!([at(&picture, 10, 10), at(&picture, 10, 15), at(&picture, 13, 13)], [LIGHT, LIGHT, [9; 3]]);
-        // At the edge the rest of a mark is left out.
+        // A mark is clipped at the edge of the picture.
         let mut picture = blank.clone();
         ring(&mut picture, [0.0, 40.0], 6.0);
         assert_eq!(picture, blank);

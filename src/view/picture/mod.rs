@@ -1,4 +1,4 @@
-//! Pictures as such: bytes, PNG, labels, marks, false colours, panels. This layer knows neither lights nor tables.
+//! Pictures in general: bytes, PNG, labels, marks, false colours, panels. This layer knows neither lights nor tables.
 //!
 //! Invariant: equal calls give equal bytes on every machine.
 

@@ -5,15 +5,15 @@ use super::{
     text::{self, Anchor, GROUND, LINE},
 };
 
-/// Between panels.
+/// Pixels between panels.
 const GAP: u32 = 4;
 /// A colour bar's height and its distance from the panel's sides.
 const BAR: u32 = 10;
 const MARGIN: u32 = 8;
-/// Under a panel: the bar, and a line for its ends.
+/// The height of the foot of a panel: the bar, and a line for its ends.
 const FOOT: u32 = BAR + LINE + 8;
 
-/// The colours of 0 to 1 across `width` pixels, with both ends written under them, and between those the first unit
+/// The colours of 0 to 1 across `width` pixels. Both ends are written under them, and between the ends the first unit
 /// that fits.
 #[must_use]
 pub fn bar(width: u32, colour: fn(f32) -> [u8; 3], [low, high]: [&str; 2], units: &[&str]) -> Picture {
@@ -26,7 +26,7 @@ pub fn bar(width: u32, colour: fn(f32) -> [u8; 3], [low, high]: [&str; 2], units
     let y = 4 + BAR + LINE / 2;
     text::write(&mut picture, low, MARGIN, y, Anchor::Left, width);
     text::write(&mut picture, high, width - MARGIN, y, Anchor::Right, width);
-    // A unit that does not fit between the ends is left out.
+    // A unit is left out if it does not fit between the ends.
     let widest = if low.len() > high.len() { low } else { high };
     let fits = |unit: &&&str| !text::fitting(&[&format!("-- {widest} {unit} {widest}")], width).is_empty();
     if let Some(unit) = units.iter().find(fits) {
@@ -35,7 +35,7 @@ pub fn bar(width: u32, colour: fn(f32) -> [u8; 3], [low, high]: [&str; 2], units
     picture
 }
 
-/// Three digits, without zeros at the end; very small ones with an exponent.
+/// A number with three digits, without zeros at the end. Very small numbers have an exponent.
 #[must_use]
 pub fn number(x: f32) -> String {
     if x != 0.0 && x.abs() < 1e-4 {
@@ -46,7 +46,7 @@ pub fn number(x: f32) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// A line of text on the ground, as wide as a panel, in the first wording that fits.
+/// A line of text on the background, as wide as a panel, in the first wording that fits.
 #[must_use]
 pub fn caption(width: u32, wordings: &[&str]) -> Picture {
     let mut picture = Picture::filled(width, FOOT, GROUND);
@@ -73,28 +73,28 @@ pub fn grid(panels: &[Panel<'_>], columns: u32) -> Picture {
     let rows = (panels.len() as u32).div_ceil(columns);
     let top = LINE + 4;
     let (across, down) = (width + GAP, top + height + FOOT);
-    let mut whole = Picture::filled(columns * across - GAP, rows * down, GROUND);
+    let mut canvas = Picture::filled(columns * across - GAP, rows * down, GROUND);
     for (i, panel) in (0_u32..).zip(panels) {
         let (left, above) = (i % columns * across, i / columns * down);
-        whole.put(&panel.picture, left, above + top);
-        text::write(&mut whole, panel.title, left + width / 2, above + top / 2, Anchor::Middle, width);
-        whole.put(&panel.foot, left, above + top + height);
+        canvas.put(&panel.picture, left, above + top);
+        text::write(&mut canvas, panel.title, left + width / 2, above + top / 2, Anchor::Middle, width);
+        canvas.put(&panel.foot, left, above + top + height);
     }
-    whole
+    canvas
 }
 
-/// Pictures beside each other, level at the top.
+/// Pictures side by side, aligned at the top.
 #[must_use]
 pub fn beside(pictures: &[Picture]) -> Picture {
     let width = pictures.iter().map(|picture| picture.width + GAP).sum::<u32>().saturating_sub(GAP);
     let height = pictures.iter().map(|picture| picture.height).max().unwrap_or_default();
-    let mut whole = Picture::filled(width.max(1), height.max(1), GROUND);
+    let mut canvas = Picture::filled(width.max(1), height.max(1), GROUND);
     let mut left = 0;
     for picture in pictures {
-        whole.put(picture, left, 0);
+        canvas.put(picture, left, 0);
         left += picture.width + GAP;
     }
-    whole
+    canvas
 }
 
 /// A picture under lines of text, each in the first wording that fits.
@@ -102,13 +102,13 @@ pub fn beside(pictures: &[Picture]) -> Picture {
 pub fn headed(lines: &[&[&str]], picture: &Picture) -> Picture {
     let width = picture.width;
     let top = lines.len() as u32 * LINE + 4;
-    let mut whole = Picture::filled(width, top + picture.height, GROUND);
+    let mut canvas = Picture::filled(width, top + picture.height, GROUND);
     for (i, wordings) in (0_u32..).zip(lines) {
         let y = 2 + i * LINE + LINE / 2;
-        text::write(&mut whole, text::fitting(wordings, width), MARGIN, y, Anchor::Left, width);
+        text::write(&mut canvas, text::fitting(wordings, width), MARGIN, y, Anchor::Left, width);
     }
-    whole.put(picture, 0, top);
-    whole
+    canvas.put(picture, 0, top);
+    canvas
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ impl Picture {
         Self { width, height, rgb: vec![colour; (width * height) as usize] }
     }
 
-    /// Copies `part` to where its left upper corner is `(left, top)`. What lies outside is left out.
+    /// Copies `part` so that its upper left corner is at `(left, top)`. Pixels outside the picture are dropped.
     pub fn put(&mut self, part: &Self, left: u32, top: u32) {
         for y in 0..part.height.min(self.height.saturating_sub(top)) {
             let width = part.width.min(self.width.saturating_sub(left)) as usize;
@@ -33,7 +33,7 @@ impl Picture {
         }
     }
 
-    /// Moves a pixel, which may lie outside, to white by `coverage`, 0 to 1, as displayed.
+    /// Blends a pixel, which may lie outside, towards white by `coverage` (0 to 1), in displayed values.
     pub(super) fn blend_white(&mut self, x: f32, y: f32, coverage: f32) {
         if x < 0.0 || y < 0.0 || x >= self.width as f32 || y >= self.height as f32 {
             return;

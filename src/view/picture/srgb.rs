@@ -19,10 +19,10 @@ static STEPS: LazyLock<[f32; 255]> = LazyLock::new(|| {
     })
 });
 
-/// The sRGB curve [IEC 61966-2-1] of a linear value in [0, 1], as a byte; of any other the nearest end's.
+/// The sRGB curve [IEC 61966-2-1] of a linear value in [0, 1], as a byte. Other values are clamped.
 #[must_use]
 pub fn srgb(linear: f32) -> u8 {
-    // Eight comparisons in place of a power, which would take a fifth of the time of a picture.
+    // Eight comparisons replace a power, which would take a fifth of the time of a picture.
     STEPS.partition_point(|step| *step <= linear) as u8
 }
 

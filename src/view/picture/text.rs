@@ -8,15 +8,15 @@ use super::Picture;
 
 /// The background of labels.
 pub const GROUND: [u8; 3] = [24, 24, 24];
-/// Height of a line of text beside which nothing else stands.
+/// Height of a line of text.
 pub const LINE: u32 = 18;
 /// Panels narrower than this have smaller letters.
 const NARROW: u32 = 200;
-/// Height from the deepest to the highest letter in such panels and in others, pixels.
+/// Height from the lowest to the highest letter in narrow and in other panels, in pixels.
 const HEIGHTS: [f32; 2] = [12.0, 16.0];
 
 static FONT: LazyLock<FontRef<'static>> = LazyLock::new(|| {
-    FontRef::try_from_slice(include_bytes!("font/dejavu_sans.ttf")).expect("the font that is compiled in is one")
+    FontRef::try_from_slice(include_bytes!("font/dejavu_sans.ttf")).expect("the compiled-in font is valid")
 });
 
 /// The digits by which a picture names a table.
@@ -25,25 +25,25 @@ pub fn short_digest(digest: &str) -> &str {
     digest.get(..8).unwrap_or(digest)
 }
 
-/// Where a text is placed relative to its point.
+/// The position of a text relative to its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
-    /// It begins there.
+    /// The text begins at the point.
     Left,
-    /// Its middle is there.
+    /// The middle of the text is at the point.
     Middle,
-    /// It ends there.
+    /// The text ends at the point.
     Right,
 }
 
-/// The first of some wordings that a panel of `width` has room for, or else nothing.
+/// The first wording that fits in a panel of `width`, or an empty text.
 #[must_use]
 pub fn fitting<'a>(wordings: &[&'a str], width: u32) -> &'a str {
     let fits = |text: &&&str| text_width(text, width) <= width;
     wordings.iter().find(fits).copied().unwrap_or_default()
 }
 
-/// How wide a line of text is in a panel of `width`, pixels.
+/// The width of a line of text in a panel of `width`, in pixels.
 #[must_use]
 pub fn text_width(text: &str, width: u32) -> u32 {
     let font = font(width);
@@ -73,10 +73,10 @@ pub fn write(picture: &mut Picture, text: &str, x: u32, y: u32, anchor: Anchor, 
     }
 }
 
-/// Beside a tag and within it.
+/// The margin around a tag and within it.
 const TAG_MARGIN: u32 = 3;
 
-/// Width and height.
+/// Width and height of a tag.
 fn tag_size(text: &str, width: u32) -> [u32; 2] {
     [text_width(text, width) + 2 * TAG_MARGIN, font(width).height().ceil() as u32 + TAG_MARGIN]
 }
@@ -87,8 +87,8 @@ pub fn tag_fits(text: &str, width: u32) -> bool {
     tag_size(text, width)[0] + 2 * TAG_MARGIN <= width
 }
 
-/// Writes `text` on ground of its own into the lower left corner, `(left, bottom)`, of a part of a picture, `width`
-/// wide. Nothing is written where there is no room.
+/// Writes `text` on a background into the lower left corner, `(left, bottom)`, of a part of a picture, `width` wide.
+/// Nothing is written if there is no room.
 pub fn tag(picture: &mut Picture, text: &str, [left, bottom]: [u32; 2], width: u32) {
     let [across, high] = tag_size(text, width);
     if !tag_fits(text, width) || bottom < high + TAG_MARGIN {

@@ -1,24 +1,24 @@
-//! Errors over theta, to the right, and alpha, upwards: cells of colours between axes.
+//! Errors as coloured cells between axes: theta to the right, alpha upwards.
 
 use crate::picture::{Anchor, GROUND, LINE, Picture, colour, number, write};
 use ltcforge_fit::{ErrorMap, PerAxis};
 
-/// Pixels a side of all cells together, about.
+/// Side of all cells together in pixels, about.
 const SIDE: u32 = 400;
-/// Room for alpha's ticks and labels, and for its name above them.
+/// Space for alpha's ticks and labels, and for its name above them.
 const LEFT: u32 = 64;
 const ABOVE: u32 = LINE + LINE / 2;
-/// Room for theta's ticks, labels and name.
+/// Space for theta's ticks, labels and name.
 const BELOW: u32 = TICK + 2 * LINE;
-/// Length of a labelled tick; that of a node is half as long.
+/// Length of a labelled tick. The tick of a node is half as long.
 const TICK: u32 = 8;
 const TICK_COLOUR: [u8; 3] = [230, 230, 230];
 const NODE_COLOUR: [u8; 3] = [140, 140, 140];
-/// The labels of the axes, as far as the table goes: alpha, and theta in degrees.
+/// The labels of the axes within the range of the table: alpha, and theta in degrees.
 const ALPHAS: [f64; 8] = [0.001, 0.01, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0];
 const DEGREES: [f64; 7] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0];
 
-/// The errors at the ends of the colours, which run evenly in the logarithm.
+/// The errors at the ends of the colour scale, which is logarithmic.
 const ENDS: [f64; 2] = [1e-3, 1.0];
 
 /// Errors of a map, row by row from the smoothest surface, with their axes and ticks at a table's nodes.
@@ -35,7 +35,7 @@ pub(super) fn draw(map: &ErrorMap, errors: &[f64], axes: &PerAxis<Vec<f64>>) -> 
     let width = picture.width;
     let place = |x: f64, [low, high]: [f64; 2]| {
         let part = if high > low { (x - low) / (high - low) } else { 0.5 };
-        // A hair beyond an end is that end.
+        // Rounding may put an end slightly outside.
         (-1e-6..=1.0 + 1e-6).contains(&part).then(|| (part * f64::from(side - 1)).round() as u32)
     };
     let up = |alpha: f64| place(alpha.sqrt(), map.roughness).map(|up| ABOVE + side - 1 - up);
@@ -67,18 +67,18 @@ fn logarithmic(error: f64) -> f32 {
     (libm::log(error.max(low) / low) / libm::log(high / low)) as f32
 }
 
-/// The ticks that an axis has a place for, each with its place and no closer than two lines to the one before; both
-/// ends where there are fewer than two.
+/// The ticks that an axis has room for, with their places: at least two lines of text apart. If there are fewer than
+/// two, both ends of the axis.
 fn labelled(ticks: &[f64], ends: [f64; 2], place: impl Fn(f64) -> Option<u32>) -> Vec<(f64, u32)> {
-    let mut kept: Vec<(f64, u32)> = Vec::new();
+    let mut shown: Vec<(f64, u32)> = Vec::new();
     for tick in ticks {
         let Some(at) = place(*tick) else { continue };
-        if kept.last().is_none_or(|(_, last)| last.abs_diff(at) >= 2 * LINE) {
-            kept.push((*tick, at));
+        if shown.last().is_none_or(|(_, last)| last.abs_diff(at) >= 2 * LINE) {
+            shown.push((*tick, at));
         }
     }
-    if kept.len() >= 2 {
-        return kept;
+    if shown.len() >= 2 {
+        return shown;
     }
     ends.into_iter().filter_map(|end| Some((end, place(end)?))).collect()
 }

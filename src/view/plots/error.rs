@@ -6,16 +6,17 @@ use super::{ErrorSlice, chart};
 use crate::picture::{Panel, Picture, bar, colour, grid, headed, number};
 use ltcforge_fit::{ErrorMap, GoOn, Table, error_map_while};
 
-/// Configurations measured a side: about four to a cell of the default table.
+/// Configurations measured along each side: about four in each cell of the default table.
 pub(super) const CELLS: usize = 40;
 
-/// Both errors side by side; `None` as soon as `go_on` says no.
+/// Both errors side by side. `None` as soon as `go_on` returns false.
 pub(super) fn draw_while(go_on: &GoOn, table: &Table, name: &str, slice: ErrorSlice) -> Option<Picture> {
     Some(shown(&error_map_while(go_on, table, slice.ratio, slice.phi, CELLS)?, table, name))
 }
 
-/// The errors of a table at one ratio and phi as JSON: `alpha` and `theta` of 40 rows and columns, `width` and `light` row by row
-/// from the smoothest surface. `None` as soon as `go_on`, which is asked before each configuration, says no.
+/// The errors of a table at one ratio and phi as JSON: `alpha` and `theta` of 40 rows and columns, `width` and `light`
+/// row by row from the smoothest surface. `go_on` is called before each configuration. `None` as soon as it returns
+/// false.
 #[must_use]
 pub fn error_numbers_while(go_on: &GoOn, table: &Table, slice: ErrorSlice) -> Option<String> {
     let map = error_map_while(go_on, table, slice.ratio, slice.phi, CELLS)?;

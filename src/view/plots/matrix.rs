@@ -1,20 +1,20 @@
-//! All numbers of a table: a panel for each, in it a tile for each ratio and phi, in that a cell for each alpha and
-//! theta.
+//! All numbers of a table. Each number of an entry has a panel, each ratio and phi a tile in the panel, and each alpha
+//! and theta a cell in the tile.
 
 use super::Scale;
 use crate::picture::{GROUND, Panel, Picture, bar, caption, grid, headed, number};
 use ltcforge_fit::{PerAxis, Table};
 
-/// The least width and height of a panel in pixels, as far as the largest cell allows.
+/// The least width and height of a panel in pixels, unless the largest cell makes it smaller.
 const SIDE: usize = 240;
-/// Pixels a cell at most.
+/// Most pixels along a cell's side.
 const LARGEST_CELL: usize = 24;
-/// Most cells along a panel's side. A table with more is shown without some of its nodes.
+/// Most cells along a panel's side. Some nodes of a larger table are not shown.
 const MOST_CELLS: usize = 512;
 /// Pixels between tiles.
 const GAP: usize = 2;
-/// The panels' names, row by row: the matrix, beside it the other numbers of an entry, and the matrix of a second lobe where
-/// there is one.
+/// The panels' names, row by row: the matrix, the other numbers of an entry, and the matrix of a second lobe if there
+/// is one.
 const NAMES: [[&str; 7]; 3] = [
     ["m00", "m01", "m02", "amplitude", "second 00", "second 01", "second 02"],
     ["m10", "m11", "m12", "fresnel", "second 10", "second 11", "second 12"],
@@ -23,7 +23,7 @@ const NAMES: [[&str; 7]; 3] = [
 /// The columns of a table of one lobe.
 const OF_ONE_LOBE: usize = 4;
 
-/// Every panel, each over its own range of numbers.
+/// Draws all panels. Each has its own range of numbers.
 pub(super) fn draw(table: &Table, name: &str) -> Picture {
     let tiling = Tiling::new(table.lengths());
     let width = tiling.width().max(SIDE) as u32;
@@ -50,31 +50,31 @@ pub(super) fn draw(table: &Table, name: &str) -> Picture {
     headed(&[&[&entries], &[how], &[beyond], &[&tiling.left_out()]], &grid(&panels, columns as u32))
 }
 
-/// A number of each entry in storage order; `None` for what the table lacks.
+/// A number of each entry in storage order; `None` if the table lacks it.
 fn numbers(table: &Table, [row, column]: [usize; 2]) -> Option<Vec<f32>> {
-    let of = |matrices: &[[f32; 9]], column: usize| matrices.iter().map(|m| m[3 * row + column]).collect();
+    let numbers_of = |matrices: &[[f32; 9]], column: usize| matrices.iter().map(|m| m[3 * row + column]).collect();
     match (column, row) {
-        (0..=2, _) => Some(of(table.matrices(), column)),
-        (OF_ONE_LOBE.., _) => table.second_matrices().map(|matrices| of(matrices, column - OF_ONE_LOBE)),
+        (0..=2, _) => Some(numbers_of(table.matrices(), column)),
+        (OF_ONE_LOBE.., _) => table.second_matrices().map(|matrices| numbers_of(matrices, column - OF_ONE_LOBE)),
         (_, 0) => table.terms.as_ref().map(|terms| terms.amplitude.clone()),
         (_, 1) => table.terms.as_ref().map(|terms| terms.fresnel.clone()),
-        // Tables of others lack it.
+        // Tables from other programs lack the node error.
         _ => Some(table.node_error.clone()).filter(|errors| errors.iter().all(|error| error.is_finite())),
     }
 }
 
-/// Whether a panel shows a number of the matrix beside its diagonal: such may have either sign.
+/// Whether a panel shows a number of a matrix off its diagonal. These numbers may have either sign.
 fn is_off_diagonal([row, column]: [usize; 2]) -> bool {
     column != OF_ONE_LOBE - 1 && row != column % OF_ONE_LOBE
 }
 
-/// Where entries lie in a panel.
+/// The positions of entries in a panel.
 #[derive(Debug)]
 struct Tiling {
     nodes: PerAxis<usize>,
-    /// Every how many nodes one is shown.
+    /// The step between shown nodes on each axis.
     step: PerAxis<usize>,
-    /// Pixels a cell.
+    /// Side of a cell in pixels.
     cell: usize,
 }
 
@@ -88,12 +88,12 @@ impl Tiling {
         tiling
     }
 
-    /// Cells of a tile and tiles, from left to right.
+    /// Cells in a tile, and tiles, from left to right.
     fn across(&self) -> [usize; 2] {
         [self.nodes.theta.div_ceil(self.step.theta), self.nodes.phi.div_ceil(self.step.phi)]
     }
 
-    /// And upwards.
+    /// Cells in a tile, and tiles, upwards.
     fn down(&self) -> [usize; 2] {
         [self.nodes.alpha.div_ceil(self.step.alpha), self.nodes.ratio.div_ceil(self.step.ratio)]
     }
@@ -106,7 +106,7 @@ impl Tiling {
         length(self.down(), self.cell)
     }
 
-    /// One panel, `width` pixels wide.
+    /// Draws a panel, `width` pixels wide.
     fn panel(&self, width: u32, numbers: &[f32], scale: &Scale) -> Picture {
         let mut picture = Picture::filled(width, self.height() as u32, GROUND);
         let (cell, step) = (self.cell as u32, &self.step);
@@ -139,12 +139,12 @@ fn length([cells, tiles]: [usize; 2], cell: usize) -> usize {
     tiles * (cells * cell + GAP) - GAP
 }
 
-/// Where a cell begins.
+/// The pixel at which a cell begins.
 fn place(cell_index: usize, tile: usize, cells: usize, cell: usize) -> usize {
     tile * (cells * cell + GAP) + cell_index * cell
 }
 
-/// Every how many nodes of each of two axes one is shown, so that they make at most [`MOST_CELLS`] cells.
+/// The steps between shown nodes on two axes, so that they make at most [`MOST_CELLS`] cells.
 fn steps(a: usize, b: usize) -> (usize, usize) {
     let (mut step_a, mut step_b) = (1, 1);
     while a.div_ceil(step_a) * b.div_ceil(step_b) > MOST_CELLS {
@@ -175,7 +175,7 @@ mod tests {
         let numbers: Vec<f32> = (0..120_u8).map(f32::from).collect();
         let scale = Scale::of(&numbers, false);
         let picture = tiling.panel(tiling.width() as u32, &numbers, &scale);
-        // The least and the greatest of 120 numbers are beyond the colours.
+        // The colours do not cover the least and the greatest of 120 numbers.
         assert_eq!(scale.ends(), [1.0, 118.0]);
         let cells = tiling.cell * tiling.cell;
         let covered = picture.rgb.iter().filter(|pixel| **pixel != GROUND).count();

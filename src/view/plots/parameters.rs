@@ -1,4 +1,4 @@
-//! The parameters of plots: the command line reads each by its type, HTTP all of them from texts.
+//! The parameters of plots. The command line reads each by its type, and HTTP reads all of them from texts.
 
 use std::{f64::consts::TAU, str::FromStr};
 
@@ -46,7 +46,7 @@ impl ErrorSlice {
 }
 
 impl ErrorSlice {
-    /// The slice that the parameters `ratio` and `phi` describe, each optional.
+    /// The slice that the optional parameters `ratio` and `phi` describe.
     ///
     /// # Errors
     /// Every parameter that is unknown, repeated, malformed or out of bounds.
@@ -68,7 +68,7 @@ impl Plot {
     /// The error plot of [`ErrorSlice::from_pairs`].
     ///
     /// # Errors
-    /// As there.
+    /// The errors of [`ErrorSlice::from_pairs`].
     pub fn error_from<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> Result<Self, Vec<ParameterFault>> {
         ErrorSlice::from_pairs(pairs).map(Self::Error)
     }
@@ -76,7 +76,7 @@ impl Plot {
     /// The matrix plot, which takes no parameters.
     ///
     /// # Errors
-    /// Every parameter.
+    /// Every parameter that is given.
     pub fn matrix_from<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> Result<Self, Vec<ParameterFault>> {
         let faults =
             read_pairs(pairs, |_, _| Err("is not a parameter of this plot, which takes no parameters".to_owned()));

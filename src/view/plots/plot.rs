@@ -1,4 +1,4 @@
-//! The pictures that there are.
+//! The kinds of plots.
 
 use serde::Serialize;
 
@@ -17,7 +17,7 @@ pub enum Plot {
 }
 
 impl Plot {
-    /// Configurations at which the table is measured for it, whatever the table.
+    /// The number of configurations at which the plot measures any table.
     #[must_use]
     pub fn configurations(&self) -> u32 {
         match self {
@@ -26,13 +26,14 @@ impl Plot {
         }
     }
 
-    /// Draws it for the table whose file has this digest, in hexadecimal. Measures on the current rayon pool.
+    /// Draws the plot of the table whose file has this digest, in hexadecimal. It measures on the current rayon pool.
     #[must_use]
     pub fn draw(&self, table: &Table, digest: &str) -> Picture {
         self.draw_while(&|| true, table, digest).unwrap_or_else(|| unreachable!("nothing stops it"))
     }
 
-    /// The same; `None` as soon as `go_on`, which is asked before each configuration, says no.
+    /// [`Self::draw`] that can be stopped. `go_on` is called before each configuration. `None` as soon as it returns
+    /// false.
     #[must_use]
     pub fn draw_while(&self, go_on: &GoOn, table: &Table, digest: &str) -> Option<Picture> {
         let name = format!("table {}", short_digest(digest));

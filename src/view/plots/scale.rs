@@ -2,9 +2,9 @@
 
 use crate::picture::{colour, signed_colour};
 
-/// The part of the numbers at each end that the colours do not cover, since one outlier would take them all.
+/// The part of the numbers at each end that the colours do not cover. Otherwise one outlier would use up the colours.
 const BEYOND: f64 = 0.01;
-/// Colours of values below and above the scale, which contains neither.
+/// Colours of values below and above the scale. They do not appear on the scale.
 const BELOW: [u8; 3] = [0, 220, 230];
 const ABOVE: [u8; 3] = [60, 220, 90];
 
@@ -13,13 +13,13 @@ const ABOVE: [u8; 3] = [60, 220, 90];
 pub struct Scale {
     low: f32,
     high: f32,
-    /// From minus to plus the same number, with zero in the neutral colour.
+    /// The scale is symmetric about zero, which has the neutral colour.
     is_signed: bool,
 }
 
 impl Scale {
-    /// A scale that holds all numbers but the few least and greatest. It is signed where the numbers may be by nature,
-    /// or some of those that it holds are below zero. Domain: at least one number.
+    /// A scale that covers all numbers except the few least and greatest. It is signed if `may_be_signed`, or if it
+    /// covers numbers below zero. Domain: at least one number.
     #[must_use]
     pub fn of(numbers: &[f32], may_be_signed: bool) -> Self {
         let mut sorted = numbers.to_vec();
@@ -52,7 +52,7 @@ impl Scale {
         }
     }
 
-    /// The colours of 0 to 1, the part of the way from the lower to the upper end.
+    /// The colours for 0 (the lower end) to 1 (the upper end).
     #[must_use]
     pub fn colours(&self) -> fn(f32) -> [u8; 3] {
         if self.is_signed { |part| signed_colour(2.0 * part - 1.0) } else { colour }

@@ -1,8 +1,8 @@
-//! Where the errors of a table are cut.
+//! The slice of a table's domain that an error plot shows.
 
 use serde::Serialize;
 
-/// Where the domain is cut.
+/// The slice of the domain, over theta and alpha, that an error plot shows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ErrorSlice {
     /// Smaller over larger roughness.
@@ -11,7 +11,8 @@ pub struct ErrorSlice {
     pub phi: f64,
 }
 
-/// Between the axes of a surface, where an anisotropic one differs most from an isotropic one.
+/// The default azimuth is between the axes of a surface, where anisotropic surfaces differ most from isotropic
+/// surfaces.
 impl Default for ErrorSlice {
     fn default() -> Self {
         Self { ratio: 0.25, phi: 0.7 }

@@ -4,7 +4,7 @@ use ltcforge_fit::{BrdfKind, Layout, LobeModel, PerAxis, Table, Terms};
 
 const DIGEST: &str = "0a1b2c3d4e5f";
 
-/// Twelve entries of the identity, `bad` of which is another matrix.
+/// A table of twelve entries. All are the identity, except entry `bad`.
 fn table(bad: usize) -> Table {
     let mut matrix = vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]; 12];
     matrix[bad] = [0.2, 0.0, 0.5, 0.0, 0.7, 0.0, 0.0, 0.0, 1.0];

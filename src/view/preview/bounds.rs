@@ -1,42 +1,42 @@
-//! Scenes whose numbers are out of bounds, and pictures on lights that have none.
+//! Checks of a scene: numbers that are out of bounds, and pictures on lights that cannot have them.
 
 use super::{LightKind, Mode, Scene, ScenePicture, parameters::PARAMETERS, scene::MAX_MATERIALS};
 use ltcforge_fit::MAX_VERTICES;
 use ltcforge_light::LightModel;
 
-/// Why a scene is not rendered.
+/// The reason that a scene is not rendered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SceneFault {
     /// A parameter that is out of its bounds.
-    #[error("{field} is {value}, not within {low} to {high}")]
+    #[error("{field} must be between {low} and {high}, got {value}")]
     Bounds {
         /// The parameter, such as `light_intensity`.
         field: String,
         /// Its value.
         value: f64,
-        /// The least it may be.
+        /// The least allowed value.
         low: f64,
-        /// The most it may be.
+        /// The greatest allowed value.
         high: f64,
     },
-    /// A picture where there can be none.
+    /// The light cannot have a picture.
     #[error("light_picture {0}")]
     Picture(#[from] PictureFault),
 }
 
-/// Why a light has no picture.
+/// The reason that a light cannot have a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum PictureFault {
     /// The light is of another shape.
-    #[error("is of light rectangle, and light is {0}: leave one of them out")]
+    #[error("needs light rectangle, got {0}: change the light or leave the picture out")]
     Shape(&'static str),
-    /// The model knows no kernel of its lobe.
-    #[error("is of models ltc and normals, and model is {0}: choose one of those, or leave the picture out")]
+    /// The model does not support pictures.
+    #[error("needs model ltc or normals, got {0}: change the model or leave the picture out")]
     Model(LightModel),
 }
 
 impl SceneFault {
-    /// The parameter, and what is wrong with it.
+    /// The parameter, and its fault.
     pub(super) fn told(&self) -> (&str, String) {
         match self {
             Self::Bounds { field, value, low, high } => (field, format!("{value} is not within {low} to {high}")),
@@ -46,12 +46,12 @@ impl SceneFault {
 }
 
 impl Scene {
-    /// Every number that is out of its bounds, in the order of the parameters, and every reason why its light has no picture.
-    /// Not-a-number is within no bounds.
+    /// Every number that is out of its bounds, in the order of the parameters, and every reason that the light cannot
+    /// have its picture. A NaN is out of all bounds.
     #[must_use]
     pub fn faults(&self) -> Vec<SceneFault> {
         let mut scene = self.clone();
-        // Two counts that no parameter gives.
+        // No parameter sets these two counts.
         let sides = if let LightKind::Polygon(sides) = self.light.kind { sides } else { 3 };
         let counts = [
             ("materials", [1.0, MAX_MATERIALS as f64], vec![self.materials.len() as f64]),
@@ -102,9 +102,9 @@ mod tests {
         let faults = scene.faults();
         let fields: Vec<&str> = faults.iter().map(|fault| fault.told().0).collect();
         assert_eq!(fields, ["light", "size", "spp", "alpha_x"]);
-        assert_eq!(faults[1].to_string(), "size is 63, not within 64 to 2048");
+        assert_eq!(faults[1].to_string(), "size must be between 64 and 2048, got 63");
         let none = Scene { materials: Vec::new(), ..Scene::default() };
-        assert_eq!(none.faults()[0].to_string(), "materials is 0, not within 1 to 4");
+        assert_eq!(none.faults()[0].to_string(), "materials must be between 1 and 4, got 0");
     }
 
     #[test]
@@ -113,13 +113,13 @@ mod tests {
         let refused = |scene: &Scene| scene.faults().iter().map(ToString::to_string).collect::<Vec<_>>();
         let light = Light { kind: LightKind::Tube, ..usual.light };
         let both = Scene { light, model: LightModel::Sg, mode: Mode::Strip, spp: 0, ..usual.clone() };
-        let told = [
-            "spp is 0, not within 1 to 4096",
-            "light_picture is of light rectangle, and light is tube: leave one of them out",
-            "light_picture is of models ltc and normals, and model is sg: choose one of those, or leave the picture out",
+        let messages = [
+            "spp must be between 1 and 4096, got 0",
+            "light_picture needs light rectangle, got tube: change the light or leave the picture out",
+            "light_picture needs model ltc or normals, got sg: change the model or leave the picture out",
         ];
-        assert_eq!(refused(&both), told);
-        // What a mode does not show is no fault.
+        assert_eq!(refused(&both), messages);
+        // Parameters that a mode does not use cause no fault.
         assert_eq!(refused(&Scene { spp: 4, mode: Mode::Reference, light: usual.light, ..both.clone() }), [""; 0]);
         assert_eq!(refused(&Scene { spp: 4, mode: Mode::Lobe, ..both.clone() }), [""; 0]);
         assert_eq!(refused(&Scene { spp: 4, picture: ScenePicture::None, ..both }), [""; 0]);

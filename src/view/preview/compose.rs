@@ -11,10 +11,10 @@ use crate::picture::{
 };
 use ltcforge_light::LightModel;
 
-/// Colours beside a sphere of directions, and on it below the horizon, where the lobe is zero.
+/// Colours outside the sphere of directions, and on the sphere below the horizon, where the lobe is zero.
 const BESIDE_COLOUR: [u8; 3] = [48, 48, 48];
 const BELOW_COLOUR: [u8; 3] = [30, 34, 44];
-/// Pixels of a panel's side for each pixel of a mark's radius.
+/// Side of a panel relative to the radius of a mark.
 const MARK: f32 = 64.0;
 
 /// Mean of the channels' absolute differences.
@@ -39,7 +39,7 @@ fn differences(ltc: &Radiances, reference: &Radiances, scale: f32) -> Picture {
     false_colours(ltc.width, values, scale)
 }
 
-/// A number from 0 to 1 without the zero before its point.
+/// A number from 0 to 1 without the zero before its decimal point.
 fn short(x: f64) -> String {
     let text = number(x as f32);
     text.strip_prefix("0.").map_or_else(|| text.clone(), |digits| format!(".{digits}"))
@@ -53,13 +53,13 @@ fn bare_alphas(material: &Material) -> String {
     format!("{}, {}", short(material.alpha_x), short(material.alpha_y))
 }
 
-/// The wordings of a material's label, where the table covers it: one for each of [`warnings`].
+/// The wordings of the label of a material that the table covers: one for each of [`warnings`].
 fn names(material: &Material) -> Vec<String> {
     let alphas = alphas(material);
     vec![alphas.clone(), alphas.clone(), alphas, bare_alphas(material)]
 }
 
-/// The wordings of a material's label, the longest first, where the table does not cover it.
+/// The wordings of the label of a material that the table does not cover, the longest first.
 fn warnings(material: &Material) -> Vec<String> {
     let alphas = alphas(material);
     vec![
@@ -70,7 +70,7 @@ fn warnings(material: &Material) -> Vec<String> {
     ]
 }
 
-/// What a picture is composed of: a scene, and the materials that the table does not cover.
+/// Composes pictures from a scene, a table, and the materials that the table does not cover.
 pub(super) struct Composer<'a> {
     pub(super) scene: &'a Scene,
     pub(super) table: &'a ShaderTable,
@@ -108,7 +108,7 @@ impl Composer<'_> {
         grid_of(vec![self.truth(reference), self.lit(model, lit, errors), apart], 3)
     }
 
-    /// The picture of mode `models`: the reference and each model above how far it is from the reference.
+    /// The picture of mode `models`: the reference, and each model above its difference from the reference.
     pub(super) fn models(
         &self,
         lit: &[(LightModel, Radiances)],
@@ -144,7 +144,7 @@ impl Composer<'_> {
         Titled { title, picture, foot: mean_error(errors, radiances.width) }
     }
 
-    /// How far a model is from the reference. Alone, it names the table.
+    /// The difference of a model from the reference. If it is the only panel, its title names the table.
     fn apart(&self, model: LightModel, radiances: &Radiances, reference: &Radiances, errors: &[PanelError]) -> Titled {
         let (width, scale) = (reference.width, self.scene.difference_scale as f32);
         let mut picture = differences(radiances, reference, scale);
@@ -158,8 +158,8 @@ impl Composer<'_> {
         Titled { title, picture, foot }
     }
 
-    /// Writes one of its wordings into the corner of each material's cell, in all cells the first one for which all have
-    /// room, so that they can be compared. A cell without wordings stays as it is.
+    /// Labels each material in the corner of its cell. All cells use the first wording that fits in all of them, so
+    /// that they can be compared. A cell without wordings gets no label.
     fn tag_cells(&self, picture: &mut Picture, wordings: impl Fn(usize, &Material) -> Vec<String>) {
         let materials = &self.scene.materials;
         let cells = if materials.len() == 1 { 1 } else { 2 };
@@ -176,8 +176,8 @@ impl Composer<'_> {
         }
     }
 
-    /// The picture of mode `lobe`: densities over directions, both on the scale of the reference, with the view direction
-    /// and its mirror direction marked.
+    /// The picture of mode `lobe`: densities over directions, both on the scale of the reference, with the view
+    /// direction and its mirror direction marked.
     pub(super) fn lobes(&self, frame: &Frame, ltc: &Radiances, reference: &Radiances) -> Picture {
         let peak = reference.pixels.iter().map(|pixel| pixel[0]).fold(1e-9_f32, f32::max);
         let wo = frame.lobe_wo;
@@ -224,7 +224,7 @@ fn mean_error(errors: &[PanelError], width: u32) -> Picture {
     caption(width, &wordings.each_ref().map(String::as_str))
 }
 
-/// The wordings of the label of a material's differences.
+/// The wordings of the label of a material's difference.
 fn mean_tags(error: &PanelError, material: &Material) -> Vec<String> {
     let (mean, alphas) = (short(error.mean_absolute), alphas(material));
     vec![format!("{alphas}: mean {mean}"), format!("{alphas}: {mean}"), format!("mean {mean}"), mean]

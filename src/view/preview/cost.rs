@@ -1,4 +1,4 @@
-//! How much work a picture is.
+//! The cost of a picture.
 
 use super::{
     ScenePicture,
@@ -6,16 +6,15 @@ use super::{
 };
 use ltcforge_light::LightModel;
 
-/// The most that a pixel of light by a model costs, in samples of the reference.
+/// The greatest cost of a pixel of light by a model, in samples of the reference.
 pub(super) fn most_cost() -> u32 {
     LightModel::ALL.iter().map(|model| model.cost().max(model.table_cost())).max().unwrap_or(1)
 }
 
 impl Scene {
-    /// How much work the picture is, in samples of the reference: pixels times samples where its mode shows the
-    /// reference, plus pixels times the cost of each model that it shows, twice that with a picture on the light. A lobe costs
-    /// as much as light by the table.
-    /// The pixels are those of the whole panel: the background, which costs little, is not left out.
+    /// The cost of the picture in samples of the reference: pixels times samples if its mode shows the reference, plus
+    /// pixels times the cost of each model that it shows. A picture on the light doubles the cost of a model. A lobe
+    /// costs as much as light by the table. The pixels are the whole panel, with the background.
     #[must_use]
     pub fn cost(&self) -> f64 {
         let times = if self.picture == ScenePicture::None { 1 } else { 2 };

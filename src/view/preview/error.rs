@@ -1,56 +1,52 @@
-//! Why there is no picture.
+//! The errors of previews.
 
 use super::SceneFault;
 use ltcforge_fit::{BrdfKind, LobeModel};
 
-/// Why a scene was not rendered.
+/// The reason that a scene was not rendered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PreviewError {
-    /// Parameters are out of their bounds or do not go together; beside them all that stands against the table.
+    /// Parameters are out of bounds or do not go together. The second list has the faults of the table.
     #[error("{}", .0.iter().map(ToString::to_string).chain(.1.iter().map(ToString::to_string)).collect::<Vec<_>>().join("\n"))]
     Scene(Vec<SceneFault>, Vec<TableFault>),
-    /// The table cannot be shown so.
+    /// The scene cannot show the table.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Table(Vec<TableFault>),
-    /// A GPU was asked for, and shaders do not know the reference.
-    #[error("only the CPU renders the reference of brdf {0}: choose mode ltc, or another adapter than the GPU")]
+    /// A GPU was requested, but no shader has the reference of this BRDF.
+    #[error("only the CPU renders the reference of brdf {0}: use mode ltc, or an adapter other than gpu")]
     CpuOnly(BrdfKind),
-    /// The reference is of a tabulated BRDF whose file was not found.
+    /// The reference needs the file of a tabulated BRDF, which was not found.
     #[error(
-        "the reference is of a tabulated BRDF, whose file {0} is not there: choose mode ltc, or put it beside the table"
+        "the reference needs the file {0} of the tabulated BRDF, which is missing: put it next to the table, or use mode ltc"
     )]
     NoBrdfFile(String),
-    /// A GPU was asked for, and Vulkan lists none.
+    /// A GPU was requested, but Vulkan lists none.
     #[error("no adapter: {0}")]
     NoAdapter(String),
     /// The GPU, or its driver, failed twice.
     #[error("the GPU failed: {0}")]
     Gpu(String),
-    /// The caller told the renderer to stop.
+    /// The caller stopped the renderer.
     #[error("stopped")]
     Stopped,
 }
 
-/// Why a scene cannot show a table.
+/// The reason that a scene cannot show a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TableFault {
-    /// The picture compares a table with models that are GGX's alone.
-    #[error("the closed forms light GGX, and the table is of brdf {0}: choose model ltc, or a table of brdf ggx")]
+    /// The picture compares the table with models that are only for GGX.
+    #[error("the closed forms are for brdf ggx, and the table has brdf {0}: use model ltc, or a table of brdf ggx")]
     OtherBrdf(BrdfKind),
-    /// The picture gives back what facets lose, and the table is of a model without any.
-    #[error(
-        "compensate gives back what facets lose to each other, and the table is of brdf {0}: leave it out, or take a table of ggx or beckmann"
-    )]
+    /// The picture compensates for the light that facets lose, and the table's model has no facets.
+    #[error("compensate needs a table of brdf ggx or beckmann, got brdf {0}: leave it out, or use another table")]
     NoFacets(BrdfKind),
-    /// The material has a reflectance, and the table is of a model without a Fresnel factor.
-    #[error("f0 is of Schlick's Fresnel factor, which brdf {0} does not have: leave it out, or say 1,1,1")]
+    /// The material has a reflectance, and the table's model has no Fresnel factor.
+    #[error("f0 needs a brdf with a Fresnel factor, got brdf {0}: leave f0 out, or set it to 1,1,1")]
     NoFresnel(BrdfKind),
     /// The light has a picture, and the table has Gaussians.
-    #[error(
-        "light_picture is of tables of LTCs, and the table has lobe {0}: leave it out, or take a table of lobe ltc"
-    )]
+    #[error("light_picture needs a table of lobe ltc, got lobe {0}: leave it out, or use another table")]
     GaussianPicture(LobeModel),
     /// The picture draws a lobe, and the table has Gaussians.
-    #[error("mode lobe draws the lobes of LTCs, and the table has lobe {0}: choose mode strip, or a table of lobe ltc")]
+    #[error("mode lobe needs a table of lobe ltc, got lobe {0}: use mode strip, or another table")]
     GaussianLobe(LobeModel),
 }

@@ -4,7 +4,7 @@ use super::ShaderTable;
 use ltcforge_fit::{LobeModel, SecondLobe};
 use ltcforge_light::{ClosedForm, LightModel, NormalsRule};
 
-/// Asked between parts of a picture whether to stop.
+/// Called between parts of a picture; returns whether to stop.
 pub type Stop<'a> = &'a dyn Fn() -> bool;
 
 /// The estimated quantity.
@@ -25,16 +25,16 @@ pub enum Estimator {
 }
 
 impl Estimator {
-    /// That of light by a model, by a rule where it has several; by a table as by its lobes.
+    /// The estimator of light by a model, by `rule` if the model has several. A table decides by its lobes.
     #[must_use]
     pub fn of(model: LightModel, rule: NormalsRule, table: &ShaderTable) -> Self {
-        // There is no shader of the exact integrals.
+        // No shader has the exact integrals.
         let rule = if NormalsRule::SHADED.contains(&rule) { rule } else { NormalsRule::Fine };
         let by_table = || table.second().map_or(Self::Table(table.lobe), Self::TwoLobes);
         model.closed_form(Some(rule)).map_or_else(by_table, Self::ClosedForm)
     }
 
-    /// The work of a pixel, in samples of the reference, which takes `spp` of them.
+    /// The cost of a pixel in samples of the reference, which takes `spp` samples.
     pub(super) fn cost(self, spp: u32) -> u32 {
         match self {
             Self::Reference => spp,
@@ -45,7 +45,7 @@ impl Estimator {
         }
     }
 
-    /// Whether it lights by polygons alone: one stands for each other shape.
+    /// Whether it only lights by polygons: a polygon replaces each other shape.
     pub(super) fn is_of_polygons(self) -> bool {
         match self {
             Self::Table(lobe) => lobe.gaussian().is_some(),

@@ -1,4 +1,4 @@
-//! A scene in the numbers that both renderers read: f32, as a shader's uniforms.
+//! A scene as the numbers that both renderers read: a shader's uniforms in f32.
 
 use std::sync::Arc;
 
@@ -12,19 +12,20 @@ use super::{
 };
 use ltcforge_fit::{MAX_VERTICES, math::sin_cos};
 
-/// Radiance where no surface is.
+/// Radiance of the background.
 const BACKGROUND: f32 = 0.02;
-/// How far a floor is seen, in radii of the scenes' sphere. It fades over the second half.
+/// The distance to which a floor is visible, in radii of the scenes' sphere. It fades over the second half.
 const FLOOR_END: f32 = 12.0;
 /// View directions whose cosine is below this are raised to it, since the horizon itself reflects nothing.
 pub(super) const LOWEST_VIEW: f32 = 1e-3;
 
-/// Uniforms of `sphere.wgsl`, except which part is rendered.
+/// Uniforms of `sphere.wgsl`, except the part that is rendered.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Frame {
     pub(super) surface: Surface,
     pub(super) eye: Vec3,
-    /// From the middle of the image plane, at distance one, to its right and upper edges, and from the eye to it.
+    /// Vectors from the middle of the image plane, at distance one, to its right and upper edges, and from the eye to
+    /// it.
     pub(super) right: Vec3,
     pub(super) up: Vec3,
     pub(super) forward: Vec3,
@@ -46,7 +47,7 @@ pub(super) struct Frame {
     pub(super) picture: Option<Arc<LightPicture>>,
     /// Whether light from below the surface is cut off: a constant of the pipeline.
     pub(super) is_cut: bool,
-    /// Whether what facets lose is given back, likewise.
+    /// Whether the light that facets lose is added back: a constant of the pipeline.
     pub(super) is_compensated: bool,
 }
 
@@ -54,7 +55,7 @@ pub(super) struct Frame {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FrameLight {
     pub(super) vertices: Vec<Vec3>,
-    /// Area of the fan's triangles up to each vertex over that of all.
+    /// Area of the fan's triangles up to each vertex, relative to the total area.
     pub(super) area_up_to: Vec<f32>,
     pub(super) shape: FrameShape,
     pub(super) normal: Vec3,
@@ -79,12 +80,12 @@ impl FrameShape {
 }
 
 impl FrameLight {
-    /// Whether the polygon that stands for it is lit from both sides; those that face every point are.
+    /// Whether the polygon that replaces the light emits from both sides. Polygons that face every point do.
     pub(super) fn is_two_sided(&self) -> bool {
         self.two_sided || matches!(self.shape, FrameShape::Tube { .. } | FrameShape::Line { .. })
     }
 
-    /// Vertices of the polygon by which models light it that know polygons alone.
+    /// Vertices of the polygon that replaces the light for models that only light by polygons.
     pub(super) fn outline_vertices(&self) -> usize {
         match self.shape {
             FrameShape::Polygon | FrameShape::Ellipse(_) => self.vertices.len(),
@@ -97,7 +98,7 @@ impl FrameLight {
 /// A part of a picture, and of its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Part {
-    /// The first of the tiles in a list of them, and how many.
+    /// The first tile in a list of tiles, and the number of tiles.
     pub(super) first_tile: u32,
     pub(super) tiles: u32,
     pub(super) first_sample: u32,
@@ -105,7 +106,7 @@ pub(super) struct Part {
 }
 
 impl Frame {
-    /// The frame of mode `lobe`, or of all the others. Domain: a scene without faults.
+    /// The frame of mode `lobe` or of another mode. Domain: a scene without faults.
     pub(super) fn new(scene: &Scene, of_lobe: bool) -> Self {
         let cells = if of_lobe || scene.materials.len() == 1 { 1 } else { 2 };
         let (eye, [right, up, forward]) = if of_lobe { lobe_view(scene.lobe.phi) } else { view(&scene.camera) };
@@ -150,7 +151,7 @@ impl Frame {
         }
     }
 
-    /// The material of a cell; a cell beyond the last has none.
+    /// The material of a cell; `None` beyond the last material.
     pub(super) fn material(&self, cell: u32) -> Option<[f32; 4]> {
         self.materials.get(cell as usize).copied()
     }
@@ -217,8 +218,8 @@ fn view(camera: &Camera) -> (DVec3, [DVec3; 3]) {
     (DVec3::from(camera.target) + back * camera.distance, [right, back.cross(right), -back])
 }
 
-/// From where the sphere of directions is seen: from 40 degrees above, at right angles to the plane of view direction
-/// and mirror direction, with the view direction on the left.
+/// The camera that shows the sphere of directions. It looks from 40 degrees above, at right angles to the plane of view
+/// direction and mirror direction, with the view direction on the left.
 fn lobe_view(phi: f64) -> (DVec3, [DVec3; 3]) {
     let ((sin, cos), (sin_e, cos_e)) = (sin_cos(phi), sin_cos(0.7));
     let right = DVec3::new(-cos, -sin, 0.0);
@@ -226,7 +227,7 @@ fn lobe_view(phi: f64) -> (DVec3, [DVec3; 3]) {
     (back, [right, back.cross(right), -back])
 }
 
-/// The view direction in the tangent frame, not below the lowest view.
+/// The view direction in the tangent frame, raised to [`LOWEST_VIEW`].
 fn lobe_wo(theta: f64, phi: f64) -> Vec3 {
     let ((sin_t, cos_t), (sin_p, cos_p)) = (sin_cos(theta), sin_cos(phi));
     DVec3::new(sin_t * cos_p, sin_t * sin_p, cos_t.max(f64::from(LOWEST_VIEW))).normalize().as_vec3()

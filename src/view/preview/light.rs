@@ -9,13 +9,13 @@ use super::{Light, LightKind};
 /// A light in the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Outline {
-    /// Vertices of a polygon, or of the one that stands for an ellipse where models know polygons alone; clockwise as
-    /// seen from the lit side. Other shapes face every point and have no vertices.
+    /// Vertices of a polygon, or of the polygon that replaces an ellipse for models that only have polygons. They run
+    /// clockwise as seen from the lit side. Other shapes face every point and have no vertices.
     pub(super) vertices: Vec<DVec3>,
     /// Unit normal towards the lit side.
     pub(super) normal: DVec3,
     pub(super) area: f64,
-    /// Area of the triangles (0, 1, 2) up to (0, i - 1, i) over that of all, for each vertex i.
+    /// Area of the triangles (0, 1, 2) up to (0, i - 1, i), relative to the total area, for each vertex i.
     pub(super) area_up_to: Vec<f64>,
     pub(super) shape: Shape<DVec3, f64>,
 }
@@ -25,7 +25,7 @@ pub(super) struct Outline {
 pub(super) enum Shape<V, N> {
     Polygon,
     Ellipse(Ellipse<V, N>),
-    /// A tube with round ends; a sphere where both are one.
+    /// A tube with round ends; a sphere if both ends are equal.
     Tube {
         ends: [V; 2],
         radius: N,
@@ -40,12 +40,12 @@ pub(super) enum Shape<V, N> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ellipse<V, N> {
     pub(super) centre: V,
-    /// Half axes, perpendicular to each other, and one over the square of their lengths.
+    /// Perpendicular half axes, each with one over its squared length.
     pub(super) half_axes: [(V, N); 2],
 }
 
 impl Shape<DVec3, f64> {
-    /// As uniforms.
+    /// The ellipse as uniforms.
     pub(super) fn as_f32(&self) -> Shape<Vec3, f32> {
         match *self {
             Self::Polygon => Shape::Polygon,
@@ -60,7 +60,7 @@ impl Shape<DVec3, f64> {
 }
 
 impl Light {
-    /// Where the light stands.
+    /// The outline of the light in the scene.
     pub(super) fn outline(&self) -> Outline {
         let centre = DVec3::from(self.centre);
         let frame = facing_origin(centre) * self.turn();

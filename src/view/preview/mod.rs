@@ -1,8 +1,8 @@
-//! Previews of a table: metal under a polygon light, by the table and by Monte Carlo integration.
+//! Previews of a table: metal under an area light, by the table and by Monte Carlo integration.
 //!
-//! The GPU runs the same shaders that users put into their own renderers. `cpu` is their twin in Rust: it renders where
-//! there is no adapter, and tests compare the GPU with it. Both read the same `frame`, and everything after radiance,
-//! such as differences and labels, is shared. `parameters` declares the fields of a scene that callers may choose.
+//! The GPU runs the same shaders that users put into their own renderers. `cpu` is their twin in Rust. It renders if
+//! there is no adapter, and tests compare the GPU with it. Both read the same `frame`, and share all steps after
+//! radiance, such as differences and labels. `parameters` declares the fields of a scene that callers may choose.
 //!
 //! Invariant: `preview` knows no file, HTTP or recipe; equal scenes and tables give equal bytes on the same adapter.
 
@@ -48,4 +48,4 @@ pub use table::{ShaderTable, TexelFormat};
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
-pub(super) use tests::tell_skipped;
+pub(super) use tests::report_skipped;

@@ -10,19 +10,19 @@ named_list! {
         Sphere = "sphere",
         /// The four materials of KT et al. 2022, figure 14.
         Figure14 = "figure14",
-        /// A brushed metal floor seen at a grazing angle, a light standing on its far side.
+        /// A brushed metal floor at a grazing angle, with a light on its far side.
         BrushedFloor = "brushed_floor",
         /// A light of a few degrees, reflected by metal of roughness 0.02.
         TinyLight = "tiny_light",
-        /// A light beside the sphere and as large, which the horizons of most points cut.
+        /// A light next to the sphere and as large, which the horizons of most points cut.
         Horizon = "horizon",
-        /// A television before a brushed metal floor, with its picture.
+        /// A television with its picture, behind a brushed metal floor.
         Screen = "screen",
     }
 }
 
 impl NamedScene {
-    /// Its parameters.
+    /// The parameters of the set-up.
     #[must_use]
     pub fn scene(self) -> Scene {
         let usual = Scene::default();

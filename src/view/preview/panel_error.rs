@@ -1,21 +1,21 @@
-//! How far a model and the reference are apart.
+//! The difference between a model and the reference.
 
 use ltcforge_light::LightModel;
 
 use super::{Material, Radiances, Scene, cpu, frame::Frame};
 
-/// How far a model and the reference are apart on one material.
+/// The difference between a model and the reference on one material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PanelError {
     /// The model.
     pub model: LightModel,
     /// The material's roughness along its tangent.
     pub alpha_x: f64,
-    /// And across it.
+    /// The material's roughness across its tangent.
     pub alpha_y: f64,
     /// Mean over pixels that the surface covers, and over channels, of the absolute difference in radiance.
     pub mean_absolute: f64,
-    /// Mean radiance of the reference over the same.
+    /// Mean radiance of the reference over the same pixels and channels.
     pub mean_radiance: f64,
 }
 

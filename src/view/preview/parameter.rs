@@ -1,4 +1,4 @@
-//! A parameter of a preview: how it is written, its bounds, and its field in a scene.
+//! A parameter of a preview: its form, its bounds, and its field in a scene.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -7,44 +7,44 @@ use glam::DVec3;
 use super::{Material, NamedScene, Scene};
 use ltcforge_light::AnisotropicRoughness;
 
-/// A parameter. Its default is that of [`Scene::default`].
+/// A parameter. [`Scene::default`] has its default.
 #[derive(Debug, Clone, Copy)]
 pub struct Parameter {
     /// Its name in a query. The command line writes dashes for the underscores.
     pub name: &'static str,
     /// Its meaning, without its bounds and its default.
     pub help: &'static str,
-    /// How the command line's help writes its value, such as `X,Y,Z`.
+    /// The value's placeholder in the command line's help, such as `X,Y,Z`.
     pub value_name: &'static str,
     /// Its unit, if it has one.
     pub unit: Option<&'static str>,
-    /// How it is read, and where it goes.
+    /// Its form and its field.
     pub form: ParameterForm,
 }
 
-/// How a parameter is read, and where it goes in a scene.
+/// The form of a parameter, and its field in a scene.
 #[derive(Debug, Clone, Copy)]
 pub enum ParameterForm {
-    /// One of some names.
+    /// A name from a list.
     Name {
         /// The names.
         names: fn() -> Vec<&'static str>,
-        /// Which of them a scene has; a light that no name stands for has none.
+        /// The index of the scene's name; `None` for a light without a name.
         get: fn(&Scene) -> Option<usize>,
-        /// Gives a scene the one of this index.
+        /// Sets the scene to the name with this index.
         set: fn(&mut Scene, usize),
     },
-    /// A whole number from a least to a greatest one.
+    /// A whole number between two bounds.
     Whole([u32; 2], fn(&mut Scene) -> &mut u32),
-    /// Numbers with commas between them, each from a least to a greatest one.
+    /// Numbers with commas between them, each between two bounds.
     Numbers([f64; 2], fn(&mut Scene) -> &mut [f64]),
-    /// A point, at most so far from the origin.
+    /// A point, with its largest distance from the origin.
     Point(f64, fn(&mut Scene) -> &mut [f64; 3]),
-    /// A number of each material, from a least to a greatest one.
+    /// A number of each material, between two bounds.
     OfMaterials([f64; 2], fn(&mut Material) -> &mut f64),
-    /// The same, but setting it leaves the scene its first material only.
+    /// A number of each material, between two bounds. Setting it removes all materials except the first.
     OfOneMaterial([f64; 2], fn(&mut Material) -> &mut f64),
-    /// The roughness of a material by the parameters of a description, in place of the scene's materials.
+    /// A material, by the parameters of a description. It replaces the scene's materials.
     OneMaterial,
     /// True or false.
     Flag(fn(&mut Scene) -> &mut bool),
@@ -53,23 +53,23 @@ pub enum ParameterForm {
 /// The value of a parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
-    /// The name of this index.
+    /// The index of a name.
     Name(usize),
     /// A whole number.
     Whole(u32),
     /// One number or several.
     Numbers(Vec<f64>),
-    /// A material; `None` leaves the scene its own.
+    /// A material; `None` keeps the scene's materials.
     Material(Option<Material>),
     /// True or false.
     Flag(bool),
 }
 
 impl Parameter {
-    /// The value that `text` says.
+    /// Parses `text`.
     ///
     /// # Errors
-    /// The form that was expected. Numbers are not held to their bounds here: [`Scene::faults`] does that.
+    /// The expected form. [`Scene::faults`] checks the bounds of numbers later.
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         let expected = |what: &str| format!("«{text}» is not {what}");
         match self.form {
@@ -103,7 +103,7 @@ impl Parameter {
         }
     }
 
-    /// Gives a scene a value that this parameter's [`Parameter::parse`] read.
+    /// Sets the field of a scene to a value that [`Parameter::parse`] of this parameter returned.
     pub(super) fn set(&self, scene: &mut Scene, value: &Value) {
         match (self.form, value) {
             (ParameterForm::Name { set, .. }, Value::Name(index)) => set(scene, *index),
@@ -126,7 +126,8 @@ impl Parameter {
         }
     }
 
-    /// The bounds, and the numbers of a scene that have to be within them: of a point its distance from the origin.
+    /// The bounds, and the numbers of a scene that have to be within them. For a point it is its distance from the
+    /// origin.
     pub(super) fn bounded(&self, scene: &mut Scene) -> ([f64; 2], Vec<f64>) {
         match self.form {
             ParameterForm::Name { .. } | ParameterForm::Flag(_) | ParameterForm::OneMaterial => ([0.0; 2], Vec::new()),
@@ -139,7 +140,8 @@ impl Parameter {
         }
     }
 
-    /// The text that [`Parameter::parse`] reads as a scene's value; of materials the first one's.
+    /// The text that [`Parameter::parse`] reads as a scene's value. Of several materials it is the first material's
+    /// value.
     #[must_use]
     pub fn text(&self, scene: &Scene) -> String {
         let mut scene = scene.clone();
@@ -159,7 +161,7 @@ impl Parameter {
         }
     }
 
-    /// How many numbers it has.
+    /// The number of numbers in its value.
     #[must_use]
     pub fn count(&self) -> usize {
         match self.form {
@@ -169,7 +171,7 @@ impl Parameter {
         }
     }
 
-    /// Its least and greatest number in words; `None` for one that is no number. A point has no least one.
+    /// Its bounds as text; `None` if its value is not a number. The lower bound of a point is empty.
     #[must_use]
     pub fn bounds(&self) -> Option<[String; 2]> {
         match self.form {
@@ -182,7 +184,7 @@ impl Parameter {
         }
     }
 
-    /// Its meaning, bounds and default, in a line: the command line's help.
+    /// Its line in the command line's help: meaning, bounds and default.
     #[must_use]
     pub fn line(&self) -> String {
         let unit = self.unit.map_or_else(String::new, |unit| format!(" {unit}"));
@@ -192,22 +194,22 @@ impl Parameter {
             (_, Some([low, high])) if self.count() > 1 => format!(", each {low} to {high}{unit}"),
             (_, Some([low, high])) => format!(", {low} to {high}{unit}"),
         };
-        let of = if self.differs_between_scenes() { " of scene sphere" } else { "" };
+        let scene = if self.differs_between_scenes() { " of scene sphere" } else { "" };
         let default = match self.form {
             ParameterForm::OneMaterial => "the scene's".to_owned(),
             _ => self.text(&Scene::default()),
         };
-        format!("{}{bounds} [default{of}: {default}]", self.help)
+        format!("{}{bounds} [default{scene}: {default}]", self.help)
     }
 
-    /// Whether some named scene has another value than the default.
+    /// Whether a named scene has a value other than the default.
     #[must_use]
     pub fn differs_between_scenes(&self) -> bool {
         let default = self.text(&Scene::default());
         NamedScene::ALL.iter().any(|named| self.text(&named.scene()) != default)
     }
 
-    /// A bound, as people write it: angles at the quarters of a turn by pi.
+    /// A bound as text. Multiples of a quarter turn are written with pi.
     fn bound(&self, bound: f64) -> String {
         let quarters = bound / FRAC_PI_2;
         match quarters as i32 {

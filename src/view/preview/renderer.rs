@@ -1,4 +1,4 @@
-//! Scene and table to picture, on a GPU or the CPU.
+//! Renders a scene with a table to a picture, on a GPU or the CPU.
 
 use std::{borrow::Cow, sync::Arc};
 
@@ -20,19 +20,19 @@ use ltcforge_light::LightModel;
 /// The name of the CPU as an adapter.
 const CPU: &str = "cpu";
 
-/// The reflectance by which Schlick's factor is one for every view.
+/// The reflectance for which Schlick's factor is one for every view.
 const NO_FRESNEL: [f64; 3] = [1.0; 3];
-/// Pictures in a row at which a GPU may hang before it is never used again.
+/// Pictures in a row at which a GPU hangs before it is never used again.
 const MOST_HANGS: u32 = 2;
-/// Samples that the CPU renders between asking whether to stop. They take some hundredths of a second on one slow core.
+/// Samples that the CPU renders between calls of `stop`. They take some hundredths of a second on one slow core.
 const SAMPLES: u32 = 1 << 18;
 
 named_list! {
     /// The adapter that renders.
     pub enum Adapter {
-        /// A GPU if Vulkan lists one, else the CPU.
+        /// A GPU if Vulkan lists one, otherwise the CPU.
         Any = "any",
-        /// A GPU or nothing.
+        /// A GPU, or an error.
         Gpu = "gpu",
         /// The CPU.
         Cpu = "cpu",
@@ -46,19 +46,19 @@ pub struct Rendered {
     pub picture: Picture,
     /// The renderer: an adapter's name, or `cpu`.
     pub adapter: String,
-    /// For modes that compare: the error of each material, in the scene's order.
+    /// The error of each material, in the scene's order, for modes that compare.
     pub errors: Vec<PanelError>,
-    /// For modes that show the table: the materials whose roughness lies outside its nodes. Its nearest entries stand
-    /// for them.
+    /// The materials whose roughness is outside the table's nodes, for modes that show the table. The picture uses the
+    /// nearest entries.
     pub out_of_range: Vec<Material>,
 }
 
-/// Renders pictures, one after another. Nothing is opened before the first.
+/// Renders pictures, one after another. The first picture opens the device.
 #[derive(Debug)]
 pub struct Preview {
     adapter: Adapter,
     gpu: Gpu,
-    /// There is no GPU, or none that works, so the CPU renders from now on.
+    /// There is no GPU that works, so the CPU renders from now on.
     has_no_gpu: bool,
     /// A GPU was open before.
     had_gpu: bool,
@@ -66,7 +66,7 @@ pub struct Preview {
     hangs: u32,
 }
 
-/// What renders the parts of a picture: the GPU, or the CPU.
+/// Renders the parts of a picture on the GPU, or on the CPU without a GPU.
 struct Pass<'a> {
     gpu: Option<&'a mut Gpu>,
     table: &'a Arc<ShaderTable>,
@@ -75,13 +75,13 @@ struct Pass<'a> {
 }
 
 impl Preview {
-    /// A renderer that has opened nothing yet.
+    /// A renderer that has not opened a device yet.
     #[must_use]
     pub fn new(adapter: Adapter) -> Self {
         Self::with_weights(adapter, Weights::default())
     }
 
-    /// A renderer whose shaders interpolate in another way. The CPU interpolates in one.
+    /// A renderer whose shaders interpolate by `weights`. The CPU always interpolates in f32.
     #[must_use]
     pub fn with_weights(adapter: Adapter, weights: Weights) -> Self {
         Self { adapter, gpu: Gpu::new(weights), has_no_gpu: false, had_gpu: false, hangs: 0 }
@@ -90,8 +90,8 @@ impl Preview {
     /// Renders a scene.
     ///
     /// # Errors
-    /// Parameters out of bounds; a table of another scattering model than a model of light is of; no GPU where one was
-    /// asked for, or one that fails twice, or one that has no shader for the reference; stopped by `stop`.
+    /// When parameters are out of bounds, the scene cannot show the table, or `stop` returns true. When the adapter is
+    /// [`Adapter::Gpu`] and there is no GPU, the GPU fails twice, or no shader has the reference.
     pub fn render(
         &mut self,
         table: &Arc<ShaderTable>,
@@ -100,9 +100,9 @@ impl Preview {
     ) -> Result<Rendered, PreviewError> {
         let mut faults = faults_of_table(table, scene);
         faults.extend(fault_of_f0(&table.brdf, scene));
-        let of_scene = scene.faults();
-        if !of_scene.is_empty() {
-            return Err(PreviewError::Scene(of_scene, faults));
+        let scene_faults = scene.faults();
+        if !scene_faults.is_empty() {
+            return Err(PreviewError::Scene(scene_faults, faults));
         }
         let is_for_cpu = self.check(table, scene, faults)?;
         let scene = &*material_shown(&table.brdf, scene);
@@ -114,7 +114,7 @@ impl Preview {
         attempt(None, table, scene, stop).map_err(|_| PreviewError::Stopped)
     }
 
-    /// Whether only the CPU can render a scene, since shaders do not know its reference.
+    /// Whether only the CPU can render a scene, because no shader has its reference.
     fn check(&self, table: &ShaderTable, scene: &Scene, faults: Vec<TableFault>) -> Result<bool, PreviewError> {
         if !faults.is_empty() {
             return Err(PreviewError::Table(faults));
@@ -132,13 +132,13 @@ impl Preview {
     /// The device that renders: an adapter's name, or `cpu`.
     ///
     /// # Errors
-    /// No GPU where one was asked for.
+    /// When the adapter is [`Adapter::Gpu`] and there is no GPU.
     pub fn adapter_name(&mut self) -> Result<String, PreviewError> {
         let name = self.on_gpu(Gpu::name)?;
         Ok(name.unwrap_or_else(|| CPU.to_owned()))
     }
 
-    /// The result of `work` on the GPU; `None` where the CPU has to do it.
+    /// The result of `work` on the GPU; `None` if the CPU has to do it.
     fn on_gpu<T>(&mut self, work: impl FnOnce(&mut Gpu) -> Result<T, GpuFailure>) -> Result<Option<T>, PreviewError> {
         if self.adapter == Adapter::Cpu || (self.adapter == Adapter::Any && self.has_no_gpu) {
             return Ok(None);
@@ -152,10 +152,9 @@ impl Preview {
             Err(failure) => failure,
         };
         if self.adapter == Adapter::Any {
-            tracing::warn!("the CPU renders: {failure}");
+            tracing::warn!("rendering on the CPU instead of a GPU: {failure}");
             self.hangs += u32::from(matches!(failure, GpuFailure::Hangs(_)));
-            // A lost GPU may come back. A GPU that hangs is abandoned, and each one costs the time that it is waited
-            // for.
+            // A lost GPU may come back. A GPU that hangs is abandoned because waiting for it takes long.
             self.has_no_gpu = self.hangs >= MOST_HANGS || (matches!(failure, GpuFailure::Absent(_)) && !self.had_gpu);
             return Ok(None);
         }
@@ -166,7 +165,7 @@ impl Preview {
     }
 }
 
-/// Renders a picture on the GPU, or on the CPU, which fails only where it is told to stop.
+/// Renders a picture on the GPU, or on the CPU, which fails only if it is stopped.
 fn attempt(
     gpu: Option<&mut Gpu>,
     table: &Arc<ShaderTable>,
@@ -208,12 +207,12 @@ fn attempt(
 }
 
 impl Pass<'_> {
-    /// A whole frame, to display.
+    /// A frame as displayed.
     fn picture(&mut self, estimator: Estimator) -> Result<Picture, GpuFailure> {
         Ok(tone::displayed(self.frame.exposure, &self.radiances(estimator)?))
     }
 
-    /// A whole frame, as radiance.
+    /// A frame as radiance.
     fn radiances(&mut self, estimator: Estimator) -> Result<Radiances, GpuFailure> {
         let Self { table, frame, stop, .. } = *self;
         let Some(gpu) = &mut self.gpu else { return on_cpu(table, frame, estimator, stop) };
@@ -222,24 +221,23 @@ impl Pass<'_> {
     }
 }
 
-/// The scene with a reflectance that surfaces of a scattering model have: of those without a Fresnel factor it is one, which
-/// leaving it out means.
+/// The scene with a reflectance that fits the scattering model: one for models without a Fresnel factor.
 fn material_shown<'a>(brdf: &BrdfModel, scene: &'a Scene) -> Cow<'a, Scene> {
     if takes_f0(brdf, scene) { Cow::Borrowed(scene) } else { Cow::Owned(Scene { f0: NO_FRESNEL, ..scene.clone() }) }
 }
 
-/// Whether a picture has a Fresnel factor, of which f0 is.
+/// Whether a picture has a Fresnel factor, and so an f0.
 fn takes_f0(brdf: &BrdfModel, scene: &Scene) -> bool {
     brdf.kind().has_fresnel() || scene.mode == Mode::Lobe
 }
 
-/// A reflectance of a material that has none.
+/// The fault of an f0 that the scattering model does not have.
 fn fault_of_f0(brdf: &BrdfModel, scene: &Scene) -> Option<TableFault> {
     let is_given = scene.f0 != NO_FRESNEL && scene.f0 != Scene::default().f0;
     (is_given && !takes_f0(brdf, scene)).then_some(TableFault::NoFresnel(brdf.kind()))
 }
 
-/// Why a scene cannot show a table: all that stands against it.
+/// All reasons that a scene cannot show a table.
 fn faults_of_table(table: &ShaderTable, scene: &Scene) -> Vec<TableFault> {
     let kind = table.brdf.kind();
     let is_of_ggx = LightModel::ALL.iter().any(|model| !model.needs_table() && scene.shows(*model));
@@ -255,7 +253,7 @@ fn faults_of_table(table: &ShaderTable, scene: &Scene) -> Vec<TableFault> {
     faults.into_iter().flatten().collect()
 }
 
-/// The shown materials whose roughness lies outside the table's nodes.
+/// The shown materials whose roughness is outside the table's nodes.
 fn out_of_range(table: &ShaderTable, scene: &Scene) -> Vec<Material> {
     let shown = match scene.mode {
         _ if !scene.needs_table() => 0,
@@ -266,7 +264,7 @@ fn out_of_range(table: &ShaderTable, scene: &Scene) -> Vec<Material> {
     shown.filter(|m| !cpu::covers(table, m.alpha_x as f32, m.alpha_y as f32)).collect()
 }
 
-/// A whole frame, as radiance, on the CPU.
+/// A frame as radiance, on the CPU.
 fn on_cpu(table: &ShaderTable, frame: &Frame, estimator: Estimator, stop: Stop<'_>) -> Result<Radiances, GpuFailure> {
     let mut pixels = Vec::with_capacity((frame.size * frame.size) as usize);
     for (corner, extent) in cpu_parts(frame.size, estimator.cost(frame.spp)) {
@@ -278,8 +276,8 @@ fn on_cpu(table: &ShaderTable, frame: &Frame, estimator: Estimator, stop: Stop<'
     Ok(Radiances { width: frame.size, pixels })
 }
 
-/// The parts of a frame that the CPU renders one after another, as corner and extent: some whole rows, or a part of one
-/// row where a row has more samples than [`SAMPLES`]. Their pixels follow each other as those of the frame do.
+/// The parts of a frame that the CPU renders one after another, as corner and extent: some whole rows, or a part of a
+/// row if a row has more samples than [`SAMPLES`]. Their pixels have the order of the frame.
 fn cpu_parts(size: u32, samples: u32) -> impl Iterator<Item = ([u32; 2], [u32; 2])> {
     let pixels = (SAMPLES / samples).max(1);
     let (width, height) = (pixels.min(size), (pixels / size).max(1));

@@ -18,23 +18,23 @@ pub(super) const COMPARED: [LightModel; 2] = [LightModel::Ltc, LightModel::Norma
 pub struct Scene {
     /// The surface.
     pub surface: Surface,
-    /// One material, or up to four that share the picture, two a row.
+    /// One material, or up to four that share the picture in two columns.
     pub materials: Vec<Material>,
-    /// Reflectance at normal incidence, linear sRGB; at grazing incidence it is one.
+    /// Reflectance at normal incidence, linear sRGB. At grazing incidence it is one.
     pub f0: [f64; 3],
     /// The light.
     pub light: Light,
     /// The picture on the light.
     pub picture: ScenePicture,
-    /// How often models read it.
+    /// The number of times that models read the picture for a point.
     pub readings: Readings,
     /// The camera.
     pub camera: Camera,
     /// The configuration whose lobe mode `lobe` draws; its roughness is the first material's.
     pub lobe: LobeView,
-    /// Pixels a side of each panel.
+    /// Side of each panel in pixels.
     pub size: u32,
-    /// Samples a pixel of the reference: each a visible normal and a point of the light.
+    /// Samples per pixel of the reference. Each is a visible normal and a point of the light.
     pub spp: u32,
     /// The kind of picture.
     pub mode: Mode,
@@ -42,9 +42,9 @@ pub struct Scene {
     pub model: LightModel,
     /// The rule of model `normals`.
     pub rule: NormalsRule,
-    /// Whether light and lobe of model `ltc` end at the surface: nothing shines through from below.
+    /// Whether light and lobe of model `ltc` end at the surface, so that no light from below comes through.
     pub cut: bool,
-    /// Whether what facets lose to each other is given back: times `1 + f0 (1 / albedo - 1)`.
+    /// Whether the light that facets lose to each other is added back: a factor `1 + f0 (1 / albedo - 1)`.
     pub compensate: bool,
     /// Radiance is multiplied by this before it is displayed.
     pub exposure: f64,
@@ -68,7 +68,7 @@ pub enum Surface {
 pub struct Material {
     /// GGX roughness along the tangent.
     pub alpha_x: f64,
-    /// GGX roughness across it.
+    /// GGX roughness across the tangent.
     pub alpha_y: f64,
     /// Angle by which the tangent frame is turned about the normal.
     pub rotation: f64,
@@ -82,14 +82,14 @@ pub struct Light {
     pub kind: LightKind,
     /// Its middle.
     pub centre: [f64; 3],
-    /// Half its width and half its height. Of a sphere the first is the radius, the second does not matter. Of a tube
-    /// or line the first is half the distance between its ends; the second is a tube's radius, half a line's width.
+    /// Half its width and half its height. For a sphere the first is the radius, and the second is ignored. For a tube
+    /// or line the first is half the distance between its ends. The second is a tube's radius, or half a line's width.
     pub half_size: [f64; 2],
     /// Yaw, pitch and roll by which it is turned from facing the origin upright, applied in reverse order.
     pub rotation: [f64; 3],
     /// Radiance.
     pub intensity: f64,
-    /// Whether its back emits too. Spheres, tubes and lines emit to all sides.
+    /// Whether its back also emits. Spheres, tubes and lines emit to all sides.
     pub two_sided: bool,
 }
 
@@ -105,9 +105,9 @@ pub enum LightKind {
     Sphere,
     /// All points up to a radius from a line: a cylinder with round ends.
     Tube,
-    /// The limit of a thin tube, whose light is in proportion to its diameter.
+    /// The limit of a thin tube, whose light is proportional to its diameter.
     Line,
-    /// A regular polygon, stretched to the half sizes, its first vertex upwards.
+    /// A regular polygon with its first vertex up, stretched to the half sizes.
     Polygon(u32),
 }
 
@@ -115,7 +115,7 @@ pub enum LightKind {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Camera {
-    /// From what it looks at.
+    /// Distance from its target.
     pub distance: f64,
     /// Angle about +y from +z towards +x.
     pub azimuth: f64,
@@ -144,13 +144,13 @@ named_list! {
         Ltc = "ltc",
         /// Light by Monte Carlo integration of the BRDF itself.
         Reference = "reference",
-        /// How far the two are apart, in false colours, with their scale.
+        /// The difference of the two in false colours, with their scale.
         Difference = "difference",
         /// The three side by side.
         Strip = "strip",
-        /// Table and closed form beside the reference, and how far each is from it.
+        /// The reference, the table and the closed form, and the differences of both from the reference.
         Models = "models",
-        /// The BRDF's lobe beside the fitted one, over the directions.
+        /// The BRDF's lobe and the fitted lobe, over the directions.
         Lobe = "lobe",
     }
 }
@@ -173,7 +173,7 @@ impl Scene {
                 let Self { lobe, model, difference_scale, .. } = usual;
                 Self { readings, lobe, model, rule, cut, difference_scale, ..self }
             }
-            // False colours are of radiance, whatever it is displayed like.
+            // False colours show radiance, so the exposure does not matter.
             Mode::Difference => Self { lobe: usual.lobe, exposure: usual.exposure, rule, readings, cut, ..self },
             Mode::Strip => Self { lobe: usual.lobe, rule, readings, cut, ..self },
             Mode::Models => Self { lobe: usual.lobe, model: usual.model, readings, ..self },
@@ -205,7 +205,7 @@ impl Scene {
 }
 
 impl LightKind {
-    /// Those that have a name, with their names in parameters.
+    /// The shapes that have a name in parameters.
     pub const NAMED: [(&str, Self); 10] = [
         ("rectangle", Self::Rectangle),
         (LightShape::Disk.name(), Self::Disk),
@@ -219,7 +219,7 @@ impl LightKind {
         ("octagon", Self::Polygon(8)),
     ];
 
-    /// Its name, where it has one.
+    /// Its name, or `polygon`.
     #[must_use]
     pub fn name(self) -> &'static str {
         Self::NAMED.iter().find(|(_, kind)| *kind == self).map_or("polygon", |(name, _)| name)

@@ -14,20 +14,20 @@ pub enum ScenePicture {
     None,
     /// A television's test card.
     Television,
-    /// A window of six panes, sky and land behind it.
+    /// A window of six panes with sky and land behind it.
     Window,
-    /// A picture of the caller's. Scenes with one are not written as documents.
+    /// A picture from the caller. Scenes with such a picture are not written as documents.
     #[serde(skip)]
     Image(Arc<LightImage>),
 }
 
 /// Texels of the drawn pictures.
 const SIZE: [usize; 2] = [320, 180];
-/// Width over height of them.
+/// Width over height of the drawn pictures.
 const ASPECT: f32 = 16.0 / 9.0;
 const WHITE: [f32; 3] = [1.0; 3];
 const BLACK: [f32; 3] = [0.0; 3];
-/// White, yellow, cyan, green, magenta, red and blue at three quarters, as test cards have them.
+/// The bars of a test card: white, yellow, cyan, green, magenta, red and blue at three quarters.
 const BARS: [[f32; 3]; 7] = [
     [0.75, 0.75, 0.75],
     [0.75, 0.75, 0.02],
@@ -39,7 +39,7 @@ const BARS: [[f32; 3]; 7] = [
 ];
 
 impl ScenePicture {
-    /// Those that have a name, with their names in parameters.
+    /// The pictures that have a name in parameters.
     pub const NAMED: [(&str, Self); 3] =
         [("none", Self::None), ("television", Self::Television), ("window", Self::Window)];
 
@@ -60,7 +60,7 @@ impl ScenePicture {
     }
 }
 
-/// A test card: a grid, and in a circle a heading, coloured bars, stripes and grey steps.
+/// A test card: a grid, and a circle with a heading, coloured bars, stripes and grey steps.
 fn television([u, v]: [f32; 2]) -> [f32; 3] {
     let (x, y) = ((u - 0.5) * ASPECT, v - 0.5);
     let grey = |is_white: bool| if is_white { WHITE } else { BLACK };

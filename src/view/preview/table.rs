@@ -1,4 +1,4 @@
-//! A table in the numbers that shaders read.
+//! A table as the numbers that shaders read.
 
 use half::f16;
 
@@ -7,7 +7,7 @@ use crate::picture::short_digest;
 use ltcforge_fit::{BrdfKind, BrdfModel, Layout, LobeModel, PerAxis, SecondLobe, ShaderAxes, Table, named_list};
 
 named_list! {
-    /// How wide the numbers of a texel are.
+    /// The number format of texels.
     pub enum TexelFormat {
         /// 32 bits, as fitted.
         F32 = "f32",
@@ -16,26 +16,26 @@ named_list! {
     }
 }
 
-/// A table as the shaders have it: three texels an entry, in the order in which a file stores entries.
+/// A table as shaders read it: three texels per entry, in the order of the file's entries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShaderTable {
-    /// The model that it stands for, and that references of its pictures are of.
+    /// The scattering model that it was fitted to. References of its pictures use this model.
     pub(super) brdf: BrdfModel,
-    /// The distribution that stands for a lobe.
+    /// The distribution that approximates a lobe.
     pub(super) lobe: LobeModel,
     pub(super) layout: Layout,
     pub(super) format: TexelFormat,
     /// The axes as shaders read them.
     pub(super) axes: ShaderAxes,
-    /// `m00 m01 m02 m10`, `m11 m12 m20 m21`, `m22 amplitude fresnel 0` of each entry, then of each second lobe; rounded to
-    /// the format.
+    /// `m00 m01 m02 m10`, `m11 m12 m20 m21`, `m22 amplitude fresnel 0` of each entry, then of each second lobe. The
+    /// numbers are rounded to the format.
     pub(super) texels: [Vec<[f32; 4]>; 3],
     /// Its name in pictures.
     pub(super) label: Option<String>,
 }
 
 impl ShaderTable {
-    /// A stand-in for pictures that show no table; their reference is GGX.
+    /// A placeholder for pictures that show no table. Their reference is GGX.
     #[must_use]
     pub fn none() -> Self {
         let texel = |texel: [f32; 4]| vec![texel];
@@ -55,9 +55,9 @@ impl ShaderTable {
         }
     }
 
-    /// The table with its numbers rounded to `format`. A table without terms gets neutral ones: with `kt2022` all light
-    /// is reflected, with `reflected` as much as by the reflection in the middle of the lobe. Domain: nodes of the table's
-    /// layout, which those of every file are.
+    /// The table with its numbers rounded to `format`. A table without terms gets neutral terms: with `kt2022` all
+    /// light is reflected, with `reflected` as much as by the reflection in the middle of the lobe. Domain: nodes of
+    /// the table's layout, as in every file.
     #[must_use]
     pub fn new(table: &Table, format: TexelFormat) -> Self {
         let rounded = |x: f32| match format {
@@ -87,30 +87,30 @@ impl ShaderTable {
         }
     }
 
-    /// The same table, which pictures call by the first digits of the digest of its file.
+    /// The table with the first digits of its file's digest as its name in pictures.
     #[must_use]
     pub fn labelled(self, digest: &str) -> Self {
         Self { label: Some(short_digest(digest).to_owned()), ..self }
     }
 
-    /// Whether the CPU alone has the reference of a scene with this table: shaders know that of GGX.
+    /// Whether only the CPU has the reference of a scene with this table. Shaders only have the reference of GGX.
     #[must_use]
     pub fn has_reference_on_cpu_only(&self, scene: &Scene) -> bool {
         self.brdf != BrdfKind::Ggx && scene.mode != Mode::Ltc
     }
 
-    /// How the second lobe of its entries is used, if they have two.
+    /// The use of the second lobe, if its entries have two.
     #[must_use]
     pub fn second(&self) -> Option<SecondLobe> {
         self.brdf.fresnel().second()
     }
 
-    /// The name of its light in pictures.
+    /// The title of its light in pictures.
     pub(super) fn lobe_title(&self) -> String {
         self.lobe.name().to_uppercase()
     }
 
-    /// The name in pictures of the model that it was fitted to.
+    /// The title in pictures of the model that it was fitted to.
     pub(super) fn brdf_title(&self) -> &'static str {
         match self.brdf.kind() {
             BrdfKind::Ggx => "GGX",
@@ -146,7 +146,7 @@ mod tests {
             differ += usize::from(a != b);
         }
         assert!(differ > single.texels[0].len());
-        // Twelve numbers an entry.
+        // Twelve numbers per entry.
         let entries = table.matrix.len() as u64;
         assert_eq!([single.gpu_bytes(), half.gpu_bytes()], [48 * entries, 24 * entries]);
         assert!(half.texels[0][0][0] > 0.0, "alpha = 1e-4 became a singular matrix");

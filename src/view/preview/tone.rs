@@ -1,4 +1,4 @@
-//! From radiance to bytes, the same in all modes: exposure, `1 - exp(-x)`, the sRGB curve, eight bits.
+//! The tone curve from radiance to bytes, equal in all modes: exposure, `1 - exp(-x)`, the sRGB curve, eight bits.
 
 use rayon::prelude::*;
 
@@ -10,7 +10,7 @@ pub(super) fn display(exposure: f32, radiance: f32) -> u8 {
     srgb(1.0 - (-exposure * radiance.max(0.0)).exp())
 }
 
-/// A picture of radiances.
+/// Displays radiances as a picture.
 pub(super) fn displayed(exposure: f32, radiances: &Radiances) -> Picture {
     let rgb: Vec<[u8; 3]> =
         radiances.pixels.par_iter().map(|pixel| pixel.map(|channel| display(exposure, channel))).collect();
@@ -26,7 +26,7 @@ mod tests {
         assert_eq!(display(1.0, 0.0), 0);
         assert_eq!(display(1.0, -1.0), 0);
         assert_eq!(display(1.0, 100.0), 255);
-        // 1 - exp(-ln 2) = 1/2, which sRGB writes as 188.
+        // 1 - exp(-ln 2) = 1/2, which is byte 188 in sRGB.
         assert_eq!(display(2.0, 0.5 * std::f32::consts::LN_2), 188);
     }
 }

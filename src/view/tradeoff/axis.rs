@@ -13,24 +13,24 @@ pub(super) struct LogAxis {
 const MARGIN: f64 = 0.05;
 
 impl LogAxis {
-    /// An axis that shows all positive `values`, between the coordinates `ends`. Without any, from 1 to 10.
+    /// An axis that shows all positive `values` between the coordinates `ends`. Without values it shows 1 to 10.
     pub(super) fn over(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
         let shown = values.filter(|value| *value > 0.0 && value.is_finite());
         let [low, high] = shown.fold([f64::INFINITY, 0.0_f64], |[low, high], value| [low.min(value), high.max(value)]);
         let [low, high] = if low > high { [1.0, 10.0] } else { [low, high] };
-        // A lone value stands in the middle of a factor of two.
+        // A single value is in the middle of a factor of two.
         let span = (high / low).ln().max(std::f64::consts::LN_2 * 0.5);
         let margin = (MARGIN * span).exp();
         Self { low: low / margin, high: (low * span.exp()).max(high) * margin, ends }
     }
 
-    /// Where `value` is drawn; values beyond the axis are drawn at its end.
+    /// The coordinate of `value`. Values beyond the axis are at its end.
     pub(super) fn at(&self, value: f64) -> f64 {
         let part = (value.max(self.low) / self.low).ln() / (self.high / self.low).ln();
         self.ends[0] + (self.ends[1] - self.ends[0]) * part.min(1.0)
     }
 
-    /// Values to mark: of each decade 1, 2 and 5, or all nine where the axis spans less than one.
+    /// Values to mark: 1, 2 and 5 of each decade, or all nine if the axis spans less than a decade.
     pub(super) fn ticks(&self) -> Vec<f64> {
         let steps: &[f64] = match self.high / self.low {
             span if span < 6.0 => &[1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
@@ -42,7 +42,7 @@ impl LogAxis {
         all.filter(|tick| (self.low..=self.high).contains(tick)).collect()
     }
 
-    /// The values to mark: whole decades alone where the others would be closer together than `least`.
+    /// The values to mark. If some are closer together than `least`, only whole decades.
     pub(super) fn ticks_apart(&self, least: f64) -> Vec<f64> {
         let ticks = self.ticks();
         let is_close = |pair: &[f64]| (self.at(pair[1]) - self.at(pair[0])).abs() < least;

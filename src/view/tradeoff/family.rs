@@ -1,9 +1,9 @@
-//! The recipes that are fitted.
+//! The recipes that a trade-off fits.
 
 use ltcforge_files::recipe_document::{Preset, canonical_json, parse};
 use ltcforge_fit::{FitSettings, Layout, PerAxis, Precision, Recipe};
 
-/// How large a family is.
+/// The size of a family.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Size {
     /// The presets and a few recipes around them.
@@ -12,11 +12,11 @@ pub enum Size {
     Full,
 }
 
-/// Resolutions of a family, as parts of the base recipe's on each axis.
+/// Resolutions of a family, relative to the base recipe's resolution on each axis.
 const SCALES: [f64; 5] = [0.4, 0.6, 0.8, 1.25, 1.5];
 /// The factors that scale a single axis.
 const AXIS_SCALES: [f64; 2] = [0.6, 1.6];
-/// (samples, directions, steps) beside the presets'.
+/// Samples, directions and steps, in addition to the presets'.
 const EFFORTS: [(u32, u32, u32); 21] = [
     (64, 8, 30),
     (64, 16, 30),
@@ -41,9 +41,8 @@ const EFFORTS: [(u32, u32, u32); 21] = [
     (2048, 16, 60),
 ];
 
-/// The recipes around `base`, which keeps its ranges, in a fixed order and each once. The presets at its layout,
-/// resolution and precision come first. What `base`'s ranges leave no room for is left out, and so are layouts that
-/// have other ranges only.
+/// The recipes around `base`, with its ranges, in a fixed order and each once. The presets at its layout, resolution
+/// and precision come first. Recipes and layouts that do not fit `base`'s ranges are left out.
 #[must_use]
 pub fn family(base: &Recipe, size: Size, entry_limit: u64) -> Vec<Recipe> {
     let mut found = Collector { entry_limit, recipes: Vec::new() };
@@ -61,7 +60,7 @@ pub fn family(base: &Recipe, size: Size, entry_limit: u64) -> Vec<Recipe> {
             found.add(with_fit(&scaled(base, [*scale; 4]), *fit));
         }
     }
-    // A list of materials is no range.
+    // A list of materials is not a range.
     let is_another = |layout: &&Layout| **layout != base.layout && !layout.is_of_materials();
     let other_layouts = Layout::ALL.iter().filter(is_another);
     let others: Vec<Recipe> = other_layouts.map(|layout| Recipe { layout: *layout, ..base.clone() }).collect();
@@ -102,13 +101,13 @@ pub fn family(base: &Recipe, size: Size, entry_limit: u64) -> Vec<Recipe> {
     found.recipes
 }
 
-/// The same table, fitted as hard as `fit` says, with the seed and solver of the base.
+/// The recipe with the effort of `fit`, and with the seed and solver of the base.
 fn with_fit(recipe: &Recipe, fit: FitSettings) -> Recipe {
     let FitSettings { metric, solver, seed, simplex, .. } = recipe.fit;
     Recipe { fit: FitSettings { metric, solver, seed, simplex, ..fit }, ..recipe.clone() }
 }
 
-/// Each axis of several nodes with `scale` times as many.
+/// The recipe with `scale` times as many nodes on each axis that has several.
 fn scaled(recipe: &Recipe, scale: [f64; 4]) -> Recipe {
     let nodes = |n: u32, scale: f64| if n == 1 { 1 } else { ((f64::from(n) * scale).round() as u32).max(2) };
     let PerAxis { alpha, ratio, theta, phi } = recipe.resolution;
@@ -121,7 +120,7 @@ fn scaled(recipe: &Recipe, scale: [f64; 4]) -> Recipe {
     Recipe { resolution, ..recipe.clone() }
 }
 
-/// Recipes, each checked as if it were submitted, and taken once.
+/// A list of recipes without duplicates. Each is checked like a submitted recipe.
 struct Collector {
     entry_limit: u64,
     recipes: Vec<Recipe>,
@@ -153,7 +152,7 @@ mod tests {
             let presets: Vec<FitSettings> = found[..4].iter().map(|recipe| recipe.fit).collect();
             assert_eq!(presets, Preset::ALL.map(Preset::fit));
             for (i, recipe) in found.iter().enumerate() {
-                assert!(!found[..i].contains(recipe), "{recipe:?} stands twice");
+                assert!(!found[..i].contains(recipe), "{recipe:?} is listed twice");
                 assert_eq!(recipe.range, base.range);
             }
             for &layout in Layout::ALL.iter().filter(|of| of.only_ranges().is_none() && !of.is_of_materials()) {

@@ -1,4 +1,4 @@
-//! A line of the trade-off: a recipe, its cost and its error.
+//! A row of the trade-off: a recipe, its cost and its error.
 
 use serde::Serialize;
 
@@ -9,32 +9,32 @@ use ltcforge_files::{
 };
 use ltcforge_fit::{Expectation, Layout, PerAxis, Precision, Recipe, Spread, expectation};
 
-/// Configurations at which every table of a family is measured, the same for all, at nodes and again between them.
+/// Configurations at which every table of a family is measured: this many at nodes, and this many between nodes.
 pub const POINTS: usize = 512;
 
 /// The measurements of a recipe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measurement {
-    /// Processor time of the fit, of all threads together, seconds.
+    /// Processor time of all threads of the fit, in seconds.
     pub processor_seconds: f64,
-    /// Time that passed, seconds.
+    /// Wall-clock time, in seconds.
     pub wall_seconds: f64,
-    /// Error between nodes as a part of the lobe's width.
+    /// Error between nodes, relative to the lobe's width.
     pub width: Spread,
     /// Error between nodes, sliced Wasserstein distance.
     pub sw1: Spread,
-    /// Absolute error of the reflected energy of random lights, by which models are measured too.
+    /// Absolute error of the reflected energy of random lights. Models are measured with the same lights.
     pub light: Spread,
-    /// Bytes of the compact form; `None` for a table that has none.
+    /// Bytes of the compact form, if the table has one.
     pub compact_bytes: Option<u64>,
 }
 
-/// A line of the trade-off.
+/// A row of the trade-off.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FittedRecipe {
     /// The recipe's digest.
     pub recipe_digest: Digest,
-    /// The preset whose effort it has, at the base recipe's layout, resolution and precision.
+    /// The preset with this effort, if the row has the base recipe's layout, resolution and precision.
     pub preset: Option<&'static str>,
     /// Layout.
     pub layout: Layout,
@@ -52,33 +52,33 @@ pub struct FittedRecipe {
     pub entries: u64,
     /// Bytes of its matrices and terms.
     pub bytes: u64,
-    /// Bytes of its compact form, if it has one: the size shipped where a decoder rebuilds the table.
+    /// Bytes of its compact form, if it has one. A decoder rebuilds the table from this form.
     pub compact_bytes: Option<u64>,
-    /// Processor time of the fit over the number of threads, which is its duration if each thread has a core.
+    /// Processor time of the fit over the number of threads: its duration if each thread has a core.
     pub seconds: f64,
-    /// Time that passed, which depends on what else the machine did.
+    /// Wall-clock time, which depends on the load of the machine.
     pub wall_seconds: f64,
-    /// Mean error between nodes as a part of the lobe's width: the error of the fronts.
+    /// Mean error between nodes, relative to the lobe's width. The fronts use this error.
     pub error_mean: f64,
-    /// Its 95th percentile.
+    /// 95th percentile of this error.
     pub error_p95: f64,
     /// Mean sliced Wasserstein distance between nodes.
     pub sw1_mean: f64,
-    /// Its 95th percentile.
+    /// 95th percentile of this distance.
     pub sw1_p95: f64,
     /// Mean absolute error of the reflected energy of random lights.
     pub light_mean: f64,
-    /// Its 95th percentile.
+    /// 95th percentile of this error.
     pub light_p95: f64,
     /// The prediction of `seconds`.
     pub predicted_seconds: f64,
     /// The prediction of `error_mean`.
     pub predicted_error: f64,
-    /// The fronts it is on.
+    /// The fronts that the row is on.
     pub on_front: Fronts,
 }
 
-/// The rows of a family that was fitted on `threads` threads, in its order.
+/// The rows of a family that was fitted on `threads` threads, in the family's order.
 #[must_use]
 pub fn rows(base: &Recipe, fitted: &[(Recipe, Measurement)], threads: usize) -> Vec<FittedRecipe> {
     let mut rows: Vec<FittedRecipe> =
@@ -99,7 +99,7 @@ pub fn rows(base: &Recipe, fitted: &[(Recipe, Measurement)], threads: usize) -> 
     rows
 }
 
-/// Whether a row differs from the base recipe by effort alone.
+/// Whether a row differs from the base recipe only by effort.
 fn is_base(base: &Recipe, row: &FittedRecipe) -> bool {
     (row.layout, row.resolution, row.precision) == (base.layout, base.resolution, base.precision)
 }

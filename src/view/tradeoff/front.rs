@@ -1,7 +1,7 @@
 //! Pareto fronts.
 
-/// Which of several `[price, error]` pairs are on the Pareto front, where no other is as good in both and better in
-/// one.
+/// Whether each of several `[price, error]` pairs is on the Pareto front. No other pair is as good in both numbers and
+/// better in one.
 ///
 /// Domain: finite numbers.
 #[must_use]
@@ -12,7 +12,7 @@ pub fn front(pairs: &[[f64; 2]]) -> Vec<bool> {
         price_a.total_cmp(&price_b).then(error_a.total_cmp(&error_b))
     });
     let mut on_front = vec![false; pairs.len()];
-    // The best pair so far. An equal pair is on the front too.
+    // The best pair so far. An equal pair is also on the front.
     let mut best = [f64::NEG_INFINITY, f64::INFINITY];
     for index in order {
         let [price, error] = pairs[index];
@@ -24,15 +24,15 @@ pub fn front(pairs: &[[f64; 2]]) -> Vec<bool> {
     on_front
 }
 
-/// The fronts that a row of the trade is on.
+/// The fronts that a row of the trade-off is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct Fronts {
     /// Error against seconds, of all rows.
     pub seconds: bool,
     /// Error against bytes, of all rows.
     pub bytes: bool,
-    /// Error against seconds, of the rows with the base recipe's layout, resolution and precision, between which
-    /// presets choose.
+    /// Error against seconds, of the rows with the base recipe's layout, resolution and precision. Presets only choose
+    /// between these rows.
     pub base: bool,
 }
 

@@ -1,6 +1,6 @@
-//! Where the names of points are written, so that they hide neither each other nor a point.
+//! Places for the names of points, so that names do not cover each other or a point.
 
-/// A box in a picture's coordinates.
+/// A box in the coordinates of a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Area {
     pub(super) left: f64,
@@ -34,15 +34,15 @@ impl Area {
     }
 }
 
-/// How far apart the places are that are tried.
+/// The distance between the places that are tried.
 const STEP: f64 = 5.0;
 
-/// A place of `size` for each point's name, inside `frame`: the nearest to the point that hides neither a mark in
-/// `taken` nor another name. `None` for a name for which there is none.
-pub(super) fn places(points: &[[f64; 2]], sizes: &[[f64; 2]], taken: &[Area], frame: &Area) -> Vec<Option<Area>> {
+/// A place inside `frame` for each point's name: the nearest place to the point that does not cover a mark in `marks`
+/// or another name. `None` if there is no such place.
+pub(super) fn places(points: &[[f64; 2]], sizes: &[[f64; 2]], marks: &[Area], frame: &Area) -> Vec<Option<Area>> {
     let mut names: Vec<Area> = Vec::new();
     let found = points.iter().zip(sizes).map(|(point, size)| {
-        let is_free = |area: &Area| names.iter().chain(taken).all(|other| area.overlap(other) == 0.0);
+        let is_free = |area: &Area| names.iter().chain(marks).all(|other| area.overlap(other) == 0.0);
         let free = everywhere(frame, *size).filter(is_free);
         // `min_by` keeps the first of equals.
         let place = free.min_by(|a, b| a.distance2(*point).total_cmp(&b.distance2(*point)));
@@ -73,32 +73,32 @@ mod tests {
     #[test]
     fn names_of_points_close_together_hide_neither_each_other_nor_a_point() {
         let frame = Area { left: 0.0, top: 0.0, width: 300.0, height: 300.0 };
-        // Four on a vertical line at the right end.
+        // Four points on a vertical line at the right end.
         let points = [[290.0, 100.0], [290.0, 106.0], [290.0, 109.0], [290.0, 110.0]];
-        let taken = points.map(|point| Area::around(point, 5.0));
-        let found = places(&points, &[[50.0, 14.0]; 4], &taken, &frame);
-        assert_apart(&found, 4, &taken, &frame);
+        let marks = points.map(|point| Area::around(point, 5.0));
+        let found = places(&points, &[[50.0, 14.0]; 4], &marks, &frame);
+        assert_apart(&found, 4, &marks, &frame);
     }
 
     #[track_caller]
-    fn assert_apart(found: &[Option<Area>], count: usize, taken: &[Area], frame: &Area) {
+    fn assert_apart(found: &[Option<Area>], count: usize, marks: &[Area], frame: &Area) {
         let found: Vec<Area> = found.iter().flatten().copied().collect();
         assert_eq!(found.len(), count);
         for (i, area) in found.iter().enumerate() {
             assert!(area.left >= frame.left && area.top >= frame.top, "{area:?}");
             assert!(area.left + area.width <= frame.left + frame.width, "{area:?}");
             assert!(area.top + area.height <= frame.top + frame.height, "{area:?}");
-            assert!(found[..i].iter().chain(taken).all(|other| area.overlap(other) == 0.0), "{found:?}");
+            assert!(found[..i].iter().chain(marks).all(|other| area.overlap(other) == 0.0), "{found:?}");
         }
     }
 
     #[test]
     fn a_crowd_leaves_names_further_away_and_a_full_frame_leaves_none() {
         let frame = Area { left: 0.0, top: 0.0, width: 300.0, height: 300.0 };
-        // Marks all around the points, out to where no place beside a point is free.
-        let taken: Vec<Area> =
+        // Marks all around the points, so that no place next to a point is free.
+        let marks: Vec<Area> =
             (0..400_u16).map(|i| Area::around([f64::from(i % 20) * 10.0, f64::from(i / 20) * 10.0], 5.0)).collect();
-        assert_apart(&places(&[[90.0, 90.0]; 6], &[[50.0, 14.0]; 6], &taken, &frame), 6, &taken, &frame);
+        assert_apart(&places(&[[90.0, 90.0]; 6], &[[50.0, 14.0]; 6], &marks, &frame), 6, &marks, &frame);
         assert_eq!(places(&[[90.0, 90.0]], &[[50.0, 14.0]], &[frame], &frame), [None]);
     }
 }

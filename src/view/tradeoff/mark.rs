@@ -1,14 +1,14 @@
-//! The mark of a point: its shape and colour tell the layout of a table, or the model of a closed form.
+//! The mark of a point. Its shape and colour show the layout of a table, or the model of a closed form.
 
 use std::fmt::Write as _;
 
 use ltcforge_fit::Layout;
 use ltcforge_light::LightModel;
 
-/// Half a mark.
+/// Half the side of a mark.
 pub(super) const MARK: f64 = 4.0;
 
-/// What lights a surface.
+/// The method that lights a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Kind {
     Table(Layout),
@@ -34,7 +34,7 @@ pub(super) fn mark(out: &mut String, [x, y]: [f64; 2], kind: Kind, classes: &str
     }
 }
 
-/// The mark of a closed form, and of the size that ships of a table.
+/// The mark of a closed form, and of the shipped size of a table.
 pub(super) fn diamond(out: &mut String, [x, y]: [f64; 2], kind: Kind, classes: &str) -> std::fmt::Result {
     writeln!(out, r#"<path class="{}{classes}" d="M{:.1} {y:.1}l4 -4l4 4l-4 4Z"/>"#, class(kind), x - MARK)
 }

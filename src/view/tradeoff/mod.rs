@@ -1,7 +1,7 @@
-//! The trade-off between speed, size and accuracy: the recipes that show it, the Pareto fronts, and how both are
-//! written and drawn. Beside the tables, the models that light a surface: tables and the closed form.
+//! The trade-off between speed, size and accuracy: the recipes, the Pareto fronts, and their documents and pictures. It
+//! also compares the models that light a surface: tables and closed forms.
 //!
-//! Invariant: no clock and no file here. Callers measure and hand the results in.
+//! Invariant: this module reads no clock and no file. Callers measure and pass the results.
 
 mod axis;
 mod chart;

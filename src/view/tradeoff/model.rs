@@ -7,7 +7,7 @@ use ltcforge_fit::{FitSettings, Layout, LobeModel, Recipe, Spread, StoredTerms};
 use ltcforge_light::{LightModel, normals::NormalsRule};
 use ltcforge_shaders::GpuCost;
 
-/// Random lights by which every model is measured, the same for all.
+/// The number of random lights with which all models are measured.
 pub const LIGHTS: usize = 2048;
 
 /// A model that lights a surface, its cost and its error.
@@ -17,39 +17,39 @@ pub struct ModelRow {
     pub model: LightModel,
     /// The rule of model `normals`.
     pub rule: Option<NormalsRule>,
-    /// The layout of the table that it lights by; the Gaussians have closed forms too.
+    /// The layout of its table, if it uses one. Gaussians can use a table or a closed form.
     pub layout: Option<Layout>,
-    /// The recipe of that table; that of model `ltc` is one of the family.
+    /// The recipe of its table. For model `ltc` it is a recipe of the family.
     pub recipe_digest: Option<Digest>,
     /// Absolute error of the reflected energy of random lights.
     pub light_error: Spread,
-    /// What its text costs a GPU.
+    /// The cost of its shader on a GPU.
     pub gpu_cost: Option<GpuCost>,
     /// Bytes that the shader reads on the GPU.
     pub gpu_bytes: u64,
     /// Bytes of the file that ships with a renderer.
     pub file_bytes: u64,
-    /// Bytes of the shader's text in WGSL.
+    /// Bytes of the shader in WGSL.
     pub shader_bytes: u64,
     /// Processor time of the fit over the number of threads.
     pub fit_seconds: f64,
 }
 
-/// The models, and how they were measured.
+/// The models and their measurement.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModelRows {
-    /// Random lights, [`LIGHTS`].
+    /// The number of random lights, [`LIGHTS`].
     pub lights: usize,
-    /// The mean energy that a surface reflects of them.
+    /// The mean energy that a surface reflects of these lights.
     pub mean_energy: f64,
-    /// The compiler that tells what texts cost a GPU, [`COMPILER`](ltcforge_shaders::COMPILER).
+    /// The compiler that reports the costs of shaders, [`COMPILER`](ltcforge_shaders::COMPILER).
     pub compiler: &'static str,
     /// The models.
     pub rows: Vec<ModelRow>,
 }
 
 impl ModelRow {
-    /// Its name in pictures: the model, and its layout or rule where it has one.
+    /// Its name in pictures: the model, with its layout or rule if it has one.
     #[must_use]
     pub fn name(&self) -> String {
         match self.layout.map(Layout::name).or(self.rule.map(NormalsRule::name)) {
@@ -90,8 +90,8 @@ fn line(name: &str, cells: [String; 8]) -> String {
     format!("{name:22}{}\n", cells.map(|cell| format!("{cell:>13}")).concat())
 }
 
-/// Whether a recipe's table stands for model `ltc`: it has the base's resolution and precision and the effort of preset
-/// `paper`. A family has such a table of the base's layout, and a full one of each layout.
+/// Whether a recipe's table represents model `ltc`: it has the base's resolution and precision and the effort of preset
+/// `paper`. A family has such a table of the base's layout, and a full family of each layout.
 #[must_use]
 pub fn stands_for_ltc(base: &Recipe, recipe: &Recipe) -> bool {
     let effort = |fit: &FitSettings| (fit.samples, fit.directions, fit.steps);
@@ -99,8 +99,8 @@ pub fn stands_for_ltc(base: &Recipe, recipe: &Recipe) -> bool {
     is_paper && (recipe.resolution, recipe.precision) == (base.resolution, base.precision)
 }
 
-/// The recipes of fitted Gaussians: `base` with the effort of preset `paper`, for each lobe model that is one and that
-/// its layout stores.
+/// The recipes of fitted Gaussians: `base` with the effort of preset `paper`, for each Gaussian lobe model that its
+/// layout can store.
 #[must_use]
 pub fn fitted_gaussians(base: &Recipe) -> Vec<Recipe> {
     let lobes = LobeModel::ALL.iter().filter(|lobe| lobe.gaussian().is_some() && base.layout.stores(**lobe));

@@ -1,5 +1,5 @@
-//! The trade-off as a picture: error against seconds and bytes, and the light of models and tables against instructions and
-//! bytes.
+//! The picture of the trade-off: error against seconds and bytes, and the light of models and tables against
+//! instructions and bytes.
 
 use std::fmt::Write as _;
 
@@ -13,9 +13,9 @@ use ltcforge_fit::{Layout, Precision};
 
 const WIDTH: f64 = 1120.0;
 const HEIGHT: f64 = 960.0;
-/// Left ends of the charts of a line.
+/// Left ends of the charts in a row.
 const LEFT: [f64; 2] = [64.0, 624.0];
-/// Errors of lobes beyond four times the least would take most of the axis.
+/// The row of lobe errors. Errors beyond four times the least would take most of the axis.
 const LOBES: Line = Line {
     top: 74.0,
     height: 420.0,
@@ -31,7 +31,7 @@ const LIGHT: Line = Line {
     most_error: f64::INFINITY,
 };
 
-/// Light and dark colours in one file; the viewer's preference picks.
+/// Light and dark colours. The viewer's preference selects them.
 const STYLE: &str = include_str!("picture.css");
 
 /// The picture as SVG.
@@ -121,7 +121,7 @@ fn write_legend(out: &mut String, rows: &[FittedRecipe]) -> std::fmt::Result {
         mark(out, [x, y], Kind::Table(*layout), "")?;
         text(out, x + 10.0, layout.name())?;
     }
-    // The others are shown to those who fit them.
+    // The other layouts are in the legend if the rows use them.
     for (column, layout) in
         (0..).zip(&Layout::ALL[2..]).filter(|(_, layout)| rows.iter().any(|row| row.layout == **layout))
     {
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_beyond_the_axis_stands_at_its_edge() {
+    fn an_error_beyond_the_axis_is_at_its_edge() {
         let mut rows = vec![
             row(0.8, 0.055, Some("draft")),
             row(1.7, 0.052, Some("standard")),
@@ -189,9 +189,9 @@ mod tests {
         assert!(!before.contains(&edge), "{before}");
         rows.push(row(2.0, 0.934, None));
         let svg = picture(&rows, &models());
-        // In the charts of seconds and of bytes.
+        // The charts of seconds and of bytes both show it.
         assert_eq!(svg.matches(&edge).count(), 2, "{svg}");
-        // The others still have most of the axis.
+        // The other points still use most of the axis.
         let ticks = |svg: &str| svg.matches("class=\"grid\"").count();
         assert!(ticks(&svg) + 4 >= ticks(&before), "{svg}");
     }
@@ -201,7 +201,7 @@ mod tests {
         let rows = [row(0.5, 0.07, None), row(4.5, 0.06, Some("paper"))];
         let svg = picture(&rows, &models());
         assert_eq!(svg.matches(">paper</text>").count(), 2, "{svg}");
-        assert_eq!(svg.matches("r=\"7.5\"").count(), 2 + 1, "two, and the legend's: {svg}");
+        assert_eq!(svg.matches("r=\"7.5\"").count(), 2 + 1, "two presets and the legend: {svg}");
         for row in models().rows {
             assert_eq!(svg.matches(&format!(">{}</text>", row.name())).count(), 2, "{svg}");
         }
@@ -221,10 +221,10 @@ mod tests {
         numbers.skip(3 * chart).take(3).collect()
     }
 
-    /// The picture's own claim: further down is nearer to the truth, further right is more expensive; what costs nothing
-    /// stands at the left.
+    /// Lower marks have smaller errors, and marks further right are more expensive. Marks with price zero are at the
+    /// left.
     #[test]
-    fn marks_stand_in_the_order_of_their_numbers() {
+    fn marks_have_the_order_of_their_numbers() {
         let svg = picture(&[row(0.5, 0.07, None)], &models());
         let [balanced, fast, fine] = diamonds(&svg, 0)[..] else { panic!("{svg}") };
         assert!(fast[0] < balanced[0] && balanced[0] < fine[0], "{svg}");

@@ -1,19 +1,19 @@
-//! How far predictions were off.
+//! The accuracy of predictions.
 
 use serde::Serialize;
 
 use super::FittedRecipe;
 
-/// Measured over predicted: least, median and greatest.
+/// The quotients of measured over predicted values: least, median and greatest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OffBy {
-    /// The quotients of seconds. A factor that all three share is the machine's speed.
+    /// The quotients of seconds. Their common factor is the machine's speed.
     pub seconds: [f64; 3],
     /// The quotients of mean errors.
     pub error: [f64; 3],
 }
 
-/// How far the predictions of `rows` were off. Domain: at least one row.
+/// The quotients of the predictions of `rows`. Domain: at least one row.
 #[must_use]
 pub fn off_by(rows: &[FittedRecipe]) -> OffBy {
     let spread = |ratio: fn(&FittedRecipe) -> f64| {

@@ -4,12 +4,12 @@ use serde_json::{Value, json};
 
 use super::{FittedRecipe, ModelRows, POINTS};
 
-/// The columns, by their places in a row's JSON; a column is called after its place, with underscores.
+/// The columns, by their paths in a row's JSON. The name of a column is its path with underscores.
 const COLUMNS: &str = "recipe_digest preset layout resolution/alpha resolution/ratio resolution/theta resolution/phi samples directions \
                        steps precision entries bytes compact_bytes seconds wall_seconds error_mean error_p95 sw1_mean sw1_p95 light_mean \
                        light_p95 predicted_seconds predicted_error on_front/seconds on_front/bytes on_front/base";
 
-/// A header and a line per row; no field needs quotes.
+/// A CSV with a header and a line per row. No field needs quotes.
 #[must_use]
 pub fn csv(rows: &[FittedRecipe]) -> String {
     let header = COLUMNS.replace("resolution/", "").replace('/', "_").replace(' ', ",");
@@ -26,7 +26,7 @@ pub fn csv(rows: &[FittedRecipe]) -> String {
     std::iter::once(header).chain(lines).map(|line| line + "\n").collect()
 }
 
-/// One document: how it was measured, the rows, and the models.
+/// One JSON document: the measurement, the rows, and the models.
 #[must_use]
 pub fn json(rows: &[FittedRecipe], models: &ModelRows, threads: usize) -> String {
     let document = json!({ "points": POINTS, "threads": threads, "rows": rows, "models": models });

@@ -1,4 +1,4 @@
-//! Figure 7: interpolation of matrices, aligned and not.
+//! Figure 7: interpolation of matrices with and without alignment.
 
 use glam::{DMat3, DVec3};
 use ltcforge::{
@@ -17,16 +17,17 @@ use super::{
     hemisphere::{hemisphere, peak},
 };
 
-/// Pixels a side of a lobe.
+/// Side of a lobe's picture in pixels.
 const SIDE: u32 = 150;
-/// From the first matrix to the second.
+/// Weights from the first matrix to the second.
 const WEIGHTS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
-/// By how much the cosine under the second matrix is turned, which leaves its distribution as it is.
+/// The turn of the cosine under the second matrix, in radians. It does not change the distribution.
 const TURN: f64 = 2.0;
-/// As of layout `kt2022`.
+/// The constant of layout `kt2022`.
 const FLATTEST: f64 = 1e-4;
 
-/// Draws the way between two matrices of one distribution, and between those of two, as they are and aligned.
+/// Draws the interpolation between two matrices of one distribution, and of two distributions, with and without
+/// alignment.
 pub(super) fn draw() -> Result<Picture, FigureError> {
     let matrix = |alpha_x, alpha_y, theta, phi| {
         let wo = direction(theta, phi);
@@ -68,7 +69,7 @@ pub(super) fn draw() -> Result<Picture, FigureError> {
     Ok(headed(&[&[what]], &grid(&panels, WEIGHTS.len() as u32)))
 }
 
-/// As the paper stores it: the third column of unit length.
+/// The matrix as the paper stores it, with a third column of unit length.
 fn normalised(m: DMat3) -> DMat3 {
     m * (1.0 / m.z_axis.length())
 }

@@ -1,4 +1,4 @@
-//! The paper's alignment, its equation 12, beside ours.
+//! The paper's alignment (equation 12) compared with ours.
 
 use glam::{DMat3, DVec3};
 use ltcforge::{
@@ -16,19 +16,19 @@ use super::{
     hemisphere::{hemisphere, peak},
 };
 
-/// Pixels a side of a lobe.
+/// Side of a lobe's picture in pixels.
 const SIDE: u32 = 176;
-/// Sharper lobes are too thin to be seen.
+/// The least alpha that is shown. Sharper lobes are too thin to see.
 const LEAST_ALPHA: f64 = 0.1;
-/// Anisotropic lobes.
+/// The recipe of anisotropic lobes.
 const ANISOTROPIC: &str = r#"{"layout": "kt2022", "resolution": {"alpha": 5, "ratio": 4, "theta": 6, "phi": 5},
     "fit": {"samples": 256, "directions": 16}}"#;
-/// Isotropic ones, whose matrices have zeros.
+/// The recipe of isotropic lobes, whose matrices have zeros.
 const ISOTROPIC: &str = r#"{"layout": "ltc2017", "resolution": {"alpha": 16, "theta": 16},
     "fit": {"metric": "l3", "solver": "nelder_mead", "samples": 512, "directions": 16, "steps": 60}}"#;
 
-/// Draws, of the pairs of neighbours in an anisotropic table whose lobes can be seen, those for which either alignment is
-/// furthest behind the other; above them the errors of all pairs, of this table and of an isotropic one.
+/// Draws the two pairs of neighbours in an anisotropic table for which one alignment is furthest behind the other. Text
+/// above them has the errors of all pairs, in this table and in an isotropic table.
 pub(super) fn draw() -> Result<Picture, FigureError> {
     let tables = [Halfway::of(ANISOTROPIC)?, Halfway::of(ISOTROPIC)?];
     let mut titled = Vec::new();
@@ -41,22 +41,22 @@ pub(super) fn draw() -> Result<Picture, FigureError> {
         .iter()
         .map(|(title, picture, foot)| Panel { title, picture: picture.clone(), foot: caption(SIDE, &[foot]) })
         .collect();
-    let told: Vec<String> = tables.iter().flat_map(told).collect();
+    let errors: Vec<String> = tables.iter().flat_map(error_lines).collect();
     let what = "Halfway between neighbours, aligned by us and by equation 12; colours by the root of the density";
     let unit = "error, off by: the sliced Wasserstein distance from GGX, on samples that the fit did not see";
-    let lines: Vec<[&str; 1]> = [[what], [unit]].into_iter().chain(told.iter().map(|line| [line.as_str()])).collect();
+    let lines: Vec<[&str; 1]> = [[what], [unit]].into_iter().chain(errors.iter().map(|line| [line.as_str()])).collect();
     let lines: Vec<&[&str]> = lines.iter().map(<[&str; 1]>::as_slice).collect();
     Ok(headed(&lines, &grid(&panels, 5)))
 }
 
-/// The errors of a table in words.
-fn told(table: &Halfway) -> [String; 3] {
+/// The errors of a table as lines of text.
+fn error_lines(table: &Halfway) -> [String; 3] {
     let PerAxis { alpha, ratio, theta, phi } = table.nodes;
     let (layout, different, pairs) = (table.layout, table.different, table.pairs.len());
-    let both = |of: fn(&Halfway, usize) -> f64| [of(table, OURS), of(table, NEAREST)];
+    let both = |number: fn(&Halfway, usize) -> f64| [number(table, OURS), number(table, NEAREST)];
     let [ours, nearest] = both(Halfway::mean);
     let [times, nearest_times] = both(Halfway::most_times);
-    let mirrored = [OURS, NEAREST].map(|of| table.mirrored(of));
+    let mirrored = [OURS, NEAREST].map(|alignment| table.mirrored(alignment));
     let [determinant, nearest_determinant] = both(Halfway::least_determinant);
     [
         format!(
@@ -72,7 +72,8 @@ fn told(table: &Halfway) -> [String; 3] {
     ]
 }
 
-/// A node, the mean by ours, GGX halfway, the mean by equation 12, and the other node, to the scale of GGX.
+/// The panels of a pair: a node, the mean by our alignment, GGX halfway, the mean by equation 12, and the other node.
+/// All use the scale of GGX.
 fn row(pair: &Pair, title: &str) -> Result<[(String, Picture, String); 5], FigureError> {
     let ([alpha_x, alpha_y], wo) = (pair.at.roughness(), pair.at.view());
     let ggx = Ggx { alpha_x, alpha_y };
@@ -85,7 +86,7 @@ fn row(pair: &Pair, title: &str) -> Result<[(String, Picture, String); 5], Figur
     };
     let PerAxis { theta, phi, .. } = pair.at;
     let at = format!("{alpha_x:.2} {alpha_y:.2}, theta {:.0}, phi {:.0}", theta.to_degrees(), phi.to_degrees());
-    let off = |of: usize| format!("off by {:.4}", pair.errors[of]);
+    let off = |alignment: usize| format!("off by {:.4}", pair.errors[alignment]);
     let [first, second] = pair.nodes[OURS];
     Ok([
         (title.to_owned(), shown(first), "node".to_owned()),

@@ -1,10 +1,10 @@
-//! Curves in a frame: over two axes, or as distances from a point over the directions of a half plane.
+//! Curves in a frame: over two axes, or as polar graphs of a half plane.
 
 use ltcforge::view::picture::{Anchor, GROUND, LINE, Picture, number, text_width, write};
 
-/// Pixels a side of the area within the axes.
+/// Side of the area within the axes in pixels.
 const SIDE: u32 = 288;
-/// Room for the numbers on the left and below, and for a half of the last one.
+/// Space for the numbers on the left and below, and for half of the last number.
 const LEFT: u32 = 56;
 const BELOW: u32 = LINE + 8;
 const RIGHT: u32 = 16;
@@ -20,7 +20,7 @@ pub(super) struct Curve {
     pub(super) colour: [u8; 3],
 }
 
-/// The axes: their ranges, upwards and to the right, and where they have ticks.
+/// The axes: their ranges, to the right and upwards, and their ticks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame<'a> {
     pub(super) x: [f64; 2],
@@ -30,7 +30,7 @@ pub(super) struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// The curves with their axes; parts beyond an end are left out.
+    /// Draws the curves with their axes. Curves are clipped at the axes.
     pub(super) fn draw(&self, curves: &[Curve]) -> Picture {
         let mut picture = Picture::filled(LEFT + SIDE + RIGHT, SIDE + BELOW + LINE / 2, GROUND);
         let (width, top) = (picture.width, LINE / 2);
@@ -58,7 +58,7 @@ impl Frame<'_> {
         [part(x, self.x) * f64::from(SIDE), (1.0 - part(y, self.y)) * f64::from(SIDE)]
     }
 
-    /// Draws a curve within the axes, whose upper left corner is at `left` and `top`.
+    /// Draws a curve within the axes. Their upper left corner is at `left` and `top`.
     fn stroke(&self, picture: &mut Picture, curve: &Curve, [left, top]: [u32; 2]) {
         let places: Vec<[f64; 2]> = curve.points.iter().map(|point| self.at(*point)).collect();
         let side = SIDE as usize;
@@ -98,11 +98,11 @@ fn to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// The length of a name's line, and the gaps before it and behind it.
+/// The length of the line next to a name, and the gaps before and after it.
 const DASH: u32 = 12;
 const GAP: u32 = 4;
 
-/// The names of curves in their colours, as wide as a frame. What room there is lies between them in equal parts.
+/// The names of curves in their colours, as wide as a frame and with equal gaps.
 pub(super) fn legend(width: u32, names: &[(&str, [u8; 3])]) -> Picture {
     let mut picture = Picture::filled(width, LINE + 4, GROUND);
     let own = |name: &str| GAP + DASH + GAP + text_width(name, width);
@@ -128,7 +128,7 @@ mod tests {
         let points = vec![[0.0, 1.0], [1.0, 1.0], [2.0, 9.0]];
         let drawn = frame.draw(&[Curve { points, colour }]);
         let at = |x: u32, y: u32| drawn.rgb[((LINE / 2 + y) * drawn.width + LEFT + x) as usize];
-        // A quarter of the height, for half of the width, then steeply upwards and out.
+        // The curve is at a quarter of the height for half of the width. Then it rises steeply and leaves the frame.
         assert_eq!([at(20, SIDE * 3 / 4), at(SIDE / 2 - 9, SIDE * 3 / 4 - 1)], [colour; 2]);
         assert!(at(20, SIDE / 2) != colour && at(SIDE - 20, SIDE * 3 / 4) != colour);
         let above = drawn.rgb[..(LINE / 2 * drawn.width) as usize].iter();
@@ -136,7 +136,7 @@ mod tests {
         assert!(drawn.rgb.iter().filter(|pixel| **pixel == colour).count() > 300);
     }
 
-    /// The last column of a cut name would be the picture's: beyond the last name the ground is seen.
+    /// The background shows beyond the last name. A name that is cut off would reach the last column of the picture.
     #[test]
     fn names_of_curves_have_room() {
         let names: [(&str, [u8; 3]); 4] =
@@ -149,7 +149,7 @@ mod tests {
         let last = (0..width).rev().find(|x| !is_ground(*x)).expect("names");
         let dash = |colour: [u8; 3]| (0..width).find(|x| column(*x).any(|at| drawn.rgb[at] == colour));
         let begins = dash(names[3].1).expect("the last name's dash") + DASH + GAP;
-        // The last letter is drawn up to its own width.
+        // The last letter is complete.
         assert!(last - begins >= text_width("norma", width), "{begins} {last}");
     }
 }

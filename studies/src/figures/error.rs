@@ -1,4 +1,4 @@
-//! Why a figure could not be drawn.
+//! The errors of figures.
 
 use std::{io, path::PathBuf};
 
@@ -9,10 +9,10 @@ use ltcforge::{
     view::{picture::PngError, preview::PreviewError},
 };
 
-/// Why a figure could not be drawn.
+/// The reason that a figure could not be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum FigureError {
-    /// A recipe of a figure is not one of this version.
+    /// A recipe of a figure is not valid in this version.
     #[error(transparent)]
     Recipe(#[from] RecipeError),
     /// The renderer's error.
@@ -30,9 +30,9 @@ pub enum FigureError {
     /// A file that cannot be written.
     #[error("{}: {source}", .path.display())]
     File {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// Why.
+        /// The system's error.
         source: io::Error,
     },
     /// The fit was stopped.

@@ -1,4 +1,4 @@
-//! What the figures fit: single lobes, and tables.
+//! The fits of the figures: single lobes and tables.
 
 use std::ops::ControlFlow;
 
@@ -10,17 +10,17 @@ use ltcforge::{
 
 use super::error::FigureError;
 
-/// The LTC that is nearest to a lobe.
+/// The LTC with the least distance from a lobe.
 pub(super) fn fitted(ggx: &Ggx, wo: DVec3) -> Result<FittedEntry, FigureError> {
     let mut go_on = || ControlFlow::Continue(());
     Fitter::new(&Preset::Paper.fit()).fit(ggx, wo, 0, &mut StopCheck::new(&mut go_on)).ok_or(FigureError::Stopped)
 }
 
-/// Steps of a simplex from any start: far more than from a good one.
+/// Steps of a simplex from an arbitrary start: far more than from a good start.
 const STEPS: u32 = 400;
 
-/// Settings for searches from a given start. The paper's solver is a descent; here the simplex minimises both metrics, so that
-/// nothing else differs.
+/// Settings for searches from a given start. The paper's solver is a descent. Here the simplex minimises both metrics,
+/// so that only the metric differs.
 pub(super) fn from_any_start(metric: Metric) -> FitSettings {
     FitSettings {
         metric,

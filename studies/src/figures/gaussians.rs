@@ -1,4 +1,4 @@
-//! Gaussians that stand for GGX: its normals, its lobes in the plane of incidence, and the light that they are off by.
+//! Gaussians that approximate GGX: normals, lobes in the plane of incidence, and errors of the light.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -21,14 +21,14 @@ use ltcforge::{
 
 use super::curves::{Curve, Frame, legend};
 
-/// A row of panels each.
+/// The roughness of each row of panels.
 const ROUGHNESSES: [f64; 2] = [0.25, 0.5];
-/// The views whose lobes are shown, degrees.
+/// The views whose lobes are shown, in degrees.
 const VIEWS: [f64; 2] = [0.0, 45.0];
 /// Points of a curve, and of the curve of errors.
 const POINTS: u32 = 360;
 const ERRORS: u32 = 12;
-/// The steepest view of errors, degrees.
+/// The steepest view of errors, in degrees.
 const STEEPEST: f64 = 85.0;
 
 const TRUE: [u8; 3] = [235, 235, 235];
@@ -52,12 +52,12 @@ const GAUSSIANS: [(Gaussian, Warp, [u8; 3]); 4] = [
     (Gaussian::Asg, Warp::Visible, ASG),
 ];
 
-/// Draws for two roughnesses the distribution of normals against its Gaussian, the lobes of two views as polar graphs,
-/// and the mean error of `count` random lights against the angle of view. Measures on the current rayon pool; its size
-/// changes nothing.
+/// Draws for two roughnesses the distribution of normals with its Gaussian, the lobes of two views as polar graphs, and
+/// the mean error of `count` random lights against the angle of view. Measures on the current rayon pool, whose size
+/// does not change the picture.
 ///
 /// # Errors
-/// None: all of these surfaces are of the model.
+/// None: all surfaces are valid.
 pub(super) fn draw(count: usize) -> Result<Picture, LightError> {
     let errors = ROUGHNESSES.map(|alpha| errors(alpha, count));
     let mut graphs = Vec::new();
@@ -81,13 +81,13 @@ pub(super) fn draw(count: usize) -> Result<Picture, LightError> {
     Ok(headed(&[&[what], &[how]], &grid(&panels, 4)))
 }
 
-/// `low` to `high` in even steps.
+/// Even steps from `low` to `high`.
 fn steps([low, high]: [f64; 2], count: u32) -> impl Iterator<Item = f64> {
     (0..=count).map(move |i| low + (high - low) * f64::from(i) / f64::from(count))
 }
 
-/// The distributions of normals over the angle from the surface's: GGX, `exp(-tan^2 / a^2) / (pi a^2 cos^4)` of
-/// Beckmann, the Gaussian `exp(-angle^2 / a^2) / (pi a^2)`, and the spherical Gaussian that stands for it,
+/// The distributions of normals over the angle from the surface's normal: GGX, Beckmann
+/// `exp(-tan^2 / a^2) / (pi a^2 cos^4)`, the Gaussian `exp(-angle^2 / a^2) / (pi a^2)`, and the spherical Gaussian
 /// `exp(2 (cos - 1) / a^2) / (pi a^2)`.
 fn normals(alpha: f64) -> Picture {
     let ggx = Ggx { alpha_x: alpha, alpha_y: alpha };
@@ -148,7 +148,8 @@ fn density(ggx: &Ggx, wo: DVec3, wi: DVec3) -> f64 {
     ggx.distribution((wo + wi).normalize()) * g2 / (4.0 * wo.z)
 }
 
-/// The mean error of light against the angle of view, degrees, for surfaces of this roughness along x and any ratio.
+/// The mean error of light against the angle of view in degrees, for surfaces with this roughness along x and any
+/// ratio.
 fn errors(alpha: f64, count: usize) -> Result<Picture, LightError> {
     let thetas: Vec<f64> = steps([0.0, STEEPEST], ERRORS).collect();
     let at = |degrees: &f64| -> Result<Vec<f64>, LightError> {
@@ -175,9 +176,9 @@ mod tests {
     use ltcforge::fit::brdf::Brdf;
 
     #[test]
-    fn the_picture_shows_every_curve_and_comes_again() {
+    fn the_picture_shows_every_curve_and_is_reproducible() {
         let drawn = draw(2).expect("surfaces");
-        assert!(drawn == draw(2).expect("surfaces"), "not the same again");
+        assert!(drawn == draw(2).expect("surfaces"), "another picture the second time");
         let count = |colour: [u8; 3]| drawn.rgb.iter().filter(|pixel| **pixel == colour).count();
         for colour in [TRUE, SG, ASG, SG_WARP, ASG_WARP, VIEW] {
             assert!(count(colour) > 200, "{colour:?}: {}", count(colour));
@@ -185,7 +186,7 @@ mod tests {
         assert!(drawn != draw(3).expect("surfaces"), "no error is measured");
     }
 
-    /// The measurements on which the panels' scales rest.
+    /// The scales of the panels need this equality.
     #[test]
     fn lobes_reflect_what_visible_normals_do() {
         let ggx = Ggx { alpha_x: 0.25, alpha_y: 0.25 };

@@ -1,4 +1,4 @@
-//! Lamps behind rough glass: the closed form beside Monte Carlo integration.
+//! Lamps behind rough glass: the closed form compared with Monte Carlo integration.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -9,14 +9,14 @@ use ltcforge::{
     view::picture::{Panel, Picture, bar, caption, grid, headed, number, signed_colour, srgb},
 };
 
-/// The glass over air.
+/// The index of the glass relative to air.
 const ETA: f64 = 1.5;
-/// Roughness along x and y, a row of panels each: satin, frosted, brushed.
+/// Roughness along x and y of each row of panels: satin, frosted, brushed.
 const SURFACES: [[f64; 2]; 3] = [[0.1, 0.1], [0.35, 0.35], [0.5, 0.06]];
-/// Half a side of what is seen of the surface; the eye is above its middle by so much.
+/// Half the side of the visible surface, and the height of the eye above its middle.
 const HALF: f64 = 1.0;
 const EYE: f64 = 2.5;
-/// The difference is shown so much stronger.
+/// The factor on the shown difference.
 const STRONGER: f32 = 100.0;
 
 /// A lamp in the glass: corners, and its basic radiance.
@@ -25,7 +25,7 @@ struct Lamp {
     radiance: [f32; 3],
 }
 
-/// A window, a tube and a tilted panel whose lower end is close to the surface.
+/// A window, a tube, and a tilted panel with its lower end close to the surface.
 const LAMPS: [Lamp; 3] = [
     Lamp {
         corners: [[-0.75, 0.1, -0.5], [-0.75, 0.75, -0.5], [-0.1, 0.75, -0.5], [-0.1, 0.1, -0.5]],
@@ -41,7 +41,7 @@ const LAMPS: [Lamp; 3] = [
     },
 ];
 
-/// The picture, and for each surface by how much the radiance of both is off on average.
+/// The picture, and the mean error of each surface.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FrostedGlass {
     /// A row of panels for each surface.
@@ -50,17 +50,17 @@ pub(super) struct FrostedGlass {
     pub(super) surfaces: Vec<GlassError>,
 }
 
-/// How far the closed form is from Monte Carlo integration for one surface.
+/// The difference between the closed form and Monte Carlo integration for one surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct GlassError {
-    /// Mean over pixels and colours of the reference.
+    /// Mean of the reference over pixels and colours.
     pub(super) mean_radiance: f64,
-    /// Mean of the absolute difference from it.
+    /// Mean absolute difference from the reference.
     pub(super) mean_absolute_error: f64,
 }
 
-/// Draws panels of `side` pixels, with `samples` visible normals a pixel in the reference. Runs on the current rayon pool;
-/// its size changes nothing.
+/// Draws panels of `side` pixels, with `samples` visible normals per pixel in the reference. Runs on the current rayon
+/// pool, whose size does not change the picture.
 pub(super) fn draw(side: u32, samples: usize) -> FrostedGlass {
     let rows = SURFACES.map(|alpha| row(alpha, side, samples));
     let surfaces: Vec<GlassError> = rows.iter().map(|row| row.error).collect();
@@ -71,8 +71,8 @@ pub(super) fn draw(side: u32, samples: usize) -> FrostedGlass {
     let mut panels = Vec::new();
     for (row, title) in rows.into_iter().zip(&titles) {
         let GlassError { mean_radiance, mean_absolute_error } = row.error;
-        let told = [mean_absolute_error, mean_radiance].map(|x| number(x as f32));
-        let [long, short] = [format!("mean {} of {}", told[0], told[1]), told[0].clone()];
+        let [error, mean] = [mean_absolute_error, mean_radiance].map(|x| number(x as f32));
+        let [long, short] = [format!("mean {error} of {mean}"), error];
         let [found, wanted, difference] = row.pictures;
         panels.push(Panel { title, picture: found, foot: caption(side, &["closed form"]) });
         let by = format!("{samples} normals a pixel");
@@ -109,12 +109,12 @@ fn row(alpha: [f64; 2], side: u32, samples: usize) -> Row {
     Row { pictures, error }
 }
 
-/// Radiance towards the eye, by the closed form and by the reference, of the same units as the lamps'.
+/// Radiance towards the eye by the closed form and by the reference, in the units of the lamps.
 fn pixel(alpha: [f64; 2], column: u32, row: u32, side: u32, samples: usize) -> [[f32; 3]; 2] {
     let at = |k: u32| HALF * (2.0 * (f64::from(k) + 0.5) / f64::from(side) - 1.0);
     let place = DVec3::new(at(column), -at(row), 0.0);
     let wo = (DVec3::new(0.0, 0.0, EYE) - place).normalize().to_array();
-    // Neighbours differ in their noise.
+    // Neighbouring pixels have different noise.
     let shift =
         [0.754_877_666_246_693, 0.569_840_290_998_053].map(|step| (f64::from(row * side + column) * step).fract());
     let mut sums = [[0.0; 3]; 2];
@@ -142,6 +142,6 @@ mod tests {
         for GlassError { mean_radiance, mean_absolute_error } in &drawn.surfaces {
             assert!(*mean_radiance > 0.05 && *mean_absolute_error < 0.02 * mean_radiance, "{:?}", drawn.surfaces);
         }
-        assert!(drawn == draw(24, 2000), "not the same again");
+        assert!(drawn == draw(24, 2000), "another picture the second time");
     }
 }

@@ -1,4 +1,4 @@
-//! How far lobes halfway between two nodes of a table are from GGX, by two alignments.
+//! The error of lobes halfway between two nodes of a table, by two alignments.
 
 use glam::DMat3;
 use ltcforge::fit::{
@@ -11,9 +11,9 @@ use rayon::prelude::*;
 
 use super::{error::FigureError, fits::entries, nearest::Nearest};
 
-/// As of layout `kt2022`.
+/// The constant of layout `kt2022`.
 const FLATTEST: f64 = 1e-4;
-/// Entries that differ by more are aligned differently.
+/// The least difference of entries that are aligned differently.
 const DIFFERENT: f64 = 0.01;
 
 /// The two alignments.
@@ -27,7 +27,7 @@ pub(super) struct Pair {
     pub(super) at: PerAxis<f64>,
     /// The matrices of both nodes by either alignment, with third columns of unit length.
     pub(super) nodes: [[DMat3; 2]; 2],
-    /// Sliced Wasserstein distances from GGX of the lobe of their mean, by either alignment.
+    /// Sliced Wasserstein distance between GGX and the lobe of their mean, by either alignment.
     pub(super) errors: [f64; 2],
 }
 
@@ -38,13 +38,13 @@ impl Pair {
         (first + second) * 0.5
     }
 
-    /// The determinant halfway over the smaller one of the nodes'.
+    /// The determinant halfway, over the smaller determinant of the nodes.
     fn determinant(&self, alignment: usize) -> f64 {
         let [first, second] = self.nodes[alignment].map(|m| m.determinant());
         self.mean(alignment).determinant() / if first.abs() < second.abs() { first } else { second }
     }
 
-    /// Whether one node's matrix is mirrored and the other's is not.
+    /// Whether only one node's matrix is mirrored.
     fn is_mirrored(&self, alignment: usize) -> bool {
         let [first, second] = self.nodes[alignment].map(|m| m.determinant());
         first * second < 0.0
@@ -57,7 +57,7 @@ pub(super) struct Halfway {
     pub(super) layout: Layout,
     /// Nodes on each axis.
     pub(super) nodes: PerAxis<usize>,
-    /// How many nodes the alignments leave with different matrices.
+    /// The number of nodes that the alignments give different matrices.
     pub(super) different: usize,
     pub(super) pairs: Vec<Pair>,
 }
@@ -85,10 +85,10 @@ impl Halfway {
                 |fitter, [first, second]| {
                     let at = between(plan.recipe().layout(), &places[first], &places[second]);
                     let [alpha_x, alpha_y] = at.roughness();
-                    let nodes = [OURS, NEAREST].map(|of| [matrices[first][of], matrices[second][of]]);
+                    let nodes = [OURS, NEAREST].map(|k| [matrices[first][k], matrices[second][k]]);
                     let mut pair = Pair { at, nodes, errors: [0.0; 2] };
                     pair.errors =
-                        [OURS, NEAREST].map(|of| fitter.error(&Ggx { alpha_x, alpha_y }, at.view(), &pair.mean(of)));
+                        [OURS, NEAREST].map(|k| fitter.error(&Ggx { alpha_x, alpha_y }, at.view(), &pair.mean(k)));
                     pair
                 },
             )
@@ -106,24 +106,24 @@ impl Halfway {
         self.pairs.iter().map(|pair| pair.errors[alignment]).sum::<f64>() / self.pairs.len() as f64
     }
 
-    /// The least determinant halfway, over the smaller one of its neighbours', of the pairs that are not mirrored.
+    /// The least determinant halfway over the smaller determinant of the nodes, of pairs that are not mirrored.
     pub(super) fn least_determinant(&self, alignment: usize) -> f64 {
         let upright = self.pairs.iter().filter(|pair| !pair.is_mirrored(alignment));
         upright.map(|pair| pair.determinant(alignment)).fold(f64::INFINITY, f64::min)
     }
 
-    /// How many pairs have one matrix that is mirrored and one that is not.
+    /// The number of pairs with one mirrored matrix.
     pub(super) fn mirrored(&self, alignment: usize) -> usize {
         self.pairs.iter().filter(|pair| pair.is_mirrored(alignment)).count()
     }
 
-    /// The largest ratio of a pair's error by this alignment to that by the other one.
+    /// The largest ratio of a pair's errors, by this alignment over the other alignment.
     pub(super) fn most_times(&self, alignment: usize) -> f64 {
         self.pairs.iter().map(|pair| pair.errors[alignment] / pair.errors[1 - alignment]).fold(0.0, f64::max)
     }
 
-    /// The pair of the largest ratio of the error by this alignment to that by the other one, of those whose roughness
-    /// halfway is at least `least_alpha`.
+    /// The pair with the largest ratio of errors, by this alignment over the other alignment, and with a roughness of
+    /// at least `least_alpha` halfway.
     pub(super) fn furthest_behind(&self, alignment: usize, least_alpha: f64) -> Option<&Pair> {
         let behind = |pair: &Pair| pair.errors[alignment] / pair.errors[1 - alignment];
         let rough = self.pairs.iter().filter(|pair| pair.at.roughness()[1] >= least_alpha);
@@ -131,7 +131,7 @@ impl Halfway {
     }
 }
 
-/// The indices of nodes that are next to each other along one axis.
+/// The indices of nodes that are neighbours along one axis.
 fn neighbours(plan: &Plan) -> Vec<[usize; 2]> {
     let PerAxis { alpha, ratio, theta, phi } = plan.nodes().lengths();
     let axes = [(alpha, ratio * theta * phi), (ratio, theta * phi), (theta, phi), (phi, 1)];
@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn both_alignments_have_the_same_lobes_at_nodes_and_others_halfway() {
         let table = Halfway::of(SMALL).expect("fits");
-        // Along alpha and ratio, and along theta and phi.
+        // Pairs along alpha, ratio, theta and phi.
         assert_eq!(table.pairs.len(), 18 + 18 + 24 + 24);
         assert!(table.different > 0 && table.different < 36, "{}", table.different);
         for Pair { nodes: [ours, nearest], errors, .. } in &table.pairs {
@@ -191,16 +191,16 @@ mod tests {
         assert_eq!(table.mirrored(OURS), 0);
     }
 
-    /// Of two mirrored matrices the mean is flat.
+    /// The mean of a matrix and a mirrored matrix is flat.
     #[test]
-    fn mirrored_neighbours_are_told() {
+    fn mirrored_neighbours_are_found() {
         let at = PerAxis { alpha: 0.5, ratio: 1.0, theta: 0.3, phi: 0.0 };
         let flipped = DMat3::from_diagonal(glam::DVec3::new(1.0, -1.0, 1.0));
         let pair = Pair { at, nodes: [[DMat3::IDENTITY; 2], [DMat3::IDENTITY, flipped]], errors: [0.0; 2] };
-        assert_eq!([OURS, NEAREST].map(|of| pair.is_mirrored(of)), [false, true]);
-        assert_eq!([OURS, NEAREST].map(|of| pair.determinant(of).abs()), [1.0, 0.0]);
+        assert_eq!([OURS, NEAREST].map(|k| pair.is_mirrored(k)), [false, true]);
+        assert_eq!([OURS, NEAREST].map(|k| pair.determinant(k).abs()), [1.0, 0.0]);
         let both = Pair { nodes: [[DMat3::IDENTITY; 2], [flipped; 2]], ..pair };
-        assert_eq!([OURS, NEAREST].map(|of| both.determinant(of)), [1.0; 2]);
+        assert_eq!([OURS, NEAREST].map(|k| both.determinant(k)), [1.0; 2]);
     }
 
     #[test]

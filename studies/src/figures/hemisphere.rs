@@ -1,14 +1,14 @@
-//! A distribution over the hemisphere, seen from above.
+//! A distribution over the hemisphere, with a view from above.
 
 use glam::DVec3;
 use ltcforge::view::picture::{Picture, colour};
 use rayon::prelude::*;
 
-/// Beside the hemisphere.
+/// The colour outside the hemisphere.
 const BESIDE: [u8; 3] = [48, 48, 48];
-/// Places along a pixel's side whose mean is its colour: lobes can be thinner than a pixel.
+/// Samples along a pixel's side. Their mean is the pixel's colour, because lobes can be thinner than a pixel.
 const PLACES: u32 = 4;
-/// Densities are shown by this power, so that skirts are seen beside a peak.
+/// The power of shown densities, so that the tails of a peak are visible.
 const POWER: f64 = 0.5;
 
 /// The density of every direction above the surface, x to the right and y up. The colour bar ends at `peak`.
@@ -36,7 +36,7 @@ pub(super) fn hemisphere(side: u32, peak: f64, density: impl Fn(DVec3) -> f64 + 
     Picture { width: side, height: side, rgb: rgb.collect() }
 }
 
-/// The largest density of those that [`hemisphere`] shows.
+/// The largest density that [`hemisphere`] shows.
 pub(super) fn peak(side: u32, density: impl Fn(DVec3) -> f64 + Sync) -> f64 {
     let count = side * PLACES;
     let at = |i: u32| 2.0 * (f64::from(i) + 0.5) / f64::from(count) - 1.0;

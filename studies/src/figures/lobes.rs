@@ -1,4 +1,4 @@
-//! Figure 13: eight lobes of GGX beside the LTCs that stand for them.
+//! Figure 13: eight lobes of GGX next to their LTCs.
 
 use glam::DVec3;
 use ltcforge::{
@@ -16,10 +16,10 @@ use super::{
     hemisphere::{hemisphere, peak},
 };
 
-/// Pixels a side of a lobe.
+/// Side of a lobe's picture in pixels.
 const SIDE: u32 = 176;
 
-/// The paper's configurations: roughness along x and y, and the direction of view, degrees.
+/// The paper's configurations: roughness along x and y, and the view direction in degrees.
 const CONFIGURATIONS: [[f64; 4]; 8] = [
     [0.05, 0.05, 66.0, 294.0],
     [0.01, 0.80, 0.0, 272.0],
@@ -31,7 +31,7 @@ const CONFIGURATIONS: [[f64; 4]; 8] = [
     [0.50, 0.01, 66.0, 316.0],
 ];
 
-/// Draws both of each configuration, to the scale of GGX's.
+/// Draws both lobes of each configuration, at the scale of GGX.
 pub(super) fn draw() -> Result<Picture, FigureError> {
     let mut titled = Vec::new();
     for [alpha_x, alpha_y, theta, phi] in CONFIGURATIONS {

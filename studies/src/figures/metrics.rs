@@ -1,4 +1,4 @@
-//! Figure 4: one lobe fitted by two metrics, from starts that are good and bad.
+//! Figure 4: lobes fitted by two metrics, from good and from bad starts.
 
 use std::ops::ControlFlow;
 
@@ -18,10 +18,10 @@ use super::{
     hemisphere::{hemisphere, peak},
 };
 
-/// Pixels a side of a lobe.
+/// Side of a lobe's picture in pixels.
 const SIDE: u32 = 176;
 
-/// A lobe, and the matrix in its frame from which both searches start.
+/// A lobe, and the start of both searches as a matrix in the lobe's frame.
 struct Case {
     name: &'static str,
     alpha: f64,
@@ -29,7 +29,7 @@ struct Case {
     start: DMat3,
 }
 
-/// The paper's cases: a start that is near, one that does not overlap the lobe, and a diffuse one for a sharp lobe.
+/// The paper's cases: a close start, a start that does not overlap the lobe, and a diffuse start for a sharp lobe.
 const CASES: [Case; 3] = [
     Case { name: "(a) diffuse, rough lobe", alpha: 0.5, theta: 0.6, start: DMat3::IDENTITY },
     Case {
@@ -41,7 +41,7 @@ const CASES: [Case; 3] = [
     Case { name: "(c) diffuse, sharp lobe", alpha: 0.03, theta: 0.6, start: DMat3::IDENTITY },
 ];
 
-/// Draws for each case the start, the fits by either metric, and the lobe, to the scale of the lobe.
+/// Draws for each case the start, the fits by both metrics, and the lobe, at the scale of the lobe.
 pub(super) fn draw() -> Result<Picture, FigureError> {
     let mut titled = Vec::new();
     for Case { name, alpha, theta, start } in CASES {

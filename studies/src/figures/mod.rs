@@ -1,7 +1,8 @@
-//! The figures of the documents: those of the paper that introduced anisotropic LTCs [KT et al. 2022] and of the notes on
-//! the isotropic fit, made anew from our own fits; Gaussians; rough glass.
+//! The figures of the docs: figures of the paper on anisotropic LTCs [KT et al. 2022] and of the notes on the isotropic
+//! fit, drawn from our own fits, and figures of Gaussians and rough glass.
 //!
-//! Invariant: equal calls give equal bytes on the same adapter; all but spheres do so on every machine.
+//! Invariant: equal calls give equal bytes on the same adapter. All figures except spheres have equal bytes on every
+//! machine.
 
 mod alignment;
 mod alignments;
@@ -33,21 +34,21 @@ use ltcforge::{
 pub use error::FigureError;
 
 named_list! {
-    /// One of the figures: of the paper in its order, of the notes, and of other documents.
+    /// A figure: of the paper in its order, of the notes, or of other documents.
     pub enum Figure {
-        /// Artefacts, each from leaving out one remedy.
+        /// Artefacts, each without one remedy.
         Figure3 = "figure_3",
-        /// Lobes fitted by two metrics, from good starts and bad.
+        /// Lobes fitted by two metrics, from good and from bad starts.
         Figure4 = "figure_4",
-        /// Interpolation of matrices that are aligned, and that are not.
+        /// Interpolation of matrices with and without alignment.
         Figure7 = "figure_7",
         /// Spheres by tables of few and of many nodes.
         Figure12 = "figure_12",
-        /// Eight lobes of GGX beside the LTCs that stand for them.
+        /// Eight lobes of GGX next to their LTCs.
         Figure13 = "figure_13",
-        /// What tables of several layouts are and take.
+        /// The contents and sizes of tables of several layouts.
         Table1 = "table_1",
-        /// The paper's alignment, its equation 12, beside ours.
+        /// The paper's alignment (equation 12) compared with ours.
         Alignment = "alignment",
         /// The notes' figure 1: the numbers of every entry.
         Notes1 = "notes_1",
@@ -55,11 +56,11 @@ named_list! {
         Notes2 = "notes_2",
         /// The notes' figure 3: shear along z.
         Notes3 = "notes_3",
-        /// The notes' figure 4: skews by searches that start by themselves, and by warm ones.
+        /// The notes' figure 4: skews by independent searches and by warm starts.
         Notes4 = "notes_4",
-        /// The notes' figure 5: the order in which searches start from each other.
+        /// The notes' figure 5: the order of warm starts.
         Notes5 = "notes_5",
-        /// docs/gaussians.md: GGX and the Gaussians that stand for it.
+        /// studies/gaussians.md: GGX and the Gaussians that approximate it.
         Gaussians = "gaussians",
         /// docs/refraction.md: lamps behind rough glass, in closed form and by Monte Carlo integration.
         Glass = "glass",
@@ -68,11 +69,11 @@ named_list! {
 
 /// Random lights for each point of a curve of the figure of Gaussians.
 const GAUSSIAN_LIGHTS: usize = 150;
-/// Pixels a side of each panel of glass, and visible normals a pixel of its reference.
+/// Side of each panel of glass in pixels, and visible normals per pixel of its reference.
 const GLASS_SIDE: u32 = 192;
 const GLASS_SAMPLES: usize = 610;
 
-/// What a figure is written as.
+/// The contents of a figure's file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Drawn {
     /// A PNG.
@@ -82,7 +83,7 @@ pub enum Drawn {
 }
 
 impl Drawn {
-    /// The extension of its file.
+    /// The extension of the file.
     #[must_use]
     pub fn extension(&self) -> &'static str {
         match self {
@@ -93,10 +94,11 @@ impl Drawn {
 }
 
 impl Figure {
-    /// Fits what it shows, on the current rayon pool, and draws it. Figure 12 takes a minute, the others seconds.
+    /// Fits the lobes or tables of the figure on the current rayon pool, and draws it. Figure 12 takes a minute, the
+    /// others seconds.
     ///
     /// # Errors
-    /// Errors of the renderer of spheres.
+    /// The errors of the renderer of spheres.
     pub fn draw(self, preview: &mut Preview) -> Result<Drawn, FigureError> {
         let picture = match self {
             Self::Figure3 => remedies::draw(preview)?,
@@ -117,10 +119,10 @@ impl Figure {
         Ok(Drawn::Picture(picture))
     }
 
-    /// Draws it and writes it into a folder, under its name.
+    /// Draws the figure and writes it into a folder under its name.
     ///
     /// # Errors
-    /// What [`Figure::draw`] and the file system report.
+    /// The errors of [`Figure::draw`] and of the file system.
     pub fn write(self, preview: &mut Preview, folder: &Path) -> Result<PathBuf, FigureError> {
         let drawn = self.draw(preview)?;
         let path = folder.join(format!("{self}.{}", drawn.extension()));

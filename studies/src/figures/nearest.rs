@@ -1,4 +1,4 @@
-//! The alignment of the paper, its equation 12.
+//! The alignment of the paper (equation 12).
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ const SAMPLES: usize = 64;
 /// Angles of a whole turn.
 const ANGLES: u32 = 720;
 
-/// The paper's alignment: its samples of a cosine, and the turns among which it searches.
+/// The paper's alignment: samples of a cosine, and the turns of the search.
 #[derive(Debug)]
 pub(super) struct Nearest {
     samples: Vec<DVec3>,
@@ -27,16 +27,16 @@ impl Nearest {
         }
     }
 
-    /// The mean square of how far a matrix moves the samples of a cosine, `E |M w / |M w| - w|^2` [KT et al. 2022,
-    /// equation 12]. Domain: `m` regular.
+    /// The mean squared distance by which a matrix moves the samples of a cosine, `E |M w / |M w| - w|^2` [KT et al.
+    /// 2022, equation 12]. Domain: `m` regular.
     pub(super) fn distance(&self, m: &DMat3) -> f64 {
         let moved = |w: &DVec3| ((*m * *w).normalize() - *w).length_squared();
         self.samples.iter().map(moved).sum::<f64>() / self.samples.len() as f64
     }
 
-    /// Of all matrices `M R_z F` of one distribution the one with the least [`Nearest::distance`], by a linear search over
-    /// the angle of `R_z`, as in the paper. Of the four flips `F` two suffice: the others differ from these by half a turn.
-    /// Of several equal ones the first.
+    /// The matrix `M R_z F` with the least [`Nearest::distance`], by a linear search over the angle of `R_z` as in the
+    /// paper. All these matrices have the same distribution. Two of the four flips `F` are enough, because the others
+    /// differ by half a turn. Among equal matrices it is the first.
     pub(super) fn align(&self, m: &DMat3) -> DMat3 {
         let candidates = [1.0, -1.0].into_iter().flat_map(|flip| self.angles.iter().map(move |angle| (flip, *angle)));
         let turned = candidates.map(|(flip, (sin, cos))| {
@@ -72,12 +72,12 @@ mod tests {
         for (angle, flips) in [(1.0, [1.0, 1.0]), (2.5, [-1.0, 1.0]), (-0.7, [1.0, -1.0]), (4.0, [-1.0, -1.0])] {
             let flip = DMat3::from_diagonal(DVec3::new(flips[0], flips[1], 1.0));
             let other = nearest.align(&(lobe() * DMat3::from_rotation_z(angle) * flip));
-            // Within a step of the search.
+            // The tolerance is a step of the search.
             assert!(apart(&other, &aligned) < TAU / f64::from(ANGLES), "turned by {angle}, {flips:?}");
         }
     }
 
-    /// Against a search of its own over all four flips and other angles.
+    /// The test searches all four flips and other angles.
     #[test]
     fn no_other_matrix_of_the_distribution_is_nearer() {
         let nearest = Nearest::new();

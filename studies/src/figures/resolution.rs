@@ -1,4 +1,4 @@
-//! Figure 12: spheres by tables of few and of many nodes.
+//! Figure 12: spheres by tables with few and with many nodes.
 
 use std::sync::Arc;
 
@@ -11,17 +11,17 @@ use ltcforge::{
     },
 };
 
-/// The paper's roughnesses, each across as it is along.
+/// The paper's larger roughnesses.
 const ALPHAS: [f64; 4] = [0.06, 0.31, 0.56, 0.81];
 /// The smaller roughness over the larger.
 const RATIO: f64 = 0.3;
-/// Nodes on each axis. The paper has 8 and 64; so many are fitted in a minute.
+/// Nodes on each axis. The paper has 8 and 64. Fits of these take a minute.
 const NODES: [u32; 2] = [8, 16];
-/// Pixels a side of a sphere, and samples a pixel of the reference.
+/// Side of a sphere's picture in pixels, and samples per pixel of the reference.
 const SIDE: u32 = 192;
 const SAMPLES: u32 = 1024;
 
-/// Draws for each table how far it is from the reference.
+/// Draws the difference of each table from the reference.
 pub(super) fn draw(preview: &mut Preview) -> Result<Picture, FigureError> {
     let mut rows = Vec::new();
     for nodes in NODES {

@@ -1,4 +1,4 @@
-//! The paper's table 1 for our layouts: what tables are of, and what they take. None is fitted.
+//! The paper's table 1 for our layouts: the contents and sizes of tables. It needs no fits.
 
 use std::fmt::Write as _;
 
@@ -9,7 +9,7 @@ use ltcforge::{
     textures::{Texture, TextureLayout},
 };
 
-/// Layouts as their readers have them: engines in 2D textures, our shader in those of the others.
+/// Layouts as their readers load them: 2D textures for engines, and other textures for our shader.
 const LAYOUTS: [TextureLayout; 6] = [
     TextureLayout::Reflected,
     TextureLayout::Kt2022,
@@ -18,10 +18,10 @@ const LAYOUTS: [TextureLayout; 6] = [
     TextureLayout::Godot,
     TextureLayout::Hdrp,
 ];
-/// Channels that hold no number of a lobe: nothing, or what is of the light.
+/// Channels that hold no number of a lobe: empty channels, and numbers of the light.
 const NOT_OF_LOBES: [&str; 3] = ["unused", "zero", "sphere"];
 
-/// A line for each layout, of a table with its default resolution.
+/// A table of text with a line for each layout, at its default resolution.
 pub(super) fn table() -> Result<String, FigureError> {
     let mut text = String::from(
         "| layout | stored | axes | nodes | textures | numbers a lobe | bytes, 32 bits | bytes, 16 bits |\n\
@@ -52,7 +52,7 @@ pub(super) fn table() -> Result<String, FigureError> {
     Ok(text)
 }
 
-/// A table with the layout's default resolution whose lobes are all the cosine.
+/// A table with the layout's default resolution. All its lobes are the cosine.
 fn empty(layout: Layout) -> Result<Table, FigureError> {
     let plan = Plan::new(&parse(format!(r#"{{"layout": "{layout}"}}"#).as_bytes(), DEFAULT_ENTRY_LIMIT)?);
     let (recipe, count) = (plan.recipe(), plan.entries() as usize);

@@ -6,24 +6,25 @@ use std::fs;
 
 use super::*;
 
-/// Pixels of the brightest colours.
+/// The number of bright pixels.
 fn bright(picture: &Picture) -> usize {
     let brightest: Vec<[u8; 3]> = (90..=100).map(|percent| colour(percent as f32 / 100.0)).collect();
     picture.rgb.iter().filter(|pixel| brightest.contains(pixel)).count()
 }
 
 #[test]
-fn lobes_are_drawn_and_come_again() {
+fn lobes_are_drawn_and_reproducible() {
     for (draw, least) in [(lobes::draw as fn() -> _, 3000), (metrics::draw, 400)] {
         let drawn: Picture = draw().expect("a picture");
         assert!(bright(&drawn) > least, "{}", bright(&drawn));
-        assert!(drawn == draw().expect("a picture"), "not the same again");
+        assert!(drawn == draw().expect("a picture"), "another picture the second time");
     }
 }
 
-/// A matrix between two of one distribution is of another one, unless they are aligned: the first two rows of panels.
+/// Interpolated matrices of one distribution have another distribution unless they are aligned: the first two rows of
+/// panels.
 #[test]
-fn aligned_matrices_of_one_distribution_stay_it() {
+fn aligned_matrices_of_one_distribution_keep_it() {
     let drawn = alignment::draw().expect("a picture");
     let (width, height) = (drawn.width as usize, drawn.height as usize / 4);
     let across = width.div_ceil(5);
@@ -43,7 +44,7 @@ fn aligned_matrices_of_one_distribution_stay_it() {
 fn both_alignments_are_drawn_with_their_errors() {
     let drawn = alignments::draw().expect("a picture");
     assert!(bright(&drawn) > 400, "{}", bright(&drawn));
-    // A line that is too long would be left out.
+    // A line that is too long would be missing.
     let first = |line: u32| (2 + line * LINE) * drawn.width;
     for line in 0..8 {
         let pixels = &drawn.rgb[first(line) as usize..first(line + 1) as usize];
@@ -70,16 +71,16 @@ fn the_documentation_shows_every_figure() {
     }
 }
 
-/// Those that fit no whole table.
+/// Figures that do not fit a whole table.
 #[test]
-fn pictures_of_isotropic_fits_differ_and_come_again() {
+fn pictures_of_isotropic_fits_differ_and_are_reproducible() {
     let draw = || [isotropic::shears(Shear::X), isotropic::shears(Shear::Z), isotropic::order()];
     let drawn = draw();
-    assert!(drawn == draw(), "not the same again");
+    assert!(drawn == draw(), "another picture the second time");
     assert!(drawn[0] != drawn[1] && drawn[0].rgb.len() > 100_000);
 }
 
-/// Those that fit next to nothing.
+/// Figures that fit almost nothing.
 #[test]
 fn figures_are_written_under_their_names() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,5 +1,6 @@
-// The anisotropic table in three volumes of 8 x 8 x 64 texels, 8 nodes of ratio for each of alpha, interpolated along the last
-// axis by hand; matrices are inverted for each pixel, and lights cut at the lobe's horizon case by case [KT et al. 2022].
+// The anisotropic table in three volumes of 8 x 8 x 64 texels, with 8 nodes of ratio for each of 8 alphas. The shader
+// interpolates along the last axis, inverts the matrix of each pixel, and clips lights at the lobe's horizon case by
+// case [KT et al. 2022].
 @group(0) @binding(0) var engine_a: texture_3d<f32>;
 @group(0) @binding(1) var engine_b: texture_3d<f32>;
 @group(0) @binding(2) var engine_c: texture_3d<f32>;
@@ -48,7 +49,7 @@ fn engine_cut(above: vec3<f32>, below: vec3<f32>) -> vec3<f32> {
     return above.z * below - below.z * above;
 }
 
-// The light's corners above the horizon, and how many.
+// The light's corners above the horizon, and their number.
 fn engine_clip(l: ptr<function, array<vec3<f32>, 5>>) -> u32 {
     let above = vec4((*l)[0].z, (*l)[1].z, (*l)[2].z, (*l)[3].z) > vec4(0.0);
     let cases = dot(vec4<u32>(above), vec4(1u, 2u, 4u, 8u));
@@ -74,20 +75,21 @@ fn engine_clip(l: ptr<function, array<vec3<f32>, 5>>) -> u32 {
     }
 }
 
-fn lit(alpha: vec2<f32>, seen: Seen) -> vec4<f32> {
-    // The table has the larger roughness along x and views of the first quadrant: surface, view and light are turned and mirrored.
+fn lit(alpha: vec2<f32>, local: Local) -> vec4<f32> {
+    // The table has the larger roughness along x and views of the first quadrant: surface, view and light are turned
+    // and mirrored.
     let swaps = alpha.y > alpha.x;
     let larger = max(alpha.x, alpha.y);
     let ratio = min(alpha.x, alpha.y) / larger;
-    let flat = select(seen.wo.xy, seen.wo.yx, swaps);
+    let flat = select(local.wo.xy, local.wo.yx, swaps);
     let mirror = select(vec2(1.0), vec2(-1.0), flat < vec2(0.0));
     let phi = atan2(abs(flat.y), abs(flat.x));
-    let found = engine_lookup(vec4(phi / ENGINE_QUARTER, acos(seen.wo.z) / ENGINE_QUARTER, ratio, (larger - 0.001) / 0.999));
+    let found = engine_lookup(vec4(phi / ENGINE_QUARTER, acos(local.wo.z) / ENGINE_QUARTER, ratio, (larger - 0.001) / 0.999));
     let m = transpose(mat3x3(found.a.xyz, vec3(found.a.w, found.b.xy), vec3(found.b.zw, found.c.x)));
     let inverse = engine_inverted(m);
     var l: array<vec3<f32>, 5>;
     for (var i = 0u; i < 4u; i++) {
-        let corner = seen.corners[i];
+        let corner = local.corners[i];
         l[i] = inverse * vec3(select(corner.xy, corner.yx, swaps) * mirror, corner.z);
     }
     let count = engine_clip(&l);

@@ -1,5 +1,5 @@
-// The isotropic table as engines read it: two textures, of the inverse four numbers and of the terms two, and a light's vector
-// form factor, of which the sphere of the same one leaves a part above the horizon [Hill and Heitz 2016].
+// The isotropic table as engines read it: two textures, of the inverse four numbers and of the terms two, and a light's
+// vector form factor, of which the sphere of the same one leaves a part above the horizon [Hill and Heitz 2016].
 @group(0) @binding(0) var engine_inverse: texture_2d<f32>;
 @group(0) @binding(1) var engine_terms: texture_2d<f32>;
 @group(0) @binding(2) var engine_sampler: sampler;

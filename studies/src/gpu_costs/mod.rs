@@ -1,7 +1,8 @@
-//! Costs of the texts on a GPU: the numbers of `src/shaders/gpu_cost.rs`, by the compiler of a driver.
+//! Costs of shaders on a GPU: the numbers of `src/shaders/gpu_cost.rs`, by the compiler of a driver.
 //!
-//! Each text is compiled with `surface.wgsl` beside it, for one rectangle that is lit from one side, with the frame that its
-//! corners are turned into. Checks of indices are off, as engines have them. Engines' ways are written here as they are published.
+//! Each shader is compiled with `surface.wgsl` for one rectangle that emits to one side, including the transform of its
+//! corners into the tangent frame. Index checks are off, as in engines. The methods of engines are written here as
+//! published.
 
 use std::fmt::Write as _;
 
@@ -21,35 +22,35 @@ use naga::{
 const SURFACE: &str = include_str!("surface.wgsl");
 const ISOTROPIC: &str = include_str!("ltc_isotropic.wgsl");
 
-/// A text, and the function `lit` that calls it for one rectangle.
+/// A shader, with the function `lit` that calls it for one rectangle.
 pub(crate) struct Program {
     pub(crate) name: String,
     pub(crate) wgsl: String,
-    /// The layout of the table that it reads, and whether that has two lobes an entry.
+    /// The layout of the table that it reads, and whether the table has two lobes per entry.
     pub(crate) table: Option<(Layout, bool)>,
 }
 
-/// Why a text was not measured.
+/// The reason that a shader was not measured.
 #[derive(Debug, thiserror::Error)]
 pub enum CostError {
-    /// There is no such driver, or it refuses a shader.
+    /// There is no driver, or it refuses a shader.
     #[error(transparent)]
     Driver(#[from] DriverError),
-    /// A text that is no WGSL.
+    /// A shader that is not valid WGSL.
     #[error("{name}: {reason}")]
     Text {
-        /// The text.
+        /// The shader.
         name: String,
         /// The message of naga.
         reason: String,
     },
 }
 
-/// The numbers as the source has them, under the device's name.
+/// The numbers in the form of the source, below the device's name.
 ///
 /// # Errors
 /// [`CostError`]
-pub fn told() -> Result<String, CostError> {
+pub fn text() -> Result<String, CostError> {
     let driver = Driver::open()?;
     let mut out = format!("// {}\n", driver.name());
     for program in programs() {
@@ -85,7 +86,7 @@ pub(crate) fn programs() -> Vec<Program> {
         .collect()
 }
 
-/// Tables' texts by what may be chosen of them: cut at the surface, the horizon by the cheap fit, both.
+/// Shaders of tables with their options: the cut at the surface, the cheap fit of the horizon, and both.
 fn by_choice() -> impl Iterator<Item = Program> {
     let layouts = [Layout::Reflected, Layout::Ltc2017];
     let choices = [(true, false), (false, true), (true, true)];
@@ -97,7 +98,7 @@ fn by_choice() -> impl Iterator<Item = Program> {
     )
 }
 
-/// Lights that are no polygons, as they are and cut at the surface.
+/// Lights other than polygons, with and without the cut at the surface.
 fn shapes() -> impl Iterator<Item = Program> {
     let calls = [
         ("disk", "c[0], 0.5 * (c[1] - c[0]), 0.5 * (c[0] - c[3]), false"),
@@ -112,9 +113,9 @@ fn shapes() -> impl Iterator<Item = Program> {
             let lit_by = LitBy::from(layout).with(Additions { cut, ..Additions::default() }).ok()?;
             let function = if cut { format!("ltc_cut_{shape}") } else { format!("ltc_{shape}") };
             let lit = format!(
-                "fn lit(alpha: vec2<f32>, seen: Seen) -> vec4<f32> {{
-    let lobe = ltc_lookup(alpha.x, alpha.y, seen.wo);
-    let c = seen.corners;
+                "fn lit(alpha: vec2<f32>, local: Local) -> vec4<f32> {{
+    let lobe = ltc_lookup(alpha.x, alpha.y, local.wo);
+    let c = local.corners;
     return vec4({function}(ltc_inverse(lobe.m), {arguments}), lobe.amplitude, lobe.fresnel, 0.0);
 }}\n"
             );
@@ -124,7 +125,7 @@ fn shapes() -> impl Iterator<Item = Program> {
     )
 }
 
-/// Texts with the factor for metals.
+/// Shaders with the factor for metals.
 fn compensated() -> impl Iterator<Item = Program> {
     let models = [(LightModel::Ltc, Some(Layout::Reflected)), (LightModel::Normals, None), (LightModel::Asg, None)];
     let additions = Additions { cut: false, compensate: true, textured: None };
@@ -133,30 +134,30 @@ fn compensated() -> impl Iterator<Item = Program> {
         .filter_map(move |(model, layout)| Some(of_text(LitBy::new(model, layout).ok()?.with(additions).ok()?)))
 }
 
-/// A metal by F82, a coat over it, fuzz over both: two lookups and three integrals.
+/// A metal by F82 with a coat and fuzz over it: two lookups and three integrals.
 fn layered() -> impl Iterator<Item = Program> {
     let calls = "
-    let base = ltc_lookup(alpha.x, alpha.y, seen.wo);
-    let coat = ltc_lookup(0.1 * alpha.y, 0.1 * alpha.y, seen.wo);
-    let fuzz = layers_fuzz(alpha.y, seen.wo);
-    let base_covered = ltc_rectangle(ltc_inverse(base.m), seen.corners, false);
+    let base = ltc_lookup(alpha.x, alpha.y, local.wo);
+    let coat = ltc_lookup(0.1 * alpha.y, 0.1 * alpha.y, local.wo);
+    let fuzz = layers_fuzz(alpha.y, local.wo);
+    let base_covered = ltc_rectangle(ltc_inverse(base.m), local.corners, false);
     let metal = layers_metal(vec2(base.amplitude, base.fresnel) * base_covered, vec3(0.9, 0.8, 0.7), vec3(0.8, 0.9, 1.0));
     let albedo = layers_albedo(coat.amplitude, coat.fresnel, 0.04);
-    let shine = vec3(albedo * ltc_rectangle(ltc_inverse(coat.m), seen.corners, false));
+    let shine = vec3(albedo * ltc_rectangle(ltc_inverse(coat.m), local.corners, false));
     let coated = layers_coated(metal, shine, albedo, 0.8, vec3(0.9));
-    let fibres = vec3(fuzz.albedo * ltc_rectangle(LtcInverse(fuzz.inverse, 1.0), seen.corners, false));
+    let fibres = vec3(fuzz.albedo * ltc_rectangle(LtcInverse(fuzz.inverse, 1.0), local.corners, false));
     return vec4(layers_fuzzed(coated, fibres, fuzz.albedo, alpha.x), 0.0);
 ";
     let layers = joined(&["layers"]);
     [Layout::Reflected, Layout::Ltc2017].into_iter().map(move |layout| {
         let lit_by = LitBy::from(layout);
         let text = functions(lit_by, Reading::default(), Lights::Polygons);
-        let lit = format!("fn lit(alpha: vec2<f32>, seen: Seen) -> vec4<f32> {{{calls}}}\n");
+        let lit = format!("fn lit(alpha: vec2<f32>, local: Local) -> vec4<f32> {{{calls}}}\n");
         program(format!("{}, layers", lit_by.name()), &[&text, &layers, &lit], Some((layout, false)))
     })
 }
 
-/// Texts with pictures on lights.
+/// Shaders with pictures on lights.
 fn textured() -> impl Iterator<Item = Program> {
     let normals = NormalsRule::SHADED
         .into_iter()
@@ -177,25 +178,25 @@ fn of_text(lit_by: LitBy) -> Program {
     let calls = match lit_by.model() {
         LightModel::Ltc => {
             let rectangle = if lit_by.additions().cut { "ltc_cut_rectangle" } else { "ltc_rectangle" };
-            // A number that no compiler knows.
+            // The compiler does not know this number.
             let lookup = match lit_by.layout() {
-                Some(Layout::Materials) => "ltc_lookup_material(u32(alpha.x * 8.0), seen.wo)",
-                _ => "ltc_lookup(alpha.x, alpha.y, seen.wo)",
+                Some(Layout::Materials) => "ltc_lookup_material(u32(alpha.x * 8.0), local.wo)",
+                _ => "ltc_lookup(alpha.x, alpha.y, local.wo)",
             };
             format!(
                 "let lobe = {lookup};
-    return vec4({rectangle}(ltc_inverse(lobe.m), seen.corners, false), lobe.amplitude, lobe.fresnel, 0.0);"
+    return vec4({rectangle}(ltc_inverse(lobe.m), local.corners, false), lobe.amplitude, lobe.fresnel, 0.0);"
             )
         }
-        LightModel::Normals => "let view = normals_view(alpha.x, alpha.y, seen.wo);
-    return vec4(normals_rectangle(view, seen.corners, false), 0.0, 0.0);"
+        LightModel::Normals => "let view = normals_view(alpha.x, alpha.y, local.wo);
+    return vec4(normals_rectangle(view, local.corners, false), 0.0, 0.0);"
             .to_owned(),
         model @ (LightModel::Sg | LightModel::Asg) => {
             let kind = if model == LightModel::Sg { "GAUSSIANS_SG" } else { "GAUSSIANS_ASG" };
             let view = if lit_by.layout().is_some() { "gaussians_lookup" } else { "gaussians_view" };
             format!(
-                "let view = {view}({kind}, alpha.x, alpha.y, seen.wo);
-    return vec4(gaussians_rectangle(view, seen.corners, false), 0.0, 0.0);"
+                "let view = {view}({kind}, alpha.x, alpha.y, local.wo);
+    return vec4(gaussians_rectangle(view, local.corners, false), 0.0, 0.0);"
             )
         }
     };
@@ -203,7 +204,7 @@ fn of_text(lit_by: LitBy) -> Program {
     let factor = match lit_by.model() {
         LightModel::Ltc => "ltc_compensation(lobe, vec3(0.9, 0.8, 0.7))",
         LightModel::Normals => "normals_compensation(view, vec3(0.9, 0.8, 0.7))",
-        LightModel::Sg | LightModel::Asg => "gaussians_compensation(alpha.x, alpha.y, seen.wo, vec3(0.9, 0.8, 0.7))",
+        LightModel::Sg | LightModel::Asg => "gaussians_compensation(alpha.x, alpha.y, local.wo, vec3(0.9, 0.8, 0.7))",
     };
     let calls = if lit_by.additions().compensate {
         calls.replace("return vec4(", &format!("return vec4({factor}, 1.0) * vec4("))
@@ -211,37 +212,38 @@ fn of_text(lit_by: LitBy) -> Program {
         calls
     };
     let text = functions(lit_by, Reading::default(), Lights::Polygons);
-    let lit = format!("fn lit(alpha: vec2<f32>, seen: Seen) -> vec4<f32> {{\n    {calls}\n}}\n");
+    let lit = format!("fn lit(alpha: vec2<f32>, local: Local) -> vec4<f32> {{\n    {calls}\n}}\n");
     program(lit_by.name(), &[&text, &lit], lit_by.layout().map(|layout| (layout, false)))
 }
 
-/// One rectangle with a picture; the layer is one that no compiler knows.
+/// One rectangle with a picture. The compiler does not know the layer.
 fn textured_calls(model: LightModel) -> &'static str {
     match model {
         LightModel::Ltc => {
-            "let lobe = ltc_lookup(alpha.x, alpha.y, seen.wo);
-    let textured = ltc_textured_rectangle(ltc_inverse(lobe.m), seen.corners, false, u32(alpha.x * 8.0), 8.0);
+            "let lobe = ltc_lookup(alpha.x, alpha.y, local.wo);
+    let textured = ltc_textured_rectangle(ltc_inverse(lobe.m), local.corners, false, u32(alpha.x * 8.0), 8.0);
     return vec4(textured.colour * textured.covered * lobe.amplitude, lobe.fresnel);"
         }
         _ => {
-            "let view = normals_view(alpha.x, alpha.y, seen.wo);
-    let textured = normals_textured_rectangle(view, seen.corners, false, u32(alpha.x * 8.0), 8.0);
+            "let view = normals_view(alpha.x, alpha.y, local.wo);
+    let textured = normals_textured_rectangle(view, local.corners, false, u32(alpha.x * 8.0), 8.0);
     return vec4(textured.colour * textured.parts.x, textured.parts.y);"
         }
     }
 }
 
-/// The ways to use two lobes, and the code that returns what is reflected. Alpha stands for an F0 that no compiler knows.
+/// The ways to use two lobes, and the code that returns the reflected light. Alpha takes the place of F0, so that the
+/// compiler does not know F0.
 const TWO_LOBES: [(&str, &str); 2] = [
     (
         "two integrals",
-        "let first = ltc_rectangle(ltc_inverse(lobes.first.m), seen.corners, false);
-    let second = ltc_rectangle(ltc_inverse(lobes.second), seen.corners, false);
+        "let first = ltc_rectangle(ltc_inverse(lobes.first.m), local.corners, false);
+    let second = ltc_rectangle(ltc_inverse(lobes.second), local.corners, false);
     return vec4(first, second, lobes.first.amplitude, lobes.first.fresnel);",
     ),
     (
         "blended",
-        "let covered = ltc_rectangle(ltc_inverse(ltc_blend(lobes, alpha.y, 1.0)), seen.corners, false);
+        "let covered = ltc_rectangle(ltc_inverse(ltc_blend(lobes, alpha.y, 1.0)), local.corners, false);
     return vec4(covered, lobes.first.amplitude, lobes.first.fresnel, 0.0);",
     ),
 ];
@@ -250,8 +252,8 @@ fn of_two(layout: Layout, (way, calls): (&str, &str)) -> Program {
     let lit_by = LitBy::from(layout);
     let text = functions(lit_by, Reading { two_lobes: true, ..Reading::default() }, Lights::Polygons);
     let lit = format!(
-        "fn lit(alpha: vec2<f32>, seen: Seen) -> vec4<f32> {{
-    let lobes = ltc_lookup_both(alpha.x, alpha.y, seen.wo);\n    {calls}\n}}\n"
+        "fn lit(alpha: vec2<f32>, local: Local) -> vec4<f32> {{
+    let lobes = ltc_lookup_both(alpha.x, alpha.y, local.wo);\n    {calls}\n}}\n"
     );
     program(format!("{}, {way}", lit_by.name()), &[&text, &lit], Some((layout, true)))
 }
@@ -276,7 +278,7 @@ fn figures(driver: &Driver, Program { name, wgsl, .. }: &Program) -> Result<Figu
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let surface = surfaces[id.x];
-    reflected[id.x] = lit(surface.alpha, seen_from(surface));
+    reflected[id.x] = lit(surface.alpha, local_view(surface));
 }
 ";
     let wgsl = &format!("{wgsl}{main}");

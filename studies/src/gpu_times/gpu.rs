@@ -1,4 +1,4 @@
-//! The GPU, and a text's run on it.
+//! The GPU, and runs of shaders on it.
 
 use std::time::Instant;
 
@@ -9,11 +9,11 @@ use wgpu::util::DeviceExt as _;
 use super::textures::{pictures, texels, texture};
 use crate::gpu_costs::Program;
 
-/// Lights of a pixel; [`MAIN`] has them too.
+/// Lights of a pixel, as in [`MAIN`].
 const LIGHTS: u32 = 16;
-/// The part of the pixels that light has to reach, or nothing was measured.
+/// The least part of the pixels that light has to reach. Otherwise the shader did nothing.
 const LEAST_LIT: f64 = 0.5;
-/// A rectangle that stands on the floor and faces the camera, at the origin.
+/// A rectangle on the floor that faces the camera, which is at the origin.
 const LIGHT: [[f32; 4]; 4] =
     [[-3.0, 9.0, 2.0, 0.0], [3.0, 9.0, 2.0, 0.0], [3.0, 9.0, -1.2, 0.0], [-3.0, 9.0, -1.2, 0.0]];
 const MAIN: &str = "
@@ -22,7 +22,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var surface = surfaces[id.x];
     var sum = vec4(0.0);
     for (var i = 0u; i < 16u; i++) {
-        sum += lit(surface.alpha, seen_from(surface));
+        sum += lit(surface.alpha, local_view(surface));
         surface.position.x += 0.05;
         surface.alpha = max(fract(surface.alpha + 0.137), vec2(0.05));
     }
@@ -30,41 +30,41 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 ";
 
-/// How much is run.
+/// The amount of work.
 pub struct Effort {
     /// Pixels of the picture.
     pub picture: [u32; 2],
-    /// Runs of each text, of which the median is told.
+    /// Runs of each shader. The study prints their median.
     pub runs: usize,
-    /// The least seconds of a run, far more than it takes to submit one.
+    /// The least seconds of a run: far more than submitting it takes.
     pub least: f64,
 }
 
 impl Effort {
-    /// A screen; a few seconds for all texts on a GPU, an hour on a processor.
+    /// A full screen. All shaders take a few seconds on a GPU, and an hour on a processor.
     pub const WHOLE: Self = Self { picture: [1920, 1080], runs: 15, least: 0.03 };
 }
 
-/// Why nothing was timed.
+/// The reason that nothing was timed.
 #[derive(Debug, thiserror::Error)]
 pub enum TimesError {
-    /// No GPU, or none that runs these texts.
-    #[error("no GPU to time texts on: {0}")]
+    /// There is no GPU that runs these shaders.
+    #[error("no GPU to time shaders on: {0}")]
     Gpu(String),
-    /// No table to read.
+    /// The table of a shader could not be fitted.
     #[error(transparent)]
     Table(#[from] Error),
-    /// A text with faults, or one that lights nothing.
+    /// A shader has errors or lights nothing.
     #[error("{name}: {reason}")]
     Text {
-        /// The text.
+        /// The shader.
         name: String,
-        /// What is wrong.
+        /// The error.
         reason: String,
     },
 }
 
-/// A device, and the picture that texts light on it.
+/// A device, and the picture that shaders light on it.
 pub(super) struct Gpu {
     pub(super) name: String,
     device: wgpu::Device,
@@ -112,7 +112,7 @@ impl Gpu {
         })
     }
 
-    /// Milliseconds of a light over the picture, the median of the runs.
+    /// Milliseconds of a light over the picture: the median of the runs.
     pub(super) fn milliseconds(
         &self,
         program: &Program,
@@ -124,7 +124,7 @@ impl Gpu {
         self.run(&pipeline, &groups, 1).map_err(refused)?;
         let lit = self.part_lit().map_err(refused)?;
         if lit < LEAST_LIT {
-            return Err(refused(format!("light reaches {lit:.2} of the pixels, at least {LEAST_LIT} are wanted")));
+            return Err(refused(format!("light reaches {lit:.2} of the pixels, but must reach at least {LEAST_LIT}")));
         }
         let mut dispatches = 1;
         let mut seconds = self.run(&pipeline, &groups, dispatches).map_err(refused)?;
@@ -208,7 +208,7 @@ impl Gpu {
         Ok((pipeline, group))
     }
 
-    /// Seconds until as many dispatches are done.
+    /// Seconds of `dispatches` dispatches.
     fn run(&self, pipeline: &wgpu::ComputePipeline, group: &wgpu::BindGroup, dispatches: u32) -> Result<f64, String> {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -245,7 +245,7 @@ impl Gpu {
     }
 }
 
-/// The floor as a camera 1.5 above it sees it, eight by eight pixels after another: normal, alphas, position, padding.
+/// The floor as seen by a camera 1.5 above it, in blocks of eight by eight pixels: normal, alphas, position, padding.
 fn surfaces([width, height]: [u32; 2]) -> Vec<[f32; 8]> {
     let tiles = (0..height / 8).flat_map(|y| (0..width / 8).map(move |x| [8 * x, 8 * y]));
     let pixel = |[x, y]: [u32; 2]| {

@@ -1,8 +1,8 @@
-//! Times of the texts on the GPU that is there: the programs of [`gpu_costs`](crate::gpu_costs), run.
+//! Times of shaders on the GPU of this machine. It runs the programs of [`gpu_costs`](crate::gpu_costs).
 //!
-//! Each pixel of a picture is a place on a floor, as a camera sees it, with sixteen rectangles one after another, each from
-//! a place and by a roughness of its own, so that nothing is computed once for all and what a pixel reads and writes counts
-//! little. The frame and the corners that are turned into it are part of it, as they are of a surface in an engine.
+//! Each pixel is a place on a floor, as a camera sees it, and lights sixteen rectangles one after another. Place and
+//! roughness differ for each, so that no work is shared and memory traffic of the pixel counts little. The time
+//! includes the tangent frame and the transform of the corners, as in an engine.
 
 mod gpu;
 mod textures;
@@ -18,15 +18,15 @@ use crate::{gpu_costs::programs, tables::fitted};
 use gpu::Gpu;
 pub use gpu::{Effort, TimesError};
 
-/// The text that others are compared with: what engines pay.
+/// The shader that the others are compared with: the method of engines.
 const STOCK: &str = "ltc2017, clipless";
 
-/// A row a text, in Markdown: milliseconds a light over the picture, their ratio to [`STOCK`], and that of the counts of
-/// `gpu-costs`.
+/// A row for each shader, in Markdown: milliseconds per light over the picture, their ratio to [`STOCK`], and the ratio
+/// of the counts of `gpu-costs`.
 ///
 /// # Errors
 /// [`TimesError`]
-pub fn told(effort: &Effort) -> Result<String, TimesError> {
+pub fn text(effort: &Effort) -> Result<String, TimesError> {
     let gpu = Gpu::open(effort)?;
     let mut tables = HashMap::new();
     let mut rows = Vec::new();
@@ -45,7 +45,7 @@ pub fn told(effort: &Effort) -> Result<String, TimesError> {
     let counted = |name: &str| GpuCost::of(name).map_or(f64::NAN, |cost| f64::from(cost.inverse_throughput));
     let [width, height] = effort.picture;
     let mut out = format!(
-        "{}, {width} x {height} pixels, one light\n\n| text | ms | of engines' | counted |\n|---|---|---|---|\n",
+        "{}, {width} x {height} pixels, one light\n\n| shader | ms | of engines' | counted |\n|---|---|---|---|\n",
         gpu.name
     );
     for (name, time) in rows {
@@ -56,7 +56,7 @@ pub fn told(effort: &Effort) -> Result<String, TimesError> {
     Ok(out)
 }
 
-/// A table of the default axes. Fitted with little, since no time depends on it.
+/// A table with the default axes and a poor fit, which does not change the time.
 fn table((layout, has_two): (Layout, bool)) -> Result<Table, Error> {
     let builder = match layout {
         Layout::Materials => {
@@ -74,10 +74,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_text_is_timed() {
-        let times = match told(&Effort { picture: [64, 64], runs: 1, least: 0.0 }) {
+    fn every_shader_is_timed() {
+        let times = match text(&Effort { picture: [64, 64], runs: 1, least: 0.0 }) {
             Err(TimesError::Gpu(reason)) => return println!("skipped: no GPU, not even in software: {reason}"),
-            times => times.expect("every text lights the floor"),
+            times => times.expect("every shader lights the floor"),
         };
         for program in programs() {
             let row = times.lines().find(|line| line.starts_with(&format!("| {} |", program.name)));

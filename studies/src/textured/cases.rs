@@ -1,4 +1,4 @@
-//! Random surfaces and rectangles for pictures, the same in every run, and what GGX truly reflects of each channel.
+//! Random surfaces and rectangles for pictures, equal in every run, and the true light by GGX in each channel.
 
 use std::f64::consts::TAU;
 
@@ -19,30 +19,30 @@ use rayon::prelude::*;
 use super::pictures::{CHANNELS, Pictures};
 use crate::draw::Draw;
 
-/// Texels of the pictures: of squares, and of rectangles two and four times as long as wide.
+/// Sizes of the pictures in texels: squares, and rectangles two and four times as long as wide.
 pub(super) const FORMS: [[usize; 2]; 5] = [[512, 512], [512, 256], [256, 512], [512, 128], [128, 512]];
 /// The truth's tolerance: a fiftieth of the mean error of the best row.
 pub(super) const TOLERANCE: f64 = 1e-4;
-/// One in so many is drawn in excess: of one or two in a thousand, smooth surfaces seen from near the horizon, the truth does
-/// not converge.
+/// One spare case for this many cases. For one or two in a thousand, with smooth surfaces and grazing views, the truth
+/// does not converge.
 const SPARE: usize = 100;
 
 /// The distributions from which cases are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Set {
-    /// Alpha .01 to 1, even in its root, ratio 0 to 1, views to 88 degrees; lights of half sizes .05 to 1.2, even in their
-    /// logarithm, at distance one around a direction that the lobe reflects.
+    /// Alpha .01 to 1, even in its root, ratio 0 to 1, views to 88 degrees. The half sizes of lights are .05 to 1.2,
+    /// even in their logarithm, at distance one around a direction that the lobe reflects.
     Random,
-    /// The same with alpha .1 to .6 and ratio .03 to .23.
+    /// `Random` with alpha .1 to .6 and ratio .03 to .23.
     Anisotropic,
-    /// The same as `Random` from 70 to 85 degrees.
+    /// `Random` with views from 70 to 85 degrees.
     Grazing,
-    /// The same with alpha .6 to 1 and ratio .5 to 1.
+    /// `Random` with alpha .6 to 1 and ratio .5 to 1.
     Rough,
-    /// Upright walls across from the viewer that stand on the surface, .3 to 2 away, some up to a tenth of their height below
-    /// it and some up to a fourth above.
+    /// Upright walls on the surface opposite the viewer, .3 to 2 away. Some begin up to a tenth of their height below
+    /// the surface, and some up to a fourth above it.
     Floor,
-    /// The same as `Random` from 85 to 89 degrees.
+    /// `Random` with views from 85 to 89 degrees.
     Horizon,
 }
 
@@ -69,9 +69,9 @@ pub(super) struct Case {
     pub(super) at: Configuration,
     /// The light.
     pub(super) light: TexturedLight,
-    /// Which of [`FORMS`] the picture has.
+    /// The index of the picture's size in [`FORMS`].
     pub(super) form: usize,
-    /// What is truly reflected of each channel, for a Fresnel factor of one.
+    /// The true reflected light of each channel, for a Fresnel factor of one.
     pub(super) truth: Vec<f64>,
 }
 
@@ -93,13 +93,13 @@ pub(super) fn cases(set: Set, count: usize, pictures: &[Pictures]) -> Vec<Case> 
     known.into_iter().flatten().take(count).collect()
 }
 
-/// Surfaces, lights and forms of pictures of a set: `count` and some to spare.
+/// Surfaces, lights and forms of pictures of a set: `count` and some spare cases.
 pub(super) fn drawn(set: Set, count: usize) -> Vec<(Configuration, TexturedLight, usize)> {
     let mut draw = Generator(Draw::new(44_000 + set as u64));
     (0..=count + count / SPARE).map(|_| draw.valid(set)).collect()
 }
 
-/// Surfaces and lights, drawn at random.
+/// A generator of random surfaces and lights.
 struct Generator(Draw);
 
 impl Generator {
@@ -120,7 +120,7 @@ impl Generator {
         Configuration { alpha_x, alpha_y, theta: self.0.within(low, high), phi: self.0.within(0.0, TAU) }
     }
 
-    /// Draws until what comes is a light.
+    /// Draws until the rectangle is a valid light.
     fn valid(&mut self, set: Set) -> (Configuration, TexturedLight, usize) {
         loop {
             let form = (self.0.within(0.0, FORMS.len() as f64) as usize).min(FORMS.len() - 1);

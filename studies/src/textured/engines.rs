@@ -1,7 +1,7 @@
-//! How engines of today read a picture on a light, by their sources: one reading each, in the space of the cosine.
+//! The reading of a picture on a light by engines, from their sources: one reading each, in the space of the cosine.
 //!
-//! All read the prefilter of docs/textured.md at the level that blurs as widely as their own: what is told apart is where
-//! they read, and how wide. Blurs are standard deviations along an axis, in texels of a level.
+//! All read the prefilter of docs/textured.md at the level with the blur of their own prefilter. The study compares the
+//! place and the width of their readings. Blurs are standard deviations along an axis, in texels of a level.
 
 use std::f64::consts::PI;
 
@@ -38,7 +38,7 @@ impl Engine {
         }
     }
 
-    /// What it reflects of a light by an isotropic table, at the geometric mean of the two roughnesses.
+    /// The reflected light by an isotropic table, at the geometric mean of the two roughnesses.
     pub(super) fn by_isotropic(
         self,
         table: &Table,
@@ -49,7 +49,8 @@ impl Engine {
         let mean = (at.alpha_x * at.alpha_y).sqrt();
         let at = Configuration { alpha_x: mean, alpha_y: mean, ..*at };
         match self {
-            // It takes what the sphere of the same form factor leaves above the horizon; the others clip.
+            // Babylon.js uses the part above the horizon of the sphere with the same form factor. The other engines
+            // clip.
             Self::Babylon => {
                 let energy = EngineWay::Clipless.reflected(Some(table), &at, light.polygon()).expect("a surface");
                 self.read(table, &at, light, pyramid, energy)
@@ -58,7 +59,7 @@ impl Engine {
         }
     }
 
-    /// By a table as `ltcforge` uses it: only the reading is the engine's.
+    /// The reflected light by a table as in `ltcforge`, with the reading of the engine.
     pub(super) fn by_table(
         self,
         table: &Table,
@@ -81,11 +82,11 @@ impl Engine {
         let ltc = Ltc::new(from_row_major(&table.lookup(at).matrix)).expect("an LTC");
         let base = &pyramid.levels()[0];
         let texels = ((base.width() * base.height()) as f64).sqrt();
-        let seen = Seen::new(&ltc, light.polygon().vertices(), texels);
+        let projected = Projected::new(&ltc, light.polygon().vertices(), texels);
         let (uv, radius) = match self {
-            Self::Babylon => seen.babylon(),
-            Self::Godot => seen.godot(),
-            Self::Hdrp => seen.hdrp((at.alpha_x * at.alpha_y).powf(0.25)),
+            Self::Babylon => projected.babylon(),
+            Self::Godot => projected.godot(),
+            Self::Hdrp => projected.hdrp((at.alpha_x * at.alpha_y).powf(0.25)),
         };
         let colour = colour(&[Reading { uv, radius, weight: 1.0 }], pyramid);
         TexturedReflection { energy: colour.map(|channel| energy * channel), fresnel: [0.0; 3] }
@@ -93,19 +94,19 @@ impl Engine {
 }
 
 /// A light in the space of the cosine.
-struct Seen {
+struct Projected {
     corner: DVec3,
     sides: [DVec3; 2],
-    /// Across the plane, of length one, and the area.
+    /// The unit normal of the plane, and the area of the light.
     normal: DVec3,
     area: f64,
     /// The direction of the vector form factor.
     flux: DVec3,
-    /// The root of how many texels the picture has.
+    /// The root of the picture's number of texels.
     texels: f64,
 }
 
-impl Seen {
+impl Projected {
     fn new(ltc: &Ltc, vertices: &[DVec3], texels: f64) -> Self {
         let inverse = ltc.inverse();
         let [corner, x, y] = [vertices[0], vertices[1] - vertices[0], vertices[3] - vertices[0]].map(|v| inverse * v);
@@ -115,7 +116,7 @@ impl Seen {
         Self { corner, sides: [x, y], normal: across / area, area, flux, texels }
     }
 
-    /// The parts of the sides at which a point of the plane is.
+    /// The picture coordinates of a point of the plane.
     fn uv(&self, p: DVec3) -> [f64; 2] {
         let from_corner = p - self.corner;
         let part = |side: DVec3, other: DVec3| {
@@ -125,12 +126,12 @@ impl Seen {
         [part(self.sides[0], self.sides[1]), part(self.sides[1], self.sides[0])]
     }
 
-    /// The distance of the plane, over the root of the area.
+    /// The distance of the plane over the root of the area.
     fn distance(&self) -> f64 {
         self.corner.dot(self.normal).abs() / self.area.sqrt()
     }
 
-    /// The foot of the perpendicular.
+    /// The picture coordinates of the foot of the perpendicular.
     fn foot(&self) -> [f64; 2] {
         self.uv(self.corner.dot(self.normal) * self.normal)
     }
@@ -140,8 +141,9 @@ impl Seen {
         (2048.0 * self.distance()).max(1e-9).ln() / 3.0_f64.ln()
     }
 
-    /// At the foot of the perpendicular. The picture is the inner three fourths of 1024 x 1024 texels; around it it is
-    /// mirrored, blurred by half the distance. Levels are halved means, which are a GPU's own and blur by half a texel.
+    /// Place and width of the reading by Babylon.js: at the foot of the perpendicular. The picture is the inner three
+    /// fourths of 1024 x 1024 texels. Around it the picture is mirrored and blurred by half the distance. Levels are
+    /// the halved means of a GPU, which blur by half a texel.
     fn babylon(&self) -> ([f64; 2], f64) {
         const PICTURE: f64 = 768.0;
         const BORDER: f64 = 1.0 / 6.0;
@@ -152,17 +154,17 @@ impl Seen {
         (uv, of_level.hypot(0.5 * outside[0].max(outside[1])))
     }
 
-    /// Where the vector form factor meets the light. Levels are of the picture's own texels, each blurred by a Gaussian of
-    /// nine texels after it is halved: by two texels, all steps together.
+    /// Place and width of the reading by Godot: where the vector form factor meets the light. Levels have the picture's
+    /// texels. Each is blurred by a Gaussian of nine texels after it is halved. All steps together blur by two texels.
     fn godot(&self) -> ([f64; 2], f64) {
         let met = self.flux * (self.corner.dot(self.normal) / self.flux.dot(self.normal));
         let level = self.level().clamp(0.0, self.texels.log2());
         (self.uv(met).map(|x| x.clamp(0.0, 1.0)), 2.0 * level.exp2() / self.texels)
     }
 
-    /// At the foot of the perpendicular, as wide as a disk of the radius at which the vector form factor meets the plane.
-    /// Below a perceptual roughness of .3 levels end earlier, at 0 the fourth is the last. Seven texels are blurred as they
-    /// are halved: by .8 texels, all steps together.
+    /// Place and width of the reading by HDRP: at the foot of the perpendicular, with the width of a disk whose radius
+    /// is the distance at which the vector form factor meets the plane. Below a perceptual roughness of .3 levels end
+    /// earlier, and at 0 the fourth is the last. Halving blurs seven texels. All steps together blur by .8 texels.
     fn hdrp(&self, perceptual_roughness: f64) -> ([f64; 2], f64) {
         let hit = self.corner.dot(self.normal) / self.flux.dot(self.normal);
         let count = self.texels.log2();
@@ -178,31 +180,31 @@ mod tests {
     use super::*;
     use glam::DMat3;
 
-    /// A light straight above a diffuse surface, half as far away as its sides are long: all ways read the middle, as wide
-    /// as their formulas say.
+    /// All engines read a light straight above a diffuse surface in its middle, with the width of their formulas. The
+    /// distance is half the side.
     #[test]
     fn a_light_straight_above_is_read_in_its_middle() {
         let vertices = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]].map(|[x, y]| DVec3::new(x, y, 1.0));
-        let seen = Seen::new(&Ltc::new(DMat3::IDENTITY).expect("an LTC"), &vertices, 512.0);
+        let light = Projected::new(&Ltc::new(DMat3::IDENTITY).expect("an LTC"), &vertices, 512.0);
         let level = 1024.0_f64.ln() / 3.0_f64.ln();
         let wanted = [0.5 * level.exp2() / 768.0, 2.0 * level.exp2() / 512.0, 0.8 * (PI / 4.0_f64).sqrt()];
-        for ((uv, radius), wanted) in [seen.babylon(), seen.godot(), seen.hdrp(1.0)].into_iter().zip(wanted) {
+        for ((uv, radius), wanted) in [light.babylon(), light.godot(), light.hdrp(1.0)].into_iter().zip(wanted) {
             assert!(uv.iter().all(|x| (x - 0.5).abs() < 1e-9), "{uv:?}");
             assert!((radius / wanted - 1.0).abs() < 1e-6, "{radius} {wanted}");
         }
         // A smooth surface reads no level above the fourth.
-        assert!((seen.hdrp(0.0).1 - 0.8 * 8.0 / 512.0).abs() < 1e-12);
+        assert!((light.hdrp(0.0).1 - 0.8 * 8.0 / 512.0).abs() < 1e-12);
     }
 
-    /// A light beside the surface: its foot is a tenth of its width outside, where Babylon.js mirrors and blurs.
+    /// The foot of a light to the side is a tenth of its width outside, where Babylon.js mirrors and blurs.
     #[test]
     fn a_foot_outside_is_read_at_the_border() {
         let vertices = [[0.1, 0.5], [1.1, 0.5], [1.1, -0.5], [0.1, -0.5]].map(|[x, y]| DVec3::new(x, y, 0.01));
-        let seen = Seen::new(&Ltc::new(DMat3::IDENTITY).expect("an LTC"), &vertices, 512.0);
-        let (uv, radius) = seen.babylon();
+        let light = Projected::new(&Ltc::new(DMat3::IDENTITY).expect("an LTC"), &vertices, 512.0);
+        let (uv, radius) = light.babylon();
         assert!((uv[0] - 0.1).abs() < 1e-9 && (uv[1] - 0.5).abs() < 1e-9, "{uv:?}");
         assert!(radius > 0.05 && radius < 0.051, "{radius}");
-        assert!(seen.hdrp(1.0).0[0].abs() < 1e-9, "{:?}", seen.hdrp(1.0));
-        assert!(seen.godot().0[0] > 0.0, "{:?}", seen.godot());
+        assert!(light.hdrp(1.0).0[0].abs() < 1e-9, "{:?}", light.hdrp(1.0));
+        assert!(light.godot().0[0] > 0.0, "{:?}", light.godot());
     }
 }

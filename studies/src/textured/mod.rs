@@ -1,4 +1,5 @@
-//! The tables of docs/textured.md: lights with pictures, by engines' reading, by a table's own kernel and by `normals`.
+//! The tables of docs/textured.md: lights with pictures, by the reading of engines, by the kernel of a table and by
+//! `normals`.
 
 mod cases;
 mod engines;
@@ -33,27 +34,27 @@ use crate::{
     tables::fitted,
 };
 
-/// What engines multiply the width of their reading by: the levels of a chain are not the same everywhere, and the best of
-/// these is told.
+/// Factors on the width of the engines' reading. The levels of mipmaps differ between engines, and docs/textured.md
+/// shows the best factor.
 const WIDTHS: [f64; 3] = [1.0, 1.4, 2.0];
 
-/// What a way finds of a case: each channel.
+/// The light of each channel of a case, by one method.
 type Way<'a> = Box<dyn Fn(&Case) -> Vec<f64> + Sync + 'a>;
 
-/// The table, `lights` a set.
+/// The table, with `lights` cases in each set.
 ///
 /// # Errors
-/// None, unless preset `paper` is no recipe.
+/// None, unless preset `paper` is not a recipe.
 pub fn tables(lights: usize) -> Result<String, ltcforge::Error> {
     let table = fitted(&Recipe::builder().preset(Preset::Paper).build()?);
     let isotropic = fitted(&Recipe::builder().preset(Preset::Paper).layout(Layout::Ltc2017).build()?);
     Ok(tables_of([&table, &isotropic], lights))
 }
 
-/// The table by a table of LTCs and by an isotropic one as engines have it.
+/// The table for a table of LTCs and an isotropic table of engines.
 ///
 /// # Panics
-/// Where a light has no reflection: never, for those drawn here.
+/// Never: all drawn lights are valid.
 #[must_use]
 pub fn tables_of([table, isotropic]: [&Table; 2], lights: usize) -> String {
     let pictures: Vec<Pictures> = cases::FORMS.into_par_iter().map(Pictures::new).collect();
@@ -80,7 +81,7 @@ pub fn tables_of([table, isotropic]: [&Table; 2], lights: usize) -> String {
     out
 }
 
-/// All ways by their names.
+/// All methods with their names.
 fn ways<'a>([table, isotropic]: [&'a Table; 2], pictures: &'a [Pictures]) -> Vec<(String, Way<'a>)> {
     let mut ways: Vec<(String, Way<'a>)> = Vec::new();
     ways.push((

@@ -4,20 +4,20 @@ use ltcforge::light::textured::{LightImage, LightPyramid, TexturedReflection};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// How many channels there are.
+/// The number of channels.
 pub(super) const CHANNELS: usize = 18;
 
-/// Six pictures of three channels in a size, and their pyramids.
+/// Six pictures of three channels with one size, and their pyramids.
 #[derive(Debug)]
 pub(super) struct Pictures {
     /// The pictures.
     pub(super) images: Vec<LightImage>,
-    /// Each prefiltered.
+    /// The prefiltered pictures.
     pub(super) pyramids: Vec<LightPyramid>,
 }
 
 impl Pictures {
-    /// Those of a width and a height, square texels.
+    /// Pictures with a width and a height, and square texels.
     pub(super) fn new(size: [usize; 2]) -> Self {
         let texels = texels(size);
         let image = |i: usize| {
@@ -29,7 +29,7 @@ impl Pictures {
         Self { images, pyramids }
     }
 
-    /// What is found of all channels, for a Fresnel factor of one.
+    /// The reflected light of all channels, for a Fresnel factor of one.
     pub(super) fn channels(&self, of: impl Fn(&LightPyramid) -> TexturedReflection) -> Vec<f64> {
         self.pyramids.iter().flat_map(|pyramid| of(pyramid).energy).collect()
     }
@@ -39,7 +39,7 @@ fn uniform(random: &mut Xoshiro256PlusPlus) -> f64 {
     (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// Noise by octaves of a lattice, each half as strong as the one before: about 1/f.
+/// Noise by octaves of a lattice, each half as strong as the previous octave: about 1/f.
 fn noise(seed: u64) -> impl Fn(f64, f64) -> f64 {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let octaves: Vec<Vec<f64>> = (0..7)

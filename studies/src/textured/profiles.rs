@@ -1,4 +1,4 @@
-//! The table of docs/textured.md for lamps with a profile: lights whose radiance depends on the direction alone.
+//! The table of docs/textured.md for lamps with a profile: lights whose radiance only depends on the direction.
 
 use std::fmt::Write as _;
 
@@ -24,7 +24,7 @@ use crate::{
     markdown::{short, spread},
 };
 
-/// Texels along a side of a profile.
+/// Side of a profile in texels.
 const SIDE: usize = 512;
 
 /// The radiance of a direction, up to one.
@@ -42,7 +42,7 @@ fn direction_of(window: &ProfileWindow, uv: [f64; 2]) -> DVec3 {
     DVec3::new(x, y, 1.0).normalize()
 }
 
-/// The pyramid of the profiles, a channel each.
+/// The pyramid of the profiles, each in a channel.
 fn pyramid() -> LightPyramid {
     let texel = |i: usize| {
         let [x, y] = [i % SIDE, i / SIDE].map(|i| ((i as f64 + 0.5) / SIDE as f64 - 0.5) * 2.0 * PROFILE_TANGENT);
@@ -54,7 +54,7 @@ fn pyramid() -> LightPyramid {
 
 const WAYS: [&str; 4] = ["at the light's middle", "one reading", "four readings", "four, without a blur"];
 
-/// What each way finds of each profile.
+/// The light of each profile by each method.
 fn found(at: &Configuration, light: &TexturedLight, pyramid: &LightPyramid) -> [[f64; 3]; 4] {
     let corners = [0, 1, 2, 3].map(|i| light.polygon().vertices()[i].to_array());
     let wo = direction(at.theta, at.phi).to_array();
@@ -75,7 +75,7 @@ fn found(at: &Configuration, light: &TexturedLight, pyramid: &LightPyramid) -> [
     [at_point([0.5, 0.5]), blurred(&one), blurred(&four), sharp].map(|values| values.map(|value| value * energy))
 }
 
-/// What is truly reflected of a light with each profile, and the error of each way.
+/// The true reflected light of a light with each profile, and the error of each method.
 type Measured = ([f64; 3], [[f64; 3]; 4]);
 
 fn measured(set: Set, lights: usize, pyramid: &LightPyramid) -> Vec<Measured> {
@@ -96,10 +96,10 @@ fn measured(set: Set, lights: usize, pyramid: &LightPyramid) -> Vec<Measured> {
     known.into_iter().flatten().take(lights).collect()
 }
 
-/// The table of docs/textured.md, `lights` a set.
+/// The table of docs/textured.md, with `lights` cases in each set.
 ///
 /// # Panics
-/// Never: what is drawn is a light.
+/// Never: all drawn lights are valid.
 #[must_use]
 pub fn profiles(lights: usize) -> String {
     let pyramid = pyramid();
@@ -133,7 +133,8 @@ pub fn profiles(lights: usize) -> String {
 mod tests {
     use super::*;
 
-    /// docs/textured.md: a fourth of the error of the light's middle, on rough surfaces half of that without a blur.
+    /// docs/textured.md states a fourth of the error of the light's middle, and on rough surfaces half the error
+    /// without a blur.
     #[test]
     fn four_readings_follow_a_profile() {
         let pyramid = pyramid();

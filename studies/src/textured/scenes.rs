@@ -1,4 +1,4 @@
-//! Pictures of docs/textured.md: a lone dot on spheres and a window on a floor, truly, by `normals` and as engines do.
+//! Pictures of docs/textured.md: a dot on spheres and a window on a floor, by the truth, by `normals` and by engines.
 
 use std::{fs, io, path::Path};
 
@@ -17,29 +17,29 @@ use rayon::prelude::*;
 use super::by_engines_reading;
 use crate::tables::fitted;
 
-/// Pixels a side of a panel, texels a side of a picture.
+/// Side of a panel in pixels, and side of a picture in texels.
 const SIDE: usize = 144;
 const TEXELS: usize = 64;
-/// How exact the truth of a pixel is: less than a step of eight bits.
+/// The tolerance of a pixel's truth: less than a step of eight bits.
 const TOLERANCE: f64 = 5e-4;
-/// The width of engines' reading that is best by the table of docs/textured.md.
+/// The best width of the engines' reading in the table of docs/textured.md.
 const ENGINES_WIDTH: f64 = 1.4;
 
-/// A point of a surface in a pixel: its tangent frame, and where it is.
+/// The point of a surface in a pixel: its tangent frame and its place.
 struct Point {
     place: DVec3,
     tangent: DVec3,
     normal: DVec3,
-    /// Towards the camera.
+    /// The direction towards the camera.
     wo: DVec3,
 }
 
-/// A surface, what is seen of it in a pixel, and a light.
+/// A surface, its point in a pixel, and a light.
 struct Scene {
     name: &'static str,
     alpha: [f64; 2],
     corners: [DVec3; 4],
-    /// The picture's texel, by u and v.
+    /// The texel of the picture at u and v.
     texel: fn(f64, f64) -> f64,
     point: fn(f64, f64) -> Option<Point>,
     exposure: f64,
@@ -52,7 +52,7 @@ fn sphere(x: f64, y: f64) -> Option<Point> {
     (z2 > 1e-3).then_some(Point { place: normal, tangent, normal, wo: DVec3::Z })
 }
 
-/// A floor below a camera that looks along it, 77 to 86 degrees from its normal.
+/// A floor at a grazing view, 77 to 86 degrees from its normal.
 fn floor(x: f64, y: f64) -> Option<Point> {
     let eye = DVec3::new(0.0, 0.5, 4.0);
     let ray = DVec3::new(0.34 * x, -0.155 + 0.075 * y, -1.0);
@@ -85,7 +85,7 @@ const SCENES: [Scene; 3] = [
 /// Draws the scenes and writes them as a PNG.
 ///
 /// # Errors
-/// Where the file cannot be written, or preset `draft` is no recipe.
+/// When the file cannot be written, or preset `draft` is not a recipe.
 pub fn write(path: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let table = fitted(&Recipe::builder().preset(Preset::Draft).build()?);
     let drawn: Vec<[Picture; 3]> = SCENES.iter().map(|scene| panels(scene, &table)).collect();
@@ -102,7 +102,7 @@ pub fn write(path: &Path) -> Result<(), Box<dyn std::error::Error>> {
     Ok(fs::write(path, bytes)?)
 }
 
-/// The scene by each way.
+/// The scene by each method.
 fn panels(scene: &Scene, table: &Table) -> [Picture; 3] {
     let texel = |i: usize| {
         let [u, v] = [i % TEXELS, i / TEXELS].map(|x| (x as f64 + 0.5) / TEXELS as f64);

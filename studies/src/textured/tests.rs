@@ -1,4 +1,4 @@
-//! The figures of docs/textured.md, of fewer lights than it has.
+//! The figures of docs/textured.md, from fewer lights.
 
 use std::{collections::BTreeMap, sync::LazyLock};
 
@@ -14,13 +14,13 @@ use crate::textured::cases::Set;
 
 const DOCUMENT: &str = include_str!("../../../docs/textured.md");
 
-/// The sets whose figures are held, and how many lights of each: the first ones of the document's 900.
-const HELD: [Set; 5] = [Set::Random, Set::Anisotropic, Set::Grazing, Set::Rough, Set::Floor];
+/// The tested sets, and the number of lights of each: the first of the document's 900.
+const TESTED: [Set; 5] = [Set::Random, Set::Anisotropic, Set::Grazing, Set::Rough, Set::Floor];
 const LIGHTS: usize = 180;
-/// How far these may be from all 900, as a part: of the mean and of the 95th percentile.
+/// The relative tolerance of the mean and of the 95th percentile against all 900 lights.
 const MARGIN: [f64; 2] = [0.12, 0.15];
 
-/// The rows of the document's table that are held.
+/// The tested rows of the document's table.
 const ROWS: [&str; 3] = ["LTC, its own kernel, 4", "`normals`, `balanced`, 1", "`normals`, `balanced`, 4"];
 
 static TABLE: LazyLock<Table> =
@@ -43,11 +43,11 @@ fn stated(row: &str) -> BTreeMap<&'static str, [f64; 2]> {
 fn errors_are_those_of_the_document() {
     let pictures: Vec<Pictures> = cases::FORMS.into_par_iter().map(Pictures::new).collect();
     let ways = ways([&TABLE, &TABLE], &pictures);
-    let held = ROWS.map(|row| (ways.iter().find(|(name, _)| name == row).expect("a way"), stated(row)));
+    let tested = ROWS.map(|row| (ways.iter().find(|(name, _)| name == row).expect("a way"), stated(row)));
     let mut outside = Vec::new();
-    for set in HELD {
+    for set in TESTED {
         let cases = cases(set, LIGHTS, &pictures);
-        for ((name, way), stated) in &held {
+        for ((name, way), stated) in &tested {
             let errors = cases.par_iter().flat_map_iter(|case| {
                 let found = way(case);
                 found.into_iter().zip(&case.truth).map(|(found, truth)| (found - truth).abs()).collect::<Vec<_>>()
@@ -63,9 +63,9 @@ fn errors_are_those_of_the_document() {
     assert!(outside.is_empty(), "{outside:#?}");
 }
 
-/// As `jumps_along_random_paths_are_small` of the core has it for `normals`: paths are bisected down to where they jump.
+/// Like `jumps_along_random_paths_are_small` of the core for `normals`: the test bisects paths to their jumps.
 #[test]
-fn tables_jump_by_rounding_alone() {
+fn tables_only_jump_by_rounding() {
     let pyramid = &Pictures::new([128, 128]).pyramids[0];
     let used = (TableUse::default(), Readings::Four);
     let most = |seed: u64| {

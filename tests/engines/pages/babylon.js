@@ -1,16 +1,16 @@
 // Babylon.js: PBRMaterial, RectAreaLight. Alpha is roughness^2. With the colours c of the light and f0 of the material,
-// gloss is c (c f0 A + (1 - c) F) of the table times the light's part of the lobe: the light's specular colour stands
-// where others have f0. So plastic is white metal here, under a light of colour 0.04, divided by that colour. Babylon
-// fetches its table from a server of its own, `core` of which Tools.AssetBaseUrl replaces.
+// gloss is c (c f0 A + (1 - c) F) of the table times the light's part of the lobe. Babylon uses the light's specular
+// colour where other engines use f0. Therefore plastic is white metal here under a light of colour 0.04, divided by
+// this colour. Babylon fetches its table from its own server, whose `core` folder Tools.AssetBaseUrl replaces.
 
 import { height, light, pictures, redFromTop, table, width } from '/world.js';
 
-/** As in three.js, without its third argument; here `tables` has to be given. */
+/** Draws every picture, as in three.js, but without its third argument. `tables` is required. */
 export async function draw( tables, dielectric ) {
 
 	const BABYLON = await library();
 	BABYLON.Tools.AssetBaseUrl = tables;
-	// A camera has the shape of the canvas, whatever it draws into.
+	// The camera takes its aspect ratio from the canvas, not from the render target.
 	const canvas = Object.assign( document.createElement( 'canvas' ), { width, height } );
 	const engine = new BABYLON.Engine( canvas, false );
 	const scene = new BABYLON.Scene( engine );
@@ -23,7 +23,7 @@ export async function draw( tables, dielectric ) {
 	const material = new BABYLON.PBRMaterial( 'metal', scene );
 	material.metallic = 1;
 	material.albedoColor = BABYLON.Color3.White();
-	// The table is fitted to single scattering; this would add a guess of the rest.
+	// The table is fitted to single scattering. This option would add an estimate of multiple scattering.
 	material.brdf.useEnergyConservation = false;
 	floor.material = material;
 	const plastic = material.clone( 'plastic' );
@@ -35,7 +35,7 @@ export async function draw( tables, dielectric ) {
 	}
 
 	const lamp = new BABYLON.RectAreaLight( 'lamp', BABYLON.Vector3.Zero(), light.width, light.height, scene );
-	// It shines along -z and turns with its parent alone.
+	// The light shines along -z and only turns with its parent.
 	const holder = new BABYLON.TransformNode( 'holder', scene );
 	const [ x, y, z ] = light.axes.map( ( axis ) => new BABYLON.Vector3( ...axis ) );
 	holder.rotationQuaternion = BABYLON.Quaternion.RotationQuaternionFromAxis( x.negate(), y, z.negate() );
@@ -52,7 +52,7 @@ export async function draw( tables, dielectric ) {
 	target.renderList = [ floor ];
 	scene.customRenderTargets.push( target );
 
-	// Textures of numbers are ready before their numbers are there: wait for the table itself.
+	// Textures report that they are ready before their numbers are loaded, so wait for the table.
 	const { LTC1, LTC2 } = scene._ltcTextures;
 	await Promise.all( [ LTC1, LTC2 ].map( ( texture ) => updated( BABYLON, texture ) ) );
 
@@ -76,7 +76,7 @@ export async function draw( tables, dielectric ) {
 
 }
 
-/** Resolves once a texture has got its numbers; fails where Babylon says that it has none. */
+/** Resolves when a texture has its numbers. Fails if Babylon logs that the numbers are missing. */
 function updated( BABYLON, texture ) {
 
 	return new Promise( ( resolve, reject ) => {
@@ -98,7 +98,7 @@ function updated( BABYLON, texture ) {
 
 }
 
-/** Babylon's one script, which is no module. */
+/** Loads the script of Babylon, which is not a module. */
 export function library() {
 
 	return new Promise( ( resolve, reject ) => {

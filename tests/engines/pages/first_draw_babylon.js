@@ -5,7 +5,7 @@ import { withClosedFormAreaLights } from '/examples/babylon/ggx_area_light.js';
 import { library } from './babylon.js';
 import { textOf } from './first_draw_text.js';
 
-/** Milliseconds to the pixels of a floor under these lights. */
+/** Milliseconds from a first draw to the pixels of a floor under these lights. */
 export async function firstDraw( way, lights ) {
 
 	globalThis.BABYLON = await library();
@@ -22,7 +22,7 @@ export async function firstDraw( way, lights ) {
 
 	};
 
-	// The context's own start is not the material's. Nor are the lamps, which are not lit.
+	// The start of the context and of the unlit lamps does not count.
 	await milliseconds( ( material ) => Object.assign( material, { unlit: true } ) );
 	return milliseconds( ( material ) => text ? withClosedFormAreaLights( material, text, BABYLON ) : material );
 

@@ -7,7 +7,7 @@ import { textOf } from './first_draw_text.js';
 
 const TABLE = 'https://raw.githubusercontent.com/playcanvas/engine/main/examples/assets/json/area-light-luts.json';
 
-/** Milliseconds to the pixels of a floor under these lights. */
+/** Milliseconds from a first draw to the pixels of a floor under these lights. */
 export async function firstDraw( way, lights, _, unclustered ) {
 
 	const app = application( ! unclustered );
@@ -25,7 +25,7 @@ export async function firstDraw( way, lights, _, unclustered ) {
 
 	};
 
-	// The context's own start is not the material's. Nor are the lamps, which are not lit.
+	// The start of the context and of the unlit lamps does not count.
 	await milliseconds( ( material ) => {
 
 		Object.assign( material, { useLighting: false } ).update();

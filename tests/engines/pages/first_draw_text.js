@@ -1,4 +1,4 @@
-/** The text of a way to light; nothing for the engine's own. */
+/** The shader of a way to light; `null` for the engine's own way. */
 export async function textOf( engine, way ) {
 
 	if ( way === 'stock' ) return null;

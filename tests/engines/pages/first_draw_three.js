@@ -8,7 +8,7 @@ import { loadTable, withClosedFormAreaLights, withTableAreaLights } from '/examp
 import { litScene } from '/examples/three/lit_scene.js';
 import { textOf } from './first_draw_text.js';
 
-/** Milliseconds to the pixels of a floor under these lights. */
+/** Milliseconds from a first draw to the pixels of a floor under these lights. */
 export async function firstDraw( way, lights, clearcoat ) {
 
 	const renderer = new THREE.WebGLRenderer();
@@ -39,7 +39,7 @@ export async function firstDraw( way, lights, clearcoat ) {
 
 	};
 	const shown = [ surfaces[ 0 ] ];
-	// The context's own start is not the material's. Nor are the lamps, which are basic materials.
+	// The start of the context and of the lamps, which have basic materials, does not count.
 	milliseconds( litScene( lightsOf( lights ), ( material ) => new THREE.MeshBasicMaterial( { color: material.color } ), { shown } ) );
 	return milliseconds( litScene( lightsOf( lights ), patch, { shown } ) );
 

@@ -1,4 +1,5 @@
-// What the package of examples/babylon does to materials: pictures of two surfaces under two lights, and refusals.
+// The effect of the package of examples/babylon on materials: pictures of two surfaces under two lights, and errors for
+// invalid inputs.
 
 import { fromTop } from '/examples/common/pixels.js';
 import { lightsOf, surfaces } from '/examples/common/scene.js';
@@ -28,7 +29,7 @@ export async function draw() {
 		return scene;
 
 	};
-	/** Draws a scene whose materials `patch` gives, then once more after `change`, which alone is kept. */
+	/** Draws a scene with the materials of `patch`, and again after `change`. Only the second picture is kept. */
 	const both = async ( name, patch, change ) => {
 
 		const scene = await sceneOf( patch );
@@ -40,12 +41,12 @@ export async function draw() {
 	};
 	const materialsOf = ( scene ) => scene.materials.filter( ( { name } ) => name === 'metal' );
 
-	// Other materials of the same scene shape, one after the other, so that Babylon may take one's shader for another.
+	// Materials of equal scenes, one after the other, so that Babylon could confuse their shaders.
 	const ways = {
 		stock: ( material ) => material,
 		ours: closed,
 		'another rule': ( material ) => closed( material, fast ),
-		'patched anew': ( material ) => closed( closed( material, fast ) ),
+		'patched again': ( material ) => closed( closed( material, fast ) ),
 		clone: ( material ) => closed( material ).clone( 'clone' ),
 		'clone of the clone': ( material ) => closed( material ).clone( 'clone' ).clone( 'clone' ),
 		'from a file': ( material ) => BABYLON.Material.Parse( JSON.parse( JSON.stringify( closed( material ).serialize() ) ), material.getScene(), '' ),
@@ -75,7 +76,7 @@ export async function draw() {
 	await drawn( 'moved', moved );
 	moved.dispose();
 
-	// A light with a picture is Babylon's own.
+	// Babylon itself lights a light with a picture.
 	for ( const [ name, patch ] of [ [ 'stock, light with a picture', ways.stock ], [ 'light with a picture', closed ] ] ) {
 
 		const scene = await sceneOf( patch );
@@ -86,7 +87,7 @@ export async function draw() {
 
 	}
 
-	// The same numbers in a left-handed scene are the mirrored world.
+	// Equal numbers in a left-handed scene give the mirrored picture.
 	const left = await sceneOf( closed, { rightHanded: false } );
 	const mirrored = await drawn( 'left-handed', left );
 	pictures[ 'left-handed' ] = mirrored.map( ( _, i ) => mirrored[ 4 * ( Math.floor( i / 4 / width ) * width + width - 1 - Math.floor( i / 4 ) % width ) + i % 4 ] );
@@ -107,7 +108,7 @@ export async function draw() {
 	};
 	old.dispose();
 
-	// Another Babylon: with other lines when the material is patched, and where they come with the first frame.
+	// Another version of Babylon has other lines, when the material is patched or at the first frame.
 	const store = BABYLON.ShaderStore.IncludesShadersStore;
 	const { lightFragment } = store;
 	store.lightFragment = lightFragment.replace( 'computeAreaSpecularLighting(preInfo', 'computeAreaSpecularLighting( preInfo' );
@@ -122,7 +123,7 @@ export async function draw() {
 
 }
 
-/** One of Babylon's simpler materials that is lit as this one. */
+/** A simpler material of Babylon with the same light as this material. */
 function simpleOf( material ) {
 
 	const simple = new BABYLON.PBRMetallicRoughnessMaterial( 'metal', material.getScene() );

@@ -1,4 +1,5 @@
-// What the package of examples/playcanvas does to materials: pictures of two surfaces under two lights, and refusals.
+// The effect of the package of examples/playcanvas on materials: pictures of two surfaces under two lights, and errors
+// for invalid inputs.
 
 import * as pc from 'playcanvas';
 import { fromTop } from '/examples/common/pixels.js';
@@ -42,7 +43,7 @@ export async function draw() {
 		stock: ( material ) => material,
 		ours: closed,
 		'another rule': ( material ) => closed( material, fast ),
-		'patched anew': ( material ) => closed( closed( material, fast ) ),
+		'patched again': ( material ) => closed( closed( material, fast ) ),
 		clone: ( material ) => closed( material ).clone(),
 		'clone of the clone': ( material ) => closed( material ).clone().clone(),
 		'patch taken off': ( material ) => withoutAreaLights( closed( material ) ),
@@ -82,7 +83,7 @@ export async function draw() {
 	await drawn( 'moved', moved );
 	moved.destroy();
 
-	// Other shapes are PlayCanvas' own, beside rectangles too.
+	// PlayCanvas itself lights other shapes, also together with rectangles.
 	for ( const [ name, patch ] of [ [ 'stock, disk', ways.stock ], [ 'disk', closed ] ] ) {
 
 		const scene = litScene( app, lamps, patch, shown );
@@ -92,11 +93,11 @@ export async function draw() {
 
 	}
 
-	// There is one application at a time.
+	// Only one application can exist at a time.
 	app.destroy();
 	app = lit( false );
 	await drawWays( ways, ', unclustered' );
-	// A coat of reflectance one adds what white metal reflects. Lamps and the sky are the same in all pictures.
+	// A coat of reflectance one adds the light of white metal. Lamps and the sky are equal in all pictures.
 	const coats = [ '', ', unclustered' ].map( ( more ) => {
 
 		const [ bare, under ] = [ pictures[ `black${ more }` ], pictures[ `coat on black${ more }` ] ];

@@ -1,4 +1,5 @@
-// What the patch of examples/three does to materials: pictures of white metal under clearcoat, and refusals.
+// The effect of the patch of examples/three on materials: pictures of white metal under clearcoat, and errors for
+// invalid inputs.
 
 import * as THREE from 'three';
 import { RectAreaLightUniformsLib } from 'three/addons/lights/RectAreaLightUniformsLib.js';
@@ -10,7 +11,7 @@ import tableGlsl from '/example/shaders/table.glsl.js';
 import { refusal } from './refusal.js';
 import { coated, height, light, redFromTop, table as floorOf, views, width } from '/world.js';
 
-/** A hook that makes what is drawn `by` times as bright. Its text is the same for all. */
+/** A hook that makes a material `by` times as bright. All hooks have the same source text. */
 const brighter = ( by ) => ( shader ) => {
 
 	shader.fragmentShader = shader.fragmentShader.replace( '#include <opaque_fragment>', `outgoingLight *= ${ by.toFixed( 1 ) };\n#include <opaque_fragment>` );
@@ -55,9 +56,9 @@ export async function draw() {
 	drawn( 'clone of the clone', ours.clone().clone() );
 	drawn( 'another rule', withClosedFormAreaLights( fresh(), fast ) );
 	drawn( 'by a table', withTableAreaLights( fresh(), tableGlsl, stored ) );
-	drawn( 'patched anew', withClosedFormAreaLights( withTableAreaLights( fresh(), tableGlsl, stored ), balanced ) );
+	drawn( 'patched again', withClosedFormAreaLights( withTableAreaLights( fresh(), tableGlsl, stored ), balanced ) );
 
-	// The user's hooks: set before the patch, after it, and so that the one before is called.
+	// Hooks of the user: set before the patch, set after it, and set after it with a call of the previous hook.
 	const before = fresh();
 	before.onBeforeCompile = brighter( 2 );
 	before.customProgramCacheKey = () => 'twice';
@@ -79,7 +80,7 @@ export async function draw() {
 	after.customProgramCacheKey = () => `${ key.call( after ) } and twice`;
 	after.needsUpdate = true;
 	drawn( 'four times', after );
-	// Without a key of the user's, hooks are told apart by their texts, as three does.
+	// Without a key of the user, hooks are distinguished by their source text, as in three.js.
 	const keys = [ ( shader ) => shader.one = 1, ( shader ) => shader.two = 2 ].map( ( hook ) => {
 
 		const material = withClosedFormAreaLights( fresh(), balanced );

@@ -1,14 +1,14 @@
-// PlayCanvas: StandardMaterial, an omni light of the shape of a rectangle. Radiance is colour times intensity times a
+// PlayCanvas: StandardMaterial, an omni light with the shape of a rectangle. Radiance is colour times intensity times a
 // window that ends at the light's range. Gloss is f0 A + (1 - f0) F of the table times the light's part of the lobe.
-// The table is read at (1 - gloss)^2, the alpha of PlayCanvas's other lights, where it expects the root of alpha: area
-// lights are sharper than other lights on the same material. Gloss is set so that the table is read at the roughness
-// that is meant. The light shines from both sides.
+// PlayCanvas reads the table at (1 - gloss)^2, the alpha of its other lights, but the table expects the root of alpha.
+// Therefore area lights are sharper than other lights on the same material. Gloss is set here so that the table is read
+// at the intended roughness. The light shines from both sides.
 
 import * as pc from 'playcanvas';
 
 import { height, light, pictures, redFromTop, table, width } from '/world.js';
 
-/** As in three.js, without its third argument; here `tables` has to be given. */
+/** Draws every picture, as in three.js, but without its third argument. `tables` is required. */
 export async function draw( tables, dielectric ) {
 
 	const app = new pc.Application( document.createElement( 'canvas' ), { graphicsDeviceOptions: { antialias: false } } );
@@ -36,7 +36,7 @@ export async function draw( tables, dielectric ) {
 	const material = new pc.StandardMaterial();
 	material.useMetalness = true;
 	material.useFog = false;
-	// Metal and plastic, of which one is shown.
+	// Metal and plastic. One of them is shown at a time.
 	const floors = [ 0, 1 ].map( () => {
 
 		const floor = new pc.Entity();
@@ -58,7 +58,7 @@ export async function draw( tables, dielectric ) {
 	lamp.addComponent( 'light', {
 		type: 'omni', shape: pc.LIGHTSHAPE_RECT, range: 1000, intensity: 1, color: new pc.Color( 1, 1, 1 ), castShadows: false,
 	} );
-	// Its sides run along x and z, it shines along -y, and scale is its size.
+	// The sides of the light run along x and z. It shines along -y, and scale is its size.
 	const [ x, y, z ] = light.axes.map( ( axis ) => new pc.Vec3( ...axis ) );
 	const turned = new pc.Mat4().set( [ x.x, x.y, x.z, 0, - z.x, - z.y, - z.z, 0, y.x, y.y, y.z, 0, 0, 0, 0, 1 ] );
 	lamp.setLocalRotation( new pc.Quat().setFromMat4( turned ) );

@@ -1,4 +1,4 @@
-/** The message of the error that `work` throws; nothing where it throws none. */
+/** The message of the error that `work` throws, or `null` if it throws no error. */
 export function refusal( work ) {
 
 	try {

@@ -1,4 +1,4 @@
-// Pictures of the scene of examples/three under a light that shows a picture, linear radiance from the top left.
+// Pictures of the scene of examples/three under a light with a picture, as linear radiance from the top left.
 
 import * as THREE from 'three';
 import { fromTop } from '/common/pixels.js';
@@ -11,10 +11,10 @@ import textured from '/three/shaders/normals_textured.glsl.js';
 import prefilter from '/three/shaders/prefilter.glsl.js';
 import { refusal } from './refusal.js';
 
-/** What the light shows: by name, what the example draws, and the second of the video. */
+/** The contents of the light: the example's drawing and the second of the video, by name. */
 const SHOWN = { colour: [ 'colour', 0 ], picture: [ 'picture', 0 ], start: [ 'video', 0 ], later: [ 'video', 1.2 ] };
 
-/** A video that shows a canvas, as a texture that has its first frame. */
+/** A video of a canvas, as a texture that has its first frame. */
 async function playing( canvas ) {
 
 	const video = Object.assign( document.createElement( 'video' ), { srcObject: canvas.captureStream(), muted: true } );
@@ -75,7 +75,7 @@ export async function draw( width, height ) {
 	filled( '#ffffff', pictures );
 	drawn.plain = plain( lightsOf( 1 ) );
 	drawn.white = render( scene );
-	// Of two lights the first is black, and the second has no picture, or a white one.
+	// The first of two lights is black. The second has no picture, or a white picture.
 	filled( '#000000', pictures );
 	drawn.second = render( litScene( lightsOf( 2 ), patched ) );
 	const both = new LightPictures( prefilter, texelsAlong, texelsDown, 2 );

@@ -1,5 +1,5 @@
-// three.js: MeshStandardMaterial, RectAreaLight. Radiance is colour times intensity; alpha is roughness^2, roughness at
-// least 0.045; gloss is f0 A + (f90 - f0) F of the table times the light's part of the lobe.
+// three.js: MeshStandardMaterial, RectAreaLight. Radiance is colour times intensity. Alpha is roughness^2, and
+// roughness is at least 0.045. Gloss is f0 A + (f90 - f0) F of the table times the light's part of the lobe.
 
 import * as THREE from 'three';
 import { RectAreaLightUniformsLib } from 'three/addons/lights/RectAreaLightUniformsLib.js';
@@ -9,10 +9,10 @@ import { height, light, pictures, redFromTop, table, width } from '/world.js';
 /**
  * Draws every picture.
  *
- * @param {?string} tables - Address of the folder of the tables' files; nothing for those that three brings along.
- * @param {?string} dielectric - Address of the folder of those for dielectrics; nothing where one set lights all.
- * @param {boolean} isMixed - Whether all pictures have the same material, whose shader mixes both sets by metalness.
- * @returns {Promise<number[][]>} The red channel of each, linear, from the top left.
+ * @param {?string} tables - Address of the folder of the tables' files; `null` for the tables of three.js.
+ * @param {?string} dielectric - Address of the folder of the files for dielectrics; `null` if one set lights all materials.
+ * @param {boolean} isMixed - Whether all pictures use one material, whose shader mixes both sets by metalness.
+ * @returns {Promise<number[][]>} The red channel of each picture, linear, from the top left.
  */
 export async function draw( tables, dielectric, isMixed ) {
 
@@ -36,14 +36,14 @@ export async function draw( tables, dielectric, isMixed ) {
 	}
 
 	const renderer = new THREE.WebGLRenderer( { canvas: document.createElement( 'canvas' ) } );
-	// Else three takes the tables in half floats.
+	// Otherwise three.js uses the tables in half floats.
 	if ( ! renderer.extensions.has( 'OES_texture_float_linear' ) ) throw new Error( 'float textures are not filtered here' );
 
 	const scene = new THREE.Scene();
 	const floor = new THREE.Mesh( new THREE.PlaneGeometry( 2 * table.halfX, 2 * table.halfZ ), metal );
 	floor.rotation.x = - Math.PI / 2;
 	const lamp = new THREE.RectAreaLight( 0xffffff, 1, light.width, light.height );
-	// It shines along -z.
+	// The light shines along -z.
 	const [ x, y, z ] = light.axes.map( ( axis ) => new THREE.Vector3( ...axis ) );
 	lamp.setRotationFromMatrix( new THREE.Matrix4().makeBasis( x.negate(), y, z.negate() ) );
 	lamp.position.set( ...light.centre );
@@ -65,7 +65,7 @@ export async function draw( tables, dielectric, isMixed ) {
 	};
 	const drawn = pictures.map( ( { f0, roughness, view } ) => {
 
-		// three's plastic has an f0 of 0.04.
+		// Plastic of three.js has an f0 of 0.04.
 		const isPlastic = f0 === 0.04;
 		floor.material = isPlastic && ! isMixed ? plastic : metal;
 		metal.color.setScalar( isPlastic ? 0 : f0 );
@@ -80,7 +80,7 @@ export async function draw( tables, dielectric, isMixed ) {
 
 }
 
-/** Holds what a grey material, a quarter metal, shows to the same mix of what it shows as metal and as dielectric. */
+/** Checks that a material with metalness 0.25 equals the mix of its pictures as metal and as dielectric. */
 function requireMixed( material, shots ) {
 
 	material.color.setScalar( 0.5 );

@@ -1,11 +1,11 @@
-// three.js by WebGPURenderer, which falls back on WebGL 2 where there is no WebGPU. The rest is as in three.js.
+// three.js with WebGPURenderer, which falls back to WebGL 2 without WebGPU. The rest is as in three.js.
 
 import * as THREE from 'three/webgpu';
 import { RectAreaLightTexturesLib } from 'three/addons/lights/RectAreaLightTexturesLib.js';
 
 import { height, light, pictures, redFromTop, table, width } from '/world.js';
 
-/** As in three.js. */
+/** Draws every picture, as in three.js. */
 export async function draw( tables, dielectric, isMixed ) {
 
 	const load = async ( folder ) => ( await import( `${ folder }/ltc.js` ) ).createLTC( THREE );
@@ -27,7 +27,7 @@ export async function draw( tables, dielectric, isMixed ) {
 	const floor = new THREE.Mesh( new THREE.PlaneGeometry( 2 * table.halfX, 2 * table.halfZ ), metal );
 	floor.rotation.x = - Math.PI / 2;
 	const lamp = new THREE.RectAreaLight( 0xffffff, 1, light.width, light.height );
-	// It shines along -z.
+	// The light shines along -z.
 	const [ x, y, z ] = light.axes.map( ( axis ) => new THREE.Vector3( ...axis ) );
 	lamp.setRotationFromMatrix( new THREE.Matrix4().makeBasis( x.negate(), y, z.negate() ) );
 	lamp.position.set( ...light.centre );
@@ -37,7 +37,7 @@ export async function draw( tables, dielectric, isMixed ) {
 	const drawn = [];
 	for ( const { f0, roughness, view } of pictures ) {
 
-		// three's plastic has an f0 of 0.04.
+		// Plastic of three.js has an f0 of 0.04.
 		const isPlastic = f0 === 0.04;
 		floor.material = isPlastic && ! isMixed ? plastic : metal;
 		metal.color.setScalar( isPlastic ? 0 : f0 );

@@ -1,5 +1,5 @@
-// WebGPURenderer with the patch of examples/three: the scene of examples/three by stock three.js and by each rule, under
-// clearcoat too, and the milliseconds to each first draw.
+// WebGPURenderer with the patch of examples/three: the scene of examples/three by stock three.js and by each rule, also
+// under clearcoat, and the milliseconds of each first draw.
 
 import * as THREE from 'three/webgpu';
 import { RectAreaLightTexturesLib } from 'three/addons/lights/RectAreaLightTexturesLib.js';
@@ -9,7 +9,7 @@ import { withClosedFormAreaLights, withoutAreaLights } from '/examples/three/web
 
 /**
  * @param {{ width: number, height: number, lights: number, forceWebGL: boolean, only?: number, ways?: string[] }} what
- * @returns {Promise<Object>} The backend, pictures from the top left, four numbers a pixel, and milliseconds.
+ * @returns {Promise<Object>} The backend, pictures from the top left with four numbers per pixel, and milliseconds.
  */
 export async function draw( { width, height, lights, forceWebGL, only, ways } ) {
 
@@ -27,7 +27,7 @@ export async function draw( { width, height, lights, forceWebGL, only, ways } ) 
 		renderer.render( scene, camera );
 		const read = new Float32Array( ( await renderer.readRenderTargetPixelsAsync( target, 0, 0, width, height ) ).buffer );
 		const milliseconds = performance.now() - start;
-		// WebGPU aligns rows to 256 bytes, which these are, and begins at the top; WebGL begins at the bottom.
+		// WebGPU aligns rows to 256 bytes, and these rows are aligned. It begins at the top, and WebGL at the bottom.
 		if ( read.length !== 4 * width * height ) throw new Error( `${ read.length } numbers were read` );
 		const stride = 4 * width;
 		const rows = Array.from( { length: height }, ( _, row ) => {

@@ -1,4 +1,5 @@
-//! The reference of any scattering model, by its own sampler and value. Shaders know GGX alone, so this has no twin.
+//! The reference of any scattering model, by its own sampler and value. Shaders only have GGX, so this file has no
+//! twin.
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -17,8 +18,8 @@ fn unit_square(i: u32, seed: [u32; 2]) -> [f64; 2] {
     point(i, seed).to_array().map(f64::from)
 }
 
-/// The reflected light, for a Fresnel factor of one and weighed by Schlick's fifth power: `samples` directions
-/// drawn by the model and as many points of the light, weighed by the balance heuristic [Veach 1997], as in
+/// The reflected light, for a Fresnel factor of one and weighted by Schlick's fifth power. It takes `samples`
+/// directions from the model and as many points of the light, weighted by the balance heuristic [Veach 1997], as in
 /// [`super::ggx::reference`].
 pub(super) fn reference(
     brdf: &BrdfModel,
@@ -32,8 +33,8 @@ pub(super) fn reference(
     let surface = surface(brdf, at.alpha);
     let wo = at.wo.as_dvec3().normalize();
     let points: Vec<SquarePoint> = (0..samples).map(|i| SquarePoint::new(unit_square(i, [a, b]))).collect();
-    let mut drawn = Vec::with_capacity(points.len());
-    surface.sample_all(wo, &points, &mut drawn);
+    let mut model_samples = Vec::with_capacity(points.len());
+    surface.sample_all(wo, &points, &mut model_samples);
     let (mut all, mut fresnel) = (DVec3::ZERO, DVec3::ZERO);
     let mut add = |value: f64, cosine: f64, towards: Vec3| {
         let grazing = (1.0 - cosine).clamp(0.0, 1.0);
@@ -42,7 +43,7 @@ pub(super) fn reference(
         all += value;
         fresnel += value * (grazing2 * grazing2 * grazing);
     };
-    for (i, BrdfSample { wi, weight, cos_theta_d: cosine }) in (0..samples).zip(drawn) {
+    for (i, BrdfSample { wi, weight, cos_theta_d: cosine }) in (0..samples).zip(model_samples) {
         let to_light = wi.as_vec3();
         if weight > 0.0 && to_light.z > HORIZON {
             let towards = at.x * to_light.x + at.y * to_light.y + at.z * to_light.z;

@@ -13,7 +13,7 @@ use ltcforge_fit::math::sin_cos_turns;
 
 pub(super) const HORIZON: f32 = 1e-6;
 
-/// A point of the surface with its tangent frame, and the view of it.
+/// A point of the surface with its tangent frame, and the view direction.
 pub(super) struct Shaded {
     pub(super) position: Vec3,
     pub(super) x: Vec3,
@@ -87,8 +87,8 @@ impl FrameLight {
         away * away / (self.area * cosine.abs())
     }
 
-    /// A direction towards the light, and its density per steradian; zero where the light does not emit to the shaded
-    /// point.
+    /// A direction towards the light, and its density per steradian. The density is zero if the light does not emit to
+    /// the shaded point.
     pub(super) fn sample(&self, position: Vec3, u: Vec2) -> (Vec3, f32) {
         if let FrameShape::Tube { .. } | FrameShape::Line { .. } = self.shape {
             return solids::sample(&self.shape, position, u);
@@ -101,12 +101,12 @@ impl FrameLight {
         (direction, if self.faces(facing) { density } else { 0.0 })
     }
 
-    /// Whether directions towards the light are drawn by it alone: no direction of a lobe's hits a line exactly.
+    /// Whether only the light draws directions towards it: no direction from a lobe hits a line exactly.
     pub(super) fn is_line(&self) -> bool {
         matches!(self.shape, FrameShape::Line { .. })
     }
 
-    /// Whether a point of its plane is on it.
+    /// Whether a point of the light's plane is on the light.
     fn holds(&self, hit: Vec3) -> bool {
         if let FrameShape::Ellipse(Ellipse { centre, half_axes }) = self.shape {
             let [x, y] = half_axes.map(|(axis, per_length2)| (hit - centre).dot(axis) * per_length2);
@@ -137,7 +137,7 @@ impl FrameLight {
     }
 }
 
-/// What is reflected by colour channel: for a Fresnel factor of one, and weighed by Schlick's fifth power.
+/// The reflected light of each colour channel: for a Fresnel factor of one, and weighted by Schlick's fifth power.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ColouredParts {
     pub(super) all: Vec3,
@@ -145,7 +145,7 @@ pub(super) struct ColouredParts {
 }
 
 impl ColouredParts {
-    /// Parts that are those of every channel.
+    /// Parts that are equal in all channels.
     pub(super) fn grey(parts: Vec2) -> Self {
         Self { all: Vec3::splat(parts.x), fresnel: Vec3::splat(parts.y) }
     }
@@ -164,7 +164,7 @@ impl ColouredParts {
     }
 }
 
-/// `colour` is that of the light which arrives along a direction.
+/// `colour` gives the colour of the light that arrives along a direction.
 pub(super) fn reference(
     at: &Shaded,
     light: &FrameLight,

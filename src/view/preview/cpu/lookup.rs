@@ -5,7 +5,7 @@ use glam::{Mat3, Vec2, Vec3};
 use crate::preview::ShaderTable;
 use ltcforge_fit::{ShaderAxes, ShaderNumbers};
 
-/// The floor of both roughnesses, in the numbers of a shader.
+/// The least value of both roughnesses, as an f32 number.
 pub(super) const LEAST_ALPHA: f32 = ltcforge_fit::LEAST_ALPHA as f32;
 
 struct Fold {
@@ -64,7 +64,7 @@ pub(super) fn lookup(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) 
     lobe_at(table, alpha_x, alpha_y, wo, 0)
 }
 
-/// Both lobes of a table: the first, and the matrix of the second.
+/// Both lobes of a table: the numbers of the first, and the matrix of the second.
 pub(super) fn lookup_both(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) -> (ShaderNumbers, Mat3) {
     let second = lobe_at(table, alpha_x, alpha_y, wo, table.axes.reading[2] as usize);
     (lookup(table, alpha_x, alpha_y, wo), second.matrix)
@@ -89,7 +89,7 @@ fn nearest_material(table: &ShaderTable, fold: &Fold) -> usize {
     (0..materials).map(|material| (material, away(material))).fold((0, 1e30), nearer).0
 }
 
-/// The lobe whose layers begin at one.
+/// The lobe whose texels begin at `layer`.
 fn lobe_at(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3, layer: usize) -> ShaderNumbers {
     let (axes, layout) = (&table.axes, table.layout);
     let fold = Fold::of(axes, alpha_x, alpha_y, wo);
@@ -128,24 +128,24 @@ mod tests {
     };
     use ltcforge_fit::{Configuration, Table, math::direction};
 
-    /// How far f32 numbers may be from f64 ones: matrices hold numbers of order one.
+    /// The tolerance of f32 numbers against f64 numbers. Numbers of matrices are of order one.
     const F32: f64 = 1e-5;
 
     fn check(table: &Table, alpha_x: f64, alpha_y: f64, theta: f64, phi: f64) -> Result<(), TestCaseError> {
-        let wanted = table.lookup(&Configuration { alpha_x, alpha_y, theta, phi });
+        let expected = table.lookup(&Configuration { alpha_x, alpha_y, theta, phi });
         let wo = direction(theta, phi).as_vec3();
         let found = lookup(&ShaderTable::new(table, TexelFormat::F32), alpha_x as f32, alpha_y as f32, wo);
-        let m = DMat3::from_cols_array(&wanted.matrix).transpose();
+        let m = DMat3::from_cols_array(&expected.matrix).transpose();
         prop_assert!(found.matrix.as_dmat3().abs_diff_eq(m, F32), "{} {}", found.matrix, m);
-        let terms = [(found.amplitude, wanted.amplitude), (found.fresnel, wanted.fresnel)];
-        for (found, wanted) in terms {
-            prop_assert!((f64::from(found) - wanted.expect("terms")).abs() < F32, "{} {:?}", found, wanted);
+        let terms = [(found.amplitude, expected.amplitude), (found.fresnel, expected.fresnel)];
+        for (found, expected) in terms {
+            prop_assert!((f64::from(found) - expected.expect("terms")).abs() < F32, "{} {:?}", found, expected);
         }
         Ok(())
     }
 
     proptest! {
-        /// A shader fetches the numbers that `ltcforge lookup` prints, outside a table's ranges too.
+        /// A shader fetches the numbers that `ltcforge lookup` prints, also outside a table's ranges.
         #[test]
         fn it_is_the_lookup_of_the_table(
             alpha_x in 1e-3..1.0, alpha_y in 1e-3..1.0, theta in 0.0..1.57, phi in -3.0..3.0,

@@ -1,9 +1,10 @@
-//! The shaders' twin: the same arithmetic in the same order, in f32, on all cores.
+//! The CPU twin of the shaders: the same arithmetic in the same order, in f32, on all cores.
 //!
 //! `lookup` is the twin of `ltc_table.wgsl`, `light` of `ltc_light.wgsl`, `ggx` of `ggx_reference.wgsl`, `solids` of
-//! `reference_solids.wgsl`, `textured` of `light_picture.wgsl` and `preview_textured.wgsl`, and `surface` of `sphere.wgsl`. The formulas of models `normals`, `sg` and `asg` and of a
-//! table's disks, spheres and tubes are those of `ltcforge_light` in f32. The shaders have the comments. `any_brdf` has
-//! no shader: it is the reference of models other than GGX.
+//! `reference_solids.wgsl`, `textured` of `light_picture.wgsl` and `preview_textured.wgsl`, and `surface` of
+//! `sphere.wgsl`. `ltcforge_light` has the formulas, in f32, of models `normals`, `sg` and `asg`, and of a table's
+//! disks, spheres and tubes. The shaders have the comments. `any_brdf` has no shader: it is the reference of models
+//! other than GGX.
 
 mod any_brdf;
 mod ggx;
@@ -21,7 +22,7 @@ pub(super) use self::surface::{covering, place_of_direction};
 
 use super::{Radiances, ShaderTable, estimator::Estimator, frame::Frame};
 
-/// The `extent` pixels from `corner` on, as radiance.
+/// Radiance of the `extent` pixels from `corner` on.
 pub(super) fn render(
     frame: &Frame,
     table: &ShaderTable,
@@ -30,7 +31,7 @@ pub(super) fn render(
     extent: [u32; 2],
 ) -> Radiances {
     let [width, height] = extent;
-    // A part of one row is for all cores too.
+    // Pixels are parallel, not rows, so that even a part of one row uses all cores.
     let pixels = (0..width * height).into_par_iter().map(|index| {
         let [x, y] = [index % width, index / width];
         surface::pixel(frame, table, estimator, [corner[0] + x, corner[1] + y])
@@ -38,9 +39,10 @@ pub(super) fn render(
     Radiances { width, pixels: pixels.collect() }
 }
 
-/// Whether a table's nodes surround a roughness as the lookup folds it. Outside them it takes the nearest.
+/// Whether a table's nodes surround a roughness after the lookup folds it. Outside the nodes the lookup takes the
+/// nearest node.
 pub(super) fn covers(table: &ShaderTable, alpha_x: f32, alpha_y: f32) -> bool {
-    /// A quotient of f32 numbers may be off a node that it stands for by this part of it.
+    /// The relative rounding error of a quotient of f32 numbers that should equal a node.
     const ROUNDING: f32 = 1e-6;
     let (x, y) = (alpha_x.max(lookup::LEAST_ALPHA), alpha_y.max(lookup::LEAST_ALPHA));
     let is_within =

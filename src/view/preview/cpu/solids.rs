@@ -15,7 +15,7 @@ fn basis(axis: Vec3) -> [Vec3; 2] {
     [x, axis.cross(x)]
 }
 
-/// The ends around the shaded point, and the radius or width.
+/// The ends relative to the shaded point, and the radius or width.
 fn around(shape: &FrameShape, position: Vec3) -> ([Vec3; 2], f32) {
     match *shape {
         FrameShape::Tube { ends, radius } => (ends.map(|end| end - position), radius),
@@ -152,10 +152,10 @@ pub(super) fn outline(shape: &FrameShape, position: Vec3, up: Vec3) -> Vec<Vec3>
     if is_inside || along == Vec3::ZERO || beside.dot(beside) <= size * size {
         let sine2 = radius * radius / nearest.dot(nearest);
         let [x, y] = basis(nearest.normalize());
-        let seen = radius * (1.0 - sine2).sqrt() * OCTAGON;
+        let silhouette = radius * (1.0 - sine2).sqrt() * OCTAGON;
         let vertex = |i: u8| {
             let (sin, cos) = sin_cos_turns((0.5 - f32::from(i)) * 0.125);
-            nearest * (1.0 - sine2) + (x * cos + y * sin) * seen
+            nearest * (1.0 - sine2) + (x * cos + y * sin) * silhouette
         };
         return (0..8).map(vertex).collect();
     }

@@ -23,7 +23,7 @@ use ltcforge_light::{
 
 const POLE: f32 = 1e-4;
 const LOWEST_EYE: f32 = 1e-3;
-/// How far away the background is.
+/// The distance of the background.
 const FAR: f32 = 1e30;
 
 pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at: [u32; 2]) -> [f32; 3] {
@@ -71,11 +71,11 @@ fn surface(frame: &Frame, place: Vec2, cell: u32, shade: impl FnOnce(&Shaded) ->
     let radiance = seen.map_or(frame.background, |Seen { at, coverage, .. }| {
         frame.background * (1.0 - coverage) + shade(&at) * coverage
     });
-    let (light, covered) = textured::seen(frame, place, distance);
+    let (light, covered) = textured::light_in(frame, place, distance);
     ((1.0 - covered) * radiance + light).to_array()
 }
 
-/// A point of the surface, how much of the pixel it fills, and how far away it is.
+/// A point of the surface, its share of the pixel, and its distance.
 struct Seen {
     at: Shaded,
     coverage: f32,
@@ -223,8 +223,8 @@ fn reflected_colours(frame: &Frame, parts: ColouredParts, albedo: impl FnOnce() 
     once * (Vec3::ONE + frame.f0 * (1.0 / albedo().max(0.01) - 1.0))
 }
 
-/// Where a lobe's picture shows a direction, in pixels; `None` on the far side of the sphere of directions. The inverse of
-/// [`direction_of`].
+/// The pixel at which a lobe's picture shows a direction; `None` on the far side of the sphere of directions. The
+/// inverse of [`direction_of`].
 pub(in crate::preview) fn place_of_direction(frame: &Frame, w: Vec3) -> Option<[f32; 2]> {
     let place = Vec2::new(w.dot(frame.right), w.dot(frame.up)) / 1.05;
     let half = 0.5 * frame.size as f32;
@@ -282,7 +282,7 @@ mod tests {
             let wo = at.wo.as_dvec3().normalize();
             let [alpha_x, alpha_y] = at.alpha.to_array().map(f64::from);
             let seen = Configuration { alpha_x, alpha_y, theta: wo.z.acos(), phi: wo.y.atan2(wo.x) };
-            // An edge that is seen from its end may not look convex.
+            // Rounding may make an edge that points at the surface look concave.
             let light: Vec<DVec3> = vertices.iter().map(|v| v.as_dvec3()).collect();
             let Ok(light) = PolygonLight::new(light, sides) else { continue };
             let wanted = truth_within(1e-5, &seen, &light).expect("a surface").energy;
@@ -293,7 +293,7 @@ mod tests {
         sum / f64::from(count)
     }
 
-    /// Without the noise of a reference by sampling. Limits are twice the measured errors.
+    /// The truth by quadrature has no noise. Limits are twice the measured errors.
     #[test]
     fn scenes_by_normals_are_near_the_truth() {
         for (scene, limit) in LIMITS {

@@ -1,8 +1,8 @@
-//! Functions of the shaders' twin by themselves, as the shaders' entry points for tests have them.
+//! Functions of the shaders' twin that match the shaders' entry points for tests.
 
 use super::*;
 
-/// The lookup alone: `M`, row-major, amplitude, Fresnel term, and a zero.
+/// The lookup: `M`, row-major, amplitude, Fresnel term, and a zero.
 pub(in crate::preview) fn looked_up(table: &ShaderTable, alpha: [f32; 4], wo: [f32; 4]) -> [f32; 12] {
     let [x, y, z, _] = wo;
     let lobe = lookup::lookup(table, alpha[0], alpha[1], glam::Vec3::new(x, y, z));
@@ -31,7 +31,7 @@ pub(in crate::preview) fn lit(
     (lobe.matrix, [lobe.amplitude, lobe.fresnel, covered(lobe.matrix, vertices, false)])
 }
 
-/// `gaussians_table_example`: what is reflected of a one-sided polygon.
+/// `gaussians_table_example`: the reflected light of a one-sided polygon.
 pub(in crate::preview) fn lit_by_gaussian(
     table: &ShaderTable,
     gaussian: ltcforge_light::Gaussian,
@@ -47,7 +47,7 @@ pub(in crate::preview) fn covered(m: glam::Mat3, vertices: &[glam::Vec3], two_si
     light::Inverse::of(m).covered(&polygon(vertices, two_sided), glam::Vec3::ZERO, glam::Mat3::IDENTITY)
 }
 
-/// `ltc_cut_polygon`, likewise.
+/// `ltc_cut_polygon` with the inverse of `m`.
 pub(in crate::preview) fn covered_above(m: glam::Mat3, vertices: &[glam::Vec3], two_sided: bool) -> f32 {
     light::Inverse::of(m).covered_above(&polygon(vertices, two_sided), glam::Vec3::ZERO, glam::Mat3::IDENTITY)
 }
@@ -64,7 +64,7 @@ fn polygon(vertices: &[glam::Vec3], two_sided: bool) -> super::super::frame::Fra
     }
 }
 
-/// `ltc_disk`, `ltc_sphere`, `ltc_tube` and `ltc_line` with the inverse of `m`: of a centre and two half axes, and of `size`.
+/// `ltc_disk`, `ltc_sphere`, `ltc_tube` and `ltc_line` with the inverse of `m`, for a centre, two half axes and `size`.
 pub(in crate::preview) fn shapes_covered(m: glam::Mat3, [centre, x, y]: [glam::Vec3; 3], size: f32) -> [f32; 4] {
     let Some(space) = light::Inverse::of(m).cosine_space(glam::Mat3::IDENTITY) else { return [0.0; 4] };
     let ends = [centre - x, centre + x];
@@ -76,7 +76,7 @@ pub(in crate::preview) fn shapes_covered(m: glam::Mat3, [centre, x, y]: [glam::V
     ]
 }
 
-/// `ltc_cut_disk`, `ltc_cut_sphere`, `ltc_cut_tube` and `ltc_cut_line`, likewise.
+/// `ltc_cut_disk`, `ltc_cut_sphere`, `ltc_cut_tube` and `ltc_cut_line` with the same arguments as [`shapes_covered`].
 pub(in crate::preview) fn shapes_covered_above(m: glam::Mat3, [centre, x, y]: [glam::Vec3; 3], size: f32) -> [f32; 4] {
     let Some(space) = light::Inverse::of(m).cosine_space(glam::Mat3::IDENTITY) else { return [0.0; 4] };
     let (above, ends) = (space.above_surface(), [centre - x, centre + x]);

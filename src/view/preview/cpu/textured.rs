@@ -15,7 +15,7 @@ use ltcforge_light::{
 
 const RAYS: u8 = 4;
 
-/// Where a ray meets the light's plane: in parts of the picture's width and height, and at which distance.
+/// The point where a ray meets the light's plane, relative to the picture's width and height, and its distance.
 fn met(frame: &Frame, start: Vec3, ray: Vec3) -> (Vec2, f32) {
     let light = &frame.light;
     let corner = light.vertices[0];
@@ -35,8 +35,8 @@ pub(super) fn colour(frame: &Frame, position: Vec3, wi: Vec3) -> Vec3 {
     frame.picture.as_ref().map_or(Vec3::ONE, |picture| texel(&picture.image, met(frame, position, wi).0))
 }
 
-/// The light's radiance times how much of a pixel it covers where it is nearer than `behind`, and how much that is.
-pub(super) fn seen(frame: &Frame, place: Vec2, behind: f32) -> (Vec3, f32) {
+/// The part of a pixel that the light covers where it is nearer than `behind`, as radiance and as a share.
+pub(super) fn light_in(frame: &Frame, place: Vec2, behind: f32) -> (Vec3, f32) {
     let Some(picture) = &frame.picture else { return (Vec3::ZERO, 0.0) };
     let (mut sum, mut covered) = (Vec3::ZERO, 0.0);
     for (ray, uv) in rays(frame, place, behind) {
@@ -48,12 +48,12 @@ pub(super) fn seen(frame: &Frame, place: Vec2, behind: f32) -> (Vec3, f32) {
     (sum / all, covered / all)
 }
 
-/// Whether the light is seen in any part of a pixel.
+/// Whether the light covers any part of a pixel.
 pub(super) fn covers(frame: &Frame, place: Vec2, behind: f32) -> bool {
     frame.picture.is_some() && rays(frame, place, behind).next().is_some()
 }
 
-/// The rays of a pixel that meet the light, and where.
+/// The rays of a pixel that meet the light, and the points where they meet it.
 fn rays(frame: &Frame, place: Vec2, behind: f32) -> impl Iterator<Item = (Vec3, Vec2)> {
     let pixel = 2.0 / (frame.size / frame.cells) as f32;
     (0..RAYS * RAYS).filter_map(move |i| {
@@ -91,7 +91,7 @@ pub(super) fn colour_by_lobe(frame: &Frame, picture: &LightPicture, m: Mat3, at:
     colour_at(picture, &readings)
 }
 
-/// What model `normals` reflects of the picture.
+/// The reflected light of the picture by model `normals`.
 pub(super) fn by_normals(frame: &Frame, picture: &LightPicture, rule: NormalsRule, at: &Shaded) -> ColouredParts {
     let sides = if frame.light.two_sided { Sides::Two } else { Sides::One };
     let how = (rule, picture.readings);

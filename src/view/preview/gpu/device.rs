@@ -19,7 +19,7 @@ pub(super) struct Device {
     pub(super) table_layout: wgpu::BindGroupLayout,
     pub(super) frame_layout: wgpu::BindGroupLayout,
     pub(super) picture_layout: wgpu::BindGroupLayout,
-    /// That of prefiltered pictures, which samplers filter.
+    /// The format of prefiltered pictures, which samplers filter.
     pub(super) picture_format: wgpu::TextureFormat,
     pub(super) name: String,
     pipeline_layout: wgpu::PipelineLayout,
@@ -30,9 +30,9 @@ pub(super) struct Device {
     fault: FirstFault,
 }
 
-/// An entry point of `sphere.wgsl`, or of `preview_textured.wgsl` for a light with a picture, and its constants: the properties
-/// by which pipelines differ, since software drivers run both sides of a branch. Properties that the estimator ignores are
-/// the same for all frames, so that they share a pipeline.
+/// An entry point of `sphere.wgsl`, or of `preview_textured.wgsl` for a light with a picture, and its constants. The
+/// constants replace branches, because software drivers run both sides of a branch. Constants that the estimator
+/// ignores are equal for all frames, so that the frames share a pipeline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Program {
     entry_point: &'static str,
@@ -58,7 +58,7 @@ impl Program {
             (_, LightModel::Sg | LightModel::Asg) => "surface_by_gaussian",
         };
         let is_of_polygons = estimator.is_of_polygons();
-        // A polygon stands for an ellipse there.
+        // A polygon replaces an ellipse there.
         let is_flat = matches!(frame.light.shape, FrameShape::Polygon | FrameShape::Ellipse(_));
         let shape = if estimator.is_lobe() || (is_flat && is_of_polygons) { 0 } else { frame.light.shape.number() };
         let is_cut = frame.is_cut && matches!(estimator, Estimator::Table(LobeModel::Ltc) | Estimator::TwoLobes(_));
@@ -96,7 +96,7 @@ impl FirstFault {
 }
 
 impl Device {
-    /// Opens it. Takes some 50 ms with lavapipe.
+    /// Opens the device. This takes about 50 ms with lavapipe.
     pub(super) fn open(weights: Weights) -> Result<Self, GpuFailure> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
             backends: wgpu::Backends::VULKAN,
@@ -117,7 +117,7 @@ impl Device {
             Weights::Exact => info.device_type == wgpu::DeviceType::Cpu && !filters.is_empty(),
             Weights::Shader => false,
             Weights::Sampler if filters.is_empty() => {
-                return Err(GpuFailure::Absent("the adapter filters no 32-bit textures".to_owned()));
+                return Err(GpuFailure::Absent("the adapter cannot filter 32-bit textures".to_owned()));
             }
             Weights::Sampler => true,
         };
@@ -140,7 +140,7 @@ impl Device {
         let pixels = buffer(wgpu::BufferBindingType::Storage { read_only: false });
         let tiles = buffer(wgpu::BufferBindingType::Storage { read_only: true });
         let frame_layout = layout(&device, "frame", &[uniform, uniform, pixels, tiles]);
-        // Samplers of every GPU filter halves.
+        // Every GPU can filter textures of 16 bits.
         let picture_format = if filters.is_empty() { wgpu::TextureFormat::Rgba16Float } else { FLOATS };
         let picture_layout = layout(&device, "picture", &PICTURE_BINDINGS);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -167,7 +167,7 @@ impl Device {
         Ok(device)
     }
 
-    /// The pipeline of an estimator for a frame, compiled when it is first asked for.
+    /// The pipeline of an estimator for a frame. It is compiled on first use.
     pub(super) fn pipeline(&mut self, estimator: Estimator, frame: &Frame) -> wgpu::ComputePipeline {
         let program = Program::new(estimator, frame);
         if let Some((_, pipeline)) = self.pipelines.iter().find(|(known, _)| *known == program) {
@@ -197,10 +197,10 @@ impl Device {
     }
 }
 
-/// Texels of 32 bits a channel.
+/// Texels of 32 bits per channel.
 pub(super) const FLOATS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// Those of `light_picture.wgsl`: the picture as it is, its levels, their sampler.
+/// The bindings of `light_picture.wgsl`: the picture, its prefiltered levels, their sampler.
 const PICTURE_BINDINGS: [wgpu::BindingType; 3] = [
     picture_binding(false, wgpu::TextureViewDimension::D2),
     picture_binding(true, wgpu::TextureViewDimension::D2Array),
@@ -216,7 +216,7 @@ pub(super) fn buffer(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
     wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
 }
 
-/// Those of `ltc_table.wgsl` with `texels_volumes.wgsl`: three textures; with `texels_array.wgsl`: one.
+/// The bindings of `ltc_table.wgsl`: three textures with `texels_volumes.wgsl`, one with `texels_array.wgsl`.
 pub(super) fn table_bindings(samples_weighed: bool, textures: Bound) -> Vec<wgpu::BindingType> {
     let (count, view_dimension) = match textures {
         Bound::Volumes => (3, wgpu::TextureViewDimension::D3),
@@ -250,7 +250,7 @@ pub(super) fn layout(device: &wgpu::Device, label: &str, bindings: &[wgpu::Bindi
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // That a dropped device is lost is not an error.
+        // Dropping the device calls the callback, and that is not an error.
         self.wgpu.set_device_lost_callback(|_, _| {});
     }
 }

@@ -1,19 +1,19 @@
-//! Why a GPU did not render.
+//! The errors of the GPU renderer.
 
-/// Why a GPU did not render.
+/// The reason that a GPU did not render.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum GpuFailure {
-    /// There is no GPU, or none that can be used.
+    /// There is no GPU that can be used.
     #[error("{0}")]
     Absent(String),
     /// It cannot hold a texture.
-    #[error("a {what} of {size:?} texels is larger than the {most} a side that textures may have")]
+    #[error("a {what} of {size:?} texels is too large: textures have at most {most} texels on a side")]
     TooLarge {
-        /// What the texture is of.
+        /// The content of the texture.
         what: &'static str,
-        /// Texels a side.
+        /// Texels along each side.
         size: Vec<usize>,
-        /// Most texels a side.
+        /// Most texels along a side.
         most: u32,
     },
     /// The GPU was lost, or an operation failed.
@@ -22,7 +22,7 @@ pub(crate) enum GpuFailure {
     /// The GPU does not answer.
     #[error("{0}")]
     Hangs(String),
-    /// The caller told it to stop.
+    /// The caller stopped it.
     #[error("stopped")]
     Stopped,
 }

@@ -11,7 +11,8 @@ use super::{
 use crate::preview::light_picture::LightPicture;
 use ltcforge_light::textured::LightImage;
 
-/// Group 2 of the shaders; of one black texel each where there is no picture. Fails for one that is larger than textures may be.
+/// Group 2 of the shaders. Without a picture, each texture is one black texel. Fails for a picture that is larger than
+/// textures may be.
 pub(super) fn upload(gpu: &Device, picture: Option<&LightPicture>) -> Result<wgpu::BindGroup, GpuFailure> {
     let most = gpu.wgpu.limits().max_texture_dimension_2d;
     let images = picture.iter().flat_map(|picture| [&*picture.image, &picture.pyramid.levels()[0]]);

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use super::{GpuFailure, RenderTask, Weights, device::Device, picture, table, target::RenderTarget};
 use crate::preview::{ShaderTable, estimator::Stop, light_picture::LightPicture};
 
-/// A GPU that its first picture opens, and the next picture opens again after it was lost.
+/// A GPU. The first picture opens it, and the next picture opens it again after it was lost.
 #[derive(Debug, Default)]
 pub(in crate::preview) struct Gpu {
     weights: Weights,
     pub(super) open: Option<Open>,
-    /// How many more pictures it renders before it fails.
+    /// The number of pictures that it still renders before it fails.
     #[cfg(test)]
     pub(super) fails_after: Option<u32>,
 }
@@ -18,7 +18,7 @@ pub(in crate::preview) struct Gpu {
 #[derive(Debug)]
 pub(super) struct Open {
     pub(super) device: Device,
-    /// The last table and picture, and the last frame's buffers: most pictures have the same.
+    /// The last table and picture, and the last frame's buffers. Most pictures use the same.
     table: Option<(Arc<ShaderTable>, wgpu::BindGroup)>,
     picture: Option<(Option<Arc<LightPicture>>, wgpu::BindGroup)>,
     target: Option<RenderTarget>,
@@ -29,7 +29,7 @@ impl Gpu {
         Self { weights, ..Self::default() }
     }
 
-    /// Opens the device if it is not, and returns its name.
+    /// Opens the device if it is not open, and returns its name.
     pub(in crate::preview) fn name(&mut self) -> Result<String, GpuFailure> {
         Ok(self.device()?.device.name.clone())
     }
@@ -44,11 +44,11 @@ impl Gpu {
     ) -> Result<Vec<[f32; 3]>, GpuFailure> {
         #[cfg(test)]
         if let Some(times) = &mut self.fails_after {
-            *times = times.checked_sub(1).ok_or_else(|| GpuFailure::Failed("told to fail".to_owned()))?;
+            *times = times.checked_sub(1).ok_or_else(|| GpuFailure::Failed("a test makes it fail".to_owned()))?;
         }
         match self.attempt(table, task, stop) {
             Err(GpuFailure::Failed(first)) => {
-                tracing::warn!("the GPU failed and is opened again: {first}");
+                tracing::warn!("the GPU failed; opening it again: {first}");
                 self.open = None;
                 self.attempt(table, task, stop).inspect_err(|_| self.open = None)
             }

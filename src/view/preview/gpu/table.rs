@@ -6,7 +6,7 @@ use wgpu::util::DeviceExt as _;
 use super::{GpuFailure, device::Device};
 use crate::preview::{ShaderTable, TexelFormat};
 
-/// Group 0 of the shaders for a table. Fails for one that is larger than textures may be.
+/// Group 0 of the shaders for a table. Fails for a table that is larger than textures may be.
 pub(super) fn upload(gpu: &Device, table: &ShaderTable) -> Result<wgpu::BindGroup, GpuFailure> {
     let [_, ratio, theta, phi] = table.axes.nodes.map(|n| n as usize);
     let layers = table.texels[0].len() / (ratio * theta * phi);
@@ -19,7 +19,7 @@ pub(super) fn upload(gpu: &Device, table: &ShaderTable) -> Result<wgpu::BindGrou
     Ok(bound(gpu, table, &gpu.table_layout, &views))
 }
 
-/// A texture of some of the table's texels; its depth, or the number of its layers, follows from how many there are.
+/// A texture of some of the table's texels. Their number determines its depth or the number of its layers.
 pub(super) fn texture(
     gpu: &Device,
     table: &ShaderTable,

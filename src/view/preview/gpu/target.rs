@@ -1,4 +1,4 @@
-//! Where a GPU writes a picture, and how it comes back.
+//! The buffers that a GPU writes a picture to, and the way back to the CPU.
 
 use std::time::{Duration, Instant};
 
@@ -14,7 +14,7 @@ use crate::preview::{
     frame::{Frame, Part},
 };
 
-/// A part takes up to half a second on a slow machine; one that takes longer than this hangs.
+/// The longest wait for a part. A part takes up to half a second on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Buffers for frames of one size.
@@ -52,7 +52,7 @@ impl RenderTarget {
         Self { size: frame.size, light, scene, pixels, tiles, readback, group }
     }
 
-    /// Whether frames like this fit.
+    /// Whether the buffers fit a frame.
     pub(super) fn fits(&self, frame: &Frame) -> bool {
         self.size == frame.size
     }
@@ -68,7 +68,7 @@ impl RenderTarget {
         let pipeline = gpu.pipeline(task.estimator, task.frame);
         gpu.check()?;
         let tiles = Tiles::of(task.frame, task.estimator, task.corner, task.extent);
-        let packed: Vec<u32> = tiles.seen.iter().map(|[x, y]| x | (y << 16)).collect();
+        let packed: Vec<u32> = tiles.visible.iter().map(|[x, y]| x | (y << 16)).collect();
         gpu.queue.write_buffer(&self.light, 0, bytemuck::cast_slice(&task.frame.light_words()));
         gpu.queue.write_buffer(&self.tiles, 0, bytemuck::cast_slice(&packed));
         let mut parts = task.parts(packed.len() as u32);
@@ -93,7 +93,7 @@ impl RenderTarget {
             took = Some(start.elapsed());
         }
         let mut pixels = self.read(gpu)?;
-        for [left, top] in tiles.unseen {
+        for [left, top] in tiles.background {
             for y in top..(top + SIDE).min(self.size) {
                 let row = (y * self.size + left)..(y * self.size + (left + SIDE).min(self.size));
                 pixels[row.start as usize..row.end as usize].fill(task.frame.background.to_array());

@@ -9,13 +9,13 @@ use crate::preview::{
     frame::{Frame, Part},
 };
 
-/// Most samples that are sent to the GPU at a time. They take a third of a second on two slow cores, after which the
-/// caller may stop: a driver that is busy can neither be stopped nor dropped. Smaller parts cost more, since lavapipe
-/// without a shader cache takes 0.1 s per part to compile the reference anew. So parts get smaller only where they take
-/// longer, as on a machine that is busy with other work.
+/// Most samples that are sent to the GPU at a time. They take a third of a second on two slow cores. The caller can
+/// stop only between parts, because a busy driver can neither be stopped nor dropped. Smaller parts cost more, because
+/// lavapipe without a shader cache takes 0.1 s per part to compile the reference. Parts get smaller only if they take
+/// longer, for example on a machine that is busy with other work.
 const SAMPLES_A_PART: u32 = 1 << 24;
-/// Samples of a pixel that one pass takes. Lavapipe ends a shader's loops after 65535 steps, nested ones included, and
-/// a sample takes up to 15.
+/// Samples of a pixel in one pass. Lavapipe ends a shader's loops after 65535 steps, including nested loops, and a
+/// sample takes up to 15 steps.
 const SAMPLES_A_PASS: u32 = 1024;
 /// Workgroups that every GPU takes in one dispatch.
 const TILES_A_PART: u32 = 65_535;
@@ -32,12 +32,12 @@ pub(in crate::preview) struct RenderTask<'a> {
 }
 
 impl<'a> RenderTask<'a> {
-    /// A whole frame.
+    /// The task of a whole frame.
     pub(in crate::preview) fn whole(frame: &'a Frame, estimator: Estimator) -> Self {
         Self { frame, estimator, corner: [0; 2], extent: [frame.size; 2] }
     }
 
-    /// The parts that are sent to the GPU one at a time: some of the tiles that are seen, and a range of their samples.
+    /// The parts that are sent to the GPU one at a time: some of the visible tiles, and a range of their samples.
     pub(super) fn parts(&self, tiles: u32) -> TaskParts {
         let is_sampled = self.estimator == Estimator::Reference;
         let samples = if is_sampled { self.frame.spp } else { 1 };
@@ -47,9 +47,9 @@ impl<'a> RenderTask<'a> {
     }
 }
 
-/// A part that takes longer is followed by ones of half its tiles.
+/// The parts after a part that took longer than this have half as many tiles.
 const SLOW: Duration = Duration::from_millis(400);
-/// One that takes less is followed by ones of twice its tiles.
+/// The parts after a part that took less than this have twice as many tiles.
 const FAST: Duration = Duration::from_millis(100);
 
 /// The parts of a task that are still to be rendered.
@@ -57,7 +57,7 @@ const FAST: Duration = Duration::from_millis(100);
 pub(super) struct TaskParts {
     tiles: u32,
     samples: u32,
-    /// Most tiles of a part, and those of the current one.
+    /// Most tiles of a part, and the tiles of the current part.
     most: u32,
     now: u32,
     first_tile: u32,
@@ -72,7 +72,7 @@ impl TaskParts {
             self.first_tile += self.now;
             self.first_sample = 0;
         }
-        // All passes over the same tiles have as many of them.
+        // All passes over the same tiles have the same number of tiles.
         match took {
             Some(took) if self.first_sample == 0 && took > SLOW => self.now = (self.now / 2).max(1),
             Some(took) if self.first_sample == 0 && took < FAST => self.now = self.now.saturating_mul(2).min(most),
@@ -102,18 +102,18 @@ mod tests {
         let cases = [(64, 4096), (4096, 64), (4225, 700), (65536, 1), (64, 1025), (0, 64)];
         for ((tiles, spp), millis) in cases.into_iter().flat_map(|case| [(case, 0), (case, 200), (case, 900)]) {
             let frame = Frame::new(&Scene { spp, ..Scene::default() }, false);
-            let mut taken = vec![0_u32; tiles as usize];
+            let mut samples = vec![0_u32; tiles as usize];
             let mut parts = RenderTask::whole(&frame, Estimator::Reference).parts(tiles);
             let mut took = None;
             while let Some(part) = parts.next(took) {
                 took = Some(Duration::from_millis(millis));
                 assert!(part.tiles * 64 * part.samples <= SAMPLES_A_PART && part.tiles <= TILES_A_PART);
                 for tile in part.first_tile..part.first_tile + part.tiles {
-                    assert_eq!(taken[tile as usize], part.first_sample);
-                    taken[tile as usize] += part.samples;
+                    assert_eq!(samples[tile as usize], part.first_sample);
+                    samples[tile as usize] += part.samples;
                 }
             }
-            assert!(taken.iter().all(|samples| *samples == spp), "{tiles} {spp} {millis}");
+            assert!(samples.iter().all(|samples| *samples == spp), "{tiles} {spp} {millis}");
         }
     }
 

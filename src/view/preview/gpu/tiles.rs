@@ -1,39 +1,40 @@
 //! The squares of pixels that a picture is rendered in.
 //!
-//! A shader computes for all pixels of a vector what it needs for one of them, and lavapipe does so even where it needs
-//! it for none. Tiles that the surface cannot cover are therefore not sent, unless a light is drawn, which may be anywhere.
+//! A shader computes for all pixels of a vector if one of them needs the result, and lavapipe even if none does.
+//! Therefore tiles that the surface cannot cover are not sent, unless the light is drawn, which may be anywhere.
 
 use glam::Vec3;
 
 use crate::preview::{Surface, estimator::Estimator, frame::Frame};
 
-/// Pixels a side of a tile, which is a workgroup.
+/// Side of a tile in pixels. A tile is a workgroup.
 pub(super) const SIDE: u32 = 8;
-/// From a tile's middle to the middle of its outermost pixel, and half a pixel of the sphere's rim, rounded up: in
-/// pixels.
+/// The distance from a tile's middle to the middle of its outermost pixel, plus half a pixel of the sphere's rim,
+/// rounded up: in pixels.
 const REACH: f32 = 6.0;
 
-/// Tiles by their left upper pixels.
+/// Tiles, by their upper left pixels.
 #[derive(Debug)]
 pub(super) struct Tiles {
-    /// Those to render.
-    pub(super) seen: Vec<[u32; 2]>,
-    /// Those that show the background alone.
-    pub(super) unseen: Vec<[u32; 2]>,
+    /// The tiles to render.
+    pub(super) visible: Vec<[u32; 2]>,
+    /// The tiles that only show the background.
+    pub(super) background: Vec<[u32; 2]>,
 }
 
 impl Tiles {
-    /// Those of the part of a picture from `corner` of `extent`.
+    /// The tiles of the part of a picture with upper left pixel `corner` and size `extent`.
     pub(super) fn of(frame: &Frame, estimator: Estimator, corner: [u32; 2], extent: [u32; 2]) -> Self {
         let starts = |axis: usize| (corner[axis]..corner[axis] + extent[axis]).step_by(SIDE as usize);
         let tiles = starts(1).flat_map(|y| starts(0).map(move |x| [x, y]));
         let is_lobe = estimator.is_lobe();
-        let (seen, unseen) = tiles.partition(|tile| is_lobe || frame.picture.is_some() || may_show(frame, *tile));
-        Self { seen, unseen }
+        let (visible, background) =
+            tiles.partition(|tile| is_lobe || frame.picture.is_some() || may_show(frame, *tile));
+        Self { visible, background }
     }
 }
 
-/// Whether a tile may show the surface. `false` is certain, `true` is not.
+/// Whether a tile may show the surface. `false` is certain; `true` may be wrong.
 fn may_show(frame: &Frame, tile: [u32; 2]) -> bool {
     let side = frame.size / frame.cells;
     let cell = tile.map(|x| (x / side).min(frame.cells - 1));
@@ -46,7 +47,7 @@ fn may_show(frame: &Frame, tile: [u32; 2]) -> bool {
     }
     let middle = |axis: usize| ((tile[axis] - cell[axis] * side + SIDE / 2) as f32) / side as f32 * 2.0 - 1.0;
     let ray = (frame.forward + frame.right * middle(0) - frame.up * middle(1)).normalize();
-    // No ray of the tile is further from its middle's than this, as an angle: the image plane is at distance one.
+    // The largest angle between a ray of the tile and the ray of its middle. The image plane is at distance one.
     let spread = REACH * frame.pixel;
     match frame.surface {
         Surface::Floor => frame.eye.y > 0.0 && ray.y - spread < -frame.eye.y / frame.floor_end,
@@ -66,8 +67,8 @@ mod tests {
     use super::*;
     use crate::preview::{Camera, NamedScene, Scene, cpu};
 
-    /// The tiles of all of a frame, and the pixels of it that the surface covers.
-    fn seen(scene: &Scene) -> (Tiles, Vec<[u32; 2]>) {
+    /// All tiles of a frame, and its pixels that the surface covers.
+    fn tiles_of(scene: &Scene) -> (Tiles, Vec<[u32; 2]>) {
         let frame = Frame::new(scene, false);
         let pixels = (0..frame.size).flat_map(|y| (0..frame.size).map(move |x| [x, y]));
         let covered = pixels.filter(|pixel| cpu::covering(&frame, *pixel).is_some()).collect();
@@ -75,14 +76,14 @@ mod tests {
     }
 
     #[test]
-    fn few_tiles_are_rendered_in_vain() {
-        // A light that is drawn may be in any of them.
+    fn few_rendered_tiles_are_empty() {
+        // A light that is drawn may be in any tile.
         let without_picture = NamedScene::ALL.iter().filter(|named| **named != NamedScene::Screen);
         for named in without_picture {
-            let (tiles, covered) = seen(&Scene { size: 512, ..named.scene() });
-            let sent = tiles.seen.len() * (SIDE * SIDE) as usize;
+            let (tiles, covered) = tiles_of(&Scene { size: 512, ..named.scene() });
+            let sent = tiles.visible.len() * (SIDE * SIDE) as usize;
             assert!(sent <= covered.len() * 6 / 5, "{}: {sent} pixels for {}", named.name(), covered.len());
-            assert_eq!(tiles.seen.len() + tiles.unseen.len(), 64 * 64);
+            assert_eq!(tiles.visible.len() + tiles.background.len(), 64 * 64);
         }
     }
 
@@ -97,9 +98,9 @@ mod tests {
             target in prop::array::uniform3(-0.25..0.25),
         ) {
             let camera = Camera { distance, azimuth, elevation, field_of_view, target };
-            let (tiles, covered) = seen(&Scene { camera, size, ..named.scene() });
+            let (tiles, covered) = tiles_of(&Scene { camera, size, ..named.scene() });
             for [x, y] in covered {
-                let is_sent = tiles.seen.iter().any(|[left, top]| {
+                let is_sent = tiles.visible.iter().any(|[left, top]| {
                     (*left..left + SIDE).contains(&x) && (*top..top + SIDE).contains(&y)
                 });
                 prop_assert!(is_sent, "{x} {y}");

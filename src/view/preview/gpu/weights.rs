@@ -1,14 +1,14 @@
-//! How entries of a table are interpolated.
+//! The interpolation of entries of a table.
 
-/// How entries are interpolated.
+/// The interpolation of entries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Weights {
-    /// The sampler on a software rasteriser, where it is faster and interpolates in f32; otherwise the shader, since
+    /// The sampler on a software rasteriser, where it is faster and interpolates in f32. Otherwise the shader, because
     /// the samplers of GPUs have weights of 8 bits.
     #[default]
     Exact,
-    /// The shader.
+    /// The shader interpolates.
     Shader,
-    /// The sampler.
+    /// The sampler interpolates.
     Sampler,
 }

@@ -5,12 +5,12 @@ impl Preview {
         self.gpu.lose();
     }
 
-    /// Has the GPU fail once it has rendered so many times more.
+    /// Makes the GPU fail after it has rendered `times` more pictures.
     pub(in crate::preview) fn fail_after(&mut self, times: u32) {
         self.gpu.fail_after(times);
     }
 
-    /// Radiances of the part of the picture from `corner` of `extent`.
+    /// Radiances of the part of the picture with upper left pixel `corner` and size `extent`.
     pub(in crate::preview) fn part(
         &mut self,
         table: &Arc<ShaderTable>,
@@ -21,7 +21,7 @@ impl Preview {
     ) -> Result<Radiances, PreviewError> {
         let mode = if estimator.is_lobe() { Mode::Lobe } else { Mode::Reference };
         let mode = if matches!(estimator, Estimator::Reference | Estimator::ReferenceLobe) { mode } else { Mode::Ltc };
-        // Of a part f0 is a factor, whatever the model.
+        // A part always has f0 as a factor, whatever the scattering model.
         let scene_of_part = Scene { mode, ..scene.clone() };
         let is_for_cpu = self.check(table, &scene_of_part, faults_of_table(table, &scene_of_part))?;
         let frame = Frame::new(scene, estimator.is_lobe());
@@ -38,15 +38,15 @@ impl Preview {
     }
 }
 
-/// Whether a GPU that answers so is asked at all.
-fn is_asked(preview: &mut Preview, answer: Result<(), GpuFailure>) -> bool {
-    let mut asked = false;
+/// Whether the preview tries the GPU, which then returns `answer`.
+fn tries_gpu(preview: &mut Preview, answer: Result<(), GpuFailure>) -> bool {
+    let mut is_tried = false;
     let done = preview.on_gpu(|_| {
-        asked = true;
+        is_tried = true;
         answer
     });
-    assert!(done.is_ok(), "the CPU stands in: {done:?}");
-    asked
+    assert!(done.is_ok(), "the CPU renders instead: {done:?}");
+    is_tried
 }
 
 fn hangs() -> Result<(), GpuFailure> {
@@ -57,7 +57,7 @@ fn absent() -> Result<(), GpuFailure> {
     Err(GpuFailure::Absent("none".to_owned()))
 }
 
-/// Whatever the scene, the CPU asks whether to stop after so many samples, or after one pixel.
+/// In every scene the CPU calls `stop` after at most [`SAMPLES`] samples, or after one pixel.
 #[test]
 fn parts_for_the_cpu_are_small_and_take_each_pixel_once_in_order() {
     for (size, samples) in [(64, 1), (64, 4096), (2048, 4096), (2048, 64), (2048, 8), (333, 700), (100, 1 << 20)] {
@@ -73,21 +73,21 @@ fn parts_for_the_cpu_are_small_and_take_each_pixel_once_in_order() {
 }
 
 #[test]
-fn a_gpu_that_hangs_twice_in_a_row_is_left_alone() {
+fn a_gpu_that_hangs_twice_in_a_row_is_not_used_again() {
     let mut preview = Preview::new(Adapter::Any);
     for answer in [hangs(), Ok(()), hangs(), hangs()] {
-        assert!(is_asked(&mut preview, answer));
+        assert!(tries_gpu(&mut preview, answer));
     }
-    assert!(!is_asked(&mut preview, Ok(())));
+    assert!(!tries_gpu(&mut preview, Ok(())));
 }
 
 #[test]
-fn a_gpu_that_never_was_there_is_not_asked_again_and_one_that_was_is() {
+fn an_absent_gpu_is_tried_once_and_a_lost_gpu_again() {
     let mut preview = Preview::new(Adapter::Any);
-    assert!(is_asked(&mut preview, absent()));
-    assert!(!is_asked(&mut preview, Ok(())));
+    assert!(tries_gpu(&mut preview, absent()));
+    assert!(!tries_gpu(&mut preview, Ok(())));
     let mut preview = Preview::new(Adapter::Any);
     for answer in [Ok(()), absent(), Ok(())] {
-        assert!(is_asked(&mut preview, answer));
+        assert!(tries_gpu(&mut preview, answer));
     }
 }

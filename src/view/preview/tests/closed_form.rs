@@ -1,4 +1,4 @@
-//! How near the closed form comes to the truth in whole pictures.
+//! The error of the closed form in whole pictures.
 
 use super::*;
 use crate::preview::{Mode, NamedScene, PanelError, Scene};

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3, Mat3, Vec3};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{shader_table, tell_skipped};
+use super::{report_skipped, shader_table};
 use crate::preview::{
     TexelFormat,
     cpu::tests as cpu,
@@ -16,7 +16,7 @@ use ltcforge_fit::{Ltc, Sides, cheap_form_factor, testing::mirror_like};
 use ltcforge_light::{AboveSurface, CosineSpace};
 use ltcforge_shaders::{Bound, joined};
 
-/// Each kind of light of a matrix and three vectors that a case gives.
+/// Integrates each kind of light for the matrix and the three vectors of a case.
 const ENTRY: &str = "
 struct Case {
     m: array<vec4<f32>, 3>,
@@ -61,8 +61,9 @@ const FILES: [&str; 5] = ["ltc_math", "ltc_light", "ltc_shapes", "ltc_cut", "ltc
 const NAMES: [&str; 7] = ["disk", "sphere", "tube", "line", "polygon", "rectangle", "rectangle from one side"];
 const COUNT: usize = 16 * 256;
 
-/// A lobe and its lights: centre and half axes of a disk and of a parallelogram; the same centre and `size` for a
-/// sphere; the line from the centre by the first half axis to both sides with `size` for radius and width.
+/// A lobe and its lights. A disk and a parallelogram have the centre and the half axes. A sphere has the centre and
+/// radius `size`. A tube and a line extend from the centre by the first half axis to both sides, with radius or width
+/// `size`.
 struct Case {
     m: Mat3,
     places: [Vec3; 3],
@@ -80,7 +81,7 @@ impl Case {
         [a, b, c, a + c - b]
     }
 
-    /// The results in f64 for the same numbers in 32 bits.
+    /// The results in f64 for the numbers rounded to 32 bits.
     fn wanted(&self) -> [f64; 7] {
         let above = self.above();
         let [centre, x, y] = self.places.map(Vec3::as_dvec3);
@@ -108,7 +109,7 @@ impl Case {
     }
 }
 
-/// Lobes of roughness from 0.02 on, seen from low views, and lights of any size around them.
+/// Lobes of roughness from 0.02 on with low views, and lights of any size around them.
 fn cases() -> Vec<Case> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(23);
     let mut within =
@@ -138,7 +139,7 @@ fn by_gpu(cases: &[Case], source: &str) -> Option<Vec<[f32; 8]>> {
     match example::run::<_, [[f32; 8]; 256]>(source, "covered", Some((&*table, Bound::Volumes)), groups) {
         Ok(by_gpu) => Some(by_gpu.into_flattened()),
         Err(GpuFailure::Absent(reason)) => {
-            tell_skipped(&reason);
+            report_skipped(&reason);
             None
         }
         Err(error) => panic!("{error}"),
@@ -176,7 +177,7 @@ fn thousands_of_lights_that_the_surface_cuts_are_those_of_f64() {
     }
 }
 
-/// With `LTC_CHEAP_HORIZON`, polygons are cut at the surface and the horizon is guessed; tubes stay as they are.
+/// With `LTC_CHEAP_HORIZON`, polygons are cut at the surface and the horizon is approximated. Tubes do not change.
 #[test]
 fn the_cheap_horizon_of_a_cut_polygon_is_the_fit_for_spheres() {
     let cases = cases();
@@ -200,7 +201,7 @@ fn the_cheap_horizon_of_a_cut_polygon_is_the_fit_for_spheres() {
         let wanted = (2.0 * guessed / (1.0 + row.normalize().z)).min(1.0);
         let off = (f64::from(found[5]) - wanted).abs();
         assert!(off < 2e-3, "{} {wanted}: {} {:?}", found[5], case.m, case.places);
-        // But where one end hides all the rest of it, as a sphere.
+        // The exception is a tube whose end hides the rest, which is like a sphere.
         let [centre, half] = [0, 1].map(|i| case.places[i].as_dvec3());
         let beside = (centre - half).reject_from(half).length();
         let tube = (f64::from(found[2]) - case.wanted()[2]).abs();

@@ -1,6 +1,6 @@
 //! The functions of layers, on the GPU and in f64.
 
-use super::tell_skipped;
+use super::report_skipped;
 use crate::preview::gpu::{GpuFailure, tests::example};
 use ltcforge_fit::{brdf::edge_of_parts, math::direction};
 use ltcforge_light::{
@@ -9,7 +9,7 @@ use ltcforge_light::{
 };
 use ltcforge_shaders::{FUZZ_CASES, fuzz_values, joined};
 
-/// A program that calls them on one case: roughness and view, then five numbers of layers.
+/// A program that calls the functions for one case: roughness and view, then five numbers of layers.
 const PROGRAM: &str = "
 @group(0) @binding(0) var<uniform> layers_case: mat4x4<f32>;
 @group(0) @binding(1) var<storage, read_write> layers_result: mat4x4<f32>;
@@ -41,7 +41,7 @@ fn the_shader_of_layers_is_its_twin() {
     let source = joined(&["layers"]) + PROGRAM;
     let found: Vec<[f32; 16]> = match example::run(&source, "layers_example", None, &cases) {
         Ok(found) => found,
-        Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+        Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
         Err(error) => panic!("{error}"),
     };
     assert_eq!(found.len(), cases.len());

@@ -1,10 +1,10 @@
-//! Tables of listed materials and of nodes given one by one, in shaders and on the CPU.
+//! Tables of listed materials and tables with explicit nodes, in shaders and on the CPU.
 
 use std::ops::ControlFlow;
 
 use super::{
     lookups::{Case, ENTRY, TOLERANCE, by_shaders, configurations, error, random},
-    tell_skipped,
+    report_skipped,
 };
 use crate::preview::{
     ShaderTable, TexelFormat,
@@ -20,7 +20,7 @@ fn fitted(document: &str) -> Table {
     fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
 }
 
-/// The lookup by the number of a material, which stands in place of alpha.
+/// The lookup by the number of a material, which is in the place of alpha.
 const MATERIAL_ENTRY: &str = "
 @compute @workgroup_size(256)
 fn looked_up_material(@builtin(local_invocation_index) index: u32) {
@@ -35,7 +35,7 @@ fn looked_up_material(@builtin(local_invocation_index) index: u32) {
 }
 ";
 
-/// By its number and by its roughness, in either direction, a material is found among all, from everywhere.
+/// A material is found among all by its number and by its roughness, in either direction and from every view.
 #[test]
 fn materials_are_found_by_number_and_by_roughness() {
     let document = r#"{"layout": "materials", "fit": {"samples": 64, "directions": 6, "steps": 8},
@@ -53,7 +53,7 @@ fn materials_are_found_by_number_and_by_roughness() {
         .collect();
     for format in [TexelFormat::F32, TexelFormat::F16] {
         let shader_table = ShaderTable::new(&table, format);
-        // Numbers of 11 bits move a lobe by more than the arithmetic does.
+        // Rounding to 11 bits moves a lobe by more than the arithmetic does.
         let tolerance = if format == TexelFormat::F16 { 0.02 } else { TOLERANCE };
         let cases: Vec<Case> = places.iter().map(|(_, c)| Case::of(c)).collect();
         let twin = cases.iter().map(|case| cpu::looked_up(&shader_table, case.alpha, case.wo)).collect();
@@ -72,7 +72,7 @@ fn materials_are_found_by_number_and_by_roughness() {
             let bound = Some((&shader_table, textures));
             let found = match example::run::<_, [[f32; 12]; 256]>(&source, "looked_up_material", bound, groups) {
                 Ok(found) => found.into_flattened(),
-                Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+                Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
                 Err(failure) => panic!("{failure}"),
             };
             for (found, (number, at)) in found.iter().zip(&places) {
@@ -84,7 +84,7 @@ fn materials_are_found_by_number_and_by_roughness() {
     }
 }
 
-/// The text that has a table's nodes finds them, at every corner and ten thousand places.
+/// The shader with a table's explicit nodes finds them, at every corner and at ten thousand places.
 #[test]
 fn nodes_given_one_by_one_are_found() {
     let configurations = configurations();
@@ -102,7 +102,7 @@ fn nodes_given_one_by_one_are_found() {
             let bound = Some((&shader_table, textures));
             let found = match example::run::<_, [[f32; 12]; 256]>(&source, "looked_up", bound, groups) {
                 Ok(found) => found.into_flattened(),
-                Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+                Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
                 Err(failure) => panic!("{failure}"),
             };
             for (found, at) in found.iter().zip(&configurations) {
@@ -113,6 +113,6 @@ fn nodes_given_one_by_one_are_found() {
     }
 }
 
-/// An angle in 32 bits is more of a weight between nodes that are nearer to each other, and a needle's width is a small
-/// difference of the columns at both.
+/// The factor on the tolerance for close nodes: an angle in 32 bits changes the weight between them more, and the width
+/// of a narrow lobe is a small difference of the columns at both.
 const NEAR_NODES: f64 = 3.0;

@@ -1,4 +1,4 @@
-//! One table, three lookups: of the table in 64 bits, of the shader's twin, and of the shader itself.
+//! Three lookups of one table: by the table in 64 bits, by the shader's twin, and by the shader.
 
 use std::{f64::consts::PI, ops::ControlFlow};
 
@@ -6,7 +6,7 @@ use glam::DMat3;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::tell_skipped;
+use super::report_skipped;
 use crate::preview::{
     ShaderTable, TexelFormat,
     cpu::tests as cpu,
@@ -21,7 +21,7 @@ use ltcforge_fit::{
 };
 use ltcforge_shaders::{Bound, table_reader};
 
-/// The lookup alone, of the configurations of a case.
+/// The lookup of the configurations of a case.
 pub(super) const ENTRY: &str = "
 struct Case {
     alpha: vec4<f32>,
@@ -50,7 +50,7 @@ fn looked_up(@builtin(local_invocation_index) index: u32) {
 }
 ";
 
-/// The same of the second lobe, and the diagonal of the blend for F0 = 0.04.
+/// The lookup of the second lobe, and the diagonal of the blend for F0 = 0.04.
 const SECOND_ENTRY: &str = "
 @compute @workgroup_size(256)
 fn looked_up_second(@builtin(local_invocation_index) index: u32) {
@@ -66,12 +66,12 @@ fn looked_up_second(@builtin(local_invocation_index) index: u32) {
 }
 ";
 
-/// A small table of the whole domain, or of isotropic surfaces alone, as the fit makes it.
+/// A small fitted table of the whole domain, or of isotropic surfaces only.
 fn fitted(layout: Layout, precision: Precision, isotropic: bool) -> Table {
     fitted_to("one", layout, precision, isotropic)
 }
 
-/// The same with lobes by field `fresnel`.
+/// [`fitted`] with a value of field `fresnel`.
 pub(super) fn fitted_to(fresnel: &str, layout: Layout, precision: Precision, isotropic: bool) -> Table {
     let (ratio, phi) = if isotropic { (1, 1) } else { (5, 4) };
     let range = if isotropic { r#", "range": {"ratio": [1, 1], "phi": [0, 0]}"# } else { "" };
@@ -83,7 +83,7 @@ pub(super) fn fitted_to(fresnel: &str, layout: Layout, precision: Precision, iso
     fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
 }
 
-/// Every combination of values at which something changes: floors, folds, ends.
+/// Every combination of values at which the lookup changes: floors, folds, ends.
 fn corners() -> Vec<Configuration> {
     let alphas = [0.0, 1e-6, 1e-5, 3e-5, 1e-4, 2e-4, 0.03, 1.0];
     let thetas = [0.0, 1e-3, 0.7, 1.57, 0.9999 * PI / 2.0, PI / 2.0];
@@ -99,7 +99,7 @@ fn corners() -> Vec<Configuration> {
     corners
 }
 
-/// Configurations with roughnesses of every size down to a tenth of the least, looked at from everywhere.
+/// Configurations with roughnesses of every size down to a tenth of the least, and with all views.
 pub(super) fn random(count: usize) -> impl Iterator<Item = Configuration> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
     let mut uniform = move || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
@@ -111,7 +111,7 @@ pub(super) fn random(count: usize) -> impl Iterator<Item = Configuration> {
     })
 }
 
-/// A configuration as the shader is given it.
+/// A configuration as the shader reads it.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(super) struct Case {
@@ -125,14 +125,14 @@ impl Case {
         Self { alpha: [c.alpha_x as f32, c.alpha_y as f32, 0.0, 0.0], wo: [x, y, z, 0.0] }
     }
 
-    /// That of a material's number and the view of a configuration.
+    /// The case of a material's number and the view of a configuration.
     pub(super) fn numbered(number: usize, c: &Configuration) -> Self {
         Self { alpha: [number as f32, 0.0, 0.0, 0.0], ..Self::of(c) }
     }
 }
 
-/// How far a lookup in 32 bits is from that of the table: the columns of `M` as parts of their own lengths, since the
-/// second column of a needle is tiny, and the terms.
+/// The error of a lookup in 32 bits against the table: of the columns of `M` relative to their lengths, because the
+/// second column of a narrow lobe is tiny, and of the terms.
 pub(super) fn error(found: &[f32; 12], wanted: &LookedUp) -> f64 {
     let found = found.map(f64::from);
     let matrix = |numbers: &[f64]| DMat3::from_cols_slice(numbers).transpose();
@@ -143,8 +143,8 @@ pub(super) fn error(found: &[f32; 12], wanted: &LookedUp) -> f64 {
     (0..3).map(column).chain(terms).fold(0.0, f64::max)
 }
 
-/// The error of 32 bits. Directions in f32 are 6e-8 apart; where the table changes fast, near the horizon, and in
-/// columns that are differences of larger ones, that grows.
+/// The error of 32 bits. Directions in f32 are 6e-8 apart. The error grows where the table changes fast, near the
+/// horizon, and in columns that are differences of larger columns.
 pub(super) const TOLERANCE: f64 = 2e-3;
 
 /// The configurations in which lookups are compared, in whole workgroups.
@@ -155,7 +155,7 @@ pub(super) fn configurations() -> Vec<Configuration> {
     corners.into_iter().chain(random(extra)).collect()
 }
 
-/// Every reader's name, its textures and its layouts.
+/// The name, textures and layouts of every reader.
 fn readers(table: &Table) -> [(&'static str, Bound, Vec<Layout>); 4] {
     let only = || vec![table.layout];
     [
@@ -166,7 +166,7 @@ fn readers(table: &Table) -> [(&'static str, Bound, Vec<Layout>); 4] {
     ]
 }
 
-/// What an entry point gives for all cases, by every reader; none where there is no adapter.
+/// The results of an entry point for all cases, by every reader; empty without an adapter.
 pub(super) fn by_shaders(
     table: &ShaderTable,
     of: &Table,
@@ -181,7 +181,7 @@ pub(super) fn by_shaders(
         let source = table_reader(textures, &layouts) + ENTRY + SECOND_ENTRY;
         match example::run_with::<_, [[f32; 12]; 256]>(weights, &source, entry, Some((table, textures)), groups) {
             Ok(found) => all.push((who, found.into_flattened())),
-            Err(GpuFailure::Absent(reason)) => tell_skipped(&reason),
+            Err(GpuFailure::Absent(reason)) => report_skipped(&reason),
             Err(failure) => panic!("{failure}"),
         }
     }
@@ -241,7 +241,7 @@ fn both_lobes_are_read_from_any_textures() {
     }
 }
 
-/// A sampler of textures weighs entries as the shader does, in volumes and in arrays.
+/// A sampler of textures weights entries as the shader does, in volumes and in arrays.
 #[test]
 fn samplers_weigh_entries_as_shaders_do() {
     let by_sampler = Weights::Sampler;
@@ -263,8 +263,8 @@ fn samplers_weigh_entries_as_shaders_do() {
     }
 }
 
-/// Samplers of GPUs weigh by 8 bits, between numbers that differ by about one, of needles by twenty times as much: one is off by .084
-/// on an H100 of NVIDIA.
+/// The tolerance for samplers, whose weights have 8 bits. Neighbouring numbers differ by about one, and by twenty for
+/// narrow lobes. The largest error is 0.084 on an H100 of NVIDIA.
 const SAMPLED: f32 = 0.1;
 
 #[test]

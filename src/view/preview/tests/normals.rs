@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{shader_table, tell_skipped};
+use super::{report_skipped, shader_table};
 use crate::preview::{
     TexelFormat,
     gpu::{GpuFailure, tests::example},
@@ -15,7 +15,7 @@ use ltcforge_light::{
 };
 use ltcforge_shaders::{Bound, Lights, LitBy, Reading, functions};
 
-/// The integral alone, of a surface and a rectangle or another polygon that a case gives.
+/// The integral of the surface and the rectangle or other polygon of a case.
 const ENTRY: &str = "
 struct Case {
     wo: vec3<f32>,
@@ -48,7 +48,7 @@ fn polygons(@builtin(local_invocation_index) index: u32) {
 }
 ";
 
-/// Random lights, and as many walls that stand on the surface, above it and in it.
+/// Random lights, and as many walls on the surface, above it and partly below it.
 fn lights(roughness: Roughness) -> Vec<Lit> {
     let mut draw = Draw::new(91);
     let mut lights = Draw::many(92, 10 * 256, roughness);
@@ -60,7 +60,7 @@ fn lights(roughness: Roughness) -> Vec<Lit> {
     lights
 }
 
-/// The same with 3 to 8 corners on the ellipses that are in these rectangles.
+/// The lights with 3 to 8 corners on the ellipses in their rectangles.
 fn rounded(lights: Vec<Lit>) -> Vec<Lit> {
     let of = |(i, lit): (usize, Lit)| {
         let [a, b, c, d] = lit.vertices[..] else { panic!("a rectangle") };
@@ -99,7 +99,7 @@ impl Single {
         words
     }
 
-    /// The result in f64 for the same numbers.
+    /// The result in f64 for the numbers in 32 bits.
     fn exact(&self, rule: NormalsRule) -> [f64; 2] {
         let corners: Vec<[f64; 3]> = self.corners.iter().map(|v| v.as_dvec3().to_array()).collect();
         let wo = self.wo.as_dvec3().normalize().to_array();
@@ -119,8 +119,8 @@ fn the_shader_gives_what_f64_does_for_any_light() {
     }
 }
 
-/// Compares an entry point's results for lights with f64: 999 of 1000 numbers within the first limit, all within the
-/// second.
+/// Compares an entry point's results for lights with f64: 999 of 1000 numbers are within the first limit, and all
+/// within the second.
 fn check(rule: NormalsRule, entry: &str, lights: &[Lit], limits: [f64; 2]) {
     let normals =
         LitBy::new(LightModel::Normals, None).and_then(|normals| normals.by_rule(Some(rule))).expect("a rule");
@@ -132,7 +132,7 @@ fn check(rule: NormalsRule, entry: &str, lights: &[Lit], limits: [f64; 2]) {
     assert!(rest.is_empty(), "the shader takes 256 at a time");
     let found = match example::run::<_, [[f32; 2]; 256]>(&source, entry, Some((&*table, Bound::Volumes)), groups) {
         Ok(found) => found.into_flattened(),
-        Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+        Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
         Err(error) => panic!("{error}"),
     };
     let mut differences = Vec::new();

@@ -41,7 +41,7 @@ fn a_lost_device_is_opened_again() {
 
 #[test]
 fn a_picture_that_the_gpu_began_is_not_ended_by_the_cpu() {
-    // Says so where there is no GPU: then nothing fails in the middle.
+    // Without a GPU, nothing fails in the middle.
     let [_, _] = renderers().as_slice() else { return };
     let table = shader_table(TexelFormat::F32);
     let mut any = Preview::new(Adapter::Any);
@@ -51,7 +51,7 @@ fn a_picture_that_the_gpu_began_is_not_ended_by_the_cpu() {
         let rendered = render(&mut any, &table, &scene);
         assert_eq!(rendered.adapter, "cpu");
         let by_cpu = render(&mut Preview::new(Adapter::Cpu), &table, &scene);
-        assert!(rendered == by_cpu, "{}: not all is by the CPU", mode.name());
+        assert!(rendered == by_cpu, "{}: not all of it is by the CPU", mode.name());
     }
 }
 
@@ -62,12 +62,12 @@ fn a_picture_can_be_stopped_and_a_bad_scene_is_refused() {
         let scene = Scene::default();
         assert_eq!(preview.render(&table, &scene, &|| true), Err(PreviewError::Stopped));
         let bad = Scene { size: 4096, ..scene };
-        let Err(PreviewError::Scene(faults, _)) = preview.render(&table, &bad, GO_ON) else { panic!("taken") };
+        let Err(PreviewError::Scene(faults, _)) = preview.render(&table, &bad, GO_ON) else { panic!("accepted") };
         assert_eq!(faults.len(), 1);
     }
 }
 
-/// Two scenes have one canonical form just when they make the same picture.
+/// Two scenes have the same canonical form if and only if they make the same picture.
 #[test]
 fn parameters_that_a_mode_does_not_show_are_not_part_of_its_name() {
     let table = shader_table(TexelFormat::F32);
@@ -119,7 +119,7 @@ fn a_floor_is_seen_from_above_alone() {
     }
 }
 
-/// Nothing that a table or a scene may hold makes a pixel that is not a number.
+/// No table and no scene makes a pixel that is not a number.
 #[test]
 fn every_pixel_is_a_number() {
     let mut hostile = planted();

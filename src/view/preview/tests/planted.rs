@@ -6,7 +6,7 @@ use ltcforge_fit::{
 };
 
 /// A table whose entries are the limit of sharp lobes, `[2 alpha_x (v_z x + v_x z), 2 alpha_y (v_z y + v_y z), r]` with
-/// `r` the mirror direction: not far from fitted ones, and made in no time.
+/// `r` the mirror direction. They are close to fitted entries, and need no fit.
 pub(in crate::preview) fn planted() -> Table {
     sharp(Layout::Kt2022.nodes(&whole([0.0, 1.0]), &PerAxis { alpha: 5, ratio: 4, theta: 6, phi: 4 }))
 }
@@ -16,7 +16,7 @@ fn whole(alpha: [f64; 2]) -> PerAxis<[f64; 2]> {
     PerAxis { alpha, ratio: [0.0, 1.0], theta: [0.0, 1.57], phi: [0.0, std::f64::consts::FRAC_PI_2] }
 }
 
-/// The same of isotropic surfaces: one ratio and one phi, whose lobes turn with the view.
+/// [`planted`] for isotropic surfaces: one ratio and one phi, whose lobes turn with the view.
 pub(in crate::preview) fn isotropic() -> Table {
     let range = PerAxis { ratio: [1.0; 2], phi: [0.3; 2], ..whole([0.0, 1.0]) };
     sharp(Layout::Kt2022.nodes(&range, &PerAxis { alpha: 5, ratio: 1, theta: 6, phi: 1 }))
@@ -63,7 +63,7 @@ pub(in crate::preview) fn reflected() -> Table {
     Table { layout: Layout::Reflected, ..planted }
 }
 
-/// A table of which every entry is the clamped cosine, all of it reflected.
+/// A table whose entries are all the clamped cosine with amplitude one.
 pub(super) fn diffuse() -> Table {
     let axes = Layout::Kt2022.nodes(&whole([0.0, 1.0]), &PerAxis { alpha: 2, ratio: 2, theta: 2, phi: 2 });
     table(axes, |_| (DMat3::IDENTITY, 1.0, 0.0))

@@ -1,6 +1,6 @@
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
-use super::{shader_table, tell_skipped};
+use super::{report_skipped, shader_table};
 use crate::preview::{
     TexelFormat,
     cpu::tests as cpu,
@@ -12,7 +12,7 @@ use ltcforge_fit::{
 };
 use ltcforge_shaders::{Bound, joined};
 
-/// The integral alone, of a matrix and a polygon that a case gives.
+/// The integral of the matrix and the polygon of a case.
 const ENTRY: &str = "
 struct Case {
     m: array<vec4<f32>, 3>,
@@ -38,10 +38,10 @@ fn covered(@builtin(local_invocation_index) index: u32) {
 }
 ";
 
-/// Ten thousand, in whole workgroups.
+/// Ten thousand cases, in whole workgroups.
 const COUNT: usize = 40 * 256;
 
-/// A matrix and a polygon as shaders have them, and the covered part for the same 32 bits.
+/// A matrix and a polygon in 32 bits, and their covered part in f64.
 struct Case {
     m: Mat3,
     vertices: Vec<Vec3>,
@@ -49,7 +49,7 @@ struct Case {
 }
 
 impl Case {
-    /// The expected value is `exact`, of the matrix and the polygon in 32 bits.
+    /// The expected value is `exact` of the matrix and the polygon in 32 bits.
     fn new(m: DMat3, polygon: impl Iterator<Item = DVec3>, exact: impl Fn(DMat3, &[DVec3]) -> f64) -> Self {
         let (m, vertices) = (m.as_mat3(), polygon.map(DVec3::as_vec3).collect::<Vec<Vec3>>());
         let polygon: Vec<DVec3> = vertices.iter().map(|v| v.as_dvec3()).collect();
@@ -57,13 +57,14 @@ impl Case {
     }
 }
 
-/// `aimed`: around and through the lobe, as seen by it, wherever it points and however sharp it is.
+/// Random cases. With `aimed`, the polygons are around and through the lobe, wherever it points and however sharp it
+/// is.
 fn cases(aimed: bool) -> Vec<Case> {
     let place = |m: DMat3, v: DVec3| if aimed { m * v } else { v };
     random_cases(COUNT).map(|(polygon, m)| Case::new(m, polygon.into_iter().map(|v| place(m, v)), quadrature)).collect()
 }
 
-/// The covered part, lit from one side and from both, by the CPU twin and, where there is one, by the GPU.
+/// The covered part, lit from one side and from both, by the CPU twin and by the GPU if there is one.
 fn by_all(cases: &[Case]) -> Vec<(&'static str, Vec<[f32; 2]>)> {
     let twin = |case: &Case| [false, true].map(|two_sided| cpu::covered(case.m, &case.vertices, two_sided));
     let mut found = vec![("CPU", cases.iter().map(twin).collect())];
@@ -71,7 +72,7 @@ fn by_all(cases: &[Case]) -> Vec<(&'static str, Vec<[f32; 2]>)> {
     found
 }
 
-/// By a shader with [`ENTRY`], where there is a GPU.
+/// The covered parts by a shader with [`ENTRY`]; `None` without a GPU.
 fn by_gpu(cases: &[Case], source: &str) -> Option<Vec<[f32; 2]>> {
     let words: Vec<[u32; 48]> = cases.iter().map(words).collect();
     let (groups, rest) = words.as_chunks::<256>();
@@ -80,7 +81,7 @@ fn by_gpu(cases: &[Case], source: &str) -> Option<Vec<[f32; 2]>> {
     match example::run::<_, [[f32; 2]; 256]>(source, "covered", Some((&*table, Bound::Volumes)), groups) {
         Ok(by_gpu) => Some(by_gpu.into_flattened()),
         Err(GpuFailure::Absent(reason)) => {
-            tell_skipped(&reason);
+            report_skipped(&reason);
             None
         }
         Err(error) => panic!("{error}"),
@@ -101,7 +102,7 @@ fn words(case: &Case) -> [u32; 48] {
     words
 }
 
-/// How far a case's integral is from what it should be; it is a part of the lobe in any case.
+/// The error of a case's integral. It also checks that the integral is a part of the lobe.
 #[track_caller]
 fn error(case: &Case, who: &str, [one, two]: [f32; 2]) -> f64 {
     let Case { m, vertices, wanted } = case;
@@ -134,10 +135,9 @@ fn ten_thousand_polygons_in_32_bits_agree_with_quadrature() {
     assert!(below > 500, "{below}");
 }
 
-/// Where a light ends within a sharp lobe, 32 bits cannot tell the place of its edge better than by 1e-7 rad, which of
-/// roughness 1e-4 is a thousandth of the lobe.
+/// 32 bits place the edge of a light to 1e-7 rad. For roughness 1e-4 this is a thousandth of the lobe.
 #[test]
-fn lights_that_end_within_a_lobe_are_right_but_for_its_sharpness() {
+fn lights_that_end_within_a_sharp_lobe_have_its_rounding_error() {
     let cases = cases(true);
     for (who, found) in by_all(&cases) {
         let errors: Vec<f64> = cases.iter().zip(found).map(|(case, found)| error(case, who, found)).collect();
@@ -147,7 +147,7 @@ fn lights_that_end_within_a_lobe_are_right_but_for_its_sharpness() {
     }
 }
 
-/// Parallelograms by three of their corners: `ltc_rectangle` cuts them at the horizon without a case.
+/// Parallelograms by three of their corners, which `ltc_rectangle` cuts at the horizon without branches.
 #[test]
 fn ten_thousand_rectangles_in_32_bits_agree_with_64_bits() {
     let source = joined(&["ltc_light"])
@@ -177,7 +177,7 @@ fn ten_thousand_rectangles_in_32_bits_agree_with_64_bits() {
     }
 }
 
-/// With `LTC_CHEAP_HORIZON`: the cheap fit for the sphere of the same vector form factor.
+/// `LTC_CHEAP_HORIZON` uses the cheap fit for the sphere of the same vector form factor.
 #[test]
 fn the_cheap_horizon_of_polygons_is_the_fit_for_spheres() {
     let exact = |m: DMat3, polygon: &[DVec3]| {
@@ -210,7 +210,8 @@ fn small_cases() -> Vec<Case> {
     random_cases(COUNT).map(small).collect()
 }
 
-/// Their integrals are a millionth, the size of the rounding errors of the terms that cancel in the usual sum.
+/// The integrals of small lights are about a millionth, as large as the rounding errors of the terms that cancel in the
+/// usual sum.
 #[test]
 fn small_lights_keep_their_digits() {
     let cases = small_cases();

@@ -1,10 +1,10 @@
-//! The shader that users take home, on the GPU and by its twin on the CPU.
+//! The exported shader, on the GPU and by its twin on the CPU.
 
 use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec3};
 
-use super::tell_skipped;
+use super::report_skipped;
 use crate::preview::{
     ShaderTable, TexelFormat,
     cpu::tests as cpu,
@@ -46,7 +46,7 @@ fn the_shaders_twin_gives_the_printed_values() {
     }
 }
 
-/// A light that `ltc_example` is given: `count` vertices, or a disk's centre and half axes where it is 0.
+/// A light for `ltc_example`: `count` vertices, or a disk's centre and half axes if `count` is 0.
 pub(super) struct ExampleLight {
     count: u8,
     given: Vec<DVec3>,
@@ -57,7 +57,7 @@ pub(super) struct ExampleLight {
 }
 
 impl ExampleLight {
-    /// The part of an LTC that it covers, in f64.
+    /// The part of an LTC that the light covers, in f64.
     fn covered(&self, ltc: &Ltc, sides: Sides) -> f64 {
         let space = CosineSpace::from(ltc);
         match (self.count, &self.given[..]) {
@@ -70,7 +70,7 @@ impl ExampleLight {
     }
 }
 
-/// The lights that only an LTC has: a sphere, a tube and a line, through the horizon.
+/// The lights that only LTCs support: a sphere, a tube and a line, through the horizon.
 pub(super) fn round_lights() -> Vec<ExampleLight> {
     let ends = vec![DVec3::new(0.3, -0.8, 0.9), DVec3::new(0.1, 1.2, -0.4)];
     let light =
@@ -81,7 +81,7 @@ pub(super) fn round_lights() -> Vec<ExampleLight> {
 pub(super) fn example_lights() -> Vec<ExampleLight> {
     let corners = CORNERS.map(DVec3::from_array);
     let mut lights = vec![ExampleLight { count: 4, given: corners.into(), outline: corners.into(), size: 0.0 }];
-    // Clockwise from the shaded point, one vertex or more below the horizon.
+    // Vertices run clockwise from the shaded point. At least one is below the horizon.
     let (centre, x, y) = (DVec3::new(0.3, 0.2, 0.6), DVec3::new(0.9, 0.0, 0.4), DVec3::new(0.0, -0.8, 0.5));
     let around = |n: u32| -> Vec<DVec3> {
         let at = |k: u32| sin_cos(-TAU * f64::from(k) / f64::from(n));
@@ -108,9 +108,9 @@ pub(super) fn case_words(case: &Case, light: &ExampleLight, two_sided: bool) -> 
     words
 }
 
-/// The file that `ltcforge shader` writes, on the GPU: `M`, terms, and the part that each kind of light covers.
+/// The file of `ltcforge shader` on the GPU: `M`, the terms, and the part that each kind of light covers.
 #[test]
-fn the_shader_that_users_take_home_gives_what_f64_does() {
+fn the_exported_shader_agrees_with_f64() {
     let mut covered_somewhere = 0;
     for &layout in Layout::ALL {
         let table = golden_table(layout);
@@ -124,10 +124,10 @@ fn the_shader_that_users_take_home_gives_what_f64_does() {
         let words: Vec<[f32; 40]> =
             tried.iter().map(|(case, light, two_sided)| case_words(case, light, *two_sided)).collect();
         let shader = ShaderTable::new(&table, TexelFormat::F32);
-        // The columns of M, then the terms and the covered parts.
+        // A result is the columns of M, then the terms and the covered parts.
         let found: Vec<[f32; 16]> = match example::run(&wgsl, "ltc_example", Some((&shader, Bound::Volumes)), &words) {
             Ok(found) => found,
-            Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+            Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
             Err(error) => panic!("{error}"),
         };
         for ((case, light, two_sided), found) in tried.into_iter().zip(found) {
@@ -149,7 +149,7 @@ fn the_shader_that_users_take_home_gives_what_f64_does() {
     assert!(covered_somewhere > 30, "{covered_somewhere}");
 }
 
-/// The constant that makes polygons, disks and spheres cheaper leaves tubes and lines as they are.
+/// The constant that makes polygons, disks and spheres cheaper does not change tubes and lines.
 #[test]
 fn tubes_and_lines_are_exact_whatever_the_horizon_costs() {
     let table = golden_table(Layout::Reflected);
@@ -163,7 +163,7 @@ fn tubes_and_lines_are_exact_whatever_the_horizon_costs() {
     let shader = ShaderTable::new(&table, TexelFormat::F32);
     let found: Vec<[f32; 16]> = match example::run(&cheap, "ltc_example", Some((&shader, Bound::Volumes)), &words) {
         Ok(found) => found,
-        Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+        Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
         Err(error) => panic!("{error}"),
     };
     let mut lit = 0.0;
@@ -176,7 +176,7 @@ fn tubes_and_lines_are_exact_whatever_the_horizon_costs() {
     assert!(lit > 0.1, "{lit}");
 }
 
-/// The files without a table, on the GPU: each rule, each kind of light, from one side and from both.
+/// The files without a table, on the GPU: every rule and every kind of light, lit from one side and from both.
 #[test]
 fn the_shader_without_a_table_gives_what_f64_does() {
     let lights = example_lights();
@@ -191,16 +191,16 @@ fn the_shader_without_a_table_gives_what_f64_does() {
         let wgsl = String::from_utf8(port(Language::Wgsl, by_rule).expect("WGSL")).expect("UTF-8");
         let found: Vec<[f32; 4]> = match example::run(&wgsl, "normals_example", None, &words) {
             Ok(found) => found,
-            Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+            Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
             Err(error) => panic!("{error}"),
         };
         let mut lit = 0;
         for ((case, light, two_sided), found) in tried.iter().zip(found) {
             let sides = if *two_sided { Sides::Two } else { Sides::One };
-            // A disk is lit as its octagon, which f64 is given as a polygon of as many edges.
+            // The shader lights a disk as its octagon. f64 gets a polygon with as many edges.
             let outline: Vec<[f64; 3]> = light.outline.iter().map(DVec3::to_array).collect();
             let expected = reflected([case.alpha_x, case.alpha_y], case.wo, &outline, sides, rule);
-            // The weight is another where the outline has other edges.
+            // The weight depends on the edges of the outline.
             let tolerance = if light.count == 0 { 2e-2 } else { TOLERANCE };
             for (found, expected) in found.into_iter().zip(expected) {
                 let what = format!("{case:?} {} vertices, {two_sided}, {rule}", light.count);
@@ -219,7 +219,8 @@ pub(super) fn sg_light() -> ExampleLight {
     ExampleLight { count: 1, given, outline: Vec::new(), size: 0.0 }
 }
 
-/// The file that lights by a Gaussian, on the GPU: both Gaussians, each kind of light, from one side and from both.
+/// The file that lights by a Gaussian, on the GPU: both Gaussians and every kind of light, lit from one side and from
+/// both.
 #[test]
 fn the_shader_of_a_gaussian_gives_what_f64_does() {
     let wgsl = port(Language::Wgsl, lit_by(LightModel::Asg, None)).expect("WGSL");
@@ -242,7 +243,7 @@ fn the_shader_of_a_gaussian_gives_what_f64_does() {
         .collect();
     let found: Vec<[f32; 4]> = match example::run(&wgsl, "gaussians_example", None, &words) {
         Ok(found) => found,
-        Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+        Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
         Err(error) => panic!("{error}"),
     };
     let mut lit = 0;
@@ -254,7 +255,7 @@ fn the_shader_of_a_gaussian_gives_what_f64_does() {
             1 => gaussians::reflected_sg(gaussian, alpha, case.wo, &SG_LIGHT),
             _ => gaussians::reflected(gaussian, alpha, case.wo, &outline, sides),
         };
-        // The rule has its points on other edges where the outline has more.
+        // The points of the rule depend on the edges of the outline.
         let tolerance = if light.count == 0 { 4e-2 } else { TOLERANCE };
         for (found, expected) in found.into_iter().zip(expected) {
             let what = format!("{case:?} {} vertices, {two_sided}, {gaussian}", light.count);
@@ -265,9 +266,9 @@ fn the_shader_of_a_gaussian_gives_what_f64_does() {
     assert!(lit > 30, "{lit}");
 }
 
-/// Scenes lit by the shader equally, mirrored and with their corners in any order, and as in f64.
+/// The shader lights a scene equally when it is mirrored or its corners have another order, and agrees with f64.
 #[test]
-fn the_shader_of_a_gaussian_lights_a_scene_equally_however_it_is_told() {
+fn the_shader_of_a_gaussian_lights_equivalent_scenes_equally() {
     let wgsl = port(Language::Wgsl, lit_by(LightModel::Asg, None)).expect("WGSL");
     let wgsl = String::from_utf8(wgsl).expect("UTF-8");
     let mut draw = Draw::new(7);
@@ -275,13 +276,14 @@ fn the_shader_of_a_gaussian_lights_a_scene_equally_however_it_is_told() {
         .map(|k| draw.lit_by(Roughness::Anisotropic, if k % 2 == 0 { [0.05, 1.2] } else { [1.0, 8.0] }))
         .collect();
     for gaussian in Gaussian::ALL {
-        // One of seven: a case takes a submission. Over eight orders, these have them all.
-        let told: Vec<(usize, Lit)> = scenes
+        // Every seventh variant, because each needs a submission. Seven does not divide eight orders, so all orders
+        // occur.
+        let variants: Vec<(usize, Lit)> = scenes
             .iter()
             .enumerate()
-            .flat_map(|(k, scene)| scene.tellings().step_by(7).map(move |told| (k, told)))
+            .flat_map(|(k, scene)| scene.tellings().step_by(7).map(move |lit| (k, lit)))
             .collect();
-        let words: Vec<[f32; 40]> = told
+        let words: Vec<[f32; 40]> = variants
             .iter()
             .map(|(_, lit)| {
                 let [alpha_x, alpha_y] = lit.alpha();
@@ -294,22 +296,22 @@ fn the_shader_of_a_gaussian_lights_a_scene_equally_however_it_is_told() {
             .collect();
         let found: Vec<[f32; 4]> = match example::run(&wgsl, "gaussians_example", None, &words) {
             Ok(found) => found,
-            Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+            Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
             Err(error) => panic!("{error}"),
         };
         let mut lit = 0;
-        for ((scene, told), [energy, ..]) in told.iter().zip(found) {
+        for ((scene, variant), [energy, ..]) in variants.iter().zip(found) {
             let outline: Vec<[f64; 3]> = scenes[*scene].vertices.iter().map(DVec3::to_array).collect();
             let wo = scenes[*scene].wo().to_array();
             let [wanted, _] = gaussians::reflected(*gaussian, scenes[*scene].alpha(), wo, &outline, Sides::Two);
-            assert!((f64::from(energy) - wanted).abs() < 1e-4, "{gaussian} {told:?}: {energy}, not {wanted}");
+            assert!((f64::from(energy) - wanted).abs() < 1e-4, "{gaussian} {variant:?}: {energy}, not {wanted}");
             lit += usize::from(energy > 0.1);
         }
         assert!(lit > 40, "{lit}");
     }
 }
 
-/// The file that lights by a table of Gaussians: by its twin on the CPU, and on the GPU.
+/// The file that lights by a table of Gaussians, by its twin on the CPU and on the GPU.
 #[test]
 fn the_shader_of_a_table_of_gaussians_gives_what_f64_does() {
     let layout = Layout::Reflected;
@@ -353,7 +355,7 @@ fn the_shader_of_a_table_of_gaussians_gives_what_f64_does() {
     let found: Vec<[f32; 4]> =
         match example::run(&wgsl, "gaussians_table_example", Some((&table, Bound::Volumes)), &words) {
             Ok(found) => found,
-            Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+            Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
             Err(error) => panic!("{error}"),
         };
     for (lit, [energy, fresnel, ..]) in tried.iter().zip(found) {

@@ -1,13 +1,13 @@
 //! The passes that prefilter a picture, on the GPU, against the pyramid on the CPU.
 
-use super::tell_skipped;
+use super::report_skipped;
 use crate::preview::gpu::{
     GpuFailure,
     tests::prefilter::{Passes, run},
 };
 use ltcforge_light::textured::{LightImage, LightPyramid};
 
-/// Largest difference as a part of the picture's largest number: sums in f32 of up to as many texels as a side has.
+/// Largest difference relative to the picture's largest number. The sums in f32 have at most as many texels as a side.
 const SAME: f32 = 2e-6;
 
 #[test]
@@ -20,7 +20,7 @@ fn the_passes_make_the_pyramid_of_the_cpu() {
         for passes in [Passes::Compute, Passes::Fragment] {
             let levels = match run(&image, passes) {
                 Ok(levels) => levels,
-                Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+                Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
                 Err(error) => panic!("{error}"),
             };
             assert_eq!(levels.len(), pyramid.levels().len());

@@ -1,4 +1,5 @@
-//! The programs in GLSL and HLSL, compiled by glslang and run on the GPU, beside the WGSL that they are printed from.
+//! The programs in GLSL and HLSL, compiled by glslang and run on the GPU, against the WGSL that they are translated
+//! from.
 
 use std::{borrow::Cow, fs, io::ErrorKind, path::Path, process::Command};
 
@@ -6,7 +7,7 @@ use bytemuck::Pod;
 
 use super::{
     ported::{case_words, example_lights, lit_by, round_lights, sg_light},
-    tell_skipped,
+    report_skipped,
 };
 use crate::preview::{
     ShaderTable, TexelFormat,
@@ -17,10 +18,10 @@ use ltcforge_light::{LightModel, normals::NormalsRule};
 use ltcforge_shaders::{Bound, CASES, Language, LitBy, golden_table};
 use ltcforge_translate::port;
 
-/// How far two compilers may be apart: they order sums and fuse products as they like.
+/// The tolerance between two compilers, which may order sums and fuse products differently.
 const APART: f32 = 2e-5;
 
-/// A table's bindings of OpenGL, and those of Vulkan, whose textures have samplers apart.
+/// A table's bindings in OpenGL, and in Vulkan, which has separate samplers.
 const VULKAN: [(&str, &str); 7] = [
     ("#version 450 core", "#version 450 core\n#extension GL_EXT_samplerless_texture_functions : require"),
     ("layout(binding = 0) uniform sampler3D", "layout(binding = 1) uniform texture3D"),
@@ -31,7 +32,7 @@ const VULKAN: [(&str, &str); 7] = [
     ("layout(std140, binding = 0) uniform", "layout(std140, set = 0, binding = 0) uniform"),
 ];
 
-/// The program in SPIR-V; `None` where there is no glslang.
+/// The program in SPIR-V; `None` without glslang.
 fn compiled(language: Language, lit_by: LitBy, folder: &Path) -> Option<Vec<u32>> {
     let mut text = String::from_utf8(port(language, lit_by).expect("a program")).expect("UTF-8");
     if language == Language::Glsl && lit_by.layout().is_some() {
@@ -50,7 +51,7 @@ fn compiled(language: Language, lit_by: LitBy, folder: &Path) -> Option<Vec<u32>
             assert!(output.status.success(), "{lit_by:?}: {}", String::from_utf8_lossy(&output.stdout));
         }
         Err(error) if error.kind() == ErrorKind::NotFound => {
-            tell_skipped("there is no glslangValidator (Debian: glslang-tools)");
+            report_skipped("glslangValidator is missing (Debian: glslang-tools)");
             return None;
         }
         Err(error) => panic!("glslangValidator: {error}"),
@@ -59,7 +60,8 @@ fn compiled(language: Language, lit_by: LitBy, folder: &Path) -> Option<Vec<u32>
     Some(bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect())
 }
 
-/// Compares both languages with WGSL; the number of results that are not zero, or `None` for a check that was skipped.
+/// Compares both languages with WGSL. Returns the number of results that are not zero, or `None` if the check was
+/// skipped.
 fn compare<Found: Pod + AsRef<[f32]>>(lit_by: LitBy) -> Option<usize> {
     let table = lit_by.layout().map(|layout| ShaderTable::new(&golden_table(layout), TexelFormat::F32));
     let table = table.as_ref().map(|table| (table, Bound::Volumes));
@@ -84,7 +86,7 @@ fn compare<Found: Pod + AsRef<[f32]>>(lit_by: LitBy) -> Option<usize> {
     let wanted: Vec<Found> = match example::run(&wgsl, example, table, &words) {
         Ok(found) => found,
         Err(GpuFailure::Absent(reason)) => {
-            tell_skipped(&reason);
+            report_skipped(&reason);
             return None;
         }
         Err(error) => panic!("{error}"),

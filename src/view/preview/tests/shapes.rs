@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3, Mat3, Vec3};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{shader_table, tell_skipped};
+use super::{report_skipped, shader_table};
 use crate::preview::{
     TexelFormat,
     cpu::tests as cpu,
@@ -16,7 +16,7 @@ use ltcforge_fit::{Ltc, Sides, testing::mirror_like};
 use ltcforge_light::CosineSpace;
 use ltcforge_shaders::{Bound, joined};
 
-/// Each kind of light of a matrix and three vectors that a case gives.
+/// Integrates each kind of light for the matrix and the three vectors of a case.
 const ENTRY: &str = "
 struct Case {
     m: array<vec4<f32>, 3>,
@@ -44,8 +44,8 @@ fn covered(@builtin(local_invocation_index) index: u32) {
 
 const COUNT: usize = 20 * 256;
 
-/// A lobe and its lights: a disk's centre and half axes; the same centre and `size` for a sphere; the line from the
-/// centre by the first half axis to both sides with `size` for radius and width.
+/// A lobe and its lights. A disk has the centre and the half axes. A sphere has the centre and radius `size`. A tube
+/// and a line extend from the centre by the first half axis to both sides, with radius or width `size`.
 struct Case {
     m: Mat3,
     places: [Vec3; 3],
@@ -53,7 +53,7 @@ struct Case {
 }
 
 impl Case {
-    /// The result in f64 for the same numbers in 32 bits.
+    /// The results in f64 for the numbers rounded to 32 bits.
     fn wanted(&self) -> [f64; 4] {
         let ltc = Ltc::new(self.m.as_dmat3()).expect("regular");
         let space = CosineSpace::from(&ltc);
@@ -70,8 +70,8 @@ impl Case {
     }
 }
 
-/// Lobes of roughness from 0.01 on, and lights of any size around them; some of a hard kind: edge on, around the
-/// shaded point, of no size, half axes in one line.
+/// Lobes of roughness from 0.01 on, and lights of any size around them. Some are hard: edge on, around the shaded
+/// point, of size zero, or with parallel half axes.
 fn cases() -> Vec<Case> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(21);
     let mut within =
@@ -127,7 +127,7 @@ fn thousands_of_lights_in_32_bits_are_those_of_f64() {
     let table = shader_table(TexelFormat::F32);
     match example::run::<_, [[f32; 4]; 256]>(&source, "covered", Some((&*table, Bound::Volumes)), groups) {
         Ok(by_gpu) => all.push(("GPU", by_gpu.into_flattened())),
-        Err(GpuFailure::Absent(reason)) => tell_skipped(&reason),
+        Err(GpuFailure::Absent(reason)) => report_skipped(&reason),
         Err(error) => panic!("{error}"),
     }
     for (who, found) in all {
@@ -146,7 +146,7 @@ fn thousands_of_lights_in_32_bits_are_those_of_f64() {
             errors.sort_by(f64::total_cmp);
             let [p50, p99, p999] = [50, 990, 999].map(|part| errors[COUNT * part / 1000]);
             println!("{who} {name}: {p50:e} {p99:e} {p999:e} {:e}", errors[COUNT - 1]);
-            // One in sixty-four lines points at the shaded point, where rounding must cancel.
+            // One in sixty-four lines points at the shaded point, where terms must cancel.
             let most = if name == "line" { 5e-4 } else { 1e-3 };
             assert!(p99 < 2e-5 && p999 < most, "{who} {name}: {p99:e} {p999:e}");
         }

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use glam::{DMat3, DVec3};
 
-use super::tell_skipped;
+use super::report_skipped;
 use crate::preview::gpu::{GpuFailure, tests::pictures};
 use ltcforge_files::recipe_document;
 use ltcforge_fit::{Layout, Ltc, Plan, Sides, fit_plan, math::from_row_major};
@@ -19,7 +19,7 @@ use ltcforge_light::{
 };
 use ltcforge_shaders::{Additions, Lights, LitBy, Reading, functions};
 
-/// `rows` are those of a matrix: an LTC's or its inverse.
+/// `rows` are the rows of an LTC's matrix or of its inverse.
 const CASE: &str = "
 struct Case {
     wo: vec3<f32>,
@@ -54,7 +54,7 @@ fn pictures(@builtin(local_invocation_index) index: u32) {
     found[index] = vec4(textured.colour, textured.covered);
 }
 ";
-/// What is reflected of a light with a picture, and of the same without one.
+/// The reflected light of a light with a picture, and of the same light without it.
 const BOTH_BY_NORMALS: &str = "
 @compute @workgroup_size(64)
 fn pictures(@builtin(local_invocation_index) index: u32) {
@@ -65,7 +65,7 @@ fn pictures(@builtin(local_invocation_index) index: u32) {
     found[index] = vec4(textured.colour * textured.parts.x, normals_rectangle(view, corners, true).x);
 }
 ";
-/// The same by a table, for a reflectance of a half face on.
+/// The same comparison by a table, for a reflectance of a half at normal incidence.
 const BOTH_BY_LTC: &str = "
 @compute @workgroup_size(64)
 fn pictures(@builtin(local_invocation_index) index: u32) {
@@ -78,7 +78,7 @@ fn pictures(@builtin(local_invocation_index) index: u32) {
 }
 ";
 
-/// A dot, a checkerboard and a ramp of so many texels a side.
+/// A picture with a dot, a checkerboard and a ramp, `side` texels on each side.
 fn picture(side: usize) -> LightPyramid {
     let texel = |i: usize| {
         let [u, v] = [i % side, i / side].map(|x| (64 * x) as f32 / side as f32);
@@ -118,28 +118,28 @@ impl Single {
     }
 }
 
-/// The rows of a matrix, as a case has them.
+/// Writes the rows of a matrix into the words of a case.
 fn put_rows(words: &mut [f32; 36], matrix: &DMat3) {
     for row in 0..3 {
         words[24 + 4 * row..27 + 4 * row].copy_from_slice(&matrix.row(row).to_array().map(|x| x as f32));
     }
 }
 
-/// What an entry point finds of each light; `None` where there is no GPU.
+/// The results of an entry point for each light; `None` without a GPU.
 fn found(source: &str, picture: (&LightPyramid, u32), words: &[[f32; 36]]) -> Option<Vec<[f32; 4]>> {
     let (groups, rest) = words.as_chunks::<64>();
     assert!(rest.is_empty(), "the shader takes 64 at a time");
     match pictures::run::<_, [[f32; 4]; 64]>(source, "pictures", picture, groups) {
         Ok(found) => Some(found.into_flattened()),
         Err(GpuFailure::Absent(reason)) => {
-            tell_skipped(&reason);
+            report_skipped(&reason);
             None
         }
         Err(error) => panic!("{error}"),
     }
 }
 
-/// A text with pictures on lights.
+/// A shader with pictures on lights.
 fn textured(lit_by: LitBy, number: Readings) -> String {
     let lit_by = lit_by.with(Additions { textured: Some(number), ..Additions::default() }).expect("pictures");
     functions(lit_by, Reading::default(), Lights::All) + CASE
@@ -153,23 +153,23 @@ fn the_shaders_read_pictures_as_f64_does() {
     let picture = picture(64);
     for number in Readings::ALL {
         for rule in NormalsRule::SHADED {
-            let of = |light: &Single| {
+            let expected = |light: &Single| {
                 let Single { alpha, wo, corners, .. } = light;
                 let ([energy, _], readings) = normals_readings(*alpha, *wo, corners, Sides::Two, (rule, *number));
                 (readings, energy)
             };
             let text = (normals.by_rule(Some(rule)).expect("a rule"), 0, NORMALS);
-            check(text, *number, &picture, &lights, of);
+            check(text, *number, &picture, &lights, expected);
         }
-        let of = |light: &Single| {
+        let expected = |light: &Single| {
             let readings = ltc_readings(&CosineSpace::from(&light.ltc), &light.corners, *number);
             (readings, light.ltc.polygon(&light.corners.map(DVec3::from_array), Sides::Two))
         };
-        check((LitBy::from(Layout::Reflected), 5, LTC), *number, &picture, &lights, of);
+        check((LitBy::from(Layout::Reflected), 5, LTC), *number, &picture, &lights, expected);
     }
 }
 
-/// Lamps with a profile of 512 x 512 texels, by the second function of each text.
+/// Lamps with a profile of 512 x 512 texels, by the second function of each shader.
 #[test]
 fn the_shaders_read_profiles_as_f64_does() {
     let mut draw = Draw::new(4414);
@@ -188,34 +188,34 @@ fn the_shaders_read_profiles_as_f64_does() {
     };
     for rule in NormalsRule::SHADED {
         let normals = LitBy::new(LightModel::Normals, None).and_then(|lit_by| lit_by.by_rule(Some(rule)));
-        let of = |light: &Single| {
+        let expected = |light: &Single| {
             let how = (rule, Readings::Four);
             let ([energy, _], readings) = normals_readings(light.alpha, light.wo, &light.corners, Sides::Two, how);
             (of_lamp(light, readings), energy)
         };
-        check((normals.expect("a rule"), 0, &of_lamps(NORMALS)), Readings::Four, &profile, &lights, of);
+        check((normals.expect("a rule"), 0, &of_lamps(NORMALS)), Readings::Four, &profile, &lights, expected);
     }
-    let of = |light: &Single| {
+    let expected = |light: &Single| {
         let readings = ltc_readings(&CosineSpace::from(&light.ltc), &light.corners, Readings::Four);
         (of_lamp(light, readings), light.ltc.polygon(&light.corners.map(DVec3::from_array), Sides::Two))
     };
-    check((LitBy::from(Layout::Reflected), 5, &of_lamps(LTC)), Readings::Four, &profile, &lights, of);
+    check((LitBy::from(Layout::Reflected), 5, &of_lamps(LTC)), Readings::Four, &profile, &lights, expected);
 }
 
-/// Compares colours and parts of lights with f64: 99 of 100 colours are within a thousandth, since samplers of GPUs weigh
-/// texels by 8 bits, 999 of 1000 within four.
+/// Compares colours and parts of lights with f64: 99 of 100 colours are within 0.001, and 999 of 1000 within 0.004,
+/// because samplers of GPUs have weights of 8 bits.
 fn check(
     (lit_by, first, entry): (LitBy, u32, &str),
     number: Readings,
     picture: &LightPyramid,
     lights: &[Single],
-    of: impl Fn(&Single) -> (Vec<OfPicture<f64>>, f64),
+    expected: impl Fn(&Single) -> (Vec<OfPicture<f64>>, f64),
 ) {
     let words: Vec<[f32; 36]> = lights.iter().map(|light| light.words).collect();
     let Some(found) = found(&(textured(lit_by, number) + entry), (picture, first), &words) else { return };
     let mut differences = Vec::new();
     for (light, [r, g, b, part]) in lights.iter().zip(found) {
-        let (readings, energy) = of(light);
+        let (readings, energy) = expected(light);
         assert!((f64::from(part) - energy).abs() < 5e-3, "{}: {part} {energy}", lit_by.name());
         if energy > 1e-4 {
             let wanted = colour(&readings, picture);
@@ -230,7 +230,7 @@ fn check(
     assert!(count > 1500 && usual < 1e-3 && rare < 4e-3, "{}: {usual} {rare} {most}", lit_by.name());
 }
 
-/// A light of one colour, of any texels, is lit as without a picture: by `normals` and by a fitted table with its terms.
+/// A picture of one colour, of any size, lights like a light without a picture: by `normals` and by a fitted table.
 #[test]
 fn the_shaders_light_one_colour_as_without_a_picture() {
     const COLOUR: [f32; 3] = [0.3, 1.1, 3.7];
@@ -269,8 +269,8 @@ fn the_shaders_light_one_colour_as_without_a_picture() {
     }
 }
 
-/// Matrices that no fit makes: of two dimensions or one, up to a little, of any size, small and large lights far and near. The text
-/// has finite values of them.
+/// The shader has finite values for matrices that no fit makes: nearly of rank one or two, and of any size, with small
+/// and large lights far and near.
 #[test]
 fn the_shaders_have_finite_values_for_degenerate_matrices() {
     let mut draw = Draw::new(4413);
@@ -296,6 +296,6 @@ fn the_shaders_have_finite_values_for_degenerate_matrices() {
     let lit = found.iter().filter(|found| found[3] > 0.0).count();
     let wrong: Vec<_> =
         words.iter().zip(&found).filter(|(_, found)| !found.iter().all(|x| (-1e-6..=1.00001).contains(x))).collect();
-    println!("{} of {} are wrong; {lit} are lit", wrong.len(), words.len());
+    println!("{} of {} are not finite; {lit} are lit", wrong.len(), words.len());
     assert!(wrong.is_empty() && lit > 1000, "{lit}, {}: {:?}", wrong.len(), wrong.first());
 }

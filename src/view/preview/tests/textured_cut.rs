@@ -1,4 +1,4 @@
-//! Pictures on lights that reach below the surface, by tables whose lobes end there.
+//! Pictures on lights that reach below the surface, by tables whose lobes end at the surface.
 
 use std::ops::ControlFlow;
 
@@ -12,7 +12,7 @@ use ltcforge_light::{
     textured::{LightImage, LightPyramid, Readings, TexturedLight},
 };
 
-/// Texels a side of the pictures.
+/// Side of the pictures in texels.
 const SIDE: usize = 48;
 
 /// Squares, a ramp, and a lower half that is brighter than the upper one.
@@ -25,7 +25,7 @@ fn picture() -> Vec<[f32; 3]> {
     (0..SIDE * SIDE).map(texel).collect()
 }
 
-/// An upright light across the view, with its picture; `rows` of it are kept.
+/// An upright light across the view, with the first `rows` of its picture.
 fn light([distance, width, texel]: [f64; 3], above: usize, rows: usize) -> (TexturedLight, LightImage) {
     let [top, bottom] = [above as f64 * texel, (above as f64 - rows as f64) * texel];
     let corner = |y: f64, z: f64| DVec3::new(distance, y * width, z);
@@ -35,8 +35,8 @@ fn light([distance, width, texel]: [f64; 3], above: usize, rows: usize) -> (Text
     (TexturedLight::new(light).expect("a rectangle"), image)
 }
 
-/// By a table whose lobes end at the surface, the light of a picture that is sunk into it is nearer to the truth where the light is
-/// cropped there: the prefilter blurs what lies below into what lies above.
+/// For a table whose lobes end at the surface, cropping a light at the surface reduces the error: the prefilter would
+/// blur the part of the picture below the surface into the part above.
 #[test]
 fn pictures_below_the_surface_are_best_cropped() {
     let recipe = recipe_document::parse(br#"{"preset": "draft"}"#, u64::MAX).expect("a recipe");
@@ -53,7 +53,7 @@ fn pictures_below_the_surface_are_best_cropped() {
         };
         let rows = 12 + draw.within(0.0, 30.0) as usize;
         let size = [1.0, draw.within(0.5, 2.0), draw.within(0.01, 0.04)];
-        let lights = [SIDE, rows].map(|kept| light(size, rows, kept));
+        let lights = [SIDE, rows].map(|count| light(size, rows, count));
         let found = lights.each_ref().map(|(light, image)| {
             let pyramid = LightPyramid::new(&image.resampled(image.square_size(light.size())));
             light.by_table(&table, &at, &pyramid, used).expect("a light").energy

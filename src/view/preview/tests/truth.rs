@@ -16,26 +16,27 @@ use ltcforge_fit::{
 };
 use ltcforge_light::LightModel;
 
-/// Relative to the light's energy.
+/// The tolerance, relative to the light's energy.
 const TOLERANCE: f64 = 0.005;
-/// The least energy that errors are divided by, as a part of that of a light all around.
+/// The least energy that errors are divided by, relative to the energy of a light all around.
 const DIM: f64 = 0.05;
-/// Part of the same, of which more is lit.
+/// The least energy of a lit point, relative to the energy of a light all around.
 const LIT: f64 = 0.02;
 const SIZE: u32 = 64;
 const FLAT: &[LightKind] = &[LightKind::Rectangle, LightKind::Disk, LightKind::Polygon(3), LightKind::Polygon(6)];
 const ROUND: &[LightKind] = &[LightKind::Sphere, LightKind::Tube, LightKind::Line];
-/// So many that the remaining noise is a third of the tolerance.
+/// Samples per pixel. Their noise is a third of the tolerance.
 const SAMPLES: u32 = 1 << 13;
 
-/// A point of the sphere in f64, by this test's own geometry: its tangent frame's rows, and the view direction in it.
+/// A point of the sphere in f64, by this test's own geometry. `to_local` has the rows of its tangent frame, and `wo` is
+/// in it.
 struct Point {
     position: DVec3,
     to_local: DMat3,
     wo: DVec3,
 }
 
-fn seen(scene: &Scene, pixel: [u32; 2]) -> Option<Point> {
+fn point_in(scene: &Scene, pixel: [u32; 2]) -> Option<Point> {
     let camera = &scene.camera;
     let turn = DMat3::from_rotation_y(camera.azimuth) * DMat3::from_rotation_x(-camera.elevation);
     let eye = turn * DVec3::Z * camera.distance;
@@ -49,7 +50,7 @@ fn seen(scene: &Scene, pixel: [u32; 2]) -> Option<Point> {
     let turned = DMat3::from_axis_angle(position, scene.materials[0].rotation);
     let (x, y) = (turned * along, turned * position.cross(along));
     let to_local = DMat3::from_cols(x, y, position).transpose();
-    // At the rim pixels are covered in part.
+    // The sphere covers pixels at its rim only in part.
     (beside2 < 0.98).then(|| Point { position, to_local, wo: to_local * (eye - position).normalize() })
 }
 
@@ -70,7 +71,7 @@ fn grid(vertices: &[DVec3]) -> Vec<(DVec3, f64)> {
     points
 }
 
-/// The same over an ellipse, in rings of equal area.
+/// Points of an ellipse with their areas, in rings of equal area.
 fn rings(ellipse: &Ellipse<DVec3, f64>) -> Vec<(DVec3, f64)> {
     const N: usize = 800;
     let [x, y] = ellipse.half_axes.map(|(axis, _)| axis);
@@ -81,7 +82,7 @@ fn rings(ellipse: &Ellipse<DVec3, f64>) -> Vec<(DVec3, f64)> {
     (0..N).flat_map(|j| (0..N).map(move |k| (radius(j), angle(k)))).map(point).collect()
 }
 
-/// The same over the surface of a tube with round ends, each with its normal.
+/// Points of the surface of a tube with round ends, each with its normal and its area.
 fn surface([start, end]: [DVec3; 2], radius: f64) -> Vec<(DVec3, DVec3, f64)> {
     const N: usize = 400;
     let axis = (end - start).try_normalize().unwrap_or(DVec3::X);
@@ -103,7 +104,7 @@ fn surface([start, end]: [DVec3; 2], radius: f64) -> Vec<(DVec3, DVec3, f64)> {
 /// A point of a light, its share of the area, and the cosine at which directions leave it.
 type Sample = (DVec3, f64, Box<dyn Fn(DVec3) -> f64>);
 
-/// The light's points, each with how large it is and the cosine that it has along a direction from the shaded point.
+/// The light's points, each with its area and its cosine along a direction from the shaded point.
 fn points(scene: &Scene) -> Vec<Sample> {
     let outline = scene.light.outline();
     let (normal, two_sided) = (outline.normal, scene.light.two_sided);
@@ -142,8 +143,8 @@ fn expected(scene: &Scene, point: &Point, reflects: impl Fn(DVec3, DVec3) -> (f6
     scene.f0.map(|f0| scene.light.intensity * (f0 * (all - fresnel) + fresnel))
 }
 
-/// Twenty materials, lights, cameras and pixels, from sharp to rough; lights near the mirror direction, some of them
-/// cut by the horizon. Then the roughest surface seen from above.
+/// Twenty materials, lights, cameras and pixels, from sharp to rough. The lights are near the mirror direction, and the
+/// horizon cuts some of them. The last case is the roughest surface with a view from above.
 fn configurations(kinds: &[LightKind]) -> Vec<(Scene, [u32; 2])> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(20);
     let mut within = |low: f64, high: f64| low + (high - low) * (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
@@ -166,7 +167,7 @@ fn configurations(kinds: &[LightKind]) -> Vec<(Scene, [u32; 2])> {
             ..Scene::default()
         };
         let pixel = [0; 2].map(|_: u32| within(4.0, 60.0) as u32);
-        let Some(point) = seen(&scene, pixel) else { continue };
+        let Some(point) = point_in(&scene, pixel) else { continue };
         let mirror = point.to_local.transpose() * DVec3::new(-point.wo.x, -point.wo.y, point.wo.z);
         let jitter = DVec3::from([0; 3].map(|_: u32| within(-0.6, 0.6)));
         scene.light = Light {
@@ -177,7 +178,7 @@ fn configurations(kinds: &[LightKind]) -> Vec<(Scene, [u32; 2])> {
             intensity: 2.0,
             two_sided: found.len() % 2 == 0,
         };
-        // A sphere or tube that holds the shaded point is another test's.
+        // Another test has spheres and tubes that contain the shaded point.
         if let Shape::Tube { ends: [start, end], radius } = scene.light.outline().shape {
             let along = end - start;
             let foot = (point.position - start).dot(along) / along.length_squared().max(1e-30);
@@ -194,8 +195,9 @@ fn configurations(kinds: &[LightKind]) -> Vec<(Scene, [u32; 2])> {
     found
 }
 
-/// Compares the renderers' radiance with the truth. In most configurations metal reflects light. `faint` is the part of
-/// that which a surface reflects in one direction: its tolerance, and what counts as lit, are smaller by it.
+/// Compares the renderers' radiance with the truth. In most configurations the surface reflects light. `faint` is the
+/// light that a surface reflects in one direction, relative to metal. It scales the tolerance and the threshold of lit
+/// points.
 fn assert_true(
     mut renderers: Vec<Preview>,
     table: &Arc<ShaderTable>,
@@ -206,9 +208,9 @@ fn assert_true(
     let mut lit = 0;
     let configurations = configurations(kinds);
     let (scene, pixel) = &configurations[20];
-    assert!(seen(scene, *pixel).expect("on the sphere").wo.z > 0.999);
+    assert!(point_in(scene, *pixel).expect("on the sphere").wo.z > 0.999);
     for (scene, pixel) in configurations {
-        let point = seen(&scene, pixel).expect("on the sphere");
+        let point = point_in(&scene, pixel).expect("on the sphere");
         let wanted = truth(&scene, &point);
         lit += usize::from(wanted[1] > faint * LIT * scene.light.intensity);
         for preview in &mut renderers {
@@ -250,7 +252,7 @@ fn every_reference_converges_to_the_integral_of_its_model() {
     for brdf in BrdfKind::formulas().map(BrdfModel::from).chain([planted_tabulated(), planted_anisotropic()]) {
         let table = Arc::new(ShaderTable::new(&Table { brdf: brdf.clone(), ..planted() }, TexelFormat::F32));
         let renderers = vec![Preview::new(Adapter::Any), Preview::new(Adapter::Cpu)];
-        // Sheen and diffuse surfaces send little of a light into any one direction.
+        // Sheen and diffuse surfaces reflect little light in any direction.
         let faint = if brdf.follows_reflection() { 1.0 } else { 0.1 };
         let kinds = [LightKind::Disk, LightKind::Tube, LightKind::Sphere, LightKind::Line];
         let reference = (Estimator::Reference, &kinds[..]);
@@ -258,8 +260,8 @@ fn every_reference_converges_to_the_integral_of_its_model() {
     }
 }
 
-/// Shaders know the reference of GGX alone, and model normals is of GGX: what would show another model's table beside
-/// it is refused, and what needs no reference is not.
+/// Shaders only have the reference of GGX, and model `normals` is for GGX. Pictures that would compare them with a
+/// table of another model are refused. Pictures without a reference are accepted.
 #[test]
 fn pictures_that_would_compare_different_models_are_refused() {
     let planted = Table { brdf: BrdfKind::Charlie.into(), ..planted() };
@@ -274,20 +276,20 @@ fn pictures_that_would_compare_different_models_are_refused() {
     ] {
         assert_eq!(cpu.render(&table, &scene, &|| false), refused(TableFault::OtherBrdf(BrdfKind::Charlie)));
     }
-    // Its lobes are of no facets that lose light to each other.
+    // The model has no facets that lose light to each other.
     let compensated = Scene { compensate: true, ..scene(Mode::Ltc, LightModel::Ltc) };
     assert_eq!(cpu.render(&table, &compensated, &|| false), refused(TableFault::NoFacets(BrdfKind::Charlie)));
-    // Nor has it a Fresnel factor: a reflectance is one, which leaving it out means.
+    // The model has no Fresnel factor: its reflectance is one, which is also the default.
     let dark = Scene { f0: [0.04; 3], ..scene(Mode::Ltc, LightModel::Ltc) };
     assert_eq!(cpu.render(&table, &dark, &|| false), refused(TableFault::NoFresnel(BrdfKind::Charlie)));
-    // All that stands against a picture is told at once.
+    // All faults of a picture are reported at once.
     let all = Scene { compensate: true, f0: [0.04; 3], ..scene(Mode::Strip, LightModel::Normals) };
-    let faults = [TableFault::OtherBrdf, TableFault::NoFacets, TableFault::NoFresnel].map(|of| of(BrdfKind::Charlie));
+    let faults = [TableFault::OtherBrdf, TableFault::NoFacets, TableFault::NoFresnel].map(|f| f(BrdfKind::Charlie));
     assert_eq!(cpu.render(&table, &all, &|| false), Err(PreviewError::Table(faults.to_vec())));
-    let of_one = Scene { f0: [1.0; 3], ..scene(Mode::Ltc, LightModel::Ltc) };
-    let [left_out, of_one] = [scene(Mode::Ltc, LightModel::Ltc), of_one]
+    let metal = Scene { f0: [1.0; 3], ..scene(Mode::Ltc, LightModel::Ltc) };
+    let [default, metal] = [scene(Mode::Ltc, LightModel::Ltc), metal]
         .map(|scene| cpu.render(&table, &scene, &|| false).expect("a picture").picture);
-    assert!(left_out == of_one);
+    assert!(default == metal);
     let strip = scene(Mode::Strip, LightModel::Ltc);
     let mut gpu = Preview::new(Adapter::Gpu);
     assert_eq!(gpu.render(&table, &strip, &|| false), Err(PreviewError::CpuOnly(BrdfKind::Charlie)));
@@ -298,9 +300,9 @@ fn pictures_that_would_compare_different_models_are_refused() {
     assert!(cpu.render(&table, &scene(Mode::Ltc, LightModel::Ltc), &|| false).is_ok());
 }
 
-/// Without its file a tabulated BRDF has no reference, and its table still shows.
+/// Without its file a tabulated BRDF has no reference, but its table is shown.
 #[test]
-fn a_missing_file_is_told_where_the_reference_is_asked_for() {
+fn a_missing_file_is_an_error_if_the_reference_is_shown() {
     let unread = BrdfModel::tabulated(TabulatedFile::unread([7; 32]));
     let table = Arc::new(ShaderTable::new(&Table { brdf: unread, ..planted() }, TexelFormat::F32));
     let scene = |mode| Scene { mode, size: 64, spp: 1, ..Scene::default() };

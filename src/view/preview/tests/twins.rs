@@ -14,7 +14,7 @@ pub(super) fn render(preview: &mut Preview, table: &Arc<ShaderTable>, scene: &Sc
     preview.render(table, scene, GO_ON).expect("a picture")
 }
 
-/// Mean absolute difference in units of 1/255, and the part of the pixels that are more than two of them apart.
+/// Mean absolute difference in units of 1/255, and the part of the pixels that differ by more than 2/255.
 pub(super) fn apart(a: &Picture, b: &Picture) -> (f64, f64) {
     assert_eq!((a.width, a.height), (b.width, b.height));
     let differences = a.rgb.iter().zip(&b.rgb).map(|(a, b)| [0, 1, 2].map(|i| a[i].abs_diff(b[i])));
@@ -33,7 +33,7 @@ fn assert_twins(a: &Picture, b: &Picture, what: &str) {
     assert!(mean <= 0.5 && far <= 0.001, "{what}: mean {mean}/255, {far} of the pixels beyond 2/255");
 }
 
-/// Every scene in every mode; among them are the cases that shaders have to guard against.
+/// Every scene in every mode. They include the cases that shaders have to guard against.
 #[test]
 fn gpu_and_cpu_agree_in_every_mode_and_scene() {
     let mut renderers = renderers();
@@ -55,7 +55,7 @@ fn gpu_and_cpu_agree_in_every_mode_and_scene() {
     }
 }
 
-/// From within a hair of the sphere, from straight above and below, on the floor and under it.
+/// Cameras close to the sphere, straight above and below, on the floor and under it.
 pub(super) fn cameras() -> impl Iterator<Item = Scene> {
     let places =
         [(1.5, 0.3, 2.5), (4.5, -1.57, 0.5), (4.5, 1.57, 0.5), (4.0, 0.0, 0.8), (4.0, 1e-4, 0.8), (4.0, -0.4, 2.0)];
@@ -88,7 +88,7 @@ fn gpu_and_cpu_agree_from_everywhere() {
     }
 }
 
-/// Lights so small that their integrals are of the size of rounding errors, and so bright that these would be seen.
+/// Lights so small that their integrals are as large as rounding errors, and so bright that these errors would show.
 #[test]
 fn gpu_and_cpu_agree_under_small_lights() {
     let mut renderers = renderers();
@@ -120,7 +120,7 @@ fn gpu_and_cpu_agree_under_small_lights() {
     }
 }
 
-/// Lights of every shape, by every model: beside the surface, around a part of it, and far along their axes.
+/// Lights of every shape, by every model: next to the surface, around a part of it, and far along their axes.
 #[test]
 fn gpu_and_cpu_agree_on_every_shape() {
     let mut renderers = renderers();
@@ -150,7 +150,8 @@ fn gpu_and_cpu_agree_on_every_shape() {
     }
 }
 
-/// A picture on the light, above, below and behind the surface and from its dark side, by each model, rule and number of readings.
+/// A picture on the light above, below and behind the surface, and from its dark side. Every model, rule and number of
+/// readings renders it.
 #[test]
 fn gpu_and_cpu_agree_on_pictures() {
     let mut renderers = renderers();
@@ -167,7 +168,7 @@ fn gpu_and_cpu_agree_on_pictures() {
         Scene { picture: ScenePicture::Window, ..horizon.clone() },
         Scene { picture: ScenePicture::Television, light: Light { two_sided: false, ..horizon.light }, ..horizon },
     ];
-    let mut seen = 0;
+    let mut changed = 0;
     for scene in places.map(|scene| Scene { size: 96, spp: 16, ..scene }) {
         let by_readings =
             Readings::ALL.iter().map(|readings| Scene { readings: *readings, mode: Mode::Ltc, ..scene.clone() });
@@ -188,14 +189,14 @@ fn gpu_and_cpu_agree_on_pictures() {
                 let what = format!("{:?} {} {} {}", scene.picture, scene.mode.name(), scene.model, scene.readings);
                 assert_twins(&a.picture, &b.picture, &what);
                 let even = render(cpu, table, &Scene { picture: ScenePicture::None, ..scene.clone() });
-                seen += usize::from(apart(&even.picture, &b.picture).1 > 0.05);
+                changed += usize::from(apart(&even.picture, &b.picture).1 > 0.05);
             }
         }
     }
-    assert!(seen > 70, "{seen} pictures show one");
+    assert!(changed > 70, "{changed} pictures differ without the picture on the light");
 }
 
-/// By every model, in the reference too, and brighter than without.
+/// Every model and the reference compensate for lost light, and pictures are brighter.
 #[test]
 fn gpu_and_cpu_agree_on_what_facets_lose() {
     let mut renderers = renderers();
@@ -231,11 +232,11 @@ fn gpu_and_cpu_agree_on_lights_that_the_surface_cuts() {
             let scene = Scene { size: 64, cut: true, light, ..usual.clone() };
             let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
             assert_twins(&a.picture, &b.picture, &format!("{kind:?} {} {centre:?}", named.name()));
-            let whole = render(cpu, &table, &Scene { cut: false, ..scene });
-            darker += usize::from(apart(&whole.picture, &b.picture).1 > 0.01);
+            let uncut = render(cpu, &table, &Scene { cut: false, ..scene });
+            darker += usize::from(apart(&uncut.picture, &b.picture).1 > 0.01);
         }
     }
-    assert!(darker > 10, "{darker} pictures show that anything is cut");
+    assert!(darker > 10, "{darker} pictures differ without the cut");
 }
 
 #[test]
@@ -257,7 +258,7 @@ fn gpu_and_cpu_agree_on_mirrors_and_needles() {
     }
 }
 
-/// The closed form under each of its rules.
+/// The closed form by each of its rules.
 #[test]
 fn gpu_and_cpu_agree_on_mirrors_and_needles_by_normals() {
     let mut renderers = renderers();
@@ -273,7 +274,7 @@ fn gpu_and_cpu_agree_on_mirrors_and_needles_by_normals() {
     }
 }
 
-/// Both Gaussians, on surfaces from mirrors to needles and in every scene.
+/// Both Gaussians, on surfaces from mirrors to narrow lobes, and in every scene.
 #[test]
 fn gpu_and_cpu_agree_by_gaussians() {
     let mut renderers = renderers();
@@ -294,7 +295,7 @@ fn gpu_and_cpu_agree_by_gaussians() {
     }
 }
 
-/// Lights that stand on the floor, float, set behind it and fill the sky, under each rule.
+/// Lights on the floor, above it, behind it and all around, by each rule.
 #[test]
 fn gpu_and_cpu_agree_in_every_scene_by_normals() {
     let mut renderers = renderers();
@@ -310,7 +311,7 @@ fn gpu_and_cpu_agree_in_every_scene_by_normals() {
     }
 }
 
-/// Tiles that end within a workgroup, more samples than a pass takes.
+/// Tiles that end within a workgroup, and more samples than a pass takes.
 #[test]
 fn gpu_and_cpu_agree_on_odd_sizes_and_many_samples() {
     let mut renderers = renderers();
@@ -323,7 +324,7 @@ fn gpu_and_cpu_agree_on_odd_sizes_and_many_samples() {
     }
 }
 
-/// GPUs have 8 bits for a sampler's weights, which shows; lavapipe has all of f32's.
+/// A GPU's sampler has weights of 8 bits, which is visible. Lavapipe's sampler has weights in f32.
 #[test]
 fn sampler_and_shader_weights_make_the_same_picture() {
     let mut renderers = renderers();
@@ -334,7 +335,7 @@ fn sampler_and_shader_weights_make_the_same_picture() {
         let is_software = match gpu.adapter_name() {
             Ok(name) => name.contains("llvmpipe"),
             Err(PreviewError::NoAdapter(reason)) => {
-                tell_skipped(&reason);
+                report_skipped(&reason);
                 continue;
             }
             Err(error) => panic!("{error}"),

@@ -1,8 +1,8 @@
-//! The shader without textures, on the GPU against the function that it evaluates.
+//! The shader without textures on the GPU, against the function that it evaluates.
 
 use glam::DVec3;
 
-use super::tell_skipped;
+use super::report_skipped;
 use crate::preview::gpu::{GpuFailure, tests::example};
 use ltcforge_fit::{Configuration, IsotropicFunction, Layout, testing::planted_isotropic};
 use ltcforge_shaders::Namespace;
@@ -29,10 +29,10 @@ fn tried_once() {
         include_function(Language::Wgsl, &function, &[], Lights::All, Additions::default(), &Namespace::default())
             .expect("WGSL");
     let mut tried = Vec::new();
-    // The first three are below the least that is fitted.
+    // The first three are below the least fitted alpha.
     for alpha in [0.0, 1e-5, 5e-5, 0.0002, 0.01, 0.13, 0.6, 1.0] {
         for theta in [0.0, 0.3, 1.0, 1.4, 1.56] {
-            // Seen from above a lobe does not turn.
+            // A lobe does not turn if the view is from above.
             for phi in [0.0, 1.1, -2.5].into_iter().filter(|phi| theta > 0.0 || *phi == 0.0) {
                 tried.push(Configuration { alpha_x: alpha, alpha_y: alpha, theta, phi });
             }
@@ -47,7 +47,7 @@ fn tried_once() {
         .collect();
     let found: Vec<[f32; 16]> = match example::run(&format!("{source}{EXAMPLE}"), "tried_once", None, &words) {
         Ok(found) => found,
-        Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+        Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
         Err(error) => panic!("{error}"),
     };
     for (at, found) in tried.iter().zip(found) {

@@ -1,4 +1,4 @@
-//! The fits that the pictures show.
+//! The fits of the pictures.
 
 use std::ops::ControlFlow;
 
@@ -16,10 +16,10 @@ use ltcforge::fit::{
 /// Entries along either side of a table.
 pub(super) const SIDE: u32 = 64;
 
-/// Steps of a search from the cosine: many more than from a near start.
+/// Steps of a search from the cosine: many more than from a close start.
 const STEPS_FROM_COSINE: u32 = 200;
 
-/// As hard as the recipe of docs/recipes/isotropic-l3.json.
+/// Settings with the effort of docs/recipes/isotropic-l3.json.
 pub(super) fn settings(shear: Shear, start: Start) -> FitSettings {
     FitSettings {
         metric: Metric::L3,
@@ -38,14 +38,14 @@ pub(super) struct Fit {
     pub(super) m11: f64,
     pub(super) m22: f64,
     pub(super) m13: f64,
-    /// Angle of the mean direction from the normal, away from the view, degrees.
+    /// Angle of the mean direction from the normal, away from the view, in degrees.
     pub(super) angle: f64,
     /// `M` in the tangent frame.
     pub(super) matrix: DMat3,
 }
 
 impl Fit {
-    /// Of a matrix of shear x: its first column has the direction of the frame's x axis.
+    /// The fit of a matrix of shear x, whose first column has the direction of the frame's x axis.
     fn of(matrix: DMat3) -> Self {
         let x = matrix.x_axis.normalize();
         Self {
@@ -58,7 +58,8 @@ impl Fit {
     }
 }
 
-/// Every entry of a table of layout `ltc2017` by shear x, from the smoothest roughness up, and for each from the normal down.
+/// Every entry of a table of layout `ltc2017` by shear x, from the smoothest roughness up. The views of each start at
+/// the normal.
 pub(super) fn table(start: Start) -> Vec<Fit> {
     let plan = plan(start);
     let fitter = Fitter::new(&plan.recipe().fit());
@@ -71,8 +72,8 @@ pub(super) fn table(start: Start) -> Vec<Fit> {
     entries.concat().iter().map(|entry| Fit::of(from_row_major(&entry.matrix))).collect()
 }
 
-/// The same entries, each searched by itself from the cosine around its lobe's mean direction, which knows nothing of how
-/// wide the lobe is.
+/// The entries of [`table`], each by its own search from the cosine around its lobe's mean direction. The start does
+/// not depend on the width of the lobe.
 pub(super) fn table_from_cosine() -> Vec<Fit> {
     let plan = plan(Start::Independent);
     let fitter = Fitter::new(&FitSettings { steps: STEPS_FROM_COSINE, ..plan.recipe().fit() });

@@ -1,4 +1,4 @@
-//! Numbers of every entry over roughness and view.
+//! Maps of the numbers of every entry over roughness and view.
 
 use ltcforge::{
     fit::Start,
@@ -10,7 +10,7 @@ use ltcforge::{
 
 use super::fits::{Fit, SIDE, table, table_from_cosine};
 
-/// Pixels a side of an entry.
+/// Side of an entry in pixels.
 const CELL: u32 = 4;
 
 /// The name of a panel, whether its number may have either sign, and the number.
@@ -54,14 +54,14 @@ pub(in crate::figures) fn numbers() -> Picture {
     headed(&[&[what], &[AXES], &[COLOURS]], &together(&panels, 5))
 }
 
-/// The skew of every entry by searches from the cosine, and by either start of recipes.
+/// The skew of every entry, by searches from the cosine and by both starts of recipes.
 pub(in crate::figures) fn starts() -> Picture {
     let own = Start::ALL.iter().rev().map(|start| (start.name(), table(*start)));
     let tables: Vec<(&str, Vec<Fit>)> = std::iter::once(("from the cosine", table_from_cosine())).chain(own).collect();
     let skews: [Named; 2] = [("m13", true, |fit| fit.m13), ("m13 / m11", true, |fit| fit.m13 / fit.m11)];
     let mut panels = Vec::new();
     for (name, is_signed, of) in skews {
-        // One scale for all, which is that of the last.
+        // All use the scale of the last table.
         let scale = tables.last().map(|(_, fits)| Scale::of(&values(fits, of), is_signed));
         for (start, fits) in &tables {
             let values = values(fits, of);
@@ -70,8 +70,8 @@ pub(in crate::figures) fn starts() -> Picture {
         }
     }
     let jumps = |of: fn(&Fit) -> f64| {
-        let told = tables.iter().map(|(start, fits)| format!("{start} {:.5}", second_difference(fits, of)));
-        told.collect::<Vec<_>>().join(", ")
+        let differences = tables.iter().map(|(start, fits)| format!("{start} {:.5}", second_difference(fits, of)));
+        differences.collect::<Vec<_>>().join(", ")
     };
     let what = "skew by metric l3 from three starts: roughness to the right, view downwards, 64 x 64";
     let how = "mean second difference along the view";

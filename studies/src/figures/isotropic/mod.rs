@@ -1,5 +1,6 @@
-//! How isotropic lobes are fitted by three numbers in the frame of their mean direction: the numbers over a table, what
-//! either shear does to a lobe, and where searches start. Fits run on the current rayon pool, whose size changes nothing.
+//! The fit of isotropic lobes by three numbers in the frame of their mean direction: the numbers over a table, the
+//! effect of both shears on a lobe, and the starts of searches. Fits run on the current rayon pool, whose size changes
+//! nothing.
 
 mod fits;
 mod maps;

@@ -1,4 +1,5 @@
-//! What a shear does to a clamped cosine, and how lobes with it follow those of GGX before and behind the surface's normal.
+//! The effect of a shear on a clamped cosine, and the fit of sheared lobes to GGX on both sides of the surface's
+//! normal.
 
 use std::f64::consts::PI;
 
@@ -23,12 +24,12 @@ const SKEWS: [f64; 3] = [0.0, 0.4, 0.8];
 const SKEW_COLOURS: [[u8; 3]; 3] = [[235, 235, 235], [240, 160, 60], [90, 190, 250]];
 const SKEW_NAMES: [(&str, [u8; 3]); 3] =
     [("no skew", SKEW_COLOURS[0]), ("0.4", SKEW_COLOURS[1]), ("0.8", SKEW_COLOURS[2])];
-/// Roughness and view, degrees, of the lobes.
+/// Roughness and view (in degrees) of the lobes.
 const LOBES: [(f64, f64); 2] = [(0.25, 60.0), (0.04, 80.0)];
 const GGX: [u8; 3] = [235, 235, 235];
 const LTC: [u8; 3] = [240, 160, 60];
 const LOBE_NAMES: [(&str, [u8; 3]); 2] = [("GGX", GGX), ("LTC", LTC)];
-/// The part of the peak that fills a picture of a lobe's back.
+/// The part of the peak that fills the picture of a lobe's back.
 const BACK: f64 = 0.02;
 
 /// The pictures of one shear.
@@ -64,7 +65,7 @@ fn panel(title: String, picture: Picture, names: &[(&str, [u8; 3])]) -> (String,
     (title, picture, foot)
 }
 
-/// Directions in the plane of incidence by their angle from the normal, radians, to the right.
+/// Directions in the plane of incidence, with their angle from the normal to the right, in radians.
 fn around() -> impl Iterator<Item = (f64, DVec3)> {
     (0..=POINTS).map(|i| {
         let angle = PI * (2.0 * f64::from(i) / f64::from(POINTS) - 1.0);
@@ -103,10 +104,10 @@ fn cosines_over(shear: Shear) -> Picture {
     frame.draw(&cosines(shear, |angle, _, density| [angle.to_degrees(), density]))
 }
 
-/// A lobe of GGX and its LTC, the lobe to the right, `part` of its peak across the picture.
+/// A lobe of GGX to the right, and its LTC. The picture is as wide as `part` of the peak.
 fn lobes(shear: Shear, alpha: f64, theta: f64, part: f64) -> Picture {
     let (ggx, wo) = (Ggx { alpha_x: alpha, alpha_y: alpha }, direction(theta, 0.0));
-    // Lobes lie away from the view, which is on the right.
+    // The view is on the right, so lobes are mirrored to the right.
     let mirrored = |w: DVec3| DVec3::new(-w.x, 0.0, w.z);
     let reflected: Vec<(DVec3, f64)> = around().map(|(_, w)| (w, ggx.eval_cos(wo, mirrored(w)))).collect();
     let peak = reflected.iter().map(|(_, f)| *f).fold(0.0, f64::max);
@@ -117,7 +118,7 @@ fn lobes(shear: Shear, alpha: f64, theta: f64, part: f64) -> Picture {
     };
     let mut curves = Vec::new();
     if let Some(ltc) = lobe(alpha, theta, shear).and_then(Ltc::new) {
-        // Of the same albedo, by the mean weight of visible normals.
+        // The LTC has the same albedo, by the mean weight of visible normals.
         let albedo = albedo(&ggx, wo);
         curves.push(curve(LTC, &|w, _| albedo * ltc.pdf(mirrored(w))));
     }

@@ -6,8 +6,8 @@ use super::super::{
     table::bind,
 };
 
-/// The buffer of texels after the passes `ltc_read` and `ltc_expand` of the WGSL `source`. `integers` and `texels`
-/// are the sizes of the second and third buffer in bytes; the first pass is dispatched `reads` times, the second has
+/// The buffer of texels after the passes `ltc_read` and `ltc_expand` of the WGSL `source`. `integers` and `texels` are
+/// the sizes of the second and third buffer in bytes. The first pass is dispatched `reads` times, and the second has
 /// `workgroups`.
 pub(crate) fn run(
     source: &str,

@@ -1,4 +1,4 @@
-//! Runs shaders by themselves, as they run at users'.
+//! Runs shaders outside the preview, as users run them.
 
 pub(crate) mod decoder;
 pub(in crate::preview) mod example;
@@ -8,12 +8,12 @@ pub(in crate::preview) mod prefilter;
 use super::Gpu;
 
 impl Gpu {
-    /// Makes it fail after it has rendered so many times.
+    /// Makes the GPU fail after it has rendered `times` pictures.
     pub(in crate::preview) fn fail_after(&mut self, times: u32) {
         self.fails_after = Some(times);
     }
 
-    /// Loses the device, as a driver's reset would.
+    /// Loses the device, as after a reset of the driver.
     pub(in crate::preview) fn lose(&mut self) {
         if let Some(open) = &self.open {
             open.device.wgpu.destroy();

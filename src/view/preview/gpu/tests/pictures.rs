@@ -6,8 +6,8 @@ use wgpu::util::DeviceExt as _;
 use super::super::{GpuFailure, Weights, device::Device};
 use ltcforge_light::textured::{LightImage, LightPyramid};
 
-/// The results of groups of cases by an entry point of the WGSL `source`: in group 0 the picture and its sampler from binding
-/// `first` on, in group 1 a uniform `Case` and a storage buffer of one `Found`.
+/// The results of groups of cases by an entry point of the WGSL `source`. Group 0 has the picture and its sampler from
+/// binding `first` on. Group 1 has a uniform `Case` and a storage buffer of one `Found`.
 pub(in crate::preview) fn run<Case: Pod, Found: Pod>(
     source: &str,
     entry_point: &str,
@@ -16,13 +16,13 @@ pub(in crate::preview) fn run<Case: Pod, Found: Pod>(
 ) -> Result<Vec<Found>, GpuFailure> {
     let gpu = Device::open(Weights::default())?;
     if !gpu.wgpu.features().contains(wgpu::Features::FLOAT32_FILTERABLE) {
-        return Err(GpuFailure::Absent("the adapter filters no 32-bit textures".to_owned()));
+        return Err(GpuFailure::Absent("the adapter cannot filter 32-bit textures".to_owned()));
     }
     let module = gpu.wgpu.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
         source: wgpu::ShaderSource::Wgsl(source.into()),
     });
-    // Its layout is that of the resources which the entry point reaches.
+    // The layout has only the resources that the entry point uses.
     let pipeline = gpu.wgpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: None,
         layout: None,
@@ -81,7 +81,7 @@ pub(in crate::preview) fn run<Case: Pod, Found: Pod>(
     Ok(bytemuck::pod_collect_to_vec(&view[..]))
 }
 
-/// A picture as the one layer of an array, with all its levels.
+/// A picture with all its levels, as an array of one layer.
 fn upload(gpu: &Device, picture: &LightPyramid) -> wgpu::TextureView {
     let levels = picture.levels();
     let texels = levels.iter().flat_map(LightImage::texels).flat_map(|[r, g, b]| [*r, *g, *b, 1.0]);

@@ -9,14 +9,14 @@ use super::super::{
 use ltcforge_light::textured::LightImage;
 use ltcforge_shaders::joined;
 
-/// Which shaders make the passes.
+/// The kind of shaders that compute the passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::preview) enum Passes {
     Compute,
     Fragment,
 }
 
-/// The programs around the functions; the size of what a pass writes is that of its target.
+/// The programs that call the functions. The size of a pass is the size of its target.
 const PROGRAMS: &str = "
 struct Pass { picture: vec2<u32>, fine: vec2<u32>, coarse: vec2<u32>, level: u32, kind: u32 }
 @group(0) @binding(2) var<uniform> made: Pass;
@@ -49,7 +49,7 @@ fn painted(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// A pass: what it makes, and of which sizes and level.
+/// A pass: its kind, its sizes and its level.
 #[derive(Debug, Clone, Copy)]
 struct Pass {
     kind: u32,
@@ -182,7 +182,7 @@ impl Runner {
         }
     }
 
-    /// What a pass makes.
+    /// The texture that a pass writes.
     fn made(
         &self,
         picture: [u32; 2],
