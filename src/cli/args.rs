@@ -3,17 +3,16 @@
 
 use std::{ffi::OsString, path::PathBuf};
 
-use clap::{Args, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use clap_complete::Shell;
-use ltcforge_client::{ServerTokens, ServerTokensError};
 
 #[cfg(unix)]
 use super::service::ServiceCommand;
 use super::{
-    CommandFailure, diff::DiffArgs, export::ExportArgs, fit::FitArgs, jobs::JobsArgs, light_args::LightArgs,
+    diff::DiffArgs, export::ExportArgs, fit::FitArgs, jobs::JobsArgs, light_args::LightArgs,
     light_texture::LightTextureArgs, lock::LockArgs, lookup::LookupArgs, plan::PlanArgs, plot::PlotArgs,
     preview::PreviewArgs, pull::PullArgs, report::ReportArgs, shader::ShaderArgs, tabulated::TabulateArgs,
-    tradeoff::TradeoffArgs, usage, verify::VerifyArgs,
+    tradeoff::TradeoffArgs, verify::VerifyArgs,
 };
 
 /// Lookup tables (LTC) and closed forms for area lights on GGX materials.
@@ -68,33 +67,6 @@ fn grouped() -> clap::Command {
     command.help_template(format!(
         "{{about}}\n\n{{usage-heading}} {{usage}}\n\n{groups}Options:\n{{options}}{{after-help}}"
     ))
-}
-
-/// The service that a command calls.
-#[derive(Debug, Args)]
-pub struct ServerArgs {
-    /// Service to call [default: <http://127.0.0.1:8317>]
-    #[arg(long, global = true, env = "LTCFORGE_SERVER", value_name = "URL")]
-    pub server: Option<String>,
-    /// Its token.
-    #[command(flatten)]
-    pub token: TokenArgs,
-}
-
-/// The token of a service.
-#[derive(Debug, Args)]
-pub struct TokenArgs {
-    /// Token of a service; put it into the environment, to keep it secret
-    #[arg(long, global = true, env = "LTCFORGE_TOKEN", hide_env_values = true, value_name = "URL TOKEN")]
-    token: Option<String>,
-}
-
-impl TokenArgs {
-    /// The tokens, `URL TOKEN` each, with `;` between them.
-    pub(super) fn tokens(&self) -> Result<ServerTokens, CommandFailure> {
-        let none = Ok(ServerTokens::NONE);
-        self.token.as_ref().map_or(none, |text| text.parse().map_err(usage::<ServerTokensError>))
-    }
 }
 
 /// The commands.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::{CommandFailure, Context, Exit, args::ServerArgs, input, progress, tabulated};
+use super::{CommandFailure, Context, Exit, input, progress, server_args::ServerArgs, tabulated};
 use ltcforge_client::{Client, JobDocument, JobStatus};
 use ltcforge_files::job::{JobId, StateName};
 

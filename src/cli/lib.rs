@@ -32,6 +32,7 @@ mod progress;
 mod pull;
 mod report;
 mod run;
+mod server_args;
 #[cfg(unix)]
 mod service;
 mod shader;

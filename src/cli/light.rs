@@ -159,9 +159,7 @@ fn option_faults(args: &LightArgs) -> Vec<String> {
         faults.push(format!("--rule is only for model {ruled}, not for {model}: leave it out"));
     }
     if args.cut && model != LightModel::Ltc {
-        faults.push(format!(
-            "--cut is only for model ltc; model {model} always cuts lights at the surface: leave it out"
-        ));
+        faults.push(format!("--cut is only for model ltc, not for {model}: leave it out"));
     }
     faults
 }

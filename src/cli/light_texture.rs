@@ -45,13 +45,11 @@ pub struct LightTextureArgs {
     pub threads: Threads,
 }
 
-fn file_name(text: &str) -> Result<String, String> {
+fn file_name(text: &str) -> Result<String, &'static str> {
     let is_name = text.len() <= 60
         && text.starts_with(|c: char| c.is_ascii_alphabetic())
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    is_name
-        .then(|| text.to_owned())
-        .ok_or_else(|| "use 1 to 60 letters, digits and underscores, a letter first".to_owned())
+    is_name.then(|| text.to_owned()).ok_or("use 1 to 60 letters, digits and underscores, a letter first")
 }
 
 /// Writes the files and lists them. Rejects an invalid picture before it writes anything.
@@ -100,7 +98,7 @@ mod tests {
 
     #[test]
     fn names_are_checked() {
-        assert_eq!(file_name("tv_1").as_deref(), Ok("tv_1"));
+        assert_eq!(file_name("tv_1"), Ok("tv_1".to_owned()));
         let long = "a".repeat(61);
         for wrong in ["", "1a", "a/b", "..", "a-b", &long] {
             assert!(file_name(wrong).is_err(), "{wrong}");

@@ -126,7 +126,7 @@ mod tests {
             (folder.path().to_owned(), "this is a folder"),
             (path("none/p.png"), "there is no folder"),
             (path("file/p.png"), "Not a directory"),
-            ("/proc/p.png".into(), "no file can be made"),
+            ("/proc/p.png".into(), "cannot write"),
             (PathBuf::new(), "names no file"),
         ] {
             let refused = OutputFile::check(&wrong).expect_err(said);

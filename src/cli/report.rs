@@ -159,7 +159,7 @@ const HOW_TO_READ: &str = "\
 Each row is an error: 0 is perfect. A renderer meets the errors between nodes. An error of 2 % of the lobe's width
 is hardly visible; at 20 % a highlight is a fifth too wide, or misplaced by as much. Even the best LTC of a lobe
 differs from it by some percent. Light is the part of the lobe's energy that square lights lose or gain. A negative
-determinant reverses the winding of lights in a shader. docs/report.md explains all figures.";
+determinant reverses the winding of lights in a shader. docs/accuracy.md explains all figures.";
 
 fn at(accuracy: &Accuracy, what: &str) -> String {
     format!("at {} {what}", accuracy.points)

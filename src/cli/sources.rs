@@ -8,7 +8,7 @@ use std::{
 
 use clap::Args;
 
-use super::{CommandFailure, ConfigFile, DEFAULT_SERVER, Interrupt, TableLimit, Threads, args::ServerArgs};
+use super::{CommandFailure, ConfigFile, DEFAULT_SERVER, Interrupt, TableLimit, Threads, server_args::ServerArgs};
 use ltcforge_client::{Access, ServerTokens, Source};
 
 /// The sources of pinned tables.

@@ -11,8 +11,8 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::{
-    CommandFailure, Context, Exit, Fitting, TableFolder, Threads, args::TokenArgs, failed, file_failure, mismatch,
-    shown, table_file, table_path, usage, verify_export,
+    CommandFailure, Context, Exit, Fitting, TableFolder, Threads, failed, file_failure, mismatch,
+    server_args::TokenArgs, shown, table_file, table_path, usage, verify_export,
 };
 use ltcforge_client::{Access, Source, Wanted, digest_of_file, fetch};
 use ltcforge_files::{container::TableFile, digest::Digest, recipe_document, tabulated::kept_name};

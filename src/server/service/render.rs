@@ -28,8 +28,7 @@ use ltcforge_view::{
 const RETRY_FULL: Duration = Duration::from_secs(2);
 /// When to try again after a picture that took too long.
 const RETRY_SLOW: Duration = Duration::from_secs(30);
-/// How long past its limit a picture may be rendered before its driver counts as hung. The renderer itself gives up a
-/// hanging GPU after half of this time.
+/// How long past its limit a picture may be rendered before its driver counts as hung.
 const HUNG_AFTER: Duration = Duration::from_secs(20);
 
 /// Stops a render when its caller has left.

@@ -22,8 +22,6 @@ const CPU: &str = "cpu";
 
 /// The reflectance for which Schlick's factor is one for every view.
 const NO_FRESNEL: [f64; 3] = [1.0; 3];
-/// Pictures in a row at which a GPU hangs before it is never used again.
-const MOST_HANGS: u32 = 2;
 /// Samples that the CPU renders between calls of `stop`. They take some hundredths of a second on one slow core.
 const SAMPLES: u32 = 1 << 18;
 
@@ -62,8 +60,6 @@ pub struct Preview {
     has_no_gpu: bool,
     /// A GPU was open before.
     had_gpu: bool,
-    /// Pictures in a row at which the GPU hung.
-    hangs: u32,
 }
 
 /// Renders the parts of a picture on the GPU, or on the CPU without a GPU.
@@ -84,7 +80,7 @@ impl Preview {
     /// A renderer whose shaders interpolate by `weights`. The CPU always interpolates in f32.
     #[must_use]
     pub fn with_weights(adapter: Adapter, weights: Weights) -> Self {
-        Self { adapter, gpu: Gpu::new(weights), has_no_gpu: false, had_gpu: false, hangs: 0 }
+        Self { adapter, gpu: Gpu::new(weights), has_no_gpu: false, had_gpu: false }
     }
 
     /// Renders a scene.
@@ -145,7 +141,7 @@ impl Preview {
         }
         let failure = match work(&mut self.gpu) {
             Ok(done) => {
-                (self.had_gpu, self.hangs) = (true, 0);
+                self.had_gpu = true;
                 return Ok(Some(done));
             }
             Err(GpuFailure::Stopped) => return Err(PreviewError::Stopped),
@@ -153,9 +149,8 @@ impl Preview {
         };
         if self.adapter == Adapter::Any {
             tracing::warn!("rendering on the CPU instead of a GPU: {failure}");
-            self.hangs += u32::from(matches!(failure, GpuFailure::Hangs(_)));
-            // A lost GPU may come back. A GPU that hangs is abandoned because waiting for it takes long.
-            self.has_no_gpu = self.hangs >= MOST_HANGS || (matches!(failure, GpuFailure::Absent(_)) && !self.had_gpu);
+            // A lost GPU may come back.
+            self.has_no_gpu = matches!(failure, GpuFailure::Absent(_)) && !self.had_gpu;
             return Ok(None);
         }
         Err(match failure {

@@ -19,9 +19,6 @@ pub(crate) enum GpuFailure {
     /// The GPU was lost, or an operation failed.
     #[error("{0}")]
     Failed(String),
-    /// The GPU does not answer.
-    #[error("{0}")]
-    Hangs(String),
     /// The caller stopped it.
     #[error("stopped")]
     Stopped,

@@ -52,11 +52,6 @@ impl Gpu {
                 self.open = None;
                 self.attempt(table, task, stop).inspect_err(|_| self.open = None)
             }
-            Err(failure @ GpuFailure::Hangs(_)) => {
-                // Dropping a busy device would wait for it, so it is leaked.
-                std::mem::forget(self.open.take());
-                Err(failure)
-            }
             other => other,
         }
     }

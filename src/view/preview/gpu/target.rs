@@ -1,6 +1,6 @@
 //! The buffers that a GPU writes a picture to, and the way back to the CPU.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::{
     GpuFailure,
@@ -13,9 +13,6 @@ use crate::preview::{
     estimator::Stop,
     frame::{Frame, Part},
 };
-
-/// The longest wait for a part. A part takes up to half a second on a slow machine.
-const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Buffers for frames of one size.
 #[derive(Debug)]
@@ -119,11 +116,11 @@ impl RenderTarget {
     }
 }
 
+/// Waits for a submission, however long it takes. The caller decides how long is too long.
 fn wait(gpu: &Device, submission: wgpu::SubmissionIndex) -> Result<(), GpuFailure> {
-    let until = wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(PATIENCE) };
+    let until = wgpu::PollType::Wait { submission_index: Some(submission), timeout: None };
     match gpu.wgpu.poll(until) {
         Ok(_) => gpu.check(),
-        Err(wgpu::PollError::Timeout) => Err(GpuFailure::Hangs(format!("no answer within {PATIENCE:?}"))),
         // A lost device does not know its submissions.
         Err(error) => Err(gpu.check().err().unwrap_or_else(|| GpuFailure::Failed(error.to_string()))),
     }

@@ -84,7 +84,7 @@ fn materials_are_found_by_number_and_by_roughness() {
     }
 }
 
-/// The shader with a table's explicit nodes finds them, at every corner and at ten thousand places.
+/// The shader with a table's explicit nodes finds them, at every corner and at four thousand places.
 #[test]
 fn nodes_given_one_by_one_are_found() {
     let configurations = configurations();

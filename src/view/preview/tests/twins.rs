@@ -169,7 +169,7 @@ fn gpu_and_cpu_agree_on_pictures() {
         Scene { picture: ScenePicture::Television, light: Light { two_sided: false, ..horizon.light }, ..horizon },
     ];
     let mut changed = 0;
-    for scene in places.map(|scene| Scene { size: 96, spp: 16, ..scene }) {
+    for scene in places.map(|scene| Scene { size: 64, spp: 8, ..scene }) {
         let by_readings =
             Readings::ALL.iter().map(|readings| Scene { readings: *readings, mode: Mode::Ltc, ..scene.clone() });
         let by_rule = NormalsRule::SHADED.map(|rule| Scene {
