@@ -1,31 +1,29 @@
-//! Tables that could serve a scene, with their predicted errors and their costs, and the choice among them.
-
-use serde::Serialize;
+//! Tables that could serve a scene, with their predicted errors and costs, and the choice among them.
 
 use crate::{
     effort::efforts,
+    front::front,
     prediction::{Nodes, Prediction},
 };
 use ltcforge_fit::{FitSettings, LobeFresnel, PerAxis, Precision, Recipe, fit_seconds};
 
-/// Nodes that an axis of several values may have.
+/// The least and the greatest number of nodes of an axis of several values.
 const NODES: PerAxis<[u32; 2]> = PerAxis { alpha: [2, 24], ratio: [2, 12], theta: [2, 24], phi: [2, 12] };
-/// Errors that differ by less are equal: a smaller or faster table is taken then.
+/// Errors within this factor are equal, so that a smaller or faster table is chosen.
 const EQUAL: f64 = 1.005;
-/// Where the front bends: the smallest table whose error is within 5 % of the least.
+/// The smallest table whose error is within this factor of the least is where the front bends.
 const KNEE: f64 = 1.05;
 
-/// What may be spent. Seconds are of one thread, on the machine of `ltcforge_fit::fit_seconds`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+/// The limit of a table. Seconds are of one thread, on the machine of `ltcforge_fit::fit_seconds`.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Budget {
-    /// The smallest table whose error is at most this.
+    /// The smallest table with at most this error.
     Error(f64),
-    /// The best table of at most as many bytes.
+    /// The best table with at most so many bytes.
     Bytes(u64),
-    /// The best table whose fit takes at most as long.
+    /// The best table whose fit takes at most so long.
     Seconds(f64),
-    /// The smallest table that is nearly as good as any.
+    /// The smallest table that is nearly as good as the best.
     Knee,
 }
 
@@ -38,14 +36,14 @@ pub struct Candidate {
     pub error: f64,
     /// Bytes of matrices and terms.
     pub bytes: u64,
-    /// Predicted bytes of the compact form, where that is to ship.
+    /// Predicted bytes of the compact form, if the budget is of them.
     pub shipped: Option<u64>,
     /// Predicted seconds of one thread.
     pub seconds: f64,
 }
 
 impl Candidate {
-    /// The table of some nodes and effort, as it is predicted. Its numbers are halves, which are as good as longer ones.
+    /// The predicted table of some nodes and effort. Its numbers are halves, which are as good as longer numbers.
     pub(crate) fn of(prediction: &Prediction, nodes: Nodes, fit: FitSettings) -> Self {
         let recipe = Recipe { fit, precision: Precision::F16, ..prediction.recipe(nodes) };
         let (error, bytes, seconds) = (prediction.error(nodes, &recipe), recipe.bytes(), fit_seconds(&recipe));
@@ -53,93 +51,79 @@ impl Candidate {
         Self { recipe, error, bytes, shipped, seconds }
     }
 
-    /// The bytes that a budget is of: those to ship, or those on a GPU.
-    #[must_use]
-    pub fn spent(&self) -> u64 {
+    /// The bytes that the budget is of: of the compact form, or of the table on a GPU.
+    pub(crate) fn spent(&self) -> u64 {
         self.shipped.unwrap_or(self.bytes)
     }
 
-    /// Candidates of equal kind differ by their nodes alone.
+    /// Candidates of equal kind differ in their nodes alone.
     pub(crate) fn kind(&self) -> (&FitSettings, &LobeFresnel) {
         (&self.recipe.fit, self.recipe.brdf.fresnel())
     }
 }
 
-/// The nodes for which none of fewer entries have less error, each with all efforts, of the best single lobes and of two.
-#[must_use]
+/// For the best single lobes and for two: the nodes that have less error than all with fewer entries, each with all
+/// efforts.
 pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
-    let base = prediction.base();
+    let base = &prediction.base;
     let is_free = base.layout.only_ranges().is_none();
     let efforts = efforts(base);
     let mut found = Vec::new();
-    for lobes in 0..prediction.curves().len() {
+    for lobes in 0..prediction.curves.len() {
         let all = if is_free { choices(prediction, lobes) } else { vec![Nodes::even(lobes, base.resolution)] };
-        let priced = |nodes: Nodes| (nodes.entries(), prediction.of_nodes(nodes), nodes);
-        let mut priced: Vec<(u64, f64, Nodes)> = all.into_iter().map(priced).collect();
-        priced.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        let mut least = f64::INFINITY;
-        priced.retain(|(_, error, _)| {
-            let is_better = *error < least;
-            least = least.min(*error);
-            is_better
-        });
-        for (_, _, nodes) in priced {
+        let priced = |nodes: Nodes| {
+            let entries: f64 = nodes.resolution.named().iter().map(|(_, n)| f64::from(**n)).product();
+            (entries, prediction.of_nodes(nodes), nodes)
+        };
+        for nodes in front(all.into_iter().map(priced).collect()) {
             found.extend(efforts.iter().map(|fit| Candidate::of(prediction, nodes, *fit)));
         }
     }
     found
 }
 
-/// All nodes that a table may have: one for a single value, else so many evenly spaced ones, or those that are given; and the
-/// scene's materials.
+/// All nodes that a table may have: evenly spaced, given one by one, or the scene's materials.
 fn choices(prediction: &Prediction, lobes: usize) -> Vec<Nodes> {
-    let range = &prediction.base().range;
+    let range = &prediction.base.range;
     let counts = |[low, high]: [f64; 2], [from, to]: [u32; 2]| if low < high { from..=to } else { 1..=1 };
-    let surface = |axis: usize, range, limits| -> Vec<(u32, Option<usize>)> {
-        let given = prediction.curves()[lobes].given[axis].iter().enumerate();
-        let given = given.map(|(number, placed)| (placed.nodes.len() as u32, Some(number)));
+    let of_axis = |axis: usize, range, limits| -> Vec<(u32, Option<usize>)> {
+        let given = prediction.curves[lobes].given[axis].iter().enumerate();
+        let given = given.map(|(index, placed)| (placed.nodes.len() as u32, Some(index)));
         counts(range, limits).map(|n| (n, None)).chain(given).collect()
     };
-    let ratios = surface(1, range.ratio, NODES.ratio);
-    let mut all = Vec::new();
-    for (alpha, given_alpha) in surface(0, range.alpha, NODES.alpha) {
-        for (ratio, given_ratio) in &ratios {
-            for theta in counts(range.theta, NODES.theta) {
-                all.extend(counts(range.phi, NODES.phi).map(|phi| Nodes {
-                    lobes,
-                    resolution: PerAxis { alpha, ratio: *ratio, theta, phi },
-                    given: [given_alpha, *given_ratio],
-                    of_materials: false,
-                }));
-            }
-        }
+    let ratios = of_axis(1, range.ratio, NODES.ratio);
+    // Alpha and ratio of a table: their numbers of nodes, the given ones, and whether they are materials.
+    let mut surfaces = Vec::new();
+    for (alpha, given_alpha) in of_axis(0, range.alpha, NODES.alpha) {
+        surfaces.extend(ratios.iter().map(|(ratio, given)| (alpha, *ratio, [given_alpha, *given], false)));
     }
-    let materials = prediction.materials().len() as u32;
-    for theta in counts(range.theta, NODES.theta).filter(|_| materials > 0) {
-        all.extend(counts(range.phi, NODES.phi).map(|phi| Nodes {
-            lobes,
-            resolution: PerAxis { alpha: materials, ratio: 1, theta, phi },
-            given: [None; 2],
-            of_materials: true,
-        }));
+    if !prediction.materials.is_empty() {
+        surfaces.push((prediction.materials.len() as u32, 1, [None; 2], true));
+    }
+    let mut all = Vec::new();
+    for (alpha, ratio, given, of_materials) in surfaces {
+        for theta in counts(range.theta, NODES.theta) {
+            all.extend(counts(range.phi, NODES.phi).map(|phi| {
+                let resolution = PerAxis { alpha, ratio, theta, phi };
+                Nodes { lobes, resolution, given, of_materials }
+            }));
+        }
     }
     all
 }
 
-/// What a candidate costs, or its error.
+/// A cost of a candidate, or its error.
 type Price = fn(&Candidate) -> f64;
 
 const ERROR: Price = |candidate| candidate.error;
 const BYTES: Price = |candidate| candidate.spent() as f64;
 const SECONDS: Price = |candidate| candidate.seconds;
 
-/// The candidate that a budget chooses; the error is the nearest one, where no candidate is within the budget. Domain:
-/// at least one candidate.
+/// The candidate that a budget chooses. Domain: at least one candidate.
 ///
 /// # Errors
-/// The candidate that comes nearest to the budget.
+/// The candidate that is nearest to the budget, if none is within it.
 pub(crate) fn choose(candidates: &[Candidate], budget: Budget) -> Result<&Candidate, &Candidate> {
-    let all = || candidates.iter().collect();
     let (price, most, then) = match budget {
         Budget::Error(most) => (ERROR, most, [(BYTES, 1.0), (SECONDS, 1.0), (ERROR, 1.0)]),
         Budget::Bytes(most) => (BYTES, most as f64, [(ERROR, EQUAL), (SECONDS, 1.0), (BYTES, 1.0)]),
@@ -151,13 +135,13 @@ pub(crate) fn choose(candidates: &[Candidate], budget: Budget) -> Result<&Candid
     };
     let within: Vec<&Candidate> = candidates.iter().filter(|candidate| price(candidate) <= most).collect();
     if within.is_empty() {
-        return Err(least(all(), [(price, 1.0), (ERROR, EQUAL), (BYTES, 1.0)]));
+        return Err(least(candidates.iter().collect(), [(price, 1.0), (ERROR, EQUAL), (BYTES, 1.0)]));
     }
     Ok(least(within, then))
 }
 
-/// The candidate of the least first price, among those that are nearly that by each price's slack the one of the least
-/// next price. Domain: at least one candidate.
+/// The candidate of the least first price. Candidates within a price's slack are compared by the next price. Domain: at
+/// least one candidate.
 fn least(mut left: Vec<&Candidate>, prices: [(Price, f64); 3]) -> &Candidate {
     for (price, slack) in prices {
         let most = left.iter().map(|candidate| price(candidate)).fold(f64::INFINITY, f64::min) * slack;
@@ -177,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn a_budget_takes_the_cheapest_of_what_it_allows_or_names_the_nearest() {
+    fn a_budget_takes_the_cheapest_candidate_within_it_or_the_nearest() {
         let all = [
             candidate(0.20, 100, 0.1),
             candidate(0.10, 200, 0.2),

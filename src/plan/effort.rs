@@ -1,40 +1,32 @@
-//! How hard the entries of a candidate may be fitted: the presets, and what lies between and around them.
+//! How hard the entries of a candidate may be fitted: the presets, and more efforts between and around them.
 
+use crate::front::front;
 use ltcforge_files::recipe_document::Preset;
 use ltcforge_fit::{FitSettings, Recipe, expectation, fit_seconds};
 
-/// Samples and directions that are tried beside those of the presets.
+/// Samples and directions that are tried in addition to the presets.
 const SAMPLES: [u32; 9] = [64, 96, 128, 192, 256, 384, 512, 1024, 2048];
 const DIRECTIONS: [u32; 5] = [4, 8, 16, 32, 48];
 
-/// The efforts of which none is both faster and expected to have less error than another, ascending in time, for tables like
-/// `base`; with its seed.
+/// The efforts for tables like `base`, with its seed, by ascending time: each has less expected error than all faster
+/// ones.
 pub(crate) fn efforts(base: &Recipe) -> Vec<FitSettings> {
-    let seed = base.fit.seed;
     let of = |samples: u32| DIRECTIONS.map(|directions| FitSettings { samples, directions, ..Preset::Standard.fit() });
     let all = SAMPLES.into_iter().flat_map(of).chain(Preset::ALL.map(Preset::fit));
     let priced = |fit: FitSettings| {
-        let recipe = Recipe { fit: FitSettings { seed, ..fit }, ..base.clone() };
+        let recipe = Recipe { fit: FitSettings { seed: base.fit.seed, ..fit }, ..base.clone() };
         (fit_seconds(&recipe), added_error(&recipe), recipe.fit)
     };
-    let mut priced: Vec<(f64, f64, FitSettings)> = all.map(priced).collect();
-    priced.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let mut least = f64::INFINITY;
-    priced.retain(|(_, error, _)| {
-        let is_better = *error < least;
-        least = least.min(*error);
-        is_better
-    });
-    priced.into_iter().map(|(_, _, fit)| fit).collect()
+    front(all.map(priced).collect()).collect()
 }
 
-/// The error that a bound of effort adds, by the expectation: over that of a fit without one.
+/// The expected error that samples and directions add to that of a fit without limits on them.
 pub(crate) fn added_error(recipe: &Recipe) -> f64 {
     let endless = FitSettings { samples: u32::MAX, directions: u32::MAX, ..recipe.fit };
     expectation(recipe).error - expectation(&Recipe { fit: endless, ..recipe.clone() }).error
 }
 
-/// An effort in words: the preset that it is, or its numbers.
+/// An effort in words: its preset, or its numbers.
 pub(crate) fn in_words(fit: &FitSettings) -> String {
     let preset = Preset::ALL.into_iter().find(|preset| FitSettings { seed: fit.seed, ..preset.fit() } == *fit);
     let numbers = || format!("{} samples x {} directions", fit.samples, fit.directions);
@@ -47,7 +39,7 @@ mod tests {
     use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse};
 
     #[test]
-    fn each_effort_takes_longer_than_the_one_before_and_is_better() {
+    fn each_effort_takes_longer_than_the_one_before_and_has_less_error() {
         let base = parse(b"{}", DEFAULT_ENTRY_LIMIT).expect("a recipe");
         let found = efforts(&base);
         let priced = |fit: &FitSettings| {

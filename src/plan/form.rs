@@ -1,26 +1,19 @@
-//! What the tables of a plan may be, beside their budget.
+//! The tables that a plan may choose, besides their budget.
 
 use crate::without::GpuLimit;
-use ltcforge_fit::{Layout, StoredTerms};
+use ltcforge_fit::Layout;
 
-/// What a table may be.
+/// The form of a plan's tables.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Form {
-    /// Its layout; the scattering model's default one where there is none.
+    /// The layout; `None` for the default of the scattering model.
     pub layout: Option<Layout>,
-    /// Whether nodes may stand on the scene's own values of alpha and ratio, for readers that search for nodes.
+    /// Whether nodes may be the scene's own values of alpha and ratio, for readers that search for nodes.
     pub any_nodes: bool,
-    /// Whether the table has no terms, for renderers that have the energy of lobes from elsewhere.
+    /// Whether the table has no terms, for renderers that know the energy of lobes from elsewhere.
     pub no_terms: bool,
-    /// Whether the table is shipped in its compact form, whose bytes are the budget's.
+    /// Whether a budget of bytes is of the table's compact form.
     pub ship: bool,
-    /// What the text that reads the table may cost a GPU.
+    /// The most that the shader that reads the table may cost a GPU.
     pub gpu: GpuLimit,
-}
-
-impl Form {
-    /// The terms of tables.
-    pub(crate) fn terms(self) -> StoredTerms {
-        if self.no_terms { StoredTerms::None } else { StoredTerms::Schlick }
-    }
 }

@@ -1,63 +1,78 @@
-//! How much of a scene's surface has which roughness, and from where it is seen.
+//! The roughnesses of a surface and the directions from which it is seen, each with its weight.
 
 use std::{collections::BTreeMap, f64::consts::FRAC_PI_2};
 
 use serde::Serialize;
 
-/// Cells of perceptual roughness and of ratio from 0 to 1. An image's 256 levels fall into different cells.
+use ltcforge_fit::{ALPHA_FLOOR, RATIO_FLOOR};
+
+/// Cells of perceptual roughness and of ratio from 0 to 1. Each of an image's 256 levels has its own cell.
 const CELLS: [f64; 2] = [1024.0, 256.0];
 /// Cells of the angle of a view and of its azimuth, over a quarter of a turn each.
 const VIEWS: [usize; 2] = [45, 18];
+/// The most grazing view that is drawn: 89 degrees, as in the report of a table.
+const STEEPEST: f64 = 0.99 * FRAC_PI_2;
+/// Alpha and ratio are rounded to parts of this, so that squares have no rounding errors in their last digits.
+const DECIMALS: f64 = 1e12;
 
-/// A roughness, and how much of a surface has it.
+/// A roughness with its weight.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spot {
     /// Larger roughness, GGX alpha.
     pub alpha: f64,
     /// Smaller over larger roughness.
     pub ratio: f64,
-    /// Surface that has it, weighed by the strength of its lobe.
+    /// The area that has it, times the strength of its lobe.
     pub weight: f64,
 }
 
-/// A histogram over roughness and ratio, with the mean of both in each cell: a cell with one value has that value.
+impl Spot {
+    /// Alpha and ratio as a recipe has them: rounded, and within the limits of the fit.
+    pub(crate) fn pair(&self) -> [f64; 2] {
+        [self.alpha.max(ALPHA_FLOOR), self.ratio.max(RATIO_FLOOR)].map(decimal)
+    }
+}
+
+/// A number without rounding errors in its last digits.
+pub(crate) fn decimal(x: f64) -> f64 {
+    (x * DECIMALS).round() / DECIMALS
+}
+
+/// The least and the greatest of some numbers.
+pub(crate) fn span(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
+    numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+}
+
+/// A histogram over alpha and ratio with the mean of both in each cell: a cell with one value has that value.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Histogram {
     cells: BTreeMap<[u16; 2], Cell>,
-    /// Weighted sums of the metal part, of metal's reflectance, and of the reflectance of the rest.
-    metal: [f64; 2],
-    dielectric: [f64; 2],
+    /// The weight, and the weighted sum of the reflectance: of dielectrics, then of metal.
+    f0: [[f64; 2]; 2],
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Cell {
     weight: f64,
-    /// The first value, and the weighted sum of the differences from it.
+    /// The first pair, and the weighted sum of the differences from it.
     first: [f64; 2],
     moved: [f64; 2],
 }
 
 impl Histogram {
-    /// Adds surface of a roughness.
-    pub(crate) fn add(&mut self, alpha: f64, ratio: f64, weight: f64) {
+    /// Adds the weight of a pair of alpha and ratio, of a surface whose parts have the reflectances `[f0, part]`.
+    pub(crate) fn add(&mut self, pair: [f64; 2], f0: [[f64; 2]; 2], weight: f64) {
         if weight <= 0.0 {
             return;
         }
-        let key = [(alpha.sqrt(), CELLS[0]), (ratio, CELLS[1])].map(|(x, cells)| (x * cells).round() as u16);
-        let cell = self.cells.entry(key).or_insert(Cell { weight: 0.0, first: [alpha, ratio], moved: [0.0; 2] });
+        let key = [pair[0].sqrt() * CELLS[0], pair[1] * CELLS[1]].map(|cell| cell.round() as u16);
+        let cell = self.cells.entry(key).or_insert(Cell { weight: 0.0, first: pair, moved: [0.0; 2] });
         cell.weight += weight;
-        for (moved, difference) in cell.moved.iter_mut().zip([alpha - cell.first[0], ratio - cell.first[1]]) {
-            *moved += weight * difference;
-        }
-    }
-
-    /// Adds reflectance seen from above: `metal` is the part that is metal, with its own.
-    pub(crate) fn add_f0(&mut self, [part, of_metal]: [f64; 2], of_rest: f64, weight: f64) {
-        for (sum, [weight, f0]) in
-            [(&mut self.metal, [weight * part, of_metal]), (&mut self.dielectric, [weight * (1.0 - part), of_rest])]
-        {
-            sum[0] += weight;
-            sum[1] += weight * f0;
+        for i in 0..2 {
+            cell.moved[i] += weight * (pair[i] - cell.first[i]);
+            let [f0, part] = f0[i];
+            self.f0[i][0] += weight * part;
+            self.f0[i][1] += weight * part * f0;
         }
     }
 
@@ -70,88 +85,70 @@ impl Histogram {
                 cell.moved[i] += of.moved[i] + of.weight * (of.first[i] - cell.first[i]);
             }
         }
-        for (sums, others) in [(&mut self.metal, other.metal), (&mut self.dielectric, other.dielectric)] {
-            sums.iter_mut().zip(others).for_each(|(sum, other)| *sum += other);
-        }
+        self.f0.iter_mut().flatten().zip(other.f0.iter().flatten()).for_each(|(sum, other)| *sum += other);
     }
 
     /// The cells, the smoothest first.
     pub(crate) fn spots(&self) -> Vec<Spot> {
-        let spot = |cell: &Cell| Spot {
-            alpha: cell.first[0] + cell.moved[0] / cell.weight,
-            ratio: cell.first[1] + cell.moved[1] / cell.weight,
-            weight: cell.weight,
+        let spot = |cell: &Cell| {
+            let [alpha, ratio] = [0, 1].map(|i| cell.first[i] + cell.moved[i] / cell.weight);
+            Spot { alpha, ratio, weight: cell.weight }
         };
         self.cells.values().map(spot).collect()
     }
 
-    /// Reflectance seen from above with its weight, of metal and of dielectrics.
+    /// Mean reflectance at normal incidence and its weight, of dielectrics and of metal.
     pub(crate) fn f0(&self) -> Vec<[f64; 2]> {
-        let mean = |[weight, sum]: [f64; 2]| (weight > 0.0).then(|| [sum / weight, weight]);
-        [self.dielectric, self.metal].into_iter().filter_map(mean).collect()
+        self.f0.iter().filter(|[weight, _]| *weight > 0.0).map(|[weight, sum]| [sum / weight, *weight]).collect()
     }
 }
 
-/// From where a surface is seen.
+/// The directions from which a surface is seen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Views {
-    /// Cells of theta, and in each of them cells of phi; none where every view counts.
+    /// Weights of cells of theta, and in each of cells of phi. Empty if every view counts.
     weights: Vec<f64>,
-    /// The least and the greatest angle.
-    theta: [f64; 2],
-    phi: [f64; 2],
+    /// The range of the polar angle, and of the azimuth in the first quadrant.
+    pub(crate) theta: [f64; 2],
+    pub(crate) phi: [f64; 2],
 }
 
+/// Every view.
 impl Default for Views {
     fn default() -> Self {
-        Self { weights: Vec::new(), theta: [FRAC_PI_2, 0.0], phi: [FRAC_PI_2, 0.0] }
+        Self { weights: Vec::new(), theta: [0.0, FRAC_PI_2], phi: [0.0, FRAC_PI_2] }
     }
 }
 
-/// Most grazing view that is drawn: 89 degrees, as for a table's own report.
-const STEEPEST: f64 = 0.99 * FRAC_PI_2;
-
 impl Views {
-    /// Adds a view, phi in the first quadrant.
+    /// Adds a view. The first one replaces the default.
     pub(crate) fn add(&mut self, theta: f64, phi: f64, weight: f64) {
-        if self.weights.is_empty() {
-            self.weights = vec![0.0; VIEWS[0] * VIEWS[1]];
+        if self.is_all() {
+            *self = Self { weights: vec![0.0; VIEWS[0] * VIEWS[1]], theta: [theta; 2], phi: [phi; 2] };
         }
         let cell = |x: f64, cells: usize| ((x / FRAC_PI_2 * cells as f64) as usize).min(cells - 1);
         self.weights[cell(theta, VIEWS[0]) * VIEWS[1] + cell(phi, VIEWS[1])] += weight;
-        for (range, x) in [(&mut self.theta, theta), (&mut self.phi, phi)] {
-            *range = [range[0].min(x), range[1].max(x)];
+        self.widen([theta; 2], [phi; 2]);
+    }
+
+    /// Adds other views.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        if self.is_all() {
+            self.clone_from(other);
+        } else if !other.is_all() {
+            self.weights.iter_mut().zip(&other.weights).for_each(|(weight, other)| *weight += other);
+            self.widen(other.theta, other.phi);
         }
     }
 
-    /// Adds all of other views.
-    pub(crate) fn merge(&mut self, other: &Self) {
-        if self.weights.is_empty() {
-            self.weights.clone_from(&other.weights);
-        } else {
-            self.weights.iter_mut().zip(&other.weights).for_each(|(weight, other)| *weight += other);
-        }
-        for (range, [low, high]) in [(&mut self.theta, other.theta), (&mut self.phi, other.phi)] {
-            *range = [range[0].min(low), range[1].max(high)];
-        }
+    fn widen(&mut self, theta: [f64; 2], phi: [f64; 2]) {
+        self.theta = span(self.theta.into_iter().chain(theta));
+        self.phi = span(self.phi.into_iter().chain(phi));
     }
 
     /// Whether every view counts the same.
-    #[must_use]
-    pub fn is_all(&self) -> bool {
+    pub(crate) fn is_all(&self) -> bool {
         self.weights.is_empty()
-    }
-
-    /// The range of theta.
-    #[must_use]
-    pub fn theta(&self) -> [f64; 2] {
-        if self.is_all() { [0.0, FRAC_PI_2] } else { self.theta }
-    }
-
-    /// The range of phi.
-    #[must_use]
-    pub fn phi(&self) -> [f64; 2] {
-        if self.is_all() { [0.0, FRAC_PI_2] } else { self.phi }
     }
 
     /// The view at two numbers in [0, 1).
@@ -168,7 +165,7 @@ impl Views {
     }
 }
 
-/// The item that `u` in [0, 1) falls on among weighted ones, and how far it lies within. Domain: one item at least.
+/// The index of the weighted item at `u` in [0, 1), and the position of `u` within the item. Domain: one item at least.
 pub(crate) fn pick(weights: &[f64], u: f64) -> (usize, f64) {
     let total: f64 = weights.iter().sum();
     let (mut left, mut last) = (u * total, 0);
@@ -186,13 +183,15 @@ pub(crate) fn pick(weights: &[f64], u: f64) -> (usize, f64) {
 mod tests {
     use super::*;
 
+    const F0: [[f64; 2]; 2] = [[0.04, 1.0], [0.0; 2]];
+
     #[test]
     fn a_cell_with_one_value_has_that_value() {
         let mut histogram = Histogram::default();
         for _ in 0..1000 {
-            histogram.add(0.3, 1.0 / 3.0, 0.1);
+            histogram.add([0.3, 1.0 / 3.0], F0, 0.1);
         }
-        histogram.add(0.1, 1.0, 3.0);
+        histogram.add([0.1, 1.0], F0, 3.0);
         let spots = histogram.spots();
         assert_eq!((spots[0].alpha, spots[0].ratio, spots[0].weight), (0.1, 1.0, 3.0));
         assert_eq!((spots[1].alpha, spots[1].ratio), (0.3, 1.0 / 3.0));
@@ -200,19 +199,18 @@ mod tests {
     }
 
     #[test]
-    fn parts_that_are_merged_are_as_one() {
+    fn merged_parts_equal_the_whole() {
         let values = [(0.3, 1.0, 0.5), (0.3002, 1.0, 1.5), (0.1, 0.25, 2.0), (0.3001, 1.0, 0.25)];
         let (mut whole, mut merged) = (Histogram::default(), Histogram::default());
         let (mut all_views, mut merged_views) = (Views::default(), Views::default());
         for part in values.chunks(2) {
             let (mut histogram, mut views) = (Histogram::default(), Views::default());
             for (alpha, ratio, weight) in part {
-                for of in [&mut histogram, &mut whole] {
-                    of.add(*alpha, *ratio, *weight);
-                    of.add_f0([*ratio, 0.9], 0.04, *weight);
+                for each in [&mut histogram, &mut whole] {
+                    each.add([*alpha, *ratio], [[0.04, 1.0 - ratio], [0.9, *ratio]], *weight);
                 }
-                for of in [&mut views, &mut all_views] {
-                    of.add(*alpha, *ratio, *weight);
+                for each in [&mut views, &mut all_views] {
+                    each.add(*alpha, *ratio, *weight);
                 }
             }
             merged.merge(&histogram);
@@ -230,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn views_are_drawn_as_often_as_they_weigh() {
+    fn views_are_drawn_by_their_weights() {
         let mut views = Views::default();
         assert!(views.is_all());
         views.add(0.2, 0.1, 3.0);

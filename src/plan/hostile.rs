@@ -1,5 +1,5 @@
-//! The memory that hostile bodies take beyond their own bytes, each in a process of its own: everything here that the service
-//! parses.
+//! Measures the memory that hostile bodies take in addition to their own bytes, each in its own process, for everything
+//! that the service parses.
 
 use std::{env, fs, process::Command};
 
@@ -14,12 +14,12 @@ use ltcforge_textures::{LightPicture, Profile};
 const VARIABLE: &str = "LTCFORGE_TEST_HOSTILE_BODY";
 /// Bytes of a body.
 const BODY: usize = 60_000_000;
-/// Bytes that it may take beyond them.
+/// Bytes that it may take in addition.
 const MOST: u64 = 256 << 20;
-/// Parts of a document that just keeps its limits.
+/// Parts of a document that is just within its limits.
 const WITHIN: usize = 500_000;
 
-/// A text between others, as often as the body is long.
+/// A body of one text, repeated, between two others.
 fn filled(start: &str, part: &str, end: &str) -> Vec<u8> {
     times(start, part, BODY / part.len(), end)
 }
@@ -60,7 +60,7 @@ const TABULATED: Read = |bytes| tabulated::decode(&bytes).expect_err("hostile").
 
 type Body = (&'static str, fn() -> Vec<u8>, Read, &'static str);
 
-/// Each body with its reader, and a part of the error that the reader gives.
+/// Each body with its reader, and a part of the reader's error.
 const BODIES: [Body; 24] = [
     ("nodes", || filled(r#"{"nodes":["#, "{},", "{}]}"), SCENE, "/nodes: more than 524288 objects and lists"),
     ("nodes as lists", || filled(r#"{"nodes":["#, "[],", "[]]}"), SCENE, "/nodes: more than 524288"),
@@ -84,7 +84,7 @@ const BODIES: [Body; 24] = [
         "primitives within",
         || times(r#"{"meshes":["#, r#"{"primitives":[{"attributes":{"A":0}}]},"#, WITHIN / 4, "{}]}"),
         SCENE,
-        "/meshes/0/primitives/0/attributes/A: 0 is no index",
+        "/meshes/0/primitives/0/attributes/A: 0 is out of range",
     ),
     (
         "extensions within",
@@ -152,8 +152,8 @@ fn hostile_bodies_end_in_errors_within_their_memory() {
         let mut reads = Command::new(&this);
         reads.args(["--exact", "hostile::hostile_bodies_end_in_errors_within_their_memory", "--nocapture"]);
         let output = reads.env(VARIABLE, name).output().expect("it runs");
-        let told = String::from_utf8_lossy(&output.stdout);
-        told.lines().filter(|line| line.starts_with(name)).for_each(|line| println!("{line}"));
-        assert!(output.status.success(), "{name}: {told}{}", String::from_utf8_lossy(&output.stderr));
+        let printed = String::from_utf8_lossy(&output.stdout);
+        printed.lines().filter(|line| line.starts_with(name)).for_each(|line| println!("{line}"));
+        assert!(output.status.success(), "{name}: {printed}{}", String::from_utf8_lossy(&output.stderr));
     }
 }

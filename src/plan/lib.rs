@@ -1,4 +1,4 @@
-//! From a scene to the table that it needs.
+//! Plans the table that a scene needs.
 //!
 //! Invariant: no clock and no thread count decides anything here: equal scenes and budgets give equal plans.
 
@@ -7,7 +7,7 @@ mod curve;
 mod document;
 mod effort;
 mod form;
-mod held;
+mod front;
 mod histogram;
 #[cfg(test)]
 mod hostile;
@@ -18,6 +18,7 @@ mod picture;
 mod placement;
 mod plan;
 mod prediction;
+mod probes;
 mod resampled;
 mod scene;
 mod shipped;
@@ -26,15 +27,18 @@ mod tests;
 #[cfg(test)]
 mod textured;
 mod without;
+mod words;
 
 pub use candidates::{Budget, Candidate};
-pub use document::{document, left_out, recipe_value, words};
+pub use document::{document, recipe_value};
 pub use form::Form;
-pub use held::Stopped;
 pub use histogram::{Spot, Views};
-pub use needs::{Needs, Place};
+pub use ltcforge_files::recipe_document::Fault as SceneFault;
+pub use needs::Needs;
 pub use outside::{Outside, OutsideAxis, of_other_models, other_reflectances, outside};
 pub use picture::picture;
-pub use plan::{Fitted, Measured, TablePlan, Whole, WholeAt};
-pub use scene::{LobeKind, Scene, SceneError, SceneFault, SceneLobe, SceneMaterial};
-pub use without::{Beside, GpuLimit, WithoutTable};
+pub use plan::{Fitted, TablePlan, Whole};
+pub use probes::Stopped;
+pub use scene::{LobeKind, Scene, SceneError, SceneLobe, SceneMaterial};
+pub use without::GpuLimit;
+pub use words::{left_out, words};

@@ -1,13 +1,14 @@
-//! Nodes of an axis that are not evenly spaced: a scene's own values, or closer together where more of its surface is.
+//! Nodes of an axis that are not evenly spaced: a scene's own values, or nodes that are closer where more of its
+//! surface is.
 
-use crate::needs::decimal;
+use crate::{histogram::decimal, needs::Needs};
 use ltcforge_fit::{Layout, PerAxis, math::pow};
 
-/// How many values of a scene may be nodes of an axis: more than evenly spaced nodes are sure to fall on, and not many.
+/// How many values of a scene may be the nodes of an axis. Two are nodes in any case.
 const VALUES: std::ops::RangeInclusive<usize> = 3..=16;
-/// Parts of an axis by which weights are told.
+/// Parts of an axis whose weights are summed.
 const PARTS: u32 = 64;
-/// The part of the weight that is spread evenly, so that no stretch of an axis is without nodes.
+/// The part of the weight that is spread evenly, so that no part of an axis is without nodes.
 const SPREAD: f64 = 0.05;
 
 /// Nodes of an axis that a recipe gives one by one.
@@ -15,54 +16,53 @@ const SPREAD: f64 = 0.05;
 pub(crate) struct Placed {
     /// The nodes, ascending.
     pub(crate) nodes: Vec<f64>,
-    /// The error that they add to the coarse table's; `None` of the scene's own values, which have none between them.
+    /// The error that they add to the coarse table's; `None` for the scene's own values, with nothing between them.
     pub(crate) added: Option<f64>,
 }
 
-/// The scene's values as nodes, where they are few.
-pub(crate) fn of_values(values: &[f64]) -> Option<Placed> {
-    VALUES.contains(&values.len()).then(|| Placed { nodes: values.to_vec(), added: None })
+/// A scene's values of alpha or ratio as nodes, if they are few.
+pub(crate) fn of_values(needs: &Needs<'_>, axis: usize) -> Option<Placed> {
+    let mut nodes: Vec<f64> = needs.spots().map(|(spot, _)| spot.pair()[axis]).collect();
+    nodes.sort_by(f64::total_cmp);
+    nodes.dedup();
+    VALUES.contains(&nodes.len()).then_some(Placed { nodes, added: None })
 }
 
-/// Nodes from one end of a range to the other, with as much of the cube root of the weight between any two: the error of linear
-/// interpolation grows with the square of a step, and its weighted sum is least then. The measure of an axis, 0 for alpha and 1 for ratio, is
-/// that in which the layout's nodes are evenly spaced. Domain: a range of several values, two nodes at least.
+/// Nodes of alpha (axis 0) or ratio (axis 1) for weighted values: between any two nodes lies the same part of the cube
+/// root of the weight. The error of linear interpolation grows with the square of a step, so these nodes have the least
+/// weighted error. Steps are measured as the layout spaces its nodes. Domain: a range of several values, two nodes at
+/// least.
 pub(crate) fn by_weight(
     layout: Layout,
     range: &PerAxis<[f64; 2]>,
     axis: usize,
-    spots: &[(f64, f64)],
+    values: impl Iterator<Item = (f64, f64)>,
     count: u32,
 ) -> Vec<f64> {
-    let all = PerAxis { alpha: PARTS + 1, ratio: PARTS + 1, theta: 2, phi: 2 };
-    let placed = layout.nodes(range, &all);
-    let edges = if axis == 0 { placed.alpha } else { placed.ratio };
+    let parts = layout.nodes(range, &PerAxis { alpha: PARTS + 1, ratio: PARTS + 1, theta: 2, phi: 2 });
+    let edges = parts.named()[axis].1;
     let mut weights = vec![0.0; PARTS as usize];
-    for (value, weight) in spots {
-        let part = edges.partition_point(|edge| edge <= value).clamp(1, PARTS as usize) - 1;
-        weights[part] += weight;
+    for (value, weight) in values {
+        weights[edges.partition_point(|edge| *edge <= value).clamp(1, PARTS as usize) - 1] += weight;
     }
     let total: f64 = weights.iter().sum();
     let least = SPREAD / f64::from(PARTS);
     let density = |weight: &f64| pow(weight / total * (1.0 - SPREAD) + least, 1.0 / 3.0);
-    let sums: Vec<f64> = weights
-        .iter()
-        .scan(0.0, |sum, weight| {
-            *sum += density(weight);
-            Some(*sum)
-        })
-        .collect();
-    let whole = sums[sums.len() - 1];
+    // The sum of the densities before each part, and of all.
+    let mut sums = vec![0.0];
+    sums.extend(weights.iter().scan(0.0, |sum, weight| {
+        *sum += density(weight);
+        Some(*sum)
+    }));
     let last = count - 1;
     let at = |node: u32| {
-        let wanted = whole * f64::from(node) / f64::from(last);
-        let part = sums.partition_point(|sum| *sum < wanted).min(sums.len() - 1);
-        let before = if part == 0 { 0.0 } else { sums[part - 1] };
-        let within = (wanted - before) / (sums[part] - before);
+        let wanted = sums[PARTS as usize] * f64::from(node) / f64::from(last);
+        let part = sums[1..].partition_point(|sum| *sum < wanted).min(PARTS as usize - 1);
+        let within = (wanted - sums[part]) / (sums[part + 1] - sums[part]);
         edges[part] + (edges[part + 1] - edges[part]) * within
     };
     let inner = (1..last).map(|node| decimal(at(node)));
-    [edges[0]].into_iter().chain(inner).chain([edges[edges.len() - 1]]).collect()
+    [edges[0]].into_iter().chain(inner).chain([edges[PARTS as usize]]).collect()
 }
 
 #[cfg(test)]
@@ -71,7 +71,7 @@ mod tests {
 
     fn placed(spots: &[(f64, f64)]) -> Vec<f64> {
         let range = PerAxis { alpha: [0.04, 0.64], ratio: [1.0; 2], theta: [0.0, 1.5], phi: [0.0; 2] };
-        by_weight(Layout::Reflected, &range, 0, spots, 6)
+        by_weight(Layout::Reflected, &range, 0, spots.iter().copied(), 6)
     }
 
     #[test]

@@ -1,63 +1,58 @@
-//! A table with other nodes, read off one that has them closer together.
+//! A table with other nodes on one axis, read from a table with more nodes.
 
-use ltcforge_fit::{PerAxis, Table, Terms};
+use ltcforge_fit::{PerAxis, Recipe, Table, Terms};
 
-/// The table with its stored numbers at other nodes within its own, linear between its own. Domain: no edge
-/// term, and a layout whose weights are linear in the values of the axes.
-pub(crate) fn resampled(table: &Table, axes: PerAxis<Vec<f64>>) -> Table {
-    let own = table.lengths();
-    let between =
-        |own: &[f64], nodes: &[f64]| -> Vec<[(usize, f64); 2]> { nodes.iter().map(|x| around(own, *x)).collect() };
-    let alpha = between(&table.axes.alpha, &axes.alpha);
-    let ratio = between(&table.axes.ratio, &axes.ratio);
-    let theta = between(&table.axes.theta, &axes.theta);
-    let phi = between(&table.axes.phi, &axes.phi);
-    let mut matrix = Vec::new();
-    let mut second = table.second.as_ref().map(|_| Vec::new());
-    let mut terms = table.terms.as_ref().map(|_| Terms { amplitude: Vec::new(), fresnel: Vec::new(), edge: None });
-    let mut node_error = Vec::new();
-    for a in &alpha {
-        for r in &ratio {
-            for t in &theta {
-                for p in &phi {
-                    let mut sum = [0.0; 21];
-                    for corner in 0..16_usize {
-                        let of = [a, r, t, p];
-                        let at = |axis: usize| of[axis][corner >> axis & 1];
-                        let weight = at(0).1 * at(1).1 * at(2).1 * at(3).1;
-                        if weight == 0.0 {
-                            continue;
-                        }
-                        let index = ((at(0).0 * own.ratio + at(1).0) * own.theta + at(2).0) * own.phi + at(3).0;
-                        let terms =
-                            table.terms.as_ref().map_or([0.0; 2], |of| [of.amplitude[index], of.fresnel[index]]);
-                        let of_second = table.second.as_ref().map_or([0.0; 9], |second| second[index]);
-                        let numbers = table.matrix[index].iter().chain(&terms).chain([&table.node_error[index]]);
-                        let numbers = numbers.chain(&of_second);
-                        sum.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += weight * f64::from(*number));
-                    }
-                    matrix.push(std::array::from_fn(|i| sum[i] as f32));
-                    if let Some(second) = &mut second {
-                        second.push(std::array::from_fn(|i| sum[12 + i] as f32));
-                    }
-                    if let Some(terms) = &mut terms {
-                        terms.amplitude.push(sum[9] as f32);
-                        terms.fresnel.push(sum[10] as f32);
-                    }
-                    node_error.push(sum[11] as f32);
-                }
-            }
-        }
-    }
-    Table { axes, matrix, second, terms, node_error, ..table.clone() }
+/// The same values except on one axis.
+pub(crate) fn with<T>(mut axes: PerAxis<T>, axis: usize, value: T) -> PerAxis<T> {
+    *[&mut axes.alpha, &mut axes.ratio, &mut axes.theta, &mut axes.phi][axis] = value;
+    axes
 }
 
-/// The nodes around a value, with their weights.
-fn around(nodes: &[f64], x: f64) -> [(usize, f64); 2] {
-    let upper = nodes.partition_point(|node| *node <= x).clamp(1, nodes.len().max(2) - 1);
+/// The table of a recipe with `count` evenly spaced nodes on one axis. Domain: see [`resampled`].
+pub(crate) fn coarser(table: &Table, recipe: &Recipe, axis: usize, count: u32) -> Table {
+    let nodes = recipe.layout.nodes(&recipe.range, &with(recipe.resolution, axis, count));
+    resampled(table, axis, nodes.named()[axis].1.clone())
+}
+
+/// The table with other nodes on one axis, linear between its own. Domain: nodes within its own, no edge term, and a
+/// layout whose weights are linear in the values of the axes.
+pub(crate) fn resampled(table: &Table, axis: usize, nodes: Vec<f64>) -> Table {
+    let lengths = table.axes.named().map(|(_, nodes)| nodes.len());
+    // Later axes vary faster.
+    let entries_of_node: usize = lengths[axis + 1..].iter().product();
+    let brackets: Vec<_> = nodes.iter().map(|x| bracket(table.axes.named()[axis].1, *x)).collect();
+    let mut corners = Vec::new();
+    for first in (0..table.matrix.len()).step_by(lengths[axis] * entries_of_node) {
+        for bracket in &brackets {
+            let entry = |i| bracket.map(|(node, weight)| (first + node * entries_of_node + i, weight));
+            corners.extend((0..entries_of_node).map(entry));
+        }
+    }
+    let blend = |corners: &[(usize, f64); 2], number: &dyn Fn(usize) -> f32| {
+        corners.iter().map(|(entry, weight)| weight * f64::from(number(*entry))).sum::<f64>() as f32
+    };
+    let numbers = |of: &Vec<f32>| corners.iter().map(|corners| blend(corners, &|entry| of[entry])).collect();
+    let matrices = |of: &Vec<[f32; 9]>| -> Vec<[f32; 9]> {
+        let matrix = |corners| std::array::from_fn(|i| blend(corners, &|entry| of[entry][i]));
+        corners.iter().map(matrix).collect()
+    };
+    let terms = |of: &Terms| Terms { amplitude: numbers(&of.amplitude), fresnel: numbers(&of.fresnel), edge: None };
+    Table {
+        axes: with(table.axes.clone(), axis, nodes),
+        matrix: matrices(&table.matrix),
+        second: table.second.as_ref().map(matrices),
+        terms: table.terms.as_ref().map(terms),
+        node_error: numbers(&table.node_error),
+        ..table.clone()
+    }
+}
+
+/// The nodes around a value with their weights.
+fn bracket(nodes: &[f64], x: f64) -> [(usize, f64); 2] {
     if nodes.len() < 2 {
         return [(0, 1.0), (0, 0.0)];
     }
+    let upper = nodes.partition_point(|node| *node <= x).clamp(1, nodes.len() - 1);
     let (low, high) = (nodes[upper - 1], nodes[upper]);
     let weight = ((x - low) / (high - low)).clamp(0.0, 1.0);
     [(upper - 1, 1.0 - weight), (upper, weight)]

@@ -1,16 +1,17 @@
-//! The bytes of tables in their compact form, told from the coarse table.
+//! Predicts the bytes of compact forms from the coarse table.
 //!
-//! The coarse table has a compact form, and so have those of every second node along one axis: each tells how the bytes grow with
-//! the nodes of that axis, as a power of their number. Powers of different axes multiply.
+//! The coarse table has a compact form, and so has the table of every second of its nodes along one axis. From both we
+//! know how the bytes grow with the nodes of that axis, as a power of their number. Powers of different axes multiply.
 
-use crate::resampled::resampled;
+use crate::resampled::coarser;
 use ltcforge_files::compact;
 use ltcforge_fit::{
     Layout, Recipe, Table,
     math::{ln, pow},
 };
 
-/// The bytes of a second lobe's form over those of the first: the default table has 9,760 and 14,105 (`docs/compact.md`).
+/// The bytes of a second lobe's form over those of the first: the default table has 9,760 and 14,105
+/// (`docs/compact.md`).
 const SECOND: f64 = 0.69;
 
 /// Predicts the bytes of compact forms.
@@ -22,24 +23,22 @@ pub(crate) struct ShippedBytes {
 }
 
 impl ShippedBytes {
-    /// Encodes the coarse table with all of its nodes and with half of them; `None` where it has no compact form. Domain: an odd
-    /// number of nodes on each axis.
+    /// Encodes the coarse table with all of its nodes and with half of them; `None` if it has no compact form. Domain:
+    /// an odd number of nodes on each axis.
     pub(crate) fn of(table: &Table, base: &Recipe) -> Option<Self> {
         let bytes = |table: &Table| compact::encode(table).ok().map(|bytes| bytes.len() as f64);
         let of_base = bytes(table)?;
         let nodes = base.resolution.named().map(|(_, n)| *n);
         let mut powers = [0.0; 4];
         for (axis, power) in powers.iter_mut().enumerate().filter(|(axis, _)| nodes[*axis] > 2) {
-            let mut coarse = base.resolution;
             let half = nodes[axis].div_ceil(2);
-            *[&mut coarse.alpha, &mut coarse.ratio, &mut coarse.theta, &mut coarse.phi][axis] = half;
-            let of_half = bytes(&resampled(table, base.layout.nodes(&base.range, &coarse)))?;
+            let of_half = bytes(&coarser(table, base, axis, half))?;
             *power = (ln(of_base / of_half) / ln(f64::from(nodes[axis]) / f64::from(half))).max(0.0);
         }
         Some(Self { of_base, nodes, powers })
     }
 
-    /// The bytes of a recipe's table. Domain: one of evenly spaced nodes over the ranges of the coarse one.
+    /// The bytes of a recipe's table. Domain: evenly spaced nodes over the ranges of the coarse table.
     pub(crate) fn bytes(&self, recipe: &Recipe) -> u64 {
         let resolution = recipe.resolution.named().map(|(_, n)| *n);
         let grown =
@@ -48,13 +47,13 @@ impl ShippedBytes {
         (self.of_base * (1.0 + second) * grown.product::<f64>()).ceil() as u64
     }
 
-    /// The same with all bytes multiplied, after a table was encoded.
+    /// The same prediction with all bytes multiplied, after a table was encoded.
     pub(crate) fn corrected(&self, factor: f64) -> Self {
         Self { of_base: factor * self.of_base, ..self.clone() }
     }
 }
 
-/// A table as its compact form decodes, and the bytes of that; `None` where it has none.
+/// A table as its compact form decodes, and the bytes of that form; `None` if it has no compact form.
 pub(crate) fn shipped(table: &Table) -> Option<(Table, u64)> {
     let forms = compact::encode_lobes(table).ok()?;
     let decoded: Option<Vec<Table>> = forms.iter().map(|form| compact::decode(&form.bytes).ok()).collect();
@@ -76,7 +75,7 @@ mod tests {
     use ltcforge_fit::{Plan, fit_plan};
     use std::ops::ControlFlow;
 
-    /// Bytes to ship are promised, and the encoded table tells.
+    /// The encoded table keeps the budget.
     #[test]
     fn a_table_to_ship_is_within_its_bytes_and_finer_than_one_that_is_not_encoded() {
         let list = br#"{"materials": [{"alpha_x": 0.04, "alpha_y": 0.04}, {"alpha_x": 0.25, "alpha_y": 0.25}, {"alpha_x": 0.6, "alpha_y": 0.6}]}"#;

@@ -1,10 +1,10 @@
-//! Predictions of textured scenes, held to what their tables are measured to be.
+//! Predictions of textured scenes, compared with the measured errors of their tables.
 
 use std::ops::ControlFlow;
 
 use serde_json::{Value, json};
 
-use crate::{Budget, Form, GpuLimit, Needs, Scene, TablePlan, held::Held, scene::tests::glb::Glb};
+use crate::{Budget, Form, GpuLimit, Needs, Scene, TablePlan, probes::Probes, scene::tests::glb::Glb};
 use ltcforge_fit::{Plan, fit_plan};
 
 /// A PNG of 64 x 64 texels.
@@ -29,7 +29,7 @@ fn square(image: &[u8], material: impl Fn(Value) -> Value) -> Scene {
     Scene::from_bytes(glb.bytes(), &|| true).expect("a scene")
 }
 
-/// Textures are of many roughnesses, and where they say what is metal, of two kinds of lobes.
+/// Textures have many roughnesses and, if they mix metal and dielectrics, two kinds of lobes.
 #[test]
 fn errors_of_textured_scenes_are_as_predicted() {
     let worn = image(|x, y| [0, 40 + 3 * x as u8, if (x + 2 * y) % 5 < 2 { 255 } else { 0 }]);
@@ -54,13 +54,13 @@ fn errors_of_textured_scenes_are_as_predicted() {
         ("brushed", square(&brushed, of_anisotropy), false),
     ] {
         let needs = Needs::of(&scene, false).expect("lobes");
-        let held = Held::new(&needs);
+        let probes = Probes::new(&needs);
         let plan = TablePlan::new(needs, Budget::Knee, Form::default(), &|| true).expect("nothing stops it");
         for budget in [Budget::Bytes(4000), Budget::Bytes(1200)] {
             let chosen = plan.within(budget, GpuLimit::default()).chosen;
             assert_eq!(chosen.recipe.brdf.fresnel().second().is_some(), is_mixed, "{name}");
             let table = fit_plan(&Plan::new(&chosen.recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it");
-            let off_by = held.error(&table) / chosen.error;
+            let off_by = probes.error(&table) / chosen.error;
             println!("{name} {budget:?}: {:.4}, off by {off_by:.3}", chosen.error);
             assert!((0.85..1.15).contains(&off_by), "{name} {budget:?}: {off_by} of {}", chosen.error);
         }

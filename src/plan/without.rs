@@ -1,4 +1,4 @@
-//! No table at all: model `normals`, whose closed form lights every material of GGX.
+//! Light without a table: model `normals`, whose closed form serves every material of GGX.
 
 use serde::Serialize;
 
@@ -7,10 +7,10 @@ use ltcforge_fit::{BrdfKind, Layout, PerAxis, Recipe, Table};
 use ltcforge_light::{LightError, LightModel, Lighting, RandomLights, light_error, normals::NormalsRule};
 use ltcforge_shaders::GpuCost;
 
-/// Random rectangles over the scene's ranges by which table and model are compared; the tests hold no figure of them.
+/// Random rectangles over the scene's ranges that compare table and model. Tests need no figure.
 const LIGHTS: usize = if cfg!(test) { 50 } else { 500 };
 
-/// What a text may cost a GPU, by its compiler's counts of [`GpuCost`].
+/// The most that a shader may cost a GPU, see [`GpuCost`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct GpuLimit {
     /// The most vector registers.
@@ -20,7 +20,7 @@ pub struct GpuLimit {
 }
 
 impl GpuLimit {
-    /// Whether a cost is within the limits. One that was not counted is within none.
+    /// Whether a cost is within the limits. An unknown cost is within no limit.
     pub(crate) fn allows(self, cost: Option<GpuCost>) -> bool {
         let within = |limit: Option<u32>, of: fn(GpuCost) -> u32| {
             limit.is_none_or(|most| cost.is_some_and(|cost| of(cost) <= most))
@@ -34,48 +34,48 @@ impl GpuLimit {
     }
 }
 
-/// What the text that reads tables of a layout costs a GPU, of two lobes an entry or one.
+/// The cost of the shader that reads tables of a layout, of two lobes an entry or one.
 pub(crate) fn text_cost(layout: Layout, is_two: bool) -> Option<GpuCost> {
     let blended = if is_two { ", blended" } else { "" };
     GpuCost::of(&format!("ltc {layout}{blended}"))
 }
 
-/// The same of a recipe's table.
+/// The cost of the shader that reads a recipe's table.
 pub(crate) fn text_cost_of(recipe: &Recipe) -> Option<GpuCost> {
     text_cost(recipe.layout, recipe.brdf.fresnel().second().is_some())
 }
 
-/// A rule of model `normals`, in place of a table.
+/// A rule of model `normals`, instead of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct WithoutTable {
+pub(crate) struct WithoutTable {
     /// The rule.
-    pub rule: NormalsRule,
-    /// What its text costs a GPU, for one rectangle.
-    pub gpu_cost: Option<GpuCost>,
-    /// Mean absolute error of the light of random rectangles, where a table was measured beside it.
-    pub light_error: Option<f64>,
+    pub(crate) rule: NormalsRule,
+    /// The cost of its shader for one rectangle.
+    pub(crate) gpu_cost: Option<GpuCost>,
+    /// Mean absolute error of the light of random rectangles, if the table was measured too.
+    pub(crate) light_error: Option<f64>,
 }
 
-/// What stands beside a table: the same figures of its own text and light, and the rules that need no table.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Beside {
-    /// What the text that reads the table costs a GPU.
-    pub gpu_cost: Option<GpuCost>,
-    /// Whether that is within the limits.
-    pub is_table_readable: bool,
-    /// Mean absolute error of the table's light, where it was measured.
-    pub light_error: Option<f64>,
-    /// The rule that the limits leave: the finest within them, the default one where there are none.
-    pub rule: Option<NormalsRule>,
+/// The costs and errors of a table's shader, and of the rules that need no table.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Shading {
+    /// The cost of the shader that reads the table.
+    pub(crate) gpu_cost: Option<GpuCost>,
+    /// Whether that cost is within the limits.
+    pub(crate) is_table_readable: bool,
+    /// Mean absolute error of the table's light, if it was measured.
+    pub(crate) light_error: Option<f64>,
+    /// The finest rule within the limits; without limits the default rule.
+    pub(crate) rule: Option<NormalsRule>,
     /// The rules.
-    pub without_table: Vec<WithoutTable>,
+    pub(crate) without_table: Vec<WithoutTable>,
     limit: GpuLimit,
 }
 
-impl Beside {
-    /// The rules beside a recipe's table, by their costs; none where the scattering model is not GGX.
+impl Shading {
+    /// The costs for a recipe's table. Scattering models other than GGX have no rules.
     pub(crate) fn new(needs: &Needs<'_>, recipe: &Recipe, limit: GpuLimit) -> Self {
-        let rules = if needs.brdf() == BrdfKind::Ggx { &NormalsRule::SHADED[..] } else { &[] };
+        let rules = if needs.brdf == BrdfKind::Ggx { &NormalsRule::SHADED[..] } else { &[] };
         let of = |rule: &NormalsRule| WithoutTable {
             rule: *rule,
             gpu_cost: GpuCost::of(&format!("normals {rule}")),
@@ -83,7 +83,7 @@ impl Beside {
         };
         let without_table: Vec<WithoutTable> = rules.iter().map(of).collect();
         let within = without_table.iter().filter(|without| limit.allows(without.gpu_cost));
-        // A rule that takes more instructions is nearer.
+        // A rule with more instructions has less error.
         let instructions = |without: &&WithoutTable| without.gpu_cost.map(|cost| cost.instructions);
         let finest = if limit.is_any() { within.max_by_key(instructions) } else { without_table.first() };
         let rule = finest.map(|without| without.rule);
@@ -91,23 +91,23 @@ impl Beside {
         Self { gpu_cost, is_table_readable: limit.allows(gpu_cost), light_error: None, rule, without_table, limit }
     }
 
-    /// Measures the light of the table and of the rules, over the scene's ranges or at the materials of the table, for a
-    /// Fresnel factor of one. Runs on the current rayon pool.
+    /// Measures the light of the table and of the rules, over the scene's ranges or at the materials of the table, for
+    /// a Fresnel factor of one. Runs on the current rayon pool.
     ///
     /// # Errors
-    /// Where the table's light cannot be told.
+    /// If the table gives no light.
     pub(crate) fn measure(&mut self, needs: &Needs<'_>, table: &Table) -> Result<(), LightError> {
-        let of_pair = |[alpha, ratio]: [f64; 2]| PerAxis { alpha: [alpha; 2], ratio: [ratio; 2], ..needs.range() };
+        let of_pair = |[alpha, ratio]: [f64; 2]| PerAxis { alpha: [alpha; 2], ratio: [ratio; 2], ..needs.range };
         let mut ranges: Vec<PerAxis<[f64; 2]>> = table.materials().map(of_pair).collect();
         if ranges.is_empty() {
-            ranges.push(needs.range());
+            ranges.push(needs.range);
         }
         let each = LIGHTS.div_ceil(ranges.len());
-        let draw = |range| RandomLights::draw(&needs.brdf().into(), range, each);
+        let draw = |range| RandomLights::draw(&needs.brdf.into(), range, each);
         let lights = ranges.iter().map(draw).collect::<Result<Vec<_>, _>>()?;
         let mean = |lighting: Lighting<'_>| -> Result<f64, LightError> {
             let errors = lights.iter().map(|lights| light_error(lighting, lights).map(|error| error.mean));
-            Ok(errors.collect::<Result<Vec<_>, _>>()?.iter().sum::<f64>() / lights.len() as f64)
+            Ok(errors.sum::<Result<f64, _>>()? / lights.len() as f64)
         };
         self.light_error = Some(mean(Lighting::by(table))?);
         for without in &mut self.without_table {
@@ -118,40 +118,38 @@ impl Beside {
         Ok(())
     }
 
-    /// The summary in words: the rule beside the table, and what is beyond the limits.
+    /// The summary in words: the rule without a table, and costs beyond the limits.
     pub(crate) fn words(&self) -> Vec<String> {
-        let cost = |of: Option<GpuCost>| {
-            of.map_or_else(
-                || "not counted".to_owned(),
-                |of| format!("{} registers, {} instructions", of.registers, of.instructions),
-            )
+        let cost = |of: Option<GpuCost>| match of {
+            Some(GpuCost { registers, instructions, .. }) => {
+                format!("{registers} registers, {instructions} instructions")
+            }
+            None => "not counted".to_owned(),
         };
+        let (table, beyond) = (cost(self.gpu_cost), "more than the GPU may spend");
         let mut lines = Vec::new();
-        let beyond = "more than the GPU may spend";
         if !self.is_table_readable {
-            lines.push(format!("the table's shader takes {beyond}: {}", cost(self.gpu_cost)));
+            lines.push(format!("the table's shader takes {beyond}: {table}"));
         }
         let without = self.without_table.iter().find(|without| Some(without.rule) == self.rule);
-        match (without, self.without_table.iter().min_by_key(|without| without.gpu_cost.map(|of| of.instructions))) {
-            (Some(without), _) => {
-                let within = if self.limit.is_any() { ", the finest within the limits" } else { "" };
-                let errors = self.light_error.zip(without.light_error);
-                let errors = errors.map_or_else(String::new, |(table, other)| {
-                    format!("; error of light {other:.4}, the table's {table:.4}")
-                });
-                lines.push(format!(
-                    "without a table: model normals, rule {}{within}, {} (the table's shader: {}){errors}",
-                    without.rule,
-                    cost(without.gpu_cost),
-                    cost(self.gpu_cost)
-                ));
-            }
-            (None, Some(least)) => lines.push(format!(
-                "without a table: no rule of model normals; the shortest, {}, takes {beyond}: {}",
-                least.rule,
-                cost(least.gpu_cost)
-            )),
-            (None, None) => {}
+        if let Some(WithoutTable { rule, gpu_cost, light_error }) = without {
+            let within = if self.limit.is_any() { ", the finest within the limits" } else { "" };
+            let errors = self.light_error.zip(*light_error);
+            let errors = errors.map_or_else(String::new, |(table, other)| {
+                format!("; error of light {other:.4}, with the table {table:.4}")
+            });
+            let own = cost(*gpu_cost);
+            lines.push(format!(
+                "without a table: model normals, rule {rule}{within}, {own} (the table's shader: {table}){errors}"
+            ));
+        } else if let Some(least) =
+            self.without_table.iter().min_by_key(|least| least.gpu_cost.map(|of| of.instructions))
+        {
+            let own = cost(least.gpu_cost);
+            let rule = least.rule;
+            lines.push(format!(
+                "without a table: no rule of model normals; the shortest, {rule}, takes {beyond}: {own}"
+            ));
         }
         lines
     }
@@ -172,17 +170,17 @@ mod tests {
             let needs = Needs::of(&scene, false).expect("lobes");
             TablePlan::new(needs, Budget::Knee, Form { gpu, ..Form::default() }, &|| true).expect("nothing stops it")
         };
-        let told = |plan: &TablePlan<'_>| {
-            (plan.beside.rule, plan.chosen.recipe.brdf.fresnel().second().is_some(), plan.is_met)
+        let outcome = |plan: &TablePlan<'_>| {
+            (plan.shading.rule, plan.chosen.recipe.brdf.fresnel().second().is_some(), plan.is_met)
         };
         let plan = planned(limit(None, None));
-        let within = |gpu: GpuLimit| told(&plan.within(Budget::Knee, gpu));
-        assert_eq!(told(&plan), (Some(NormalsRule::Balanced), true, true));
+        let within = |gpu: GpuLimit| outcome(&plan.within(Budget::Knee, gpu));
+        assert_eq!(outcome(&plan), (Some(NormalsRule::Balanced), true, true));
         assert_eq!(within(limit(Some(96), Some(4000))), (Some(NormalsRule::Fine), true, true));
         // A blend of two lobes takes 64 registers, one lobe 48.
         assert_eq!(within(limit(Some(64), None)), (Some(NormalsRule::Fast), true, true));
         let plan = planned(limit(Some(63), None));
-        assert_eq!(told(&plan), (None, false, true));
+        assert_eq!(outcome(&plan), (None, false, true));
         assert!(!plan.within(Budget::Knee, limit(None, Some(100))).is_met);
     }
 }

@@ -1,10 +1,10 @@
-//! Cameras: which points of a surface they can see, and by which angles.
+//! Cameras: the points that they see, and the directions to them.
 
 use glam::{DMat4, DVec3};
 
 use super::document::Camera;
 
-/// The shape of a picture whose camera leaves it open: that of most screens.
+/// The default aspect ratio.
 const ASPECT: f64 = 16.0 / 9.0;
 
 /// A camera in the world.
@@ -12,7 +12,7 @@ const ASPECT: f64 = 16.0 / 9.0;
 pub(super) struct Placed {
     eye: DVec3,
     to_camera: DMat4,
-    /// Half the width and half the height at distance one, or of the whole.
+    /// Half the width and half the height of the picture: at distance one if the camera has perspective.
     half: [f64; 2],
     depth: [f64; 2],
     is_perspective: bool,
@@ -20,8 +20,8 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// A camera at its node's place, whatever the scale of the nodes above it [glTF 2.0, section 3.10.2]; `None` where it has
-    /// no view.
+    /// A camera at its node, without the scale of the nodes above [glTF 2.0, section 3.10.2]; `None` if it sees
+    /// nothing.
     pub(super) fn new(camera: &Camera, world: DMat4) -> Option<Self> {
         let axes =
             [world.x_axis, world.y_axis, world.z_axis].map(|axis| axis.truncate().normalize_or_zero().extend(0.0));
@@ -47,7 +47,7 @@ impl Placed {
         (is_finite && placed.ahead != DVec3::ZERO).then_some(placed)
     }
 
-    /// The direction from a point to the eye, if the point is in the picture.
+    /// The direction from a point to the camera, if the point is in the picture.
     pub(super) fn view(&self, point: DVec3) -> Option<DVec3> {
         let at = self.to_camera.transform_point3(point);
         let depth = -at.z;

@@ -1,16 +1,16 @@
-//! Whether all indices of a document are those of things that it has: every fault at once.
+//! Checks the indices of a document and reports all faults at once.
 
 use super::{
     document::Document,
-    error::{Faults, SceneError},
+    error::{Faults, SceneError, shown},
 };
 
-/// Nodes, meshes, images and so on, of each list.
+/// Items of each list: nodes, meshes, images and so on.
 const MOST_ITEMS: u64 = 1 << 18;
 /// Materials: each may gather 20 KB of views.
 const MOST_MATERIALS: u64 = 1 << 12;
 
-/// Checks the indices that graph and surface follow.
+/// Checks the indices that `graph`, `geometry` and `surface` follow.
 pub(super) fn check(document: &Document) -> Result<(), SceneError> {
     let lists = [
         ("nodes", document.nodes.len()),
@@ -30,36 +30,33 @@ pub(super) fn check(document: &Document) -> Result<(), SceneError> {
     let mut faults = Faults::default();
     let version = &document.asset.version;
     if !version.is_empty() && version.split('.').next() != Some("2") {
-        let shown: String = version.chars().take(40).collect();
-        faults.note("/asset/version".to_owned(), format!("«{shown}» is no version 2 of glTF"));
+        faults.add("/asset/version", format!("\"{}\" is not glTF 2", shown(version)));
     }
-    let nodes = document.nodes.len();
     for (i, scene) in document.scenes.iter().enumerate() {
         for (j, node) in scene.nodes.iter().enumerate() {
-            faults.index(format!("/scenes/{i}/nodes/{j}"), Some(*node), "nodes", nodes);
+            faults.index(format!("/scenes/{i}/nodes/{j}"), Some(*node), "nodes", &document.nodes);
         }
     }
     for (i, node) in document.nodes.iter().enumerate() {
         for (j, child) in node.children.iter().enumerate() {
-            faults.index(format!("/nodes/{i}/children/{j}"), Some(*child), "nodes", nodes);
+            faults.index(format!("/nodes/{i}/children/{j}"), Some(*child), "nodes", &document.nodes);
         }
-        faults.index(format!("/nodes/{i}/mesh"), node.mesh, "meshes", document.meshes.len());
-        faults.index(format!("/nodes/{i}/camera"), node.camera, "cameras", document.cameras.len());
+        faults.index(format!("/nodes/{i}/mesh"), node.mesh, "meshes", &document.meshes);
+        faults.index(format!("/nodes/{i}/camera"), node.camera, "cameras", &document.cameras);
     }
     for (i, mesh) in document.meshes.iter().enumerate() {
         for (j, primitive) in mesh.primitives.iter().enumerate() {
             let place = format!("/meshes/{i}/primitives/{j}");
-            let accessors = document.accessors.len();
-            faults.index(format!("{place}/material"), primitive.material, "materials", document.materials.len());
-            faults.index(format!("{place}/indices"), primitive.indices, "accessors", accessors);
+            faults.index(format!("{place}/material"), primitive.material, "materials", &document.materials);
+            faults.index(format!("{place}/indices"), primitive.indices, "accessors", &document.accessors);
             for (name, accessor) in &primitive.attributes {
-                let name: String = name.chars().take(40).collect();
-                faults.index(format!("{place}/attributes/{name}"), Some(*accessor), "accessors", accessors);
+                let pointer = format!("{place}/attributes/{}", shown(name));
+                faults.index(pointer, Some(*accessor), "accessors", &document.accessors);
             }
         }
     }
     for (i, texture) in document.textures.iter().enumerate() {
-        faults.index(format!("/textures/{i}/source"), texture.source, "images", document.images.len());
+        faults.index(format!("/textures/{i}/source"), texture.source, "images", &document.images);
     }
     faults.none()
 }

@@ -1,4 +1,4 @@
-//! The parts of a glTF 2.0 document that a plan needs. What else stands in one is not read.
+//! The parts of a glTF 2.0 document that a plan needs. Other parts are not read.
 
 #![expect(clippy::struct_field_names, reason = "the names are those of the format")]
 
@@ -10,10 +10,10 @@ use serde_json::value::RawValue;
 use super::error::SceneError;
 use ltcforge_files::json_size::JsonLimits;
 
-/// What a document may hold. An object takes up to 0.4 KB, so all of them take up to 200 MB.
+/// Limits of a document. An object takes up to 0.4 KB, so all of them take up to 200 MB.
 const LIMITS: JsonLimits = JsonLimits { items: 1 << 19, values: 1 << 22 };
 
-/// Extensions by name, as text: they take no more memory than the document, whatever stands in them.
+/// Extensions by name, as text: parsed JSON would take more memory than the document.
 pub(super) type Extensions = BTreeMap<String, Box<RawValue>>;
 
 #[derive(Debug, Default, Deserialize)]
@@ -39,26 +39,26 @@ pub(super) struct Document {
 }
 
 impl Document {
-    /// Reads a document whose parts are no more than [`LIMITS`].
+    /// Parses a document within [`LIMITS`].
     pub(super) fn parse(json: &[u8]) -> Result<Self, SceneError> {
-        parsed(json, LIMITS, "no glTF 2.0")
+        parsed(json, LIMITS, "a glTF 2.0 document")
     }
 }
 
-/// Reads JSON whose parts are no more than `limits`; `fault` is what it is otherwise.
+/// Parses JSON within `limits`; `what` names the document in errors.
 pub(super) fn parsed<'de, T: Deserialize<'de>>(
     json: &'de [u8],
     limits: JsonLimits,
-    fault: &str,
+    what: &str,
 ) -> Result<T, SceneError> {
     limits.check(json).map_err(|error| SceneError::fault("", error.to_string()))?;
-    serde_json::from_slice(json).map_err(|error| SceneError::fault("", format!("{fault}: {error}")))
+    serde_json::from_slice(json).map_err(|error| SceneError::fault("", format!("not {what}: {error}")))
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Asset {
-    /// Empty where the document does not say.
+    /// Empty if the document has no version.
     pub(super) version: String,
 }
 
@@ -74,12 +74,12 @@ pub(super) struct Node {
     pub(super) children: Vec<usize>,
     pub(super) mesh: Option<usize>,
     pub(super) camera: Option<usize>,
-    // In boxes, because a document may have many nodes without them.
+    // Boxes, because a document may have many nodes without transforms.
     pub(super) matrix: Option<Box<[f64; 16]>>,
     pub(super) translation: Option<Box<[f64; 3]>>,
     pub(super) rotation: Option<Box<[f64; 4]>>,
     pub(super) scale: Option<Box<[f64; 3]>>,
-    /// Of the morph targets of its mesh.
+    /// Weights of the morph targets of its mesh.
     pub(super) weights: Vec<f64>,
     pub(super) extensions: Extensions,
 }
@@ -89,24 +89,18 @@ pub(super) struct Node {
 pub(super) struct Mesh {
     pub(super) name: Option<String>,
     pub(super) primitives: Vec<Primitive>,
-    /// Of its morph targets.
+    /// Weights of its morph targets.
     pub(super) weights: Vec<f64>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub(super) struct Primitive {
-    #[serde(default)]
     pub(super) attributes: BTreeMap<String, usize>,
     pub(super) indices: Option<usize>,
     pub(super) material: Option<usize>,
-    #[serde(default = "triangles")]
-    pub(super) mode: u32,
-    #[serde(default)]
+    pub(super) mode: Option<u32>,
     pub(super) extensions: Extensions,
-}
-
-fn triangles() -> u32 {
-    4
 }
 
 #[derive(Debug, Deserialize)]
@@ -157,7 +151,7 @@ pub(super) struct Material {
     pub(super) extensions: Extensions,
 }
 
-/// What the alpha of the base colour does.
+/// The meaning of the base colour's alpha.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub(super) enum AlphaMode {
@@ -167,26 +161,14 @@ pub(super) enum AlphaMode {
     Blend,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct MetallicRoughness {
-    pub(super) base_color_factor: [f64; 4],
+    pub(super) base_color_factor: Option<[f64; 4]>,
     pub(super) base_color_texture: Option<TextureInfo>,
-    pub(super) metallic_factor: f64,
-    pub(super) roughness_factor: f64,
+    pub(super) metallic_factor: Option<f64>,
+    pub(super) roughness_factor: Option<f64>,
     pub(super) metallic_roughness_texture: Option<TextureInfo>,
-}
-
-impl Default for MetallicRoughness {
-    fn default() -> Self {
-        Self {
-            base_color_factor: [1.0; 4],
-            base_color_texture: None,
-            metallic_factor: 1.0,
-            roughness_factor: 1.0,
-            metallic_roughness_texture: None,
-        }
-    }
 }
 
 #[derive(Debug, Default, Clone, Deserialize)]
@@ -244,9 +226,10 @@ pub(super) struct Orthographic {
 }
 
 /// `EXT_texture_webp`.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub(super) struct WebpTexture {
-    pub(super) source: usize,
+    pub(super) source: Option<usize>,
 }
 
 /// `KHR_materials_anisotropy`.
@@ -280,51 +263,28 @@ pub(super) struct Sheen {
 }
 
 /// `KHR_materials_specular`.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Specular {
-    pub(super) specular_factor: f64,
+    pub(super) specular_factor: Option<f64>,
     pub(super) specular_texture: Option<TextureInfo>,
-    pub(super) specular_color_factor: [f64; 3],
+    pub(super) specular_color_factor: Option<[f64; 3]>,
     pub(super) specular_color_texture: Option<TextureInfo>,
 }
 
-impl Default for Specular {
-    fn default() -> Self {
-        Self {
-            specular_factor: 1.0,
-            specular_texture: None,
-            specular_color_factor: [1.0; 3],
-            specular_color_texture: None,
-        }
-    }
-}
-
 /// `KHR_materials_ior`.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Ior {
-    pub(super) ior: f64,
-}
-
-impl Default for Ior {
-    fn default() -> Self {
-        Self { ior: 1.5 }
-    }
+    pub(super) ior: Option<f64>,
 }
 
 /// `KHR_texture_transform`.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct TextureTransform {
     pub(super) offset: [f64; 2],
     pub(super) rotation: f64,
-    pub(super) scale: [f64; 2],
+    pub(super) scale: Option<[f64; 2]>,
     pub(super) tex_coord: Option<u32>,
-}
-
-impl Default for TextureTransform {
-    fn default() -> Self {
-        Self { offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2], tex_coord: None }
-    }
 }

@@ -1,55 +1,42 @@
-//! Why a scene cannot be planned for.
+//! Errors of reading a scene.
 
+use ltcforge_files::recipe_document::Fault;
 use ltcforge_fit::GoOn;
 
-/// Most faults that are told of one scene.
+/// Most faults in one error.
 const MOST_FAULTS: usize = 50;
 
-/// A fault of a glTF document, at a JSON pointer.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SceneFault {
-    /// Where in the document; empty for the whole.
-    pub pointer: String,
-    /// What is wrong, and what would be right.
-    pub detail: String,
-}
-
-/// Why a scene cannot be planned for.
+/// Why a scene cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// The scene's own file cannot be read.
-    #[error("{detail}")]
-    Open {
-        /// The system's word.
-        detail: String,
-    },
-    /// More than is read.
+    #[error(transparent)]
+    Open(std::io::Error),
+    /// The scene is larger than we read.
     #[error("{what}: {is}; at most {most} are read")]
     TooMuch {
-        /// What there is too much of.
+        /// The counted items.
         what: String,
-        /// How much there is.
+        /// How many there are.
         is: u64,
-        /// How much is allowed.
+        /// How many we read.
         most: u64,
     },
-    /// No glTF 2.0, or one with faults: as many as are told at once.
+    /// The document is invalid: its first faults.
     #[error("{}", list(.0))]
-    Faults(Vec<SceneFault>),
-    /// A scene without a surface.
-    #[error(
-        "the scene has no surface with a lobe that a table could serve: no triangles, or none of a material with GGX"
-    )]
+    Faults(Vec<Fault>),
+    /// The scene has nothing to plan for.
+    #[error("the scene has no surface that a table could serve: it needs triangles of a material with GGX or sheen")]
     Empty,
-    /// The caller's `go_on` said no.
+    /// The caller's `go_on` returned `false`.
     #[error("stopped")]
     Stopped,
 }
 
-fn list(faults: &[SceneFault]) -> String {
-    let line = |fault: &SceneFault| match fault.pointer.as_str() {
-        "" => fault.detail.clone(),
-        pointer => format!("{pointer}: {}", fault.detail),
+fn list(faults: &[Fault]) -> String {
+    let line = |Fault { pointer, detail }: &Fault| match pointer.as_str() {
+        "" => detail.clone(),
+        pointer => format!("{pointer}: {detail}"),
     };
     faults.iter().map(line).collect::<Vec<_>>().join("\n")
 }
@@ -57,39 +44,91 @@ fn list(faults: &[SceneFault]) -> String {
 impl SceneError {
     /// One fault.
     pub(super) fn fault(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
-        Self::Faults(vec![SceneFault { pointer: pointer.into(), detail: detail.into() }])
+        Self::Faults(vec![Fault { pointer: pointer.into(), detail: detail.into() }])
     }
 
-    /// An error where `go_on` says no.
+    /// An error if `go_on` returns `false`.
     pub(super) fn unless(go_on: &GoOn<'_>) -> Result<(), Self> {
         if go_on() { Ok(()) } else { Err(Self::Stopped) }
     }
 
-    /// An error where `is` is above `most`.
+    /// An error if `is` is above `most`.
     pub(super) fn above(what: impl Into<String>, is: u64, most: u64) -> Result<(), Self> {
         if is > most { Err(Self::TooMuch { what: what.into(), is, most }) } else { Ok(()) }
     }
 }
 
-/// Where faults are noted.
+/// Why a part of a scene cannot be read.
+#[derive(Debug)]
+pub(super) enum Unread {
+    /// The part is missing, or its format is not read. The scene is read without it.
+    Missing(String),
+    /// The scene is not read.
+    Fault(SceneError),
+}
+
+impl From<SceneError> for Unread {
+    fn from(error: SceneError) -> Self {
+        Self::Fault(error)
+    }
+}
+
+impl Unread {
+    /// The inner error says why the part is missing.
+    pub(super) fn split<T>(read: Result<T, Self>) -> Result<Result<T, String>, SceneError> {
+        match read {
+            Ok(part) => Ok(Ok(part)),
+            Err(Self::Missing(why)) => Ok(Err(why)),
+            Err(Self::Fault(error)) => Err(error),
+        }
+    }
+}
+
+/// Collects faults.
 #[derive(Debug, Default)]
-pub(super) struct Faults(Vec<SceneFault>);
+pub(super) struct Faults(Vec<Fault>);
 
 impl Faults {
-    pub(super) fn note(&mut self, pointer: String, detail: String) {
-        if self.0.len() < MOST_FAULTS {
-            self.0.push(SceneFault { pointer, detail });
+    pub(super) fn add(&mut self, pointer: impl Into<String>, detail: impl Into<String>) {
+        self.extend(vec![Fault { pointer: pointer.into(), detail: detail.into() }]);
+    }
+
+    pub(super) fn extend(&mut self, faults: Vec<Fault>) {
+        self.0.extend(faults);
+        self.0.truncate(MOST_FAULTS);
+    }
+
+    /// Checks a number.
+    pub(super) fn within(&mut self, pointer: String, value: f64, most: f64) {
+        if !(0.0..=most).contains(&value) {
+            self.add(pointer, format!("{value} is not between 0 and {most}"));
         }
     }
 
-    /// An index into a list of the document.
-    pub(super) fn index(&mut self, pointer: String, index: Option<usize>, list: &str, length: usize) {
-        if let Some(index) = index.filter(|index| *index >= length) {
-            self.note(pointer, format!("{index} is no index of {list}, which has {length}"));
+    /// Checks an index into a list of the document.
+    pub(super) fn index<T>(&mut self, pointer: String, index: Option<usize>, name: &str, list: &[T]) {
+        if let Some(index) = index.filter(|index| *index >= list.len()) {
+            self.add(pointer, out_of_range(index, name, list));
         }
     }
 
+    /// An error if there are faults.
     pub(super) fn none(self) -> Result<(), SceneError> {
         if self.0.is_empty() { Ok(()) } else { Err(SceneError::Faults(self.0)) }
     }
+}
+
+/// The fault of an index into a list of the document.
+pub(super) fn out_of_range<T>(index: usize, name: &str, list: &[T]) -> String {
+    format!("{index} is out of range: the document has {} {name}", list.len())
+}
+
+/// The start of a text of the document, for messages.
+pub(super) fn shown(text: &str) -> String {
+    text.chars().filter(|c| !c.is_control()).take(80).collect()
+}
+
+/// A name of the document for messages, or the default for a missing name.
+pub(super) fn named(name: Option<&str>, default: impl FnOnce() -> String) -> String {
+    name.map(shown).filter(|name| !name.trim().is_empty()).unwrap_or_else(default)
 }

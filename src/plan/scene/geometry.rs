@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::{
-    accessor::{Buffers, bounds},
-    document::{Document, Primitive},
-    error::SceneError,
+    accessor::Buffers,
+    document::{Accessor, Primitive},
+    error::{SceneError, Unread},
 };
 
-/// Triangles with what stands at their corners.
-#[derive(Debug)]
+/// Triangles with the attributes of their corners.
+#[derive(Debug, Default)]
 pub(super) struct Geometry {
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
@@ -20,167 +20,114 @@ pub(super) struct Geometry {
     uv: BTreeMap<u32, Vec<[f32; 2]>>,
 }
 
-/// The shape of a primitive.
-#[derive(Debug)]
-pub(super) enum Shape {
-    /// Its triangles.
-    Triangles(Geometry),
-    /// They cannot be read: why, and the box that they lie in, if the document tells it.
-    Box { why: String, bounds: Option<[[f64; 3]; 2]> },
-    /// It has no surface.
-    None,
-}
-
-/// What is needed at a primitive's corners.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Wanted {
-    pub(super) sets: Vec<u32>,
-    pub(super) frames: bool,
-}
-
-impl Shape {
-    /// Reads a primitive. `place` is its pointer.
+impl Geometry {
+    /// Reads a primitive with some sets of texture coordinates, and normals and tangents if `has_frames`. Points and
+    /// lines have no triangles. `place` is the primitive's JSON pointer.
     pub(super) fn read(
-        document: &Document,
-        buffers: &Buffers,
+        buffers: &Buffers<'_>,
         primitive: &Primitive,
         place: &str,
-        wanted: &Wanted,
-    ) -> Result<Self, SceneError> {
-        if primitive.mode < 4 {
-            return Ok(Self::None);
-        }
-        if primitive.mode > 6 {
-            return Err(SceneError::fault(format!("{place}/mode"), format!("{} is not 0 to 6", primitive.mode)));
-        }
-        let Some(&of_positions) = primitive.attributes.get("POSITION") else { return Ok(Self::None) };
-        let boxed = |why: String| Ok(Self::Box { why, bounds: bounds(&document.accessors[of_positions]) });
-        if let Some(name) = primitive.extensions.keys().find(|name| name.ends_with("_draco_mesh_compression")) {
-            return boxed(format!("it is compressed by {name}"));
-        }
-        let positions = match buffers.numbers::<3>(document, of_positions)? {
-            Ok(positions) => positions,
-            Err(why) => return boxed(why),
-        };
-        let order = match primitive.indices {
-            None => (0..positions.len() as u32).collect(),
-            Some(indices) => match buffers.indices(document, indices)? {
-                Ok(indices) => indices,
-                Err(why) => return boxed(why),
-            },
-        };
-        if let Some(index) = order.iter().find(|index| **index as usize >= positions.len()) {
-            let detail = format!("index {index} of {} corners", positions.len());
-            return Err(SceneError::fault(format!("{place}/indices"), detail));
+        sets: &[u32],
+        has_frames: bool,
+    ) -> Result<Self, Unread> {
+        let fault = |field: &str, detail: String| Err(SceneError::fault(format!("{place}/{field}"), detail).into());
+        let mode = primitive.mode.unwrap_or(4);
+        if mode > 6 {
+            return fault("mode", format!("{mode} is not between 0 and 6"));
         }
         let attribute = |name: &str| primitive.attributes.get(name).copied();
-        let (mut normals, mut tangents, mut uv) = (None, None, BTreeMap::new());
-        // What stands there and cannot be read must not count as if it did not.
-        if let Some(index) = attribute("NORMAL").filter(|_| wanted.frames) {
-            match buffers.numbers::<3>(document, index)? {
-                Ok(read) => normals = Some(read),
-                Err(why) => return boxed(format!("its normals: {why}")),
-            }
+        let Some(positions) = attribute("POSITION").filter(|_| mode >= 4) else { return Ok(Self::default()) };
+        if let Some(name) = primitive.extensions.keys().find(|name| name.ends_with("_draco_mesh_compression")) {
+            return Err(Unread::Missing(format!("it is compressed by {name}")));
         }
-        if let Some(index) = attribute("TANGENT").filter(|_| wanted.frames) {
-            match buffers.numbers::<4>(document, index)? {
-                Ok(read) => tangents = Some(read),
-                Err(why) => return boxed(format!("its tangents: {why}")),
-            }
-        }
-        for set in &wanted.sets {
-            let Some(index) = attribute(&format!("TEXCOORD_{set}")) else {
-                return boxed(format!("it has no TEXCOORD_{set}, at which its material has textures"));
-            };
-            match buffers.numbers::<2>(document, index)? {
-                Ok(read) => uv.insert(*set, read),
-                Err(why) => return boxed(format!("its texture coordinates: {why}")),
-            };
-        }
+        let positions = buffers.numbers::<3>(positions)?;
         let corners = positions.len();
-        let short = [normals.as_ref().map(Vec::len), tangents.as_ref().map(Vec::len)];
-        if short.iter().flatten().chain(uv.values().map(Vec::len).collect::<Vec<_>>().iter()).any(|n| *n < corners) {
-            return Err(SceneError::fault(
-                format!("{place}/attributes"),
-                format!("one has fewer than {corners} elements"),
-            ));
+        let order = match primitive.indices {
+            None => (0..corners as u32).collect(),
+            Some(indices) => buffers.indices(indices)?,
+        };
+        if let Some(index) = order.iter().find(|index| **index as usize >= corners) {
+            return fault("indices", format!("index {index} of {corners} corners"));
         }
-        Ok(Self::Triangles(Geometry { positions, triangles: triangles(primitive.mode, &order), normals, tangents, uv }))
+        let of_frame = |name: &str| attribute(name).filter(|_| has_frames);
+        let normals = of_frame("NORMAL").map(|index| buffers.numbers::<3>(index)).transpose()?;
+        let tangents = of_frame("TANGENT").map(|index| buffers.numbers::<4>(index)).transpose()?;
+        let mut uv = BTreeMap::new();
+        for set in sets {
+            let name = format!("TEXCOORD_{set}");
+            let index = attribute(&name);
+            let index = index.ok_or_else(|| Unread::Missing(format!("it has no {name}, which a texture needs")))?;
+            uv.insert(*set, buffers.numbers::<2>(index)?);
+        }
+        let of_frames = normals.iter().map(Vec::len).chain(tangents.iter().map(Vec::len));
+        if of_frames.chain(uv.values().map(Vec::len)).min().is_some_and(|least| least < corners) {
+            return fault("attributes", format!("an attribute has fewer elements than POSITION, which has {corners}"));
+        }
+        let triangles = match mode {
+            4 => order.as_chunks::<3>().0.to_vec(),
+            5 => order.windows(3).map(|corners| [corners[0], corners[1], corners[2]]).collect(),
+            _ => order.windows(2).skip(1).map(|pair| [order[0], pair[0], pair[1]]).collect(),
+        };
+        Ok(Self { positions, triangles, normals, tangents, uv })
     }
-}
 
-/// Corners of triangles: those of a list, a strip or a fan.
-fn triangles(mode: u32, order: &[u32]) -> Vec<[u32; 3]> {
-    match mode {
-        4 => order.as_chunks::<3>().0.to_vec(),
-        5 => order.windows(3).map(|corners| [corners[0], corners[1], corners[2]]).collect(),
-        _ => order.windows(2).skip(1).map(|pair| [order[0], pair[0], pair[1]]).collect(),
-    }
-}
-
-/// A point of a triangle, in the world.
-#[derive(Debug)]
-pub(super) struct Point {
-    pub(super) position: DVec3,
-    pub(super) normal: DVec3,
-    /// Along the surface, at a right angle to the normal, and the other one.
-    pub(super) tangent: DVec3,
-    pub(super) bitangent: DVec3,
-}
-
-impl Geometry {
     /// How many triangles there are.
     pub(super) fn len(&self) -> usize {
         self.triangles.len()
     }
 
-    fn corners(&self, triangle: usize) -> [DVec3; 3] {
-        self.triangles[triangle].map(|corner| DVec3::from(self.positions[corner as usize].map(f64::from)))
+    /// Values at the corners of a triangle.
+    fn corners<const N: usize, V: From<[f64; N]>>(&self, triangle: usize, values: &[[f32; N]]) -> [V; 3] {
+        self.triangles[triangle].map(|corner| V::from(values[corner as usize].map(f64::from)))
     }
 
-    /// The surface of a triangle in the world; 0 where it is not finite.
+    /// The edges of a triangle from its first corner, in the world.
+    fn edges(&self, triangle: usize, world: &DMat4) -> [DVec3; 2] {
+        let [a, b, c] = self.corners::<3, DVec3>(triangle, &self.positions);
+        [b - a, c - a].map(|edge| world.transform_vector3(edge))
+    }
+
+    /// The area of a triangle in the world; 0 if it is not finite.
     pub(super) fn area(&self, triangle: usize, world: &DMat4) -> f64 {
-        let [a, b, c] = self.corners(triangle);
-        let across = world.transform_vector3(b - a).cross(world.transform_vector3(c - a));
-        let area = 0.5 * across.length();
+        let [ab, ac] = self.edges(triangle, world);
+        let area = 0.5 * ab.cross(ac).length();
         if area.is_finite() { area } else { 0.0 }
     }
 
-    /// Texture coordinates at a point of a triangle, of a set.
+    /// Texture coordinates at a point of a triangle.
     pub(super) fn uv(&self, triangle: usize, weights: [f64; 3], set: u32) -> [f64; 2] {
         let Some(uv) = self.uv.get(&set) else { return [0.0; 2] };
-        let corners = self.triangles[triangle].map(|corner| DVec2::from(uv[corner as usize].map(f64::from)));
+        let corners = self.corners::<2, DVec2>(triangle, uv);
         corners.into_iter().zip(weights).map(|(uv, weight)| weight * uv).sum::<DVec2>().to_array()
     }
 
-    /// The place and the frame at a point of a triangle.
-    pub(super) fn point(&self, triangle: usize, weights: [f64; 3], world: &DMat4) -> Point {
-        let corners = self.corners(triangle);
-        let between = |values: [DVec3; 3]| values.into_iter().zip(weights).map(|(x, weight)| weight * x).sum::<DVec3>();
-        let position = world.transform_point3(between(corners));
-        let [ab, ac] = [corners[1] - corners[0], corners[2] - corners[0]].map(|edge| world.transform_vector3(edge));
-        let flat = ab.cross(ac).normalize_or_zero();
-        let order = self.triangles[triangle];
+    /// The position and the frame at a point of a triangle, in the world: tangent, bitangent and normal.
+    pub(super) fn point(&self, triangle: usize, weights: [f64; 3], world: &DMat4) -> (DVec3, [DVec3; 3]) {
+        let mean = |values: [DVec3; 3]| values.into_iter().zip(weights).map(|(x, weight)| weight * x).sum::<DVec3>();
+        let position = world.transform_point3(mean(self.corners(triangle, &self.positions)));
+        let [ab, ac] = self.edges(triangle, world);
         let normal = self.normals.as_ref().map(|normals| {
-            let normal = between(order.map(|corner| DVec3::from(normals[corner as usize].map(f64::from))));
+            let normal = mean(self.corners(triangle, normals));
             world.inverse().transpose().transform_vector3(normal).normalize_or_zero()
         });
-        let normal = normal.filter(|normal| *normal != DVec3::ZERO && normal.is_finite()).unwrap_or(flat);
+        let normal = normal.filter(|normal| *normal != DVec3::ZERO && normal.is_finite());
+        let normal = normal.unwrap_or_else(|| ab.cross(ac).normalize_or_zero());
         let (tangent, side) = match &self.tangents {
             Some(tangents) => {
-                let [a, b, c] = order.map(|corner| DVec4::from(tangents[corner as usize].map(f64::from)));
-                (world.transform_vector3(between([a, b, c].map(DVec4::truncate))), if a.w < 0.0 { -1.0 } else { 1.0 })
+                let corners = self.corners::<4, DVec4>(triangle, tangents);
+                let tangent = world.transform_vector3(mean(corners.map(DVec4::truncate)));
+                (tangent, if corners[0].w < 0.0 { -1.0 } else { 1.0 })
             }
-            None => (self.along_u(order, [ab, ac]), 1.0),
+            None => (self.along_u(triangle, [ab, ac]), 1.0),
         };
         let tangent = (tangent - tangent.dot(normal) * normal).normalize_or(normal.any_orthonormal_vector());
-        Point { position, normal, tangent, bitangent: side * normal.cross(tangent) }
+        (position, [tangent, side * normal.cross(tangent), normal])
     }
 
     /// The direction in which the first texture coordinate grows.
-    fn along_u(&self, order: [u32; 3], [ab, ac]: [DVec3; 2]) -> DVec3 {
+    fn along_u(&self, triangle: usize, [ab, ac]: [DVec3; 2]) -> DVec3 {
         let Some(uv) = self.uv.values().next() else { return ab };
-        let [a, b, c] = order.map(|corner| DVec2::from(uv[corner as usize].map(f64::from)));
+        let [a, b, c] = self.corners::<2, DVec2>(triangle, uv);
         let (first, second) = (b - a, c - a);
         let area = first.perp_dot(second);
         let along = (second.y * ab - first.y * ac) * area.signum();
@@ -188,11 +135,11 @@ impl Geometry {
     }
 }
 
-/// The surface of a box in the world.
-pub(super) fn box_area(bounds: Option<[[f64; 3]; 2]>, world: &DMat4) -> f64 {
-    let Some([min, max]) = bounds.map(|bounds| bounds.map(DVec3::from)) else { return 1.0 };
-    let size = max - min;
-    let [x, y, z] = [DVec3::X * size.x, DVec3::Y * size.y, DVec3::Z * size.z].map(|edge| world.transform_vector3(edge));
+/// The surface of the box of an accessor of positions, in the world; 1 if the box is missing or empty.
+pub(super) fn box_area(positions: &Accessor, world: &DMat4) -> f64 {
+    let corner = |numbers: &Option<Vec<f64>>| Some(DVec3::from(*numbers.as_ref()?.first_chunk::<3>()?));
+    let Some((min, max)) = corner(&positions.min).zip(corner(&positions.max)) else { return 1.0 };
+    let [x, y, z] = DVec3::AXES.map(|axis| world.transform_vector3(axis * (max - min)));
     let area = 2.0 * (x.cross(y).length() + y.cross(z).length() + z.cross(x).length());
     if area.is_finite() && area > 0.0 { area } else { 1.0 }
 }

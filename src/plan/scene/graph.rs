@@ -1,61 +1,50 @@
-//! The nodes of a scene: where each mesh and camera stands in the world.
+//! The nodes of a scene: the transforms of its meshes and cameras.
 
 use glam::{DMat4, DQuat, DVec3};
 
 use super::{camera::Placed, document::Document, document::Node, error::SceneError};
 
-/// A mesh in the world.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Instance {
-    pub(super) mesh: usize,
-    pub(super) world: DMat4,
-}
-
-/// What stands in a scene.
+/// The meshes and cameras of a scene.
 #[derive(Debug, Default)]
 pub(super) struct Graph {
-    pub(super) instances: Vec<Instance>,
+    /// The transforms of each mesh's instances.
+    pub(super) worlds: Vec<Vec<DMat4>>,
     pub(super) cameras: Vec<Placed>,
-    pub(super) notes: Vec<String>,
+    pub(super) is_instanced: bool,
 }
 
 impl Graph {
-    /// The nodes of the document's scene, or of all roots where it has none.
+    /// Follows the nodes of the document's scene, or of all roots if the document has no scene. Domain: a checked
+    /// document.
     pub(super) fn of(document: &Document) -> Result<Self, SceneError> {
-        let roots = roots(document)?;
-        let (mut graph, mut reached) = (Self::default(), vec![false; document.nodes.len()]);
-        let mut open: Vec<(usize, DMat4)> = roots.into_iter().rev().map(|root| (root, DMat4::IDENTITY)).collect();
-        let mut is_instanced = false;
+        let mut graph = Self { worlds: vec![Vec::new(); document.meshes.len()], ..Self::default() };
+        let mut reached = vec![false; document.nodes.len()];
+        let mut open: Vec<(usize, DMat4)> =
+            roots(document)?.into_iter().rev().map(|root| (root, DMat4::IDENTITY)).collect();
         while let Some((index, parent)) = open.pop() {
-            // The caller has checked all indices.
+            let fault = |detail: &str| Err(SceneError::fault(format!("/nodes/{index}"), detail));
             if std::mem::replace(&mut reached[index], true) {
-                let detail = "this node is reached twice: nodes have to be a tree".to_owned();
-                return Err(SceneError::fault(format!("/nodes/{index}"), detail));
+                return fault("this node is reached twice; nodes must be a tree");
             }
             let node = &document.nodes[index];
             let world = parent * local(node);
             if !world.is_finite() {
-                return Err(SceneError::fault(format!("/nodes/{index}"), "its place in the world is not finite"));
+                return fault("its transform is not finite");
             }
-            is_instanced |= node.extensions.contains_key("EXT_mesh_gpu_instancing");
-            graph.instances.extend(node.mesh.map(|mesh| Instance { mesh, world }));
-            let camera = node.camera.and_then(|camera| Placed::new(&document.cameras[camera], world));
-            graph.cameras.extend(camera);
+            graph.is_instanced |= node.extensions.contains_key("EXT_mesh_gpu_instancing");
+            node.mesh.into_iter().for_each(|mesh| graph.worlds[mesh].push(world));
+            graph.cameras.extend(node.camera.and_then(|camera| Placed::new(&document.cameras[camera], world)));
             open.extend(node.children.iter().rev().map(|child| (*child, world)));
-        }
-        if is_instanced {
-            graph.notes.push("EXT_mesh_gpu_instancing: each mesh weighs as one instance of it".to_owned());
         }
         Ok(graph)
     }
 }
 
 fn roots(document: &Document) -> Result<Vec<usize>, SceneError> {
-    if let Some(scene) = document.scene.or((!document.scenes.is_empty()).then_some(0)) {
-        let Some(scene) = document.scenes.get(scene) else {
-            return Err(SceneError::fault("/scene", format!("{scene} is no index of scenes")));
-        };
-        return Ok(scene.nodes.clone());
+    let first = (!document.scenes.is_empty()).then_some(0);
+    if let Some(scene) = document.scene.or(first) {
+        let scene = document.scenes.get(scene);
+        return Ok(scene.ok_or_else(|| SceneError::fault("/scene", "there is no such scene"))?.nodes.clone());
     }
     let mut is_child = vec![false; document.nodes.len()];
     document.nodes.iter().flat_map(|node| &node.children).for_each(|child| is_child[*child] = true);

@@ -1,44 +1,65 @@
-//! A glTF material as the lobes that light gives on it: roughness along and across, reflectance seen from above.
+//! The lobes of a glTF material: their roughness along and across, and their reflectance at normal incidence.
 
 use super::{
-    coverage::Coverage,
-    document::{Anisotropy, Clearcoat, Extensions, Material, Sheen, TextureInfo},
-    error::SceneError,
-    reflectance::{Dielectric, Uv, luminance},
-    texture::{Sampled, Textures, extension, linear},
+    document::{AlphaMode, Anisotropy, Clearcoat, Ior, Material, Sheen, Specular, TextureInfo},
+    error::{Faults, SceneError, Unread, named},
+    extensions::{is_ggx, uncovered},
+    texture::{Sampled, linear},
+    textures::{Textures, extension},
 };
-use ltcforge_fit::{
-    ALPHA_FLOOR,
-    math::{atan2, sin_cos},
-};
+use ltcforge_fit::{ALPHA_FLOOR, math::atan2};
+
+/// Alpha below which a masked surface is cut away, if the material does not say.
+const CUTOFF: f64 = 0.5;
+/// Reflectance of a clear coat at normal incidence, of index 1.5.
+const COAT_F0: f64 = 0.04;
 
 /// The kind of a lobe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LobeKind {
-    /// The surface's own, GGX.
+    /// The surface itself: GGX.
     Base,
-    /// A clear coat over it, GGX and isotropic.
+    /// A clear coat over the surface: isotropic GGX.
     Clearcoat,
-    /// Fibres over it, Charlie.
+    /// Fibres over the surface: Charlie.
     Sheen,
 }
 
-/// What a lobe is at a point of the surface.
+/// A lobe at a point of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LobeAt {
     pub(super) kind: LobeKind,
-    /// How much of it there is: the part of the surface that has it.
+    /// The part of the surface that has the lobe.
     pub(super) weight: f64,
-    /// The larger roughness, and the smaller over it.
+    /// The larger roughness, and the smaller one divided by it.
     pub(super) alpha: f64,
     pub(super) ratio: f64,
-    /// From the tangent to the axis of the larger roughness, radians.
+    /// Angle from the tangent to the axis of the larger roughness, radians.
     pub(super) turn: f64,
-    /// The part that is metal, and its reflectance seen from above.
-    pub(super) metal: [f64; 2],
-    /// Reflectance seen from above of the rest.
-    pub(super) dielectric: f64,
+    /// Reflectance at normal incidence and its part of the surface: of dielectrics, then of metal.
+    pub(super) f0: [[f64; 2]; 2],
+}
+
+impl LobeAt {
+    /// An isotropic lobe of a dielectric.
+    pub(super) fn isotropic(kind: LobeKind, weight: f64, alpha: f64, f0: f64) -> Self {
+        Self { kind, weight, alpha: alpha.max(ALPHA_FLOOR), ratio: 1.0, turn: 0.0, f0: [[f0, 1.0], [0.0; 2]] }
+    }
+}
+
+/// The textures of a material: the index of each in [`Shaded::maps`].
+#[derive(Debug, Clone, Copy)]
+enum Map {
+    Surface,
+    Anisotropy,
+    Coat,
+    CoatRoughness,
+    SheenColour,
+    SheenRoughness,
+    Specular,
+    SpecularColour,
+    Alpha,
 }
 
 /// A material with its textures.
@@ -47,192 +68,137 @@ pub(super) struct Shaded {
     pub(super) name: String,
     pub(super) double_sided: bool,
     pub(super) has_normal_map: bool,
-    base_color: [f64; 3],
+    base_color: [f64; 4],
     metallic: f64,
     roughness: f64,
-    /// Roughness, metallic.
-    surface: Option<Sampled>,
-    dielectric: Dielectric,
-    coverage: Coverage,
-    anisotropy: Option<(Anisotropy, Option<Sampled>)>,
-    clearcoat: Option<(Clearcoat, Option<Sampled>, Option<Sampled>)>,
-    /// With the textures of its colour and of its roughness.
-    sheen: Option<(Sheen, Option<Sampled>, Option<Sampled>)>,
-    /// Whether its own lobe is one of GGX.
+    ior: f64,
+    specular: Specular,
+    /// Extensions that change nothing are at their defaults.
+    anisotropy: Anisotropy,
+    clearcoat: Clearcoat,
+    sheen: Sheen,
+    alpha_mode: AlphaMode,
+    alpha_cutoff: f64,
+    maps: [Option<Sampled>; 9],
+    /// Whether its base lobe is GGX.
     is_ggx: bool,
-    /// What a table does not serve.
+    /// Its light that a table does not cover.
     pub(super) uncovered: Vec<String>,
-    /// Textures that could not be had, and what stands in their place.
+    /// Notes about missing textures.
     pub(super) missing: Vec<String>,
 }
 
-/// Extensions whose light no table of one lobe gives, and what is left of the material without it.
-const NOT_COVERED: [(&str, &str); 6] = [
-    ("KHR_materials_transmission", "transmitted light; its reflection is planned for"),
-    ("KHR_materials_volume", "light within its volume"),
-    ("KHR_materials_diffuse_transmission", "light that comes through it"),
-    ("KHR_materials_iridescence", "the colours of its thin film; the lobe is planned for"),
-    ("KHR_materials_dispersion", "its dispersion"),
-    ("KHR_materials_subsurface", "light below its surface"),
-];
-/// Extensions that change no lobe, or that a plan takes into account.
-const KNOWN: [&str; 7] = [
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_sheen",
-    "KHR_materials_specular",
-    "KHR_texture_transform",
-];
-/// Extensions beyond those of materials that are read, or of which something else says what is left out.
-const READ: [&str; 8] = [
-    "EXT_mesh_gpu_instancing",
-    "EXT_meshopt_compression",
-    "EXT_texture_webp",
-    "KHR_draco_mesh_compression",
-    "KHR_lights_punctual",
-    "KHR_materials_variants",
-    "KHR_mesh_quantization",
-    "KHR_texture_basisu",
-];
-
-/// Whether a plan knows what an extension is.
-pub(super) fn is_known(name: &str) -> bool {
-    let told = NOT_COVERED.iter().chain(&OTHER_LOBES).map(|(name, _)| name);
-    KNOWN.iter().chain(&READ).chain(told).any(|known| *known == name)
-}
-
-/// Extensions of materials whose lobe is none of GGX.
-const OTHER_LOBES: [(&str, &str); 2] = [
-    ("KHR_materials_unlit", "nothing: it is unlit"),
-    ("KHR_materials_pbrSpecularGlossiness", "its lobe, by the retired specular and glossiness"),
-];
+/// Returns the texture coordinates of a set.
+type Uv<'a> = dyn Fn(u32) -> [f64; 2] + 'a;
 
 impl Shaded {
-    /// Reads a material, with its textures if `textures` can be had. `place` is its pointer.
+    /// Reads a material and, if there are `textures`, its textures.
     pub(super) fn read(
         material: &Material,
         index: Option<usize>,
         mut textures: Option<&mut Textures<'_>>,
     ) -> Result<Self, SceneError> {
         let place = index.map_or_else(String::new, |index| format!("/materials/{index}"));
-        let mut missing = Vec::new();
-        let mut texture = |what: &str, info: Option<&TextureInfo>, channels: &[usize]| {
-            let Some(info) = info else { return Ok(None) };
-            let found = match &mut textures {
-                Some(textures) => textures.read(info, channels)?,
-                None => Err("it cannot be read from a list".to_owned()),
+        let (pbr, extensions) = (&material.pbr_metallic_roughness, &material.extensions);
+        let ior: Ior = extension(&place, extensions, "KHR_materials_ior")?;
+        let specular: Specular = extension(&place, extensions, "KHR_materials_specular")?;
+        let mut anisotropy: Anisotropy = extension(&place, extensions, "KHR_materials_anisotropy")?;
+        if anisotropy.anisotropy_strength == 0.0 {
+            anisotropy = Anisotropy::default();
+        }
+        let mut clearcoat: Clearcoat = extension(&place, extensions, "KHR_materials_clearcoat")?;
+        if clearcoat.clearcoat_factor <= 0.0 {
+            clearcoat = Clearcoat::default();
+        }
+        let mut sheen: Sheen = extension(&place, extensions, "KHR_materials_sheen")?;
+        if sheen.sheen_color_factor.iter().all(|colour| *colour <= 0.0) {
+            sheen = Sheen::default();
+        }
+        let alpha = pbr.base_color_texture.as_ref().filter(|_| material.alpha_mode != AlphaMode::Opaque);
+        let wanted: [(&str, Option<&TextureInfo>, &'static [usize]); 9] = [
+            ("roughness", pbr.metallic_roughness_texture.as_ref(), &[1, 2]),
+            ("anisotropy", anisotropy.anisotropy_texture.as_ref(), &[0, 1, 2]),
+            ("clear coat", clearcoat.clearcoat_texture.as_ref(), &[0]),
+            ("clear coat's roughness", clearcoat.clearcoat_roughness_texture.as_ref(), &[1]),
+            ("sheen's colour", sheen.sheen_color_texture.as_ref(), &[0, 1, 2]),
+            ("sheen's roughness", sheen.sheen_roughness_texture.as_ref(), &[3]),
+            ("specular factor", specular.specular_texture.as_ref(), &[3]),
+            ("specular colour", specular.specular_color_texture.as_ref(), &[0, 1, 2]),
+            ("alpha", alpha, &[3]),
+        ];
+        let (mut maps, mut missing) = ([const { None }; 9], Vec::new());
+        for (map, (what, info, channels)) in maps.iter_mut().zip(wanted) {
+            let Some(info) = info else { continue };
+            let read = match &mut textures {
+                Some(textures) => textures.read(&place, info, channels),
+                None => Err(Unread::Missing("a list has no textures".to_owned())),
             };
-            found.map(Some).or_else(|why| {
-                missing
-                    .push(format!("the texture of its {what} is left out, and its factor stands for all of it: {why}"));
-                Ok::<_, SceneError>(None)
-            })
-        };
-        let of = &material.pbr_metallic_roughness;
-        let extensions = &material.extensions;
-        let surface = texture("roughness", of.metallic_roughness_texture.as_ref(), &[1, 2])?;
-        let anisotropy: Option<Anisotropy> = extension(extensions, "KHR_materials_anisotropy")?;
-        let anisotropy = match anisotropy.filter(|of| of.anisotropy_strength != 0.0) {
-            Some(of) => {
-                let map = texture("anisotropy", of.anisotropy_texture.as_ref(), &[0, 1, 2])?;
-                Some((of, map))
+            match Unread::split(read)? {
+                Ok(texture) => *map = Some(texture),
+                Err(why) => missing.push(format!("the texture of its {what} is ignored, its factor is used: {why}")),
             }
-            None => None,
-        };
-        let clearcoat: Option<Clearcoat> = extension(extensions, "KHR_materials_clearcoat")?;
-        let clearcoat = match clearcoat.filter(|of| of.clearcoat_factor > 0.0) {
-            Some(of) => {
-                let factor = texture("clear coat", of.clearcoat_texture.as_ref(), &[0])?;
-                let roughness = texture("clear coat's roughness", of.clearcoat_roughness_texture.as_ref(), &[1])?;
-                Some((of, factor, roughness))
-            }
-            None => None,
-        };
-        let coat_has_normal_map = clearcoat.as_ref().is_some_and(|(of, ..)| of.clearcoat_normal_texture.is_some());
-        let sheen: Option<Sheen> = extension(extensions, "KHR_materials_sheen")?;
-        let sheen = match sheen.filter(|of| of.sheen_color_factor.iter().any(|colour| *colour > 0.0)) {
-            Some(of) => {
-                let colour = texture("sheen's colour", of.sheen_color_texture.as_ref(), &[0, 1, 2])?;
-                let roughness = texture("sheen's roughness", of.sheen_roughness_texture.as_ref(), &[3])?;
-                Some((of, colour, roughness))
-            }
-            None => None,
-        };
-        let dielectric = Dielectric::read(extensions, &mut texture)?;
-        let coverage = Coverage::read(material, &mut texture)?;
-        let of_list = |list: &[(&str, &str)], extensions: &Extensions| -> Vec<String> {
-            let found = list.iter().filter(|(name, _)| extensions.contains_key(*name));
-            found.map(|(name, what)| format!("{what} ({name})")).collect()
-        };
-        let other = of_list(&OTHER_LOBES, extensions);
-        let listed = |name: &str| NOT_COVERED.iter().chain(&OTHER_LOBES).any(|(known, _)| *known == name);
-        let unknown = extensions.keys().filter(|name| !KNOWN.contains(&name.as_str()) && !listed(name));
-        let unknown: Vec<String> = unknown.map(|name| format!("what {name} changes")).collect();
+        }
+        let number = || index.map_or("the default material".to_owned(), |index| format!("material {index}"));
         let shaded = Self {
-            name: named(material.name.as_deref(), index),
+            name: named(material.name.as_deref(), number),
             double_sided: material.double_sided,
-            has_normal_map: material.normal_texture.is_some() || coat_has_normal_map,
-            base_color: [0, 1, 2].map(|i| of.base_color_factor[i]),
-            metallic: of.metallic_factor,
-            roughness: of.roughness_factor,
-            surface,
-            dielectric,
-            coverage,
+            has_normal_map: material.normal_texture.is_some() || clearcoat.clearcoat_normal_texture.is_some(),
+            base_color: pbr.base_color_factor.unwrap_or([1.0; 4]),
+            metallic: pbr.metallic_factor.unwrap_or(1.0),
+            roughness: pbr.roughness_factor.unwrap_or(1.0),
+            ior: ior.ior.unwrap_or(1.5),
+            specular,
             anisotropy,
             clearcoat,
             sheen,
-            is_ggx: other.is_empty(),
-            uncovered: other.into_iter().chain(of_list(&NOT_COVERED, extensions)).chain(unknown).collect(),
+            alpha_mode: material.alpha_mode,
+            alpha_cutoff: material.alpha_cutoff.unwrap_or(CUTOFF),
+            maps,
+            is_ggx: is_ggx(extensions),
+            uncovered: uncovered(extensions),
             missing,
         };
         shaded.check(&place)?;
         Ok(shaded)
     }
 
-    /// Every factor within glTF's bounds, all faults at once.
+    /// Checks that factors are within the bounds of glTF, and reports all faults at once.
     fn check(&self, place: &str) -> Result<(), SceneError> {
-        let mut faults = super::error::Faults::default();
-        let mut unit = |field: &str, value: f64| {
-            if !(0.0..=1.0).contains(&value) {
-                faults.note(format!("{place}/{field}"), format!("{value} is not from 0 to 1"));
-            }
-        };
-        unit("pbrMetallicRoughness/metallicFactor", self.metallic);
-        unit("pbrMetallicRoughness/roughnessFactor", self.roughness);
-        let [alpha, cutoff] = self.coverage.numbers();
-        self.base_color.iter().chain([&alpha]).for_each(|part| unit("pbrMetallicRoughness/baseColorFactor", *part));
-        // A cutoff above one leaves nothing of the material [glTF 2.0, section 3.9.4].
-        unit("alphaCutoff", cutoff.min(1.0));
-        if let Some((of, _)) = &self.anisotropy {
-            unit("extensions/KHR_materials_anisotropy/anisotropyStrength", of.anisotropy_strength);
+        let mut faults = Faults::default();
+        let factors = [
+            ("pbrMetallicRoughness/metallicFactor", self.metallic),
+            ("pbrMetallicRoughness/roughnessFactor", self.roughness),
+            // A cutoff above one cuts everything away [glTF 2.0, section 3.9.4].
+            ("alphaCutoff", self.alpha_cutoff.min(1.0)),
+            ("extensions/KHR_materials_anisotropy/anisotropyStrength", self.anisotropy.anisotropy_strength),
+            ("extensions/KHR_materials_clearcoat/clearcoatFactor", self.clearcoat.clearcoat_factor),
+            ("extensions/KHR_materials_clearcoat/clearcoatRoughnessFactor", self.clearcoat.clearcoat_roughness_factor),
+            ("extensions/KHR_materials_sheen/sheenRoughnessFactor", self.sheen.sheen_roughness_factor),
+        ];
+        let colour = self.base_color.map(|part| ("pbrMetallicRoughness/baseColorFactor", part));
+        let sheen = self.sheen.sheen_color_factor.map(|part| ("extensions/KHR_materials_sheen/sheenColorFactor", part));
+        for (field, value) in factors.into_iter().chain(colour).chain(sheen) {
+            faults.within(format!("{place}/{field}"), value, 1.0);
         }
-        if let Some((of, ..)) = &self.clearcoat {
-            unit("extensions/KHR_materials_clearcoat/clearcoatFactor", of.clearcoat_factor);
-            unit("extensions/KHR_materials_clearcoat/clearcoatRoughnessFactor", of.clearcoat_roughness_factor);
-        }
-        if let Some((of, ..)) = &self.sheen {
-            unit("extensions/KHR_materials_sheen/sheenRoughnessFactor", of.sheen_roughness_factor);
-            of.sheen_color_factor
-                .iter()
-                .for_each(|colour| unit("extensions/KHR_materials_sheen/sheenColorFactor", *colour));
+        let f0 = self.dielectric_f0(1.0, [1.0; 3]);
+        if !(0.0..f64::INFINITY).contains(&f0) {
+            faults.add(format!("{place}/extensions/KHR_materials_specular"), format!("a reflectance of {f0}"));
         }
         faults.none()
     }
 
-    /// Its textures.
-    fn textures(&self) -> impl Iterator<Item = &Sampled> {
-        let of_coat = self.clearcoat.iter().flat_map(|(_, factor, roughness)| [factor, roughness]).flatten();
-        let of_anisotropy = self.anisotropy.iter().filter_map(|(_, map)| map.as_ref());
-        let of_sheen = self.sheen.iter().flat_map(|(_, colour, roughness)| [colour, roughness]).flatten();
-        let of_base = self.surface.iter().chain(self.dielectric.textures()).chain(self.coverage.textures());
-        of_base.chain(of_anisotropy).chain(of_coat).chain(of_sheen)
+    /// The reflectance of a dielectric at normal incidence: `min(f0 luminance(colour), 1) factor` by
+    /// `KHR_materials_specular`. `factor` and `colour` are values of the textures.
+    fn dielectric_f0(&self, factor: f64, colour: [f64; 3]) -> f64 {
+        let root = if self.ior > 0.0 { (self.ior - 1.0) / (self.ior + 1.0) } else { 1.0 };
+        let tint = self.specular.specular_color_factor.unwrap_or([1.0; 3]);
+        let light = luminance([0, 1, 2].map(|i| tint[i] * colour[i]));
+        (root * root * light).min(1.0) * self.specular.specular_factor.unwrap_or(1.0) * factor
     }
 
-    /// The sets of texture coordinates that its textures are at.
+    /// The sets of texture coordinates of its textures.
     pub(super) fn sets(&self) -> Vec<u32> {
-        let mut sets: Vec<u32> = self.textures().map(|texture| texture.set).collect();
+        let mut sets: Vec<u32> = self.maps.iter().flatten().map(|map| map.set).collect();
         sets.sort_unstable();
         sets.dedup();
         sets
@@ -240,72 +206,57 @@ impl Shaded {
 
     /// Whether its lobes differ from point to point.
     pub(super) fn is_textured(&self) -> bool {
-        self.textures().next().is_some()
+        self.maps.iter().any(Option::is_some)
     }
 
     /// Whether a lobe has a direction along the surface.
     pub(super) fn is_anisotropic(&self) -> bool {
-        self.is_ggx && self.anisotropy.is_some()
+        self.is_ggx && self.anisotropy.anisotropy_strength != 0.0
     }
 
-    /// The lobes at a point, and the part of the surface that is there; `uv` gives the texture coordinates of a set.
-    pub(super) fn lobes(&self, uv: &Uv<'_>, lobes: &mut Vec<LobeAt>) -> f64 {
-        let at = |map: &Option<Sampled>| map.as_ref().map_or([1.0; 3], |map| map.at(uv(map.set)));
-        lobes.clear();
-        let plain = |kind, weight, roughness: f64| LobeAt {
-            kind,
-            weight,
-            alpha: (roughness * roughness).max(ALPHA_FLOOR),
-            ratio: 1.0,
-            turn: 0.0,
-            metal: [0.0; 2],
-            dielectric: COAT_F0,
+    /// The part of the surface that is not transparent at a point, and the lobes there. Lobes that the material does
+    /// not have weigh 0.
+    pub(super) fn lobes(&self, uv: &Uv<'_>) -> (f64, [LobeAt; 3]) {
+        let map = |map: Map| self.maps[map as usize].as_ref().map(|map| map.at(uv(map.set)));
+        let at = |of: Map| map(of).unwrap_or([1.0; 3]);
+        let colour = |of: Map| map(of).map_or([1.0; 3], |levels| levels.map(linear));
+        let lobe = |kind, weight, roughness: f64| LobeAt::isotropic(kind, weight, roughness * roughness, COAT_F0);
+
+        let [roughness, metallic, _] = at(Map::Surface);
+        let mut base = lobe(LobeKind::Base, f64::from(u8::from(self.is_ggx)), self.roughness * roughness);
+        let metallic = self.metallic * metallic;
+        let dielectric = self.dielectric_f0(at(Map::Specular)[0], colour(Map::SpecularColour));
+        let [red, green, blue, factor] = self.base_color;
+        base.f0 = [[dielectric, 1.0 - metallic], [luminance([red, green, blue]), metallic]];
+        if self.is_anisotropic() {
+            let map = map(Map::Anisotropy);
+            let direction = map.map_or(0.0, |[x, y, _]| atan2(2.0 * y - 1.0, 2.0 * x - 1.0));
+            let strength = self.anisotropy.anisotropy_strength * map.map_or(1.0, |[.., strength]| strength);
+            // Along the direction: mix(alpha, 1, strength^2) [KHR_materials_anisotropy].
+            let along = base.alpha + (1.0 - base.alpha) * strength * strength;
+            (base.alpha, base.ratio) = (along, base.alpha / along);
+            base.turn = direction + self.anisotropy.anisotropy_rotation;
+        }
+
+        let Clearcoat { clearcoat_factor, clearcoat_roughness_factor, .. } = self.clearcoat;
+        let roughness = clearcoat_roughness_factor * at(Map::CoatRoughness)[0];
+        let coat = lobe(LobeKind::Clearcoat, clearcoat_factor * at(Map::Coat)[0], roughness);
+
+        let (levels, factors) = (colour(Map::SheenColour), self.sheen.sheen_color_factor);
+        let weight = [0, 1, 2].map(|i| levels[i] * factors[i]).into_iter().fold(0.0, f64::max);
+        let sheen = lobe(LobeKind::Sheen, weight, self.sheen.sheen_roughness_factor * at(Map::SheenRoughness)[0]);
+
+        let alpha = factor * at(Map::Alpha)[0];
+        let part = match self.alpha_mode {
+            AlphaMode::Opaque => 1.0,
+            AlphaMode::Mask => f64::from(u8::from(alpha >= self.alpha_cutoff)),
+            AlphaMode::Blend => alpha,
         };
-        if self.is_ggx {
-            let [roughness, metallic, _] = at(&self.surface);
-            let metallic = self.metallic * metallic;
-            let base = plain(LobeKind::Base, 1.0, self.roughness * roughness);
-            let metal = [metallic, luminance(self.base_color)];
-            let mut lobe = LobeAt { metal, dielectric: self.dielectric.at(uv), ..base };
-            if let Some((of, map)) = &self.anisotropy {
-                let [x, y, strength] = map.as_ref().map_or([1.0, 0.5, 1.0], |map| map.at(uv(map.set)));
-                let strength = of.anisotropy_strength * strength;
-                // Along the direction: mix(alpha, 1, strength^2) [KHR_materials_anisotropy].
-                let along = lobe.alpha + (1.0 - lobe.alpha) * strength * strength;
-                let direction = if map.is_some() { atan2(2.0 * y - 1.0, 2.0 * x - 1.0) } else { 0.0 };
-                (lobe.alpha, lobe.ratio) = (along, lobe.alpha / along);
-                lobe.turn = direction + of.anisotropy_rotation;
-            }
-            lobes.push(lobe);
-        }
-        if let Some((of, factor, roughness)) = &self.clearcoat {
-            let weight = of.clearcoat_factor * at(factor)[0];
-            lobes.push(plain(LobeKind::Clearcoat, weight, of.clearcoat_roughness_factor * at(roughness)[0]));
-        }
-        if let Some((of, colour, roughness)) = &self.sheen {
-            let [r, g, b] = at(colour).map(linear);
-            let [x, y, z] = of.sheen_color_factor;
-            let weight = (r * x).max(g * y).max(b * z);
-            lobes.push(plain(LobeKind::Sheen, weight, of.sheen_roughness_factor * at(roughness)[0]));
-        }
-        self.coverage.at(uv)
+        (part, [base, coat, sheen])
     }
 }
 
-/// Reflectance of a clear coat seen from above, of index 1.5.
-const COAT_F0: f64 = 0.04;
-
-/// A material's name in messages: its own, cut short, or its number.
-fn named(name: Option<&str>, index: Option<usize>) -> String {
-    match (name, index) {
-        (Some(name), _) if !name.trim().is_empty() => name.chars().filter(|c| !c.is_control()).take(80).collect(),
-        (_, Some(index)) => format!("material {index}"),
-        (_, None) => "the default material".to_owned(),
-    }
-}
-
-/// The azimuth of a view in the quadrant that a table has, from the axis of the larger roughness.
-pub(super) fn folded(x: f64, y: f64, turn: f64) -> f64 {
-    let (sin, cos) = sin_cos(turn);
-    atan2((cos * y - sin * x).abs(), (cos * x + sin * y).abs())
+/// Relative luminance of linear colours [Rec. 709].
+fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
 }

@@ -1,4 +1,4 @@
-//! Scenes in glTF 2.0: their materials as lobes, weighed by the surface that has them, and the views of it.
+//! Scenes in glTF 2.0: the lobes of their materials, weighted by the surface that has them, and the views of it.
 //!
 //! Invariant: hostile bytes give an error within bounded time and memory, never a panic; no file outside of the
 //! scene's folder is read; equal files give equal scenes.
@@ -7,45 +7,39 @@ mod accessor;
 mod camera;
 mod check;
 mod container;
-mod coverage;
-mod decoding;
 mod document;
 mod error;
+mod extensions;
+mod gathered;
 mod geometry;
 mod graph;
 mod image;
 mod list;
 mod material;
 mod model;
-mod reflectance;
 mod surface;
 mod texture;
+mod textures;
 
 use std::path::Path;
 
 use self::{
-    accessor::Buffers,
-    check::check,
-    container::Container,
-    document::Document,
-    graph::Graph,
-    material::{Shaded, is_known},
-    surface::Surface,
-    texture::Textures,
+    accessor::Buffers, check::check, container::Container, document::Document, error::shown, extensions::is_known,
+    graph::Graph, material::Shaded, textures::Textures,
 };
 
 use ltcforge_fit::GoOn;
 
-pub use error::{SceneError, SceneFault};
+pub use error::SceneError;
 pub use material::LobeKind;
 pub use model::{Scene, SceneLobe, SceneMaterial};
 
 impl Scene {
-    /// Reads a scene's file, `.glb` or `.gltf`, and the files that it names in its folder; `go_on` may stop it. Runs on the current
-    /// rayon pool, whose size changes nothing.
+    /// Reads a scene's file, `.glb` or `.gltf`, and the files that it names in its folder; `go_on` may stop it. Runs on
+    /// the current rayon pool, whose size changes nothing.
     ///
     /// # Errors
-    /// [`SceneError`] where it is no glTF 2.0, too large, or without a surface, and where `go_on` says no.
+    /// [`SceneError`] if the file is not glTF 2.0, is too large or has no surface, and if `go_on` returns `false`.
     pub fn open(path: &Path, go_on: &GoOn<'_>) -> Result<Self, SceneError> {
         Self::of_container(Container::open(path)?, go_on)
     }
@@ -72,70 +66,60 @@ impl Scene {
         let graph = Graph::of(&document)?;
         let buffers = Buffers::read(&document, &mut container)?;
         let materials = materials(&document, &graph, &buffers, &mut container, go_on)?;
-        let mut surface = Surface::new(&document, &buffers, &materials);
-        surface.gather(&graph, go_on)?;
-        let (triangles, (materials, of_surface)) = (surface.triangles, surface.finish());
-        let mut notes = graph.notes;
-        notes.extend(of_surface);
-        notes.extend(unread(&document));
-        if !document.skins.is_empty() || !document.animations.is_empty() {
-            notes.push("nothing is animated: meshes, cameras and materials are as they stand in the file".to_owned());
-        }
-        if let Some(material) = materials.iter().find(|material| !material.area.is_finite()) {
+        let mut scene = surface::gather(&document, &buffers, &graph, &materials, go_on)?;
+        scene.notes.extend(ignored(&document, &graph));
+        if let Some(material) = scene.materials.iter().find(|material| !material.area.is_finite()) {
             return Err(SceneError::fault("", format!("the surface of {} is not finite", material.name)));
         }
-        if materials.iter().all(|material| material.lobes.is_empty()) {
-            return Err(SceneError::Empty);
-        }
-        Ok(Self { materials, triangles, cameras: graph.cameras.len(), notes })
+        scene.served()
     }
 }
 
-/// What of a document changes surfaces and is not read.
-fn unread(document: &Document) -> Vec<String> {
-    let unknown = document.extensions_required.iter().filter(|name| !is_known(name));
-    let mut notes: Vec<String> = unknown
-        .map(|name| {
-            let name: String = name.chars().take(80).collect();
-            format!("the scene requires {name}, which is not read: surfaces and materials are as without it")
-        })
-        .collect();
-    if document.extensions_used.iter().any(|name| name == "KHR_materials_variants") {
-        notes.push("materials of variants: each surface has the one that it has without a variant".to_owned());
-    }
-    let mut weights =
-        document.nodes.iter().map(|node| &node.weights).chain(document.meshes.iter().map(|mesh| &mesh.weights));
-    if weights.any(|weights| weights.iter().any(|weight| *weight != 0.0)) {
-        notes.push("morph targets: meshes are as without them".to_owned());
+/// Notes about parts of a document that change surfaces and are not read.
+fn ignored(document: &Document, graph: &Graph) -> Vec<String> {
+    let unknown = document.extensions_required.iter().filter(|name| !is_known(name)).map(|name| shown(name));
+    let mut notes: Vec<String> = unknown.map(|name| format!("the scene requires {name}, which is ignored")).collect();
+    let of_nodes = document.nodes.iter().flat_map(|node| &node.weights);
+    let mut weights = of_nodes.chain(document.meshes.iter().flat_map(|mesh| &mesh.weights));
+    for (is_ignored, note) in [
+        (graph.is_instanced, "EXT_mesh_gpu_instancing: each mesh weighs as one instance"),
+        (
+            document.extensions_used.iter().any(|name| name == "KHR_materials_variants"),
+            "variants of materials are ignored: each surface has its default material",
+        ),
+        (weights.any(|weight| *weight != 0.0), "morph targets are ignored"),
+        (
+            !document.skins.is_empty() || !document.animations.is_empty(),
+            "animations are ignored: meshes, cameras and materials are as the file describes them at rest",
+        ),
+    ] {
+        notes.extend(is_ignored.then(|| note.to_owned()));
     }
     notes
 }
 
-/// The materials of the primitives that are in the scene, and the default one last.
+/// The materials of the primitives that are in the scene, and the default material last.
 fn materials(
     document: &Document,
     graph: &Graph,
-    buffers: &Buffers,
+    buffers: &Buffers<'_>,
     container: &mut Container,
     go_on: &GoOn<'_>,
 ) -> Result<Vec<Option<Shaded>>, SceneError> {
     let mut used = vec![false; document.materials.len() + 1];
-    let meshes = graph.instances.iter().map(|instance| &document.meshes[instance.mesh]);
-    for primitive in meshes.flat_map(|mesh| &mesh.primitives) {
+    let meshes = document.meshes.iter().zip(&graph.worlds).filter(|(_, worlds)| !worlds.is_empty());
+    for primitive in meshes.flat_map(|(mesh, _)| &mesh.primitives) {
         used[primitive.material.unwrap_or(document.materials.len())] = true;
     }
     let mut textures = Textures::new(document, buffers, container, go_on);
     let default = document::Material::default();
-    let all = document.materials.iter().enumerate().map(|(index, material)| (Some(index), material));
-    let read = all
-        .chain([(None, &default)])
-        .zip(used)
-        .map(|((index, material), is_used)| {
-            is_used.then(|| Shaded::read(material, index, Some(&mut textures))).transpose()
-        })
-        .collect::<Result<_, _>>()?;
+    let mut shaded = Vec::new();
+    for ((index, material), is_used) in document.materials.iter().chain([&default]).enumerate().zip(used) {
+        let index = Some(index).filter(|index| *index < document.materials.len());
+        shaded.push(is_used.then(|| Shaded::read(material, index, Some(&mut textures))).transpose()?);
+    }
     textures.finish()?;
-    Ok(read)
+    Ok(shaded)
 }
 
 #[cfg(test)]

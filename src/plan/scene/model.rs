@@ -1,6 +1,6 @@
-//! What a scene tells of the tables that it needs.
+//! The parts of a scene that decide which tables it needs.
 
-use super::material::LobeKind;
+use super::{error::SceneError, material::LobeKind};
 use crate::histogram::{Spot, Views};
 
 /// A lobe of a material, over all of the surface that has it.
@@ -8,22 +8,22 @@ use crate::histogram::{Spot, Views};
 pub struct SceneLobe {
     /// Its kind.
     pub kind: LobeKind,
-    /// The roughnesses that it has, and how much of each.
+    /// Its roughnesses with their weights.
     pub spots: Vec<Spot>,
-    /// From where it is seen.
+    /// The directions from which it is seen.
     pub views: Views,
-    /// Reflectance seen from above and its weight: of dielectrics, then of metal.
+    /// Reflectance at normal incidence and its weight: of dielectrics, then of metal.
     pub f0: Vec<[f64; 2]>,
 }
 
 impl SceneLobe {
-    /// Whether it is round everywhere, so that it has no direction along the surface.
+    /// Whether all of its roughnesses are isotropic, so that it has no direction along the surface.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
         self.spots.iter().all(|spot| spot.ratio == 1.0)
     }
 
-    /// The surface that has it, weighed by its strength.
+    /// The area that has it, times its strength.
     #[must_use]
     pub fn weight(&self) -> f64 {
         self.spots.iter().map(|spot| spot.weight).sum()
@@ -35,23 +35,37 @@ impl SceneLobe {
 pub struct SceneMaterial {
     /// Its name, or its number.
     pub name: String,
-    /// The surface that has it: with cameras, the part that one of them sees.
+    /// The area that has it; with cameras, the area that one of them sees.
     pub area: f64,
     /// Its lobes.
     pub lobes: Vec<SceneLobe>,
-    /// What no table of one lobe gives of it.
+    /// Its light that no table of one lobe covers.
     pub uncovered: Vec<String>,
 }
 
-/// What a scene tells of the tables that it needs.
+/// A scene as a plan needs it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Scene {
     /// Its materials, in the order of the document.
     pub materials: Vec<SceneMaterial>,
     /// Triangles of all instances.
     pub triangles: u64,
-    /// Cameras; without one, every view counts.
+    /// Cameras; without a camera, every view counts.
     pub cameras: usize,
-    /// What was left out of the weights.
+    /// The parts of the scene that the weights ignore.
     pub notes: Vec<String>,
+}
+
+impl Scene {
+    /// The lobes of all materials, each with the index of its material.
+    pub(crate) fn lobes(&self) -> impl Iterator<Item = (usize, &SceneLobe)> {
+        let materials = self.materials.iter().enumerate();
+        materials.flat_map(|(index, material)| material.lobes.iter().map(move |lobe| (index, lobe)))
+    }
+
+    /// The scene, unless no material has a lobe.
+    pub(super) fn served(self) -> Result<Self, SceneError> {
+        let is_empty = self.materials.iter().all(|material| material.lobes.is_empty());
+        if is_empty { Err(SceneError::Empty) } else { Ok(self) }
+    }
 }

@@ -14,7 +14,6 @@ use ltcforge_files::{
     recipe_document::{Fault, RecipeError},
     tabulated::TabulatedError,
 };
-use ltcforge_plan::SceneFault;
 use ltcforge_view::parameters::ParameterFault;
 
 /// `Retry-After` of a stopping service, which may be restarted by then.
@@ -83,10 +82,7 @@ impl From<StoreBrdfError> for Problem {
 impl From<PlanError> for Problem {
     fn from(error: PlanError) -> Self {
         match error {
-            PlanError::Scene(faults) => {
-                let faults = faults.into_iter().map(|SceneFault { pointer, detail }| Fault { pointer, detail });
-                with_faults(ProblemKind::BadPlan, "scene", faults.collect())
-            }
+            PlanError::Scene(faults) => with_faults(ProblemKind::BadPlan, "scene", faults),
             PlanError::Unmet(nearest, summary) => Self::new(ProblemKind::BudgetUnmet, summary).with_recipe(nearest),
             PlanError::Service(error) => error.into(),
         }

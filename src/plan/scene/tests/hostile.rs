@@ -1,4 +1,4 @@
-//! Scenes that want too much, lead elsewhere or are broken.
+//! Scenes that are too large, leave their folder or are invalid.
 
 use std::time::{Duration, Instant};
 
@@ -74,7 +74,7 @@ fn accessors_stay_within_their_buffers() {
 }
 
 #[test]
-fn numbers_that_are_none_weigh_nothing_and_stop_nothing() {
+fn numbers_that_are_not_finite_weigh_nothing() {
     let mut glb = plain();
     let positions = glb.floats(&[f32::NAN, 0.0, 0.0, f32::INFINITY, 0.0, 0.0, 1.0, 1.0, 0.0], "VEC3", 3);
     let mesh = glb.quad(None);
@@ -91,7 +91,7 @@ fn numbers_that_are_none_weigh_nothing_and_stop_nothing() {
 #[test]
 fn a_small_file_cannot_ask_for_a_large_image() {
     let mut image = checker(4, |_, _| 9);
-    // Width and height stand after the signature and the first chunk's head; its sum is made to fit.
+    // Width and height are after the signature and the head of the first chunk, whose checksum must fit.
     image[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);
     let sum = crc(&image[12..29]).to_be_bytes();
     image[29..33].copy_from_slice(&sum);
@@ -99,7 +99,7 @@ fn a_small_file_cannot_ask_for_a_large_image() {
     assert!(error.contains("/images/0") && error.contains("4294967296"), "{error}");
     let mut cut = checker(64, |x, y| (x * y) as u8);
     cut.truncate(60);
-    assert!(refused(&quad_scene(&cut, [1.0; 2], [10497; 2], &json!({}))).contains("PNG"));
+    assert!(refused(&quad_scene(&cut, [1.0; 2], [10497; 2], &json!({}))).contains("image is invalid"));
 }
 
 fn crc(bytes: &[u8]) -> u32 {
@@ -139,7 +139,7 @@ fn many_instances_of_nothing_are_refused() {
 }
 
 #[test]
-fn nothing_beside_a_scene_that_was_sent_is_read() {
+fn no_other_file_is_read_for_a_scene_that_was_sent() {
     let mut glb = plain();
     glb.json["buffers"] = json!([{ "byteLength": 200, "uri": "/etc/hostname" }]);
     assert!(refused(&glb).contains("/buffers/0/uri"));
@@ -168,9 +168,9 @@ fn a_scene_without_a_lobe_is_refused() {
     }
 }
 
-/// Asked before each image and mesh, and every thousand points: a caller that gives up is not kept waiting.
+/// The caller is asked before each image and mesh, and every thousand points.
 #[test]
-fn reading_a_scene_stops_where_the_caller_says_so() {
+fn a_caller_can_stop_reading() {
     use std::sync::atomic::{AtomicU32, Ordering};
     let glb = quad_scene(&checker(4, |x, _| x as u8), [1.0; 2], [10497; 2], &json!({}));
     let asked = AtomicU32::new(0);
@@ -199,7 +199,7 @@ fn many_cameras_and_many_images_of_the_same_bytes_are_refused() {
     }
     assert!(refused(&glb).contains("cameras: 300"));
     let mut glb = Glb::default();
-    // A PNG with a long chunk that no one reads.
+    // A PNG with a long chunk that is not read.
     let mut image = checker(4, |_, _| 9);
     let end = image.split_off(image.len() - 12);
     let chunk = [b"ruSt".to_vec(), vec![0; 1 << 20]].concat();

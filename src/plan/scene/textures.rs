@@ -1,0 +1,147 @@
+//! Reads the textures of materials. Images wait until some are decoded together, on all threads and within bounds of
+//! memory.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use serde::de::DeserializeOwned;
+
+use super::{
+    accessor::Buffers,
+    container::{Container, MOST_BYTES},
+    document::{Document, Extensions, TextureInfo, TextureTransform, WebpTexture},
+    error::{SceneError, Unread, out_of_range},
+    image::{MOST_PIXELS, MOST_PIXELS_OF_ALL, decode, pixels_of},
+    texture::{Channels, Sampled},
+};
+use ltcforge_fit::{GoOn, math::sin_cos};
+
+/// Bytes of images that wait together. Their pixels are at most those of one image.
+const MOST_BYTES_WAITING: usize = 64 << 20;
+
+/// An image that waits.
+struct Waiting {
+    pointer: String,
+    bytes: Vec<u8>,
+    wanted: &'static [usize],
+    into: Channels,
+}
+
+/// Reads textures one at a time.
+pub(super) struct Textures<'a> {
+    document: &'a Document,
+    buffers: &'a Buffers<'a>,
+    container: &'a mut Container,
+    go_on: &'a GoOn<'a>,
+    /// Channels of images that several textures may share, or why they are missing.
+    kept: BTreeMap<(usize, &'static [usize]), Result<Channels, String>>,
+    /// Pixels and bytes of all images. Several images may have the same bytes.
+    pixels: u64,
+    bytes: u64,
+    waiting: Vec<Waiting>,
+    waiting_pixels: u64,
+    waiting_bytes: usize,
+}
+
+impl<'a> Textures<'a> {
+    pub(super) fn new(
+        document: &'a Document,
+        buffers: &'a Buffers<'a>,
+        container: &'a mut Container,
+        go_on: &'a GoOn<'a>,
+    ) -> Self {
+        let (kept, waiting) = (BTreeMap::new(), Vec::new());
+        let (pixels, bytes, waiting_pixels, waiting_bytes) = (0, 0, 0, 0);
+        Self { document, buffers, container, go_on, kept, pixels, bytes, waiting, waiting_pixels, waiting_bytes }
+    }
+
+    /// Some channels of a texture of the material at `place`.
+    pub(super) fn read(
+        &mut self,
+        place: &str,
+        info: &TextureInfo,
+        channels: &'static [usize],
+    ) -> Result<Sampled, Unread> {
+        let (index, textures) = (info.index, &self.document.textures);
+        let texture = textures.get(index);
+        let texture = texture.ok_or_else(|| SceneError::fault(place, out_of_range(index, "textures", textures)))?;
+        let webp: WebpTexture = extension(&format!("/textures/{index}"), &texture.extensions, "EXT_texture_webp")?;
+        let image = webp.source.or(texture.source).ok_or_else(|| {
+            let kind = texture.extensions.keys().next().map_or("without an image", |name| name.as_str());
+            Unread::Missing(format!("texture {index} is {kind}"))
+        })?;
+        let kept = match self.kept.get(&(image, channels)) {
+            Some(kept) => kept.clone(),
+            None => Unread::split(self.decoded(image, channels))?,
+        };
+        // A missing image is kept too: a thousand materials may name it.
+        self.kept.insert((image, channels), kept.clone());
+        let sampler = texture.sampler.and_then(|sampler| self.document.samplers.get(sampler));
+        let change: TextureTransform = extension(place, &info.extensions, "KHR_texture_transform")?;
+        let ([u, v], [x, y]) = (change.offset, change.scale.unwrap_or([1.0; 2]));
+        let [sin, cos] = <[f64; 2]>::from(sin_cos(change.rotation));
+        Ok(Sampled {
+            pixels: kept.map_err(Unread::Missing)?,
+            wrap: sampler.map_or([None; 2], |sampler| [sampler.wrap_s, sampler.wrap_t]),
+            set: change.tex_coord.unwrap_or(info.tex_coord),
+            transform: [[cos * x, sin * y, u], [-sin * x, cos * y, v]],
+        })
+    }
+
+    /// The channels of an image, which waits until it is decoded.
+    fn decoded(&mut self, image: usize, wanted: &'static [usize]) -> Result<Channels, Unread> {
+        SceneError::unless(self.go_on)?;
+        let bytes = self.image(image)?;
+        self.bytes += bytes.len() as u64;
+        SceneError::above("bytes of all images", self.bytes, MOST_BYTES)?;
+        let pointer = format!("/images/{image}");
+        let pixels = pixels_of(&pointer, &bytes)?;
+        let pixels = pixels.ok_or_else(|| Unread::Missing(format!("image {image} is not PNG, JPEG or WebP")))?;
+        self.pixels += pixels;
+        SceneError::above("pixels of all textures", self.pixels, MOST_PIXELS_OF_ALL)?;
+        if self.waiting_pixels + pixels > MOST_PIXELS || self.waiting_bytes + bytes.len() > MOST_BYTES_WAITING {
+            self.finish()?;
+        }
+        (self.waiting_pixels, self.waiting_bytes) = (self.waiting_pixels + pixels, self.waiting_bytes + bytes.len());
+        let into = Channels::default();
+        self.waiting.push(Waiting { pointer, bytes, wanted, into: into.clone() });
+        Ok(into)
+    }
+
+    /// Decodes the images that wait. Runs on the current rayon pool, whose size changes nothing.
+    pub(super) fn finish(&mut self) -> Result<(), SceneError> {
+        (self.waiting_pixels, self.waiting_bytes) = (0, 0);
+        let one = |Waiting { pointer, bytes, wanted, into }: Waiting| {
+            SceneError::unless(self.go_on)?;
+            let pixels = decode(&pointer, &bytes, wanted)?;
+            into.get_or_init(|| pixels);
+            Ok(())
+        };
+        // The first fault in the order of images is returned, whichever thread finds one first.
+        let done: Vec<Result<(), SceneError>> = std::mem::take(&mut self.waiting).into_par_iter().map(one).collect();
+        done.into_iter().collect()
+    }
+
+    /// The bytes of an image.
+    fn image(&mut self, index: usize) -> Result<Vec<u8>, Unread> {
+        let images = &self.document.images;
+        let image = images.get(index);
+        let image = image.ok_or_else(|| SceneError::fault("/textures", out_of_range(index, "images", images)))?;
+        match (&image.uri, image.buffer_view) {
+            (Some(uri), _) => self.container.named(&format!("/images/{index}/uri"), uri),
+            (None, Some(view)) => Ok(self.buffers.view(view)?.to_vec()),
+            (None, None) => Err(Unread::Missing(format!("image {index} has no bytes"))),
+        }
+    }
+}
+
+/// An extension of the object at `place`; its default if the object does not have it.
+pub(super) fn extension<T: DeserializeOwned + Default>(
+    place: &str,
+    extensions: &Extensions,
+    name: &str,
+) -> Result<T, SceneError> {
+    let Some(value) = extensions.get(name) else { return Ok(T::default()) };
+    let parsed = serde_json::from_str(value.get());
+    parsed.map_err(|error| SceneError::fault(format!("{place}/extensions/{name}"), error.to_string()))
+}
