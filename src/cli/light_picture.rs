@@ -32,10 +32,10 @@ impl Picture {
         let Some(path) = &args.texture else { return Ok(None) };
         let mut faults = Vec::new();
         if args.light != LightShape::Polygon {
-            faults.push(format!("--texture needs rectangles, not {}: leave out --light", args.light));
+            faults.push(format!("needs rectangles, not {}: leave out --light", args.light));
         }
         if !matches!(args.model, LightModel::Normals | LightModel::Ltc) {
-            faults.push(format!("--texture needs model normals or ltc, not {}", args.model));
+            faults.push(format!("needs model normals or ltc, not {}", args.model));
         }
         for (name, is_given) in [("--f82", args.f82.is_some()), ("--blend", args.blend)] {
             if is_given {
@@ -43,7 +43,7 @@ impl Picture {
             }
         }
         if args.truth && brdf.kind() != BrdfKind::Ggx {
-            faults.push(format!("--truth of a textured light needs a table of brdf ggx, not {brdf}: leave it out"));
+            faults.push(format!("--truth needs a table of brdf ggx, not {brdf}: leave it out"));
         }
         if !faults.is_empty() {
             return Err(usage(format!("--texture: {}", faults.join("; "))));

@@ -42,7 +42,7 @@ fn under_json_an_error_is_one_document() {
         let told = error(&failed);
         assert!(told["error"].as_str().is_some_and(|text| text.contains(said)), "{told}");
     }
-    assert!(run(folder.path(), ["--json", "--help"]).exited(0).stdout.starts_with("Fits, stores"));
+    assert!(run(folder.path(), ["--json", "--help"]).exited(0).stdout.starts_with("Lookup tables (LTC)"));
 }
 
 #[test]

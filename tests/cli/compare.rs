@@ -28,7 +28,7 @@ fn a_table_is_refitted_and_one_of_other_numbers_is_refused() {
     let (folder, [table, other]) = two();
     let here = folder.path();
     let told = run(here, ["verify", &table, &other, "--refit", "--threads", "1"]).exited(0);
-    assert_eq!(told.stdout.matches("and so is the table that its recipe gives").count(), 2, "{told:#?}");
+    assert_eq!(told.stdout.matches("and fitting its recipe gives the same bytes").count(), 2, "{told:#?}");
 
     // The numbers of one table under the recipe of the other: well formed, and not what the recipe gives.
     let read = |name: &str| TableFile::from_bytes(&fs::read(here.join(name)).expect("a file")).expect("a table");
@@ -66,7 +66,7 @@ fn files_of_an_export_are_made_anew_from_the_recipe_that_they_carry() {
     let broken: Vec<u8> = bytes.iter().rev().copied().collect();
     fs::write(&first, &broken).expect("a file");
     let refused = run(here, ["verify", "wgpu"]).exited(3);
-    assert!(refused.complaints()[0].contains("the manifest has"), "{refused:#?}");
+    assert!(refused.complaints()[0].contains("with sha256"), "{refused:#?}");
     // With a manifest that has been changed along, only the fit tells.
     let forged = text.replace(&Digest::of(&bytes).hex(), &Digest::of(&broken).hex());
     fs::write(&manifest, forged).expect("a manifest");
@@ -82,10 +82,10 @@ fn files_of_an_export_are_made_anew_from_the_recipe_that_they_carry() {
     let mut outside = document.clone();
     outside["files"][0]["path"] = "../x".into();
     for (changed, words, told) in [
-        (elsewhere, &["verify", "wgpu", "--refit"][..], "their recipe gives"),
-        (without, &["verify", "wgpu", "--refit"], "it has no recipe"),
-        (outside, &["verify", "wgpu"], "is not below"),
-        (Value::Null, &["verify", "wgpu"], "no manifest"),
+        (elsewhere, &["verify", "wgpu", "--refit"][..], "fitting their recipe gives"),
+        (without, &["verify", "wgpu", "--refit"], "the manifest has no recipe"),
+        (outside, &["verify", "wgpu"], "is outside the manifest's folder"),
+        (Value::Null, &["verify", "wgpu"], "not a manifest"),
     ] {
         fs::write(&manifest, changed.to_string()).expect("a manifest");
         let refused = run(here, words).exited(3);

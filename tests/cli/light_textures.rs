@@ -54,7 +54,7 @@ fn a_picture_becomes_one_file_of_all_levels() {
         "1",
     ];
     let said = run(here, line).exited(0).stdout;
-    assert!(said.starts_with("PNG of 6 x 4 pixels, srgb; 6 x 4 texels, 3 levels, rgba32f\nc/tv_0.exr  "), "{said}");
+    assert!(said.starts_with("PNG, 6 x 4 pixels, srgb; 3 levels from 6 x 4 texels, rgba32f\nc/tv_0.exr  "), "{said}");
     let decode =
         |path: &str| LightPicture::decode(&fs::read(here.join(path)).expect("a file"), None).expect("a picture");
     let pyramid = LightPyramid::new(&decode("sign.png").image);
@@ -74,9 +74,9 @@ fn a_picture_that_becomes_coarser_is_told() {
         run(here, line).exited(0).stdout
     };
     let coarser = said(&["--light", "8192x1"]);
-    assert!(coarser.contains("srgb; 8192 x 1 texels"), "{coarser}");
+    assert!(coarser.contains("srgb; 14 levels from 8192 x 1 texels"), "{coarser}");
     assert!(
-        coarser.contains("coarser than the picture: texels are at most 8192 a side and 16777216 in all\n"),
+        coarser.contains("coarser than the picture: at most 8192 texels per side and 16777216 in total\n"),
         "{coarser}"
     );
     assert!(!said(&[]).contains("coarser"), "{}", said(&[]));
@@ -94,7 +94,7 @@ fn a_profile_becomes_a_picture_of_its_directions() {
     fs::write(here.join("spot.ies"), profile).expect("a file");
     let line = ["light-texture", "spot.ies", "-o", "out", "--as", "exr"];
     let said = run(here, line).exited(0).stdout;
-    assert!(said.starts_with("IES LM-63 of 1 x 3 angles, linear; 512 x 512 texels, 10 levels, rgba16f\n"), "{said}");
+    assert!(said.starts_with("IES LM-63, 1 x 3 angles, linear; 10 levels from 512 x 512 texels, rgba16f\n"), "{said}");
     let image =
         LightPicture::decode(&fs::read(here.join("out/light_0.exr")).expect("a file"), None).expect("a picture");
     // The finest level is blurred by two texels; around 45 degrees the radiance falls evenly.

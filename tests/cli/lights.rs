@@ -71,12 +71,12 @@ fn light_by_a_table_takes_a_table_and_only_then() {
     }
     for (options, said) in [
         (&["--model", "ltc"][..], "needs a table"),
-        (&["--table", &digest], "--table is of model ltc"),
-        (&["--model", "ltc", "--table", &digest, "--rule", "fast"], "--rule is of model normals"),
-        (&["--model", "asg", "--table", &digest], "the table has lobe ltc, not asg: choose --model ltc"),
-        (&["--model", "ltc", "--table", gaussians], "the table has lobe asg, not ltc: choose --model asg"),
-        (&["--model", "asg", "--table", gaussians, "--rule", "fast"], "--rule is of model normals"),
-        (&["--model", "sg", "--rule", "fast"], "--rule is of model normals"),
+        (&["--table", &digest], "--table needs a model that reads tables"),
+        (&["--model", "ltc", "--table", &digest, "--rule", "fast"], "--rule is only for model normals"),
+        (&["--model", "asg", "--table", &digest], "the table has lobe ltc: use --model ltc instead of asg"),
+        (&["--model", "ltc", "--table", gaussians], "the table has lobe asg: use --model asg instead of ltc"),
+        (&["--model", "asg", "--table", gaussians, "--rule", "fast"], "--rule is only for model normals"),
+        (&["--model", "sg", "--rule", "fast"], "--rule is only for model normals"),
     ] {
         let refused = with(options).exited(2);
         assert!(refused.complaints().len() == 1 && refused.complaints()[0].contains(said), "{refused:#?}");
@@ -125,7 +125,7 @@ fn light_by_a_table_tells_what_lies_out_of_its_range() {
         let looked_up =
             run_with_stdin(folder.path(), ["lookup", "--points", "-", &digest], &(points.join("\n") + "\n")).exited(0);
         let said = [
-            "3 of 4 points lie outside the table's range and were moved to its nearest end:",
+            "3 of 4 points are outside the table's range and were clamped:",
             "  alpha below 0.25: 2 clamped to 0.25",
             "  theta above 1: 2 clamped to 1",
         ];
@@ -181,7 +181,7 @@ fn every_shape_is_lit_by_every_model() {
     assert_eq!(
         faults.complaints(),
         [
-            "standard input, line 1: alpha_y is «2»; roughness must be above 0 and at most 1; az is «NaN»; a coordinate is \
+            "standard input, line 1: alpha_y is «2»; roughness must be above 0 and at most 1; az is «NaN»; a coordinate must be \
           a finite number; radius is «0»; a radius must be above 0"
         ]
     );
@@ -248,14 +248,14 @@ fn what_is_cut_at_the_surface_lets_nothing_through() {
     assert!(cut[1][0] > whole[1][0] && cut[1][0] < 1.2 * whole[1][0], "{whole:?} {cut:?}");
     for model in ["normals", "asg"] {
         let refused = run_with_stdin(folder.path(), ["light", "-", "--cut", "--model", model], below).exited(2);
-        assert!(refused.stderr.contains("--cut is of model ltc"), "{}", refused.stderr);
+        assert!(refused.stderr.contains("--cut is only for model ltc"), "{}", refused.stderr);
         let refused = run(folder.path(), ["shader", "--language", "hlsl", "--cut", "--model", model]).exited(2);
         assert!(refused.stderr.contains("--cut needs model ltc"), "{}", refused.stderr);
     }
     let shader = ["shader", "--language", "hlsl", "--layout", "reflected", "--cut"];
     assert!(run(folder.path(), shader).exited(0).stdout.contains("float ltc_cut_tube("));
     let example = shader.iter().chain(&["--as", "example"]);
-    assert!(run(folder.path(), example).exited(2).stderr.contains("--cut is for a text to include"));
+    assert!(run(folder.path(), example).exited(2).stderr.contains("--cut needs --as include"));
 }
 
 /// A picture of four colours on a square: what is reflected of each channel is near to the truth, a mirror shows the colour that it
@@ -306,12 +306,16 @@ fn light_tells_the_channels_of_a_picture() {
     assert!(same(&gains[..4]) && same(&[&gains[6..]].concat()), "{gains:?}");
 
     let refused = with(&["tv.png", "--f0", "0.5", "--f82", "0.4", "--light", "sphere"]).exited(2);
-    assert!(refused.stderr.contains("leave out --light; --f82 is of lights without a picture"), "{}", refused.stderr);
+    assert!(
+        refused.stderr.contains("leave out --light; --f82 does not apply to textured lights"),
+        "{}",
+        refused.stderr
+    );
     let refused = with(&["tv.png", "--light", "sphere", "--model", "sg"]).exited(2);
-    assert!(refused.stderr.contains("leave out --light; model sg reads no pictures"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("leave out --light; needs model normals or ltc, not sg"), "{}", refused.stderr);
     fs::write(folder.path().join("no.png"), "no picture").expect("a file");
     assert!(with(&["no.png"]).exited(1).stderr.contains("no.png: this file is not a readable image"));
     let triangle = "0.5,0.5,0,0,2,-1,-1,2,1,-1,2,0,1,2\n";
     let refused = run_with_stdin(folder.path(), ["light", "-", "--texture", "tv.png"], triangle).exited(2);
-    assert!(refused.stderr.contains("a light of four corners with right angles"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("four corners with right angles"), "{}", refused.stderr);
 }

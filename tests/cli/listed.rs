@@ -24,7 +24,7 @@ fn a_material_is_looked_up_by_its_number() {
     let points = run_with_stdin(here, by_roughness, "0.4,0.1,0.7,2\n0.4,0.1,1.2,0\n").exited(0).stdout;
     assert_eq!(views, points);
     let missing = run_with_stdin(here, [&by_number[..7], &["2"]].concat(), "0,0\n").exited(2).stderr;
-    assert!(missing.contains("--material 2: the table has the materials 0 to 1"), "{missing}");
+    assert!(missing.contains("--material 2: use 0 to 1"), "{missing}");
     let refused = run_with_stdin(here, by_number, "0.4,0.1,0.7,2\n").exited(2).stderr;
     assert!(refused.contains("line 1: 4 fields; the view of a material has two: theta,phi"), "{refused}");
 
@@ -44,7 +44,7 @@ fn a_material_is_looked_up_by_its_number() {
     let grid = fitted(here, r#""layout": "reflected", "range": {"alpha": [0.5, 0.5], "ratio": [1, 1]}"#);
     let refused = run_with_stdin(here, ["lookup", &grid, "--tables", ".", "--points", "-", "--material", "0"], "0,0\n");
     let told = refused.exited(2).stderr;
-    assert!(told.contains("--material is for tables of layout materials; this one is of reflected"), "{told}");
+    assert!(told.contains("--material needs a table of layout materials; this table has layout reflected"), "{told}");
 }
 
 #[test]
@@ -57,7 +57,7 @@ fn a_text_has_the_nodes_of_a_table_that_gives_them() {
     run(here, ["export", &uneven, "--tables", ".", "--for", "wgpu", "-o", "textures"]).exited(0);
     let even = fitted(here, r#""nodes": {"alpha": [0.04, 0.25], "ratio": [1]}"#);
     let told = run(here, ["shader", "--language", "glsl", "--nodes", &even, "--tables", "."]).exited(2).stderr;
-    assert!(told.contains("its nodes are those of layout reflected: say --layout reflected"), "{told}");
+    assert!(told.contains("the table has the nodes of layout reflected: use --layout reflected"), "{told}");
     let words = ["shader", "--language", "glsl", "--nodes", &uneven, "--tables", ".", "--model", "normals"];
-    assert!(run(here, words).exited(2).stderr.contains("--nodes is for a text of model ltc"));
+    assert!(run(here, words).exited(2).stderr.contains("--nodes and --without-textures need --model ltc"));
 }

@@ -27,14 +27,14 @@ fn light_of_a_material_is_its_share_of_both_parts() {
         assert_eq!(numbers, [row[2], row[5]]);
     }
     for (options, word) in [
-        (&["--f0", "1.1"][..], "0 to 1"),
-        (&["--f0", "nan"], "0 to 1"),
-        (&["--f0", "0.5", "--f90=-1"], "0 to 1"),
+        (&["--f0", "1.1"][..], "between 0 and 1"),
+        (&["--f0", "nan"], "between 0 and 1"),
+        (&["--f0", "0.5", "--f90=-1"], "between 0 and 1"),
         (&["--f90", "0.5"], "--f0"),
         (&["--f0=2", "--f82=3", "--f90=-1", "--cut"], "--f0 2: a reflectance"),
         (&["--f0=2", "--f82=3", "--f90=-1", "--cut"], "; --f82 3: a reflectance"),
         (&["--f0=2", "--f82=3", "--f90=-1", "--cut"], "; --f90 -1: a reflectance"),
-        (&["--f0=2", "--f82=3", "--f90=-1", "--cut"], "; --cut is of model ltc"),
+        (&["--f0=2", "--f82=3", "--f90=-1", "--cut"], "; --cut is only for model ltc"),
     ] {
         assert!(with(options).exited(2).stderr.contains(word), "{options:?}");
     }
@@ -63,7 +63,7 @@ fn light_of_a_described_material_is_that_of_its_roughness() {
 
     // Rougher than 1 is told, and what is wrong refused, all at once.
     let rough = with(&["--material", "disney:roughness=1,anisotropic=1"], lit).exited(0);
-    assert!(rough.stderr.contains("taken as 1") && !rough.stdout.contains("NaN"), "{}", rough.stderr);
+    assert!(rough.stderr.contains("is clamped to 1") && !rough.stdout.contains("NaN"), "{}", rough.stderr);
     let refused = with(&["--material", "disney:roughness=2,shiny=1"], lit).exited(2).stderr;
     assert!(refused.contains("roughness is «2»") && refused.contains("disney has no «shiny»"), "{refused}");
     let refused = with(&material, &format!("0.375,0.125,{lit}")).exited(2).stderr;
@@ -97,7 +97,7 @@ fn light_of_a_metal_is_darker_at_its_edge() {
     assert!(by(&fit("")).contains(r#"its recipe needs "terms": "f82""#));
     let cloth = fit(r#", "brdf": "charlie""#);
     let told = by(&cloth);
-    let no_fresnel = "--f0: brdf charlie has no Fresnel factor, and energy is all that it reflects: leave it out";
+    let no_fresnel = "--f0: brdf charlie has no Fresnel factor: leave it out";
     assert!(told.contains(no_fresnel) && told.contains("; --f82: ") && told.contains("no edge term"), "{told}");
     let by_cloth = |options: &[&str]| with(&[&["--model", "ltc", "--table", &cloth], options].concat());
     let told = by_cloth(&["--f0", "0.04"]).exited(2).stderr.clone();
@@ -246,9 +246,9 @@ fn what_facets_lose_is_given_back() {
     let sheen = SMALL.replacen('{', r#"{"brdf":"charlie","layout":"kt2022","#, 1);
     let sheen = fit(&sheen.replace(r#""ratio":2"#, r#""ratio":1"#).replace(r#""phi":2"#, r#""phi":1"#));
     let refused = by_table(&sheen, &["--compensate"]);
-    assert!(refused.exited(2).stderr.contains("compensation is of ggx and beckmann"));
+    assert!(refused.exited(2).stderr.contains("compensation is for ggx and beckmann"));
     let shader = ["shader", "--language", "glsl", "--model", "normals", "--compensate"];
     assert!(run(folder.path(), shader).exited(0).stdout.contains("vec3 normals_compensation("));
     let example = shader.iter().chain(&["--as", "example"]);
-    assert!(run(folder.path(), example).exited(2).stderr.contains("--compensate is for a text to include"));
+    assert!(run(folder.path(), example).exited(2).stderr.contains("--compensate needs --as include"));
 }

@@ -53,10 +53,10 @@ fn a_plan_is_fitted_pinned_and_checked() {
         r#"{"preset": "draft", "range": {"ratio": [1, 1], "phi": [0, 0]}, "resolution": {"alpha": 4, "theta": 4}}"#;
     let plain = run_with_stdin(here, ["fit", "-"], plain).exited(0).last_line().to_owned();
     let told = run(here, ["plan", "scene.json", &plain, "--check"]).exited(0).stdout;
-    assert!(told.contains("reflectance: materials have F0 ") && told.contains("are those of 1.00"), "{told}");
+    assert!(told.contains("reflectance: the materials have F0 ") && told.contains("was fitted for 1.00"), "{told}");
     fs::write(here.join("grown.json"), LIST.replace("0.05", "0.4")).expect("a list");
     let told = run(here, ["plan", "grown.json", "ltc.safetensors", "--check"]).exited(3).stdout;
-    assert!(told.starts_with("lacquer: alpha 0.4000 to 0.4000, of the table 0.0500 to 0.2000"), "{told}");
+    assert!(told.starts_with("lacquer: alpha 0.4000 to 0.4000, table 0.0500 to 0.2000"), "{told}");
 }
 
 #[test]
@@ -167,12 +167,12 @@ fn recipes_of_sheen_are_pinned_beside_the_others() {
     run(here, ["verify", "assets/cloth.bin", "assets/cloth-sheen.bin"]).exited(0);
     // An engine's files are of one scattering model.
     let told = run(here, ["plan", "scene.json", "--for", "three", "-o", "three"]).exited(0).stdout;
-    assert!(told.contains("note: sheen: files for three are of one scattering model"), "{told}");
+    assert!(told.contains("sheen: files for three hold one scattering model"), "{told}");
     assert!(!here.join("three/recipe-sheen.json").exists());
     let unlit = list.replace(r#""extensions": {"#, r#""extensions": {"KHR_materials_unlit": {}, "#);
     fs::write(here.join("fibres.json"), unlit).expect("a list");
     let refused = run(here, ["plan", "fibres.json", "--for", "three", "-o", "none"]).exited(2).stderr;
-    assert!(refused.contains("nothing but sheen"), "{refused}");
+    assert!(refused.contains("all materials are sheen"), "{refused}");
     // A plan of a scene without cloth leaves no recipe of one behind.
     fs::write(here.join("scene.json"), LIST).expect("a list");
     run(here, ["plan", "scene.json", "--bytes", "1000", "-o", "plans"]).exited(0);

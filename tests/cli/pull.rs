@@ -73,7 +73,7 @@ fn exports_that_no_service_has_are_made() {
     let server = Server::start(&project.join("data"), &[]);
     server.fit(SMALL);
     let refused = run(&project, ["pull", "--from", &server.url]).exited(3);
-    assert!(refused.stderr.contains("this program makes a file that"), "{refused:#?}");
+    assert!(refused.stderr.contains("this version makes sha256:"), "{refused:#?}");
     assert_eq!(Digest::of(&fs::read(&texture).expect("a texture")).to_string(), pin[10..10 + 71]);
 }
 
@@ -182,7 +182,7 @@ fn what_no_source_has_is_fitted_again_and_held_to_its_digest() {
     fs::write(project.join("ltcforge.lock"), other).expect("a lock file");
     let before = files_of(&project);
     let refused = run(&project, ["pull", "--offline", "--fit"]).exited(3);
-    assert!(refused.stderr.contains("the recipe gives a table that hashes to"), "{refused:#?}");
+    assert!(refused.stderr.contains("fitting the recipe gives sha256:"), "{refused:#?}");
     assert_eq!(files_of(&project), before);
 }
 
@@ -351,11 +351,11 @@ fn only_what_a_pin_says_is_placed() {
     let before = files_of(&project);
     for (wrong, missing, said) in [
         (table_as(script), "assets/metal.safetensors", "metal.safetensors: "),
-        (table_as(&other), "assets/metal.safetensors", "the table's recipe hashes to"),
-        (export_as("assets/ltc/ltc_terms.ktx2"), "assets/ltc/ltc_terms.ktx2", "not those of export wgpu"),
-        (export_as("assets/ltc/ltc.json"), "assets/ltc/ltc.json", "not those of export wgpu"),
-        (export_as("assets/ltc/ltcforge.json"), "assets/ltc/ltcforge.json", "not those of export wgpu"),
-        (added, "assets/ltc/Makefile", "makes no such file"),
+        (table_as(&other), "assets/metal.safetensors", "the table's recipe has digest"),
+        (export_as("assets/ltc/ltc_terms.ktx2"), "assets/ltc/ltc_terms.ktx2", "not an export wgpu"),
+        (export_as("assets/ltc/ltc.json"), "assets/ltc/ltc.json", "not an export wgpu"),
+        (export_as("assets/ltc/ltcforge.json"), "assets/ltc/ltcforge.json", "not an export wgpu"),
+        (added, "assets/ltc/Makefile", "does not make this file"),
     ] {
         assert_ne!(wrong, right, "{said}");
         fs::write(project.join("ltcforge.lock"), wrong).expect("a lock file");

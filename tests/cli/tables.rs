@@ -114,7 +114,7 @@ fn lookup_prints_a_matrix_for_each_point() {
     damaged[last] ^= 1;
     fs::write(folder.path().join(&file), damaged).expect("a damaged table");
     let refused = run_with_stdin(folder.path(), ["lookup", &file, "--points", "-"], points).exited(3);
-    assert!(refused.stderr.contains("hashes to"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("has digest"), "{}", refused.stderr);
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn lookup_says_which_points_lie_outside_the_table() {
     // Isotropic surfaces have no azimuth: none lies outside.
     assert_eq!(look_up("0.2,0.2,0,0\n0.5,0.5,1,4\n", &[]).stderr, "");
     let points = "0.1,0.1,0.5,0\n0.5,0.5,1.2,0\n0.3,0.15,0.5,0\n0.1,0.1,1.5,0\n0.3,0.3,0.5,0\n";
-    let expected = "4 of 5 points lie outside the table's range and were moved to its nearest end:\n\
+    let expected = "4 of 5 points are outside the table's range and were clamped:\n\
                     \x20 alpha below 0.2: 2 clamped to 0.2\n\
                     \x20 ratio below 1: 1 clamped to 1\n\
                     \x20 theta above 1: 2 clamped to 1\n";
@@ -270,7 +270,7 @@ fn verify_holds_a_folder_of_blobs_to_its_names() {
     };
     let (one, two) = (keep(b"one"), keep(b"two"));
     fs::write(one.with_file_name("unfinished.tmp"), "x").expect("a file of another name");
-    for (named, said) in [("data", "data: ok, 2 files"), ("data/blobs", "data/blobs: ok, 2 files")] {
+    for (named, said) in [("data", "data: ok, all 2 files"), ("data/blobs", "data/blobs: ok, all 2 files")] {
         assert!(run(here, ["verify", named]).exited(0).stdout.starts_with(said), "{named}");
     }
 
@@ -281,9 +281,9 @@ fn verify_holds_a_folder_of_blobs_to_its_names() {
     fs::remove_file(&two).expect("a blob");
     std::os::unix::fs::symlink("/dev/zero", &two).expect("a link");
     let refused = run(here, ["verify", "data", "--json"]).exited(3);
-    assert!(refused.stdout.contains("hashes to") && refused.stdout.contains("not a regular file"), "{refused:#?}");
+    assert!(refused.stdout.contains("has digest") && refused.stdout.contains("not a regular file"), "{refused:#?}");
 
     fs::create_dir(here.join("empty")).expect("a folder");
     assert!(run(here, ["verify", "empty"]).exited(1).stderr.contains("neither ltcforge.json nor files"));
-    assert!(run(here, ["verify", "data", "--refit"]).exited(2).stderr.contains("are for tables"));
+    assert!(run(here, ["verify", "data", "--refit"]).exited(2).stderr.contains("need a table"));
 }
