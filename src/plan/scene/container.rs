@@ -46,6 +46,11 @@ impl Container {
         Ok(Self { json, binary, folder, left })
     }
 
+    /// Whether the document may name other files.
+    pub(super) fn has_files(&self) -> bool {
+        self.folder.is_some()
+    }
+
     /// The bytes of a URI: data, or a file in the scene's folder.
     pub(super) fn named(&mut self, pointer: &str, uri: &str) -> Result<Vec<u8>, Unread> {
         let fault = |detail: String| Unread::Fault(SceneError::fault(pointer, detail));

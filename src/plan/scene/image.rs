@@ -8,9 +8,8 @@ use zune_jpeg::JpegDecoder;
 use super::error::SceneError;
 use ltcforge_files::bounded::check_jpeg;
 
-/// Pixels of one image, and of all that are kept.
+/// Pixels of one image.
 pub(super) const MOST_PIXELS: u64 = 1 << 26;
-pub(super) const MOST_PIXELS_OF_ALL: u64 = 1 << 28;
 
 /// One to three channels of an image, 8 bits each.
 #[derive(Debug, Clone)]

@@ -11,13 +11,19 @@ use super::{
     container::{Container, MOST_BYTES},
     document::{Document, Extensions, TextureInfo, TextureTransform, WebpTexture},
     error::{SceneError, Unread, out_of_range},
-    image::{MOST_PIXELS, MOST_PIXELS_OF_ALL, decode, pixels_of},
+    image::{MOST_PIXELS, decode, pixels_of},
     texture::{Channels, Sampled},
 };
 use ltcforge_fit::{GoOn, math::sin_cos};
 
 /// Bytes of images that wait together. Their pixels are at most those of one image.
 const MOST_BYTES_WAITING: usize = 64 << 20;
+
+/// Pixels of one image, and of all images, in a scene with its files.
+const OF_FILES: [u64; 2] = [MOST_PIXELS, 1 << 28];
+/// The same in a scene of one file, which a service may have received. Three channels of all, and one image of four channels
+/// while it is decoded, take 208 MiB.
+const OF_ONE_FILE: [u64; 2] = [1 << 24, 3 << 24];
 
 /// An image that waits.
 struct Waiting {
@@ -33,6 +39,8 @@ pub(super) struct Textures<'a> {
     buffers: &'a Buffers<'a>,
     container: &'a mut Container,
     go_on: &'a GoOn<'a>,
+    /// The most pixels of one image, and of all images.
+    most: [u64; 2],
     /// Channels of images that several textures may share, or why they are missing.
     kept: BTreeMap<(usize, &'static [usize]), Result<Channels, String>>,
     /// Pixels and bytes of all images. Several images may have the same bytes.
@@ -52,7 +60,8 @@ impl<'a> Textures<'a> {
     ) -> Self {
         let (kept, waiting) = (BTreeMap::new(), Vec::new());
         let (pixels, bytes, waiting_pixels, waiting_bytes) = (0, 0, 0, 0);
-        Self { document, buffers, container, go_on, kept, pixels, bytes, waiting, waiting_pixels, waiting_bytes }
+        let most = if container.has_files() { OF_FILES } else { OF_ONE_FILE };
+        Self { document, buffers, container, go_on, most, kept, pixels, bytes, waiting, waiting_pixels, waiting_bytes }
     }
 
     /// Some channels of a texture of the material at `place`.
@@ -97,9 +106,10 @@ impl<'a> Textures<'a> {
         let pointer = format!("/images/{image}");
         let pixels = pixels_of(&pointer, &bytes)?;
         let pixels = pixels.ok_or_else(|| Unread::Missing(format!("image {image} is not PNG, JPEG or WebP")))?;
+        SceneError::above(format!("{pointer}: pixels of the image"), pixels, self.most[0])?;
         self.pixels += pixels;
-        SceneError::above("pixels of all textures", self.pixels, MOST_PIXELS_OF_ALL)?;
-        if self.waiting_pixels + pixels > MOST_PIXELS || self.waiting_bytes + bytes.len() > MOST_BYTES_WAITING {
+        SceneError::above("pixels of all textures", self.pixels, self.most[1])?;
+        if self.waiting_pixels + pixels > self.most[0] || self.waiting_bytes + bytes.len() > MOST_BYTES_WAITING {
             self.finish()?;
         }
         (self.waiting_pixels, self.waiting_bytes) = (self.waiting_pixels + pixels, self.waiting_bytes + bytes.len());

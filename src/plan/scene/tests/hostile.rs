@@ -90,13 +90,20 @@ fn numbers_that_are_not_finite_weigh_nothing() {
 
 #[test]
 fn a_small_file_cannot_ask_for_a_large_image() {
-    let mut image = checker(4, |_, _| 9);
-    // Width and height are after the signature and the head of the first chunk, whose checksum must fit.
-    image[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);
-    let sum = crc(&image[12..29]).to_be_bytes();
-    image[29..33].copy_from_slice(&sum);
-    let error = refused(&quad_scene(&image, [1.0; 2], [10497; 2], &json!({})));
+    let of_size = |width: u32, height: u32| {
+        let mut image = checker(4, |_, _| 9);
+        // Width and height are after the signature and the head of the first chunk, whose checksum must fit.
+        image[16..20].copy_from_slice(&width.to_be_bytes());
+        image[20..24].copy_from_slice(&height.to_be_bytes());
+        let sum = crc(&image[12..29]).to_be_bytes();
+        image[29..33].copy_from_slice(&sum);
+        quad_scene(&image, [1.0; 2], [10497; 2], &json!({}))
+    };
+    let error = refused(&of_size(1 << 16, 1 << 16));
     assert!(error.contains("/images/0") && error.contains("4294967296"), "{error}");
+    // A scene of one file has tighter limits, since a service may have received it.
+    let error = refused(&of_size(4096, 4097));
+    assert!(error.contains("/images/0") && error.contains("16781312; at most 16777216"), "{error}");
     let mut cut = checker(64, |x, y| (x * y) as u8);
     cut.truncate(60);
     assert!(refused(&quad_scene(&cut, [1.0; 2], [10497; 2], &json!({}))).contains("image is invalid"));
