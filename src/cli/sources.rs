@@ -19,7 +19,7 @@ pub struct SourceArgs {
     pub lock: PathBuf,
     /// Service or folder to take tables from; repeatable, in order
     ///
-    /// A folder has files <digest>.safetensors. [default: --server, or the sources of lock file and configuration]
+    /// A folder has files `DIGEST.safetensors`. Without this option, --server or the sources of lock file and configuration
     #[arg(long, value_name = "URL|DIR")]
     pub from: Vec<OsString>,
     /// The service

@@ -28,6 +28,12 @@ fn times(start: &str, part: &str, count: usize, end: &str) -> Vec<u8> {
     [start, &part.repeat(count), end].concat().into_bytes()
 }
 
+/// An object with different names, as many as a scene may have values.
+fn distinct(start: &str, value: &str, end: &str) -> Vec<u8> {
+    let names: Vec<String> = (0..1 << 22).map(|number| format!(r#""{number:07}":{value}"#)).collect();
+    [start, &names.join(","), end].concat().into_bytes()
+}
+
 fn png_of(chunk: &[u8]) -> Vec<u8> {
     let header = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x01\0\0\0\x01\x08\0\0\0\0\x3a\x7e\x9b\x55";
     [&header[..], &chunk.repeat(BODY / chunk.len())].concat()
@@ -61,7 +67,7 @@ const TABULATED: Read = |bytes| tabulated::decode(&bytes).expect_err("hostile").
 type Body = (&'static str, fn() -> Vec<u8>, Read, &'static str);
 
 /// Each body with its reader, and a part of the reader's error.
-const BODIES: [Body; 24] = [
+const BODIES: [Body; 27] = [
     ("nodes", || filled(r#"{"nodes":["#, "{},", "{}]}"), SCENE, "/nodes: more than 524288 objects and lists"),
     ("nodes as lists", || filled(r#"{"nodes":["#, "[],", "[]]}"), SCENE, "/nodes: more than 524288"),
     ("nodes within", || times(r#"{"nodes":["#, "{},", WITHIN, "{}]}"), SCENE, "/nodes: 500001; at most 262144"),
@@ -98,6 +104,14 @@ const BODIES: [Body; 24] = [
         SCENE,
         "more than 4194304 values",
     ),
+    ("distinct extensions", || distinct(r#"{"materials":[{"extensions":{"#, "0", "}}]}"), SCENE, "no surface"),
+    (
+        "distinct attributes",
+        || distinct(r#"{"meshes":[{"primitives":[{"attributes":{"#, "0", "}}]}]}"),
+        SCENE,
+        "is out of range",
+    ),
+    ("names within", || times(r#"{"extensionsUsed":["#, r#""a","#, (1 << 22) - 1, r#""a"]}"#), SCENE, "no surface"),
     ("a name", || filled(r#"{"meshes":[{"name":""#, "a", r#""}]}"#), SCENE, "no surface"),
     ("a list", || filled(r#"{"materials":["#, "{},", "{}]}"), LIST, "/materials: more than 65536"),
     ("a list within", || times(r#"{"materials":["#, "{},", 60_000, "{}]}"), LIST, "/materials: 60001; at most 4096"),
