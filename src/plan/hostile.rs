@@ -18,6 +18,7 @@ const BODY: usize = 60_000_000;
 const MOST: u64 = 256 << 20;
 /// Parts of a document that is just within its limits.
 const WITHIN: usize = 500_000;
+const VALUES_WITHIN: usize = 2_097_000;
 
 /// A body of one text, repeated, between two others.
 fn filled(start: &str, part: &str, end: &str) -> Vec<u8> {
@@ -28,9 +29,9 @@ fn times(start: &str, part: &str, count: usize, end: &str) -> Vec<u8> {
     [start, &part.repeat(count), end].concat().into_bytes()
 }
 
-/// An object with different names, as many as a scene may have values.
-fn distinct(start: &str, value: &str, end: &str) -> Vec<u8> {
-    let names: Vec<String> = (0..1 << 22).map(|number| format!(r#""{number:07}":{value}"#)).collect();
+/// An object with different names, about as many as a scene may have values.
+fn distinct(start: &str, end: &str) -> Vec<u8> {
+    let names: Vec<String> = (0..VALUES_WITHIN).map(|number| format!(r#""{number:07}":0"#)).collect();
     [start, &names.join(","), end].concat().into_bytes()
 }
 
@@ -71,7 +72,7 @@ const BODIES: [Body; 27] = [
     ("nodes", || filled(r#"{"nodes":["#, "{},", "{}]}"), SCENE, "/nodes: more than 524288 objects and lists"),
     ("nodes as lists", || filled(r#"{"nodes":["#, "[],", "[]]}"), SCENE, "/nodes: more than 524288"),
     ("nodes within", || times(r#"{"nodes":["#, "{},", WITHIN, "{}]}"), SCENE, "/nodes: 500001; at most 262144"),
-    ("children", || filled(r#"{"nodes":[{"children":["#, "0,", "0]}]}"), SCENE, "/nodes: more than 4194304 values"),
+    ("children", || filled(r#"{"nodes":[{"children":["#, "0,", "0]}]}"), SCENE, "/nodes: more than 2097152 values"),
     (
         "accessors",
         || filled(r#"{"accessors":["#, r#"{"componentType":1,"count":1,"type":""},"#, "0]}"),
@@ -102,16 +103,25 @@ const BODIES: [Body; 27] = [
         "names of extensions",
         || filled(r#"{"extensionsUsed":["#, r#""a","#, r#""a"]}"#),
         SCENE,
-        "more than 4194304 values",
+        "more than 2097152 values",
     ),
-    ("distinct extensions", || distinct(r#"{"materials":[{"extensions":{"#, "0", "}}]}"), SCENE, "no surface"),
+    (
+        "distinct extensions",
+        || {
+            let used =
+                r#"{"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"material":0}]}],"materials":[{"extensions":{"#;
+            distinct(used, "}}]}")
+        },
+        SCENE,
+        "no surface",
+    ),
     (
         "distinct attributes",
-        || distinct(r#"{"meshes":[{"primitives":[{"attributes":{"#, "0", "}}]}]}"),
+        || distinct(r#"{"meshes":[{"primitives":[{"attributes":{"#, "}}]}]}"),
         SCENE,
         "is out of range",
     ),
-    ("names within", || times(r#"{"extensionsUsed":["#, r#""a","#, (1 << 22) - 1, r#""a"]}"#), SCENE, "no surface"),
+    ("names within", || times(r#"{"extensionsRequired":["#, r#""a","#, VALUES_WITHIN, r#""a"]}"#), SCENE, "no surface"),
     ("a name", || filled(r#"{"meshes":[{"name":""#, "a", r#""}]}"#), SCENE, "no surface"),
     ("a list", || filled(r#"{"materials":["#, "{},", "{}]}"), LIST, "/materials: more than 65536"),
     ("a list within", || times(r#"{"materials":["#, "{},", 60_000, "{}]}"), LIST, "/materials: 60001; at most 4096"),

@@ -1,6 +1,6 @@
 //! The extensions of glTF that a plan reads, and those that it names as not covered.
 
-use super::document::Extensions;
+use super::{document::Extensions, error::shown};
 
 /// Extensions that a plan reads, that change nothing for it, or that a note describes.
 const READ: [&str; 15] = [
@@ -34,9 +34,17 @@ const NOT_COVERED: [(&str, &str); 8] = [
     ("KHR_materials_subsurface", "light below its surface"),
 ];
 
+/// Unknown extensions that are named.
+const MOST_UNKNOWN: usize = 32;
+
 /// Whether a plan knows an extension.
-pub(super) fn is_known(name: &str) -> bool {
+fn is_known(name: &str) -> bool {
     READ.iter().chain(NOT_COVERED.iter().map(|(name, _)| name)).any(|known| *known == name)
+}
+
+/// The first of some extensions that a plan does not know.
+pub(super) fn unknown<'a>(names: impl Iterator<Item = &'a String>) -> impl Iterator<Item = &'a String> {
+    names.filter(|name| !is_known(name)).take(MOST_UNKNOWN)
 }
 
 /// Whether the base lobe of a material is GGX.
@@ -47,7 +55,6 @@ pub(super) fn is_ggx(extensions: &Extensions) -> bool {
 /// The light of a material that no table of one lobe covers.
 pub(super) fn uncovered(extensions: &Extensions) -> Vec<String> {
     let listed = NOT_COVERED.iter().filter(|(name, _)| extensions.contains_key(*name));
-    let unknown = extensions.keys().filter(|name| !is_known(name));
     let listed = listed.map(|(name, what)| format!("{what} ({name})"));
-    listed.chain(unknown.map(|name| format!("changes by {name}"))).collect()
+    listed.chain(unknown(extensions.keys()).map(|name| format!("changes by {}", shown(name)))).collect()
 }

@@ -24,7 +24,7 @@ mod textures;
 use std::path::Path;
 
 use self::{
-    accessor::Buffers, check::check, container::Container, document::Document, error::shown, extensions::is_known,
+    accessor::Buffers, check::check, container::Container, document::Document, error::shown, extensions::unknown,
     graph::Graph, material::Shaded, textures::Textures,
 };
 
@@ -77,8 +77,9 @@ impl Scene {
 
 /// Notes about parts of a document that change surfaces and are not read.
 fn ignored(document: &Document, graph: &Graph) -> Vec<String> {
-    let unknown = document.extensions_required.iter().filter(|name| !is_known(name)).map(|name| shown(name));
-    let mut notes: Vec<String> = unknown.map(|name| format!("the scene requires {name}, which is ignored")).collect();
+    let required = unknown(document.extensions_required.iter());
+    let required = required.map(|name| format!("the scene requires {}, which is ignored", shown(name)));
+    let mut notes: Vec<String> = required.collect();
     let of_nodes = document.nodes.iter().flat_map(|node| &node.weights);
     let mut weights = of_nodes.chain(document.meshes.iter().flat_map(|mesh| &mesh.weights));
     for (is_ignored, note) in [
