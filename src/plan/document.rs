@@ -93,7 +93,7 @@ fn measured(plan: &TablePlan<'_>) -> Value {
 fn table(plan: &TablePlan<'_>) -> Value {
     let TablePlan { needs, budget, is_met, chosen, limit, whole, shading, .. } = plan;
     let serves: Vec<Value> = needs.lobes.iter().map(|(index, lobe)| served(*index, lobe, &chosen.recipe)).collect();
-    let (of, most) = match budget {
+    let (kind, most) = match budget {
         Budget::Error(most) => ("error", json!(most)),
         Budget::Bytes(most) => ("bytes", json!(most)),
         Budget::Seconds(most) => ("seconds", json!(most)),
@@ -105,7 +105,7 @@ fn table(plan: &TablePlan<'_>) -> Value {
         "recipe": recipe_value(&chosen.recipe),
         "recipe_digest": digest(&chosen.recipe),
         "serves": serves,
-        "budget": { "of": of, "most": most, "met": is_met },
+        "budget": { "of": kind, "most": most, "met": is_met },
         "predicted": { "error": chosen.error, "bytes": chosen.bytes, "seconds": chosen.seconds },
         "limit": limit,
         "measured": measured(plan),
@@ -120,7 +120,7 @@ fn table(plan: &TablePlan<'_>) -> Value {
             "predicted_seconds": fit_seconds(&whole.recipe), "error": whole.error, "seconds": whole.seconds,
             "presets": whole.presets(),
         },
-        "candidates": plan.front().chain(others).map(|of| candidate(of, plan)).collect::<Vec<_>>(),
+        "candidates": plan.front().chain(others).map(|row| candidate(row, plan)).collect::<Vec<_>>(),
     })
 }
 

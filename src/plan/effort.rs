@@ -11,8 +11,8 @@ const DIRECTIONS: [u32; 5] = [4, 8, 16, 32, 48];
 /// The efforts for tables like `base`, with its seed, by ascending time: each has less expected error than all faster
 /// ones.
 pub(crate) fn efforts(base: &Recipe) -> Vec<FitSettings> {
-    let of = |samples: u32| DIRECTIONS.map(|directions| FitSettings { samples, directions, ..Preset::Standard.fit() });
-    let all = SAMPLES.into_iter().flat_map(of).chain(Preset::ALL.map(Preset::fit));
+    let row = |samples: u32| DIRECTIONS.map(|directions| FitSettings { samples, directions, ..Preset::Standard.fit() });
+    let all = SAMPLES.into_iter().flat_map(row).chain(Preset::ALL.map(Preset::fit));
     let priced = |fit: FitSettings| {
         let recipe = Recipe { fit: FitSettings { seed: base.fit.seed, ..fit }, ..base.clone() };
         (fit_seconds(&recipe), added_error(&recipe), recipe.fit)

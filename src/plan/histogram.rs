@@ -78,11 +78,11 @@ impl Histogram {
 
     /// Adds all of another histogram.
     pub(crate) fn merge(&mut self, other: &Self) {
-        for (key, of) in &other.cells {
-            let cell = self.cells.entry(*key).or_insert(Cell { weight: 0.0, moved: [0.0; 2], ..*of });
-            cell.weight += of.weight;
+        for (key, added) in &other.cells {
+            let cell = self.cells.entry(*key).or_insert(Cell { weight: 0.0, moved: [0.0; 2], ..*added });
+            cell.weight += added.weight;
             for i in 0..2 {
-                cell.moved[i] += of.moved[i] + of.weight * (of.first[i] - cell.first[i]);
+                cell.moved[i] += added.moved[i] + added.weight * (added.first[i] - cell.first[i]);
             }
         }
         self.f0.iter_mut().flatten().zip(other.f0.iter().flatten()).for_each(|(sum, other)| *sum += other);

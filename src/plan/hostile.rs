@@ -160,7 +160,7 @@ fn kilobytes(line: &str) -> u64 {
 #[test]
 fn hostile_bodies_end_in_errors_within_their_memory() {
     if let Ok(name) = env::var(VARIABLE) {
-        let (_, body, read, wanted) = BODIES.into_iter().find(|(of, ..)| *of == name).expect("a body");
+        let (_, body, read, wanted) = BODIES.into_iter().find(|(known, ..)| *known == name).expect("a body");
         let body = body();
         // 5 resets the peak.
         fs::write("/proc/self/clear_refs", "5").expect("Linux");

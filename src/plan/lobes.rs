@@ -58,8 +58,8 @@ pub(crate) fn lobes(
     };
     let single = COUNTS.map(mixed).into_iter().chain([vec![rest], vec![metal]]).filter_map(LobeFresnel::mix);
     let measured = |fresnel: LobeFresnel| {
-        let of = |place: &Place| fitted_at(place, &fresnel, base, go_on);
-        let found = probes.places[..TRIED].par_iter().map(of).collect::<Result<Vec<_>, Stopped>>()?;
+        let lobe = |place: &Place| fitted_at(place, &fresnel, base, go_on);
+        let found = probes.places[..TRIED].par_iter().map(lobe).collect::<Result<Vec<_>, Stopped>>()?;
         Ok(Lobes { error: probes.error_of(&found), fresnel })
     };
     let mut found = single.map(measured).collect::<Result<Vec<_>, Stopped>>()?;
@@ -120,13 +120,13 @@ mod tests {
 
     #[test]
     fn the_lobe_is_nearer_to_the_larger_surface() {
-        let of = |plastic, metal| match &found(&list(plastic, metal), false)[0].fresnel {
+        let f0 = |plastic, metal| match &found(&list(plastic, metal), false)[0].fresnel {
             LobeFresnel::Mix(parts) if parts.len() == 1 => parts[0].f0,
             LobeFresnel::Mix(_) => 0.5,
             _ => 1.0,
         };
-        assert_eq!(of(9, 1), 0.04);
-        assert!(of(1, 9) > 0.04);
+        assert_eq!(f0(9, 1), 0.04);
+        assert!(f0(1, 9) > 0.04);
         assert_eq!(found(&list(1, 0), true)[0].fresnel.to_string(), "f0 0.04 with weight 1");
     }
 

@@ -94,7 +94,9 @@ fn axes_beyond(lobe: &SceneLobe, table: &Table) -> Vec<OutsideAxis> {
         (axis.scene, axis.table) = ([scene; 2], [table; 2]);
     }
     // A table of isotropic surfaces serves every phi.
-    axes.retain(|of| is_beyond(of.scene, of.table, TOLERANCE) && (of.axis != "phi" || !table.serves_every_phi()));
+    axes.retain(|axis| {
+        is_beyond(axis.scene, axis.table, TOLERANCE) && (axis.axis != "phi" || !table.serves_every_phi())
+    });
     axes
 }
 

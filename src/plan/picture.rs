@@ -136,7 +136,8 @@ fn draw_front(out: &mut Vec<String>, plan: &TablePlan<'_>) {
     }
     out.push(format!(r#"<path class="limit" d="M{left} {:.1}h{width}"/>"#, y(plan.limit)));
     let shown = plan.front().filter(|candidate| candidate.error <= reach);
-    let points: Vec<_> = shown.map(|of| format!("{:.1} {:.1}", x(of.bytes), y(of.error))).collect();
+    let points: Vec<_> =
+        shown.map(|candidate| format!("{:.1} {:.1}", x(candidate.bytes), y(candidate.error))).collect();
     if !points.is_empty() {
         out.push(format!(r#"<path class="front" d="M{}"/>"#, points.join("L")));
     }

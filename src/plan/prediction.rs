@@ -108,7 +108,7 @@ impl Prediction {
         let table = fitted(&base, go_on)?;
         // A table may also have the best single lobe instead of two.
         let choices = if lobes[0].fresnel.second().is_some() { 2 } else { 1 };
-        let choices = lobes[..choices].iter().map(|of| of.fresnel.clone());
+        let choices = lobes[..choices].iter().map(|choice| choice.fresnel.clone());
         // Compact forms have the evenly spaced nodes of a layout.
         let is_even = form.ship && has_form(layout);
         let curves = Curve::read((&table, &base), choices, (needs, probes), form.any_nodes && !is_even, go_on)?;

@@ -31,12 +31,13 @@ pub(crate) fn resampled(table: &Table, axis: usize, nodes: Vec<f64>) -> Table {
     let blend = |corners: &[(usize, f64); 2], number: &dyn Fn(usize) -> f32| {
         corners.iter().map(|(entry, weight)| weight * f64::from(number(*entry))).sum::<f64>() as f32
     };
-    let numbers = |of: &Vec<f32>| corners.iter().map(|corners| blend(corners, &|entry| of[entry])).collect();
-    let matrices = |of: &Vec<[f32; 9]>| -> Vec<[f32; 9]> {
-        let matrix = |corners| std::array::from_fn(|i| blend(corners, &|entry| of[entry][i]));
+    let numbers = |stored: &Vec<f32>| corners.iter().map(|corners| blend(corners, &|entry| stored[entry])).collect();
+    let matrices = |stored: &Vec<[f32; 9]>| -> Vec<[f32; 9]> {
+        let matrix = |corners| std::array::from_fn(|i| blend(corners, &|entry| stored[entry][i]));
         corners.iter().map(matrix).collect()
     };
-    let terms = |of: &Terms| Terms { amplitude: numbers(&of.amplitude), fresnel: numbers(&of.fresnel), edge: None };
+    let terms =
+        |terms: &Terms| Terms { amplitude: numbers(&terms.amplitude), fresnel: numbers(&terms.fresnel), edge: None };
     Table {
         axes: with(table.axes.clone(), axis, nodes),
         matrix: matrices(&table.matrix),

@@ -150,13 +150,13 @@ static CROWDED_PLAN: Shared = Shared::new(
 fn nodes_are_closer_where_more_surface_is() {
     let plan = CROWDED_PLAN.plan(Budget::Bytes(1100));
     let placed = plan.chosen.clone();
-    let evenly: Vec<Candidate> = plan.candidates.iter().filter(|of| of.recipe.given().is_none()).cloned().collect();
+    let evenly: Vec<Candidate> = plan.candidates.iter().filter(|each| each.recipe.given().is_none()).cloned().collect();
     let even = candidates::choose(&evenly, Budget::Bytes(1100)).expect("one");
     let nodes = placed.recipe.given().axes().alpha.clone();
     assert!(placed.error < even.error, "{} {}", placed.error, even.error);
     assert!(nodes.iter().filter(|alpha| (0.28..0.38).contains(*alpha)).count() >= 2, "{nodes:?}");
     let probes = probes::Probes::new(&plan.needs);
-    let [even, placed] = [even, &placed].map(|of| probes.error(&fitted(&of.recipe)));
+    let [even, placed] = [even, &placed].map(|each| probes.error(&fitted(&each.recipe)));
     assert!(placed < even, "{placed} {even}");
 }
 

@@ -22,8 +22,8 @@ pub struct GpuLimit {
 impl GpuLimit {
     /// Whether a cost is within the limits. An unknown cost is within no limit.
     pub(crate) fn allows(self, cost: Option<GpuCost>) -> bool {
-        let within = |limit: Option<u32>, of: fn(GpuCost) -> u32| {
-            limit.is_none_or(|most| cost.is_some_and(|cost| of(cost) <= most))
+        let within = |limit: Option<u32>, count: fn(GpuCost) -> u32| {
+            limit.is_none_or(|most| cost.is_some_and(|cost| count(cost) <= most))
         };
         within(self.registers, |cost| cost.registers) && within(self.instructions, |cost| cost.instructions)
     }
@@ -76,12 +76,12 @@ impl Shading {
     /// The costs for a recipe's table. Scattering models other than GGX have no rules.
     pub(crate) fn new(needs: &Needs<'_>, recipe: &Recipe, limit: GpuLimit) -> Self {
         let rules = if needs.brdf == BrdfKind::Ggx { &NormalsRule::SHADED[..] } else { &[] };
-        let of = |rule: &NormalsRule| WithoutTable {
+        let without = |rule: &NormalsRule| WithoutTable {
             rule: *rule,
             gpu_cost: GpuCost::of(&format!("normals {rule}")),
             light_error: None,
         };
-        let without_table: Vec<WithoutTable> = rules.iter().map(of).collect();
+        let without_table: Vec<WithoutTable> = rules.iter().map(without).collect();
         let within = without_table.iter().filter(|without| limit.allows(without.gpu_cost));
         // A rule with more instructions has less error.
         let instructions = |without: &&WithoutTable| without.gpu_cost.map(|cost| cost.instructions);
@@ -120,13 +120,13 @@ impl Shading {
 
     /// The summary in words: the rule without a table, and costs beyond the limits.
     pub(crate) fn words(&self) -> Vec<String> {
-        let cost = |of: Option<GpuCost>| match of {
+        let words = |cost: Option<GpuCost>| match cost {
             Some(GpuCost { registers, instructions, .. }) => {
                 format!("{registers} registers, {instructions} instructions")
             }
             None => "not counted".to_owned(),
         };
-        let (table, beyond) = (cost(self.gpu_cost), "more than the GPU may spend");
+        let (table, beyond) = (words(self.gpu_cost), "more than the GPU may spend");
         let mut lines = Vec::new();
         if !self.is_table_readable {
             lines.push(format!("the table's shader takes {beyond}: {table}"));
@@ -138,14 +138,14 @@ impl Shading {
             let errors = errors.map_or_else(String::new, |(table, other)| {
                 format!("; error of light {other:.4}, with the table {table:.4}")
             });
-            let own = cost(*gpu_cost);
+            let own = words(*gpu_cost);
             lines.push(format!(
                 "without a table: model normals, rule {rule}{within}, {own} (the table's shader: {table}){errors}"
             ));
         } else if let Some(least) =
-            self.without_table.iter().min_by_key(|least| least.gpu_cost.map(|of| of.instructions))
+            self.without_table.iter().min_by_key(|least| least.gpu_cost.map(|cost| cost.instructions))
         {
-            let own = cost(least.gpu_cost);
+            let own = words(least.gpu_cost);
             let rule = least.rule;
             lines.push(format!(
                 "without a table: no rule of model normals; the shortest, {rule}, takes {beyond}: {own}"

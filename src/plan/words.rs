@@ -40,7 +40,7 @@ pub fn left_out(scene: &Scene) -> Vec<String> {
 fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     let TablePlan { chosen, limit, whole, .. } = plan;
     let recipe = &chosen.recipe;
-    let of = if plan.needs.brdf == BrdfKind::Ggx { "" } else { "sheen: " };
+    let prefix = if plan.needs.brdf == BrdfKind::Ggx { "" } else { "sheen: " };
     let [alpha, ratio, theta, phi] = recipe.resolution.named().map(|(_, n)| *n);
     let surfaces = if recipe.layout.is_of_materials() {
         format!("layout materials, {}", plural(alpha as usize, "material"))
@@ -57,7 +57,7 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
         format!("; measured {:.4}{}", fitted.error, fitted.seconds.map_or_else(String::new, time))
     });
     let mut lines = vec![format!(
-        "{of}{surfaces} x {theta} x {phi} nodes, {}{shipped} as {}, {}, {:.1} s on one core: expected error {:.4}, of \
+        "{prefix}{surfaces} x {theta} x {phi} nodes, {}{shipped} as {}, {}, {:.1} s on one core: expected error {:.4}, of \
          which {limit:.4} stays with {}{measured}",
         in_bytes(chosen.bytes),
         recipe.precision,
@@ -69,10 +69,10 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     lines.extend(lobes_in_words(plan));
     let error = whole.known_error();
     let error = error.map_or_else(String::new, |error| format!(", with an error of {error:.4} on this scene"));
-    lines.push(format!("{of}the table of the whole domain has {}{error}", in_bytes(whole.bytes)));
+    lines.push(format!("{prefix}the table of the whole domain has {}{error}", in_bytes(whole.bytes)));
     lines.extend(plan.shading.words());
     if plan.form.ship && chosen.shipped.is_none() {
-        lines.push(format!("{of}the table has no compact form; the budget is of its bytes on a GPU"));
+        lines.push(format!("{prefix}the table has no compact form; the budget is of its bytes on a GPU"));
     }
     if !recipe.terms.any() {
         lines.push("the table has no terms; the energy of its lobes must come from elsewhere".to_owned());
@@ -84,21 +84,21 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
         ));
     }
     if !plan.is_met && plan.shading.is_table_readable {
-        lines.push(format!("{of}{}", unmet(plan)));
+        lines.push(format!("{prefix}{}", unmet(plan)));
     }
     lines
 }
 
 /// The choice of lobes, for a scene with both metal and dielectrics.
 fn lobes_in_words(plan: &TablePlan<'_>) -> Option<String> {
-    let error = |is_two| plan.lobes().find(|(of, _)| of.second().is_some() == is_two).map(|(_, error)| error);
+    let error = |is_two| plan.lobes().find(|(lobes, _)| lobes.second().is_some() == is_two).map(|(_, error)| error);
     let one = error(false)?;
     let two = error(true).map_or_else(String::new, |two| format!(", of two {two:.4}"));
     let chosen = plan.chosen.recipe.brdf.fresnel();
     let choice = if chosen.second().is_some() {
         "metal and dielectrics have two lobes an entry, blended, which shader --two-lobes reads".to_owned()
     } else {
-        format!("one lobe serves metal and dielectrics, that of {chosen}")
+        format!("one lobe serves metal and dielectrics: {chosen}")
     };
     Some(format!("{choice}; without a table, the error of one lobe is {one:.4}{two}"))
 }

@@ -27,12 +27,13 @@ impl Placed {
             [world.x_axis, world.y_axis, world.z_axis].map(|axis| axis.truncate().normalize_or_zero().extend(0.0));
         let to_camera = DMat4::from_cols(axes[0], axes[1], axes[2], world.w_axis).inverse();
         let (half, depth) = match (&camera.perspective, &camera.orthographic) {
-            (Some(of), _) => {
-                let (sin, cos) = ltcforge_fit::math::sin_cos(0.5 * of.yfov);
+            (Some(camera), _) => {
+                let (sin, cos) = ltcforge_fit::math::sin_cos(0.5 * camera.yfov);
                 let height = sin / cos;
-                ([height * of.aspect_ratio.unwrap_or(ASPECT), height], [of.znear, of.zfar.unwrap_or(f64::INFINITY)])
+                let width = height * camera.aspect_ratio.unwrap_or(ASPECT);
+                ([width, height], [camera.znear, camera.zfar.unwrap_or(f64::INFINITY)])
             }
-            (None, Some(of)) => ([of.xmag.abs(), of.ymag.abs()], [of.znear, of.zfar]),
+            (None, Some(camera)) => ([camera.xmag.abs(), camera.ymag.abs()], [camera.znear, camera.zfar]),
             (None, None) => return None,
         };
         let placed = Self {

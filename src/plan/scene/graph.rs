@@ -59,6 +59,6 @@ fn local(node: &Node) -> DMat4 {
     let rotation = DQuat::from_xyzw(x, y, z, w);
     let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
     let [scale, translation] = [(&node.scale, 1.0), (&node.translation, 0.0)]
-        .map(|(given, default)| given.as_deref().map_or(DVec3::splat(default), |of| DVec3::from(*of)));
+        .map(|(given, default)| given.as_deref().map_or(DVec3::splat(default), |given| DVec3::from(*given)));
     DMat4::from_scale_rotation_translation(scale, rotation, translation)
 }

@@ -218,8 +218,8 @@ impl Shaded {
     /// not have weigh 0.
     pub(super) fn lobes(&self, uv: &Uv<'_>) -> (f64, [LobeAt; 3]) {
         let map = |map: Map| self.maps[map as usize].as_ref().map(|map| map.at(uv(map.set)));
-        let at = |of: Map| map(of).unwrap_or([1.0; 3]);
-        let colour = |of: Map| map(of).map_or([1.0; 3], |levels| levels.map(linear));
+        let at = |name: Map| map(name).unwrap_or([1.0; 3]);
+        let colour = |name: Map| map(name).map_or([1.0; 3], |levels| levels.map(linear));
         let lobe = |kind, weight, roughness: f64| LobeAt::isotropic(kind, weight, roughness * roughness, COAT_F0);
 
         let [roughness, metallic, _] = at(Map::Surface);

@@ -121,11 +121,11 @@ pub(super) fn gather(
             }
         }
     }
-    for (gathered, of) in gathered.into_iter().zip(materials) {
-        let Some(of) = of else { continue };
-        scene.notes.extend(of.missing.iter().map(|missing| format!("{}: {missing}", of.name)));
-        let is_every_view = gathered.is_placeless || of.has_normal_map;
-        scene.materials.push(gathered.finish(of.name.clone(), of.uncovered.clone(), is_every_view));
+    for (gathered, material) in gathered.into_iter().zip(materials) {
+        let Some(Shaded { name, missing, uncovered, has_normal_map, .. }) = material else { continue };
+        scene.notes.extend(missing.iter().map(|missing| format!("{name}: {missing}")));
+        let is_every_view = gathered.is_placeless || *has_normal_map;
+        scene.materials.push(gathered.finish(name.clone(), uncovered.clone(), is_every_view));
     }
     Ok(scene)
 }

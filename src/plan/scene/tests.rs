@@ -72,9 +72,9 @@ fn texels_weigh_by_the_surface_that_they_cover() {
     for (end, wrap, wanted) in cases {
         let scene = scene(&quad_scene(&image, end, wrap, &json!({})));
         let lobe = &scene.materials[0].lobes[0];
-        for (of, wanted) in [51.0, 204.0, 255.0].into_iter().zip(wanted) {
-            let found = part(lobe, level(of), 1.0);
-            assert!((found - wanted).abs() < 0.01 * wanted.max(0.1), "{end:?} {wrap:?} {of}: {found} {wanted}");
+        for (texel, wanted) in [51.0, 204.0, 255.0].into_iter().zip(wanted) {
+            let found = part(lobe, level(texel), 1.0);
+            assert!((found - wanted).abs() < 0.01 * wanted.max(0.1), "{end:?} {wrap:?} {texel}: {found} {wanted}");
         }
         assert!((lobe.weight() - 1.0).abs() < 1e-6, "{}", lobe.weight());
     }
@@ -105,11 +105,15 @@ fn images_of_every_format_are_read() {
 fn a_transform_of_a_texture_moves_what_is_covered() {
     let image = checker(64, |x, _| if x < 16 { 51 } else { 204 });
     let change = json!({ "KHR_texture_transform": { "offset": [0.25, 0.0], "scale": [0.5, 1.0] } });
-    let of = scene(&quad_scene(&image, [1.0; 2], [10497; 2], &change));
-    assert!((part(&of.materials[0].lobes[0], 0.64, 1.0) - 1.0).abs() < 1e-9);
+    let moved = scene(&quad_scene(&image, [1.0; 2], [10497; 2], &change));
+    assert!((part(&moved.materials[0].lobes[0], 0.64, 1.0) - 1.0).abs() < 1e-9);
     let quarter_turn = json!({ "KHR_texture_transform": { "rotation": FRAC_PI_2, "scale": [1.0, 0.125] } });
-    let of = scene(&quad_scene(&image, [1.0; 2], [10497; 2], &quarter_turn));
-    assert!((part(&of.materials[0].lobes[0], 0.04, 1.0) - 1.0).abs() < 1e-9, "{:?}", of.materials[0].lobes[0].spots);
+    let turned = scene(&quad_scene(&image, [1.0; 2], [10497; 2], &quarter_turn));
+    assert!(
+        (part(&turned.materials[0].lobes[0], 0.04, 1.0) - 1.0).abs() < 1e-9,
+        "{:?}",
+        turned.materials[0].lobes[0].spots
+    );
 }
 
 /// A PNG of four channels, its left half of other texels than its right one.
