@@ -164,7 +164,7 @@ test: EXTRA_PACKAGES := $(TEST_PACKAGES)
 test: packages browser cluster
 	$(CARGO) test --locked --no-run
 	@$(MAKE) --no-print-directory -j2 --output-sync=target test-units test-suites
-	@$(MAKE) --no-print-directory test-native
+	@$(MAKE) --no-print-directory test-for-native
 
 # Suites that mostly wait for processes, leases and browsers run in parallel with suites that compute.
 CARGO_BESIDE = env -u MAKEFLAGS $(CARGO)
@@ -175,7 +175,8 @@ test-suites:
 	$(CARGO_BESIDE) test --locked --test product --test engines -- $(addprefix --skip ,$(SLOW))
 
 test-all: test schemathesis lint-deploy
-	$(CARGO) test --locked --test product --test engines -- --ignored
+	$(CARGO) test --locked --test core --test product --test engines -- --ignored
+	@$(MAKE) --no-print-directory test-native
 	$(CARGO) test --locked --test product -- $(SLOW)
 	$(CARGO) test --locked -p ltcforge-studies -p ltcforge-driver -p ltcforge-benches --lib --bins
 
