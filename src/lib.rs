@@ -74,11 +74,12 @@
 //! |---|---|
 //! | none | recipes, fits, tables, reports, files, the shader in WGSL |
 //! | `shaders` | [`translate`]: the shader in GLSL, HLSL, MSL and SPIR-V (naga) |
-//! | `textures` | [`textures`]: tables as files for engines, pictures on lights (ddsfile, exr, image, png, rawzip, ruzstd, zune-jpeg) |
+//! | `textures` | [`textures`]: tables as files for engines, pictures on lights (ddsfile, exr, png, rawzip, ruzstd, zune-jpeg) |
 //! | `render` | [`view`]: previews on a GPU or the CPU, plots, the trade-off (wgpu, png); includes the two above |
 //! | `client` | [`client`]: requests to a service, and the lock file (ureq) |
 //! | `server` | [`server`], on Unix: the HTTP service, its queue and store (axum, tokio, sled); includes `render` |
 //! | `cli`, the default | [`cli`]: the commands (clap), and the binary `ltcforge`; includes all features above |
+//! | `cluster` | several processes on one PostgreSQL and one object store (tokio-postgres, object_store) |
 //!
 //! # Crates
 //!

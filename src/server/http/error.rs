@@ -95,7 +95,7 @@ impl From<DeleteError> for Problem {
         match error {
             DeleteError::UnknownTable(_) => Self::new(ProblemKind::UnknownTable, detail),
             DeleteError::UnknownBrdf(_) => Self::new(ProblemKind::UnknownBrdf, detail),
-            DeleteError::InUse(_) => Self::new(ProblemKind::BrdfInUse, detail),
+            DeleteError::InUse(_) | DeleteError::Incomplete(_) => Self::new(ProblemKind::BrdfInUse, detail),
             DeleteError::Store(error) => error.into(),
         }
     }

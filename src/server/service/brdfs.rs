@@ -120,6 +120,9 @@ impl Service {
         if state.files.read(FileKind::Brdf, digest)?.is_none() {
             return Err(DeleteError::UnknownBrdf(digest));
         }
+        if !state.is_complete {
+            return Err(DeleteError::Incomplete(digest));
+        }
         // A canonical recipe contains no digests except of BRDFs.
         let named = digest.to_string();
         let mut recipes = state.files.catalogue.recipes()?;

@@ -39,6 +39,9 @@ pub enum DeleteError {
     /// A recipe contains the BRDF.
     #[error("the recipe of a table, or of a queued or running job, uses {0}; delete or cancel it first")]
     InUse(Digest),
+    /// The database was lost or closed at the start, so a job that is unknown may use the BRDF.
+    #[error("the database was incomplete at the start, so an unknown job may use {0}; restart the service first")]
+    Incomplete(Digest),
     /// The store failed.
     #[error(transparent)]
     Store(#[from] ServiceError),

@@ -20,7 +20,7 @@ const GRACE: SignedDuration = SignedDuration::from_secs(600);
 impl State {
     /// Deletes the least recently used tables until the files fit into `--store-bytes`.
     pub(super) fn evict(&self) {
-        let Some(limit) = self.config.store_bytes.filter(|_| self.may_evict) else { return };
+        let Some(limit) = self.config.store_bytes.filter(|_| self.is_complete) else { return };
         if let Err(error) = self.evict_above(limit, Timestamp::now()) {
             tracing::error!(%error, "the store was not brought down to --store-bytes");
         }

@@ -59,14 +59,14 @@ impl Service {
         let database = Database::open_with(&shared.database.0, shared.connections)?;
         let queue = PostgresQueue::new(Arc::clone(&database), limits(&config), FITTER_VERSION);
         let store = Store::shared(blobs, Arc::new(PostgresRows::new(database)));
-        Self::start(config, Files::new(store), Box::new(queue), false, RENEW_SHARED)
+        Self::start(Config { store_bytes: None, ..config }, Files::new(store), Box::new(queue), true, RENEW_SHARED)
     }
 
     fn start(
         config: Config,
         files: Files,
         queue: Box<dyn Queue>,
-        may_evict: bool,
+        is_complete: bool,
         renew: Duration,
     ) -> Result<Arc<Self>, OpenError> {
         let threads = config.pool_threads();
@@ -89,7 +89,7 @@ impl Service {
             exports: Exports::new(),
             storing: Mutex::default(),
             naming: RwLock::default(),
-            may_evict,
+            is_complete,
             stopping: AtomicBool::new(false),
             entries_fitted: AtomicU64::new(0),
             files_removed: AtomicU64::new(0),

@@ -49,8 +49,8 @@ pub(super) struct State {
     pub(super) storing: Mutex<()>,
     /// Locked for reading while a recipe becomes a job or a table is stored, for writing while a file is removed.
     pub(super) naming: RwLock<()>,
-    /// Whether tables may be evicted. The store must be a folder with a complete catalogue.
-    pub(super) may_evict: bool,
+    /// Whether all jobs and files were known at the start. Otherwise no table is evicted and no BRDF deleted.
+    pub(super) is_complete: bool,
     pub(super) stopping: AtomicBool,
     pub(super) entries_fitted: AtomicU64,
     pub(super) files_removed: AtomicU64,

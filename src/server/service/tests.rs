@@ -170,22 +170,24 @@ fn the_least_recently_used_tables_are_evicted_and_a_brdf_never() {
 #[test]
 fn nothing_is_evicted_after_a_start_that_was_not_clean() {
     let folder = tempfile::tempdir().unwrap();
-    let table = {
+    let (table, stored) = {
         let service = Service::open(config(folder.path())).unwrap();
-        fitted(&service, &recipe(1))
+        (fitted(&service, &recipe(1)), service.store_brdf(&brdf(0.2)).unwrap().0.digest)
     };
     used_ago(&path(folder.path(), table), 5000);
     fs::write(folder.path().join("db/db"), b"no database").unwrap();
     let small = Config { store_bytes: Some(1), ..config(folder.path()) };
     let service = Service::open(small.clone()).unwrap();
-    assert!(!service.state.may_evict && path(folder.path(), table).exists());
+    assert!(!service.state.is_complete && path(folder.path(), table).exists());
     assert_eq!(service.tables(None, 9).unwrap().items.len(), 1);
+    assert!(matches!(service.delete_brdf(stored), Err(DeleteError::Incomplete(_))));
     service.stop();
     drop(service);
     // Listing the files has read it.
     used_ago(&path(folder.path(), table), 5000);
     let service = Service::open(small).unwrap();
-    assert!(service.state.may_evict && !path(folder.path(), table).exists());
+    assert!(service.state.is_complete && !path(folder.path(), table).exists());
+    service.delete_brdf(stored).unwrap();
 }
 
 #[test]
