@@ -1,7 +1,5 @@
 //! Scenes that are too large, leave their folder or are invalid.
 
-use std::time::{Duration, Instant};
-
 use serde_json::json;
 
 use super::{
@@ -10,10 +8,7 @@ use super::{
 };
 
 fn refused(glb: &Glb) -> String {
-    let started = Instant::now();
-    let error = Scene::from_bytes(glb.bytes(), &|| true).expect_err("hostile").to_string();
-    assert!(started.elapsed() < Duration::from_secs(5), "{error}");
-    error
+    Scene::from_bytes(glb.bytes(), &|| true).expect_err("hostile").to_string()
 }
 
 fn plain() -> Glb {
