@@ -55,7 +55,7 @@ pub struct LightArgs {
     /// Also print the light of a material with this F0 (Schlick), 0 to 1
     #[arg(long, allow_negative_numbers = true)]
     pub f0: Option<f64>,
-    /// F82 tint of a metal, with --f0; a table needs terms \"f82\", 0 to 1
+    /// F82 tint of a metal, with --f0; a table needs terms `f82`, 0 to 1
     #[arg(long, value_name = "TINT", allow_negative_numbers = true, requires = "f0")]
     pub f82: Option<f64>,
     /// Reflectance at grazing incidence, with --f0, 0 to 1

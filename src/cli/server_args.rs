@@ -8,7 +8,7 @@ use ltcforge_client::{ServerTokens, ServerTokensError};
 /// The service that a command calls.
 #[derive(Debug, Args)]
 pub struct ServerArgs {
-    /// Service to call [default: <http://127.0.0.1:8317>]
+    /// Service to call [default: `http://127.0.0.1:8317`]
     #[arg(long, global = true, env = "LTCFORGE_SERVER", value_name = "URL")]
     pub server: Option<String>,
     /// Its token.

@@ -22,7 +22,7 @@ use ltcforge_files::{container::TableFile, digest::Digest, recipe_document, tabu
 pub struct VerifyArgs {
     /// Tables, exports, data folders, or URLs of tables
     ///
-    /// A table is a file, the first digits of a digest in --tables, or <http://HOST/v1/tables/sha256:DIGEST>. A folder was
+    /// A table is a file, the first digits of a digest in --tables, or `http://HOST/v1/tables/sha256:DIGEST`. A folder was
     /// written by `export`, or is the data folder of a service or a copy of it. A file named by a digest must have it
     #[arg(required = true)]
     pub files: Vec<PathBuf>,

@@ -80,7 +80,7 @@ pub(crate) struct ServeSettings {
     #[arg(long, env = "LTCFORGE_ALLOW_HOST", value_name = "HOST[:PORT]", value_delimiter = ',')]
     #[serde(deserialize_with = "from_texts")]
     pub allow_host: Vec<AllowedHost>,
-    /// Web origin that may call the service, e.g. <https://wiki.example>
+    /// Web origin that may call the service, e.g. `https://wiki.example`
     #[arg(long, env = "LTCFORGE_ALLOW_ORIGIN", value_name = "ORIGIN", value_delimiter = ',')]
     #[serde(deserialize_with = "from_texts")]
     pub allow_origin: Vec<AllowedOrigin>,
