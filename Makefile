@@ -176,7 +176,6 @@ test-suites:
 
 test-all: test schemathesis lint-deploy
 	$(CARGO) test --locked --test core --test product --test engines -- --ignored
-	$(CARGO) test --locked -p ltcforge-view --lib -- --ignored
 	@$(MAKE) --no-print-directory test-native
 	$(CARGO) test --locked --test product -- $(SLOW)
 	$(CARGO) test --locked -p ltcforge-studies -p ltcforge-driver -p ltcforge-benches --lib --bins

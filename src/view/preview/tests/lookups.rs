@@ -243,7 +243,6 @@ fn both_lobes_are_read_from_any_textures() {
 
 /// A sampler of textures weights entries as the shader does, in volumes and in arrays.
 #[test]
-#[ignore = "make test-all runs it"]
 fn samplers_weigh_entries_as_shaders_do() {
     let by_sampler = Weights::Sampler;
     for (layout, isotropic) in [(Layout::Reflected, false), (Layout::Ltc2017, true)] {

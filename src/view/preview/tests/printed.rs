@@ -116,7 +116,6 @@ fn programs_without_a_table_compute_what_the_wgsl_does() {
 }
 
 #[test]
-#[ignore = "make test-all runs it"]
 fn programs_that_read_a_table_compute_what_the_wgsl_does() {
     for layout in Layout::ALL {
         let Some(lit) = compare::<[f32; 16]>((*layout).into()) else { return };

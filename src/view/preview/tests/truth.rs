@@ -248,7 +248,6 @@ fn integral(brdf: &BrdfModel, scene: &Scene, point: &Point) -> [f64; 3] {
 
 /// A table's reference is of its own scattering model, rendered by the CPU.
 #[test]
-#[ignore = "make test-all runs it"]
 fn every_reference_converges_to_the_integral_of_its_model() {
     for brdf in BrdfKind::formulas().map(BrdfModel::from).chain([planted_tabulated(), planted_anisotropic()]) {
         let table = Arc::new(ShaderTable::new(&Table { brdf: brdf.clone(), ..planted() }, TexelFormat::F32));
