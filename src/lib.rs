@@ -79,7 +79,7 @@
 //! | `client` | [`client`]: requests to a service, and the lock file (ureq) |
 //! | `server` | [`server`], on Unix: the HTTP service, its queue and store (axum, tokio, sled); includes `render` |
 //! | `cli`, the default | [`cli`]: the commands (clap), and the binary `ltcforge`; includes all features above |
-//! | `cluster` | several processes on one PostgreSQL and one object store (tokio-postgres, object_store) |
+//! | `cluster` | several processes on one PostgreSQL and one object store (tokio-postgres, `object_store`) |
 //!
 //! # Crates
 //!
