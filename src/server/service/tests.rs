@@ -1,5 +1,6 @@
 use std::{
     fs,
+    num::NonZeroUsize,
     path::{Path, PathBuf},
     sync::Arc,
     time::Duration,
@@ -11,6 +12,7 @@ use super::*;
 use crate::{
     queue::{JobId, JobState},
     service::pictures::Subject,
+    store::StoreError,
 };
 use ltcforge_files::{digest::Digest, tabulated::encode};
 use ltcforge_fit::{BrdfKind, TabulatedAxes, TabulatedBrdf};
@@ -54,7 +56,7 @@ fn submitted(service: &Service, recipe: &str) -> JobId {
     }
 }
 
-/// The states that a follower of a job receives, up to the final one.
+/// The states that a follower of a job receives, up to the final state.
 fn followed(service: &Service, id: JobId) -> Vec<JobState> {
     let mut latest = service.watch(id).unwrap().unwrap();
     let mut states = Vec::new();
@@ -153,10 +155,10 @@ fn the_least_recently_used_tables_are_evicted_and_a_brdf_never() {
     service.state.evict_above(limit, Timestamp::now()).unwrap();
     let there = tables.map(|table| path(folder.path(), table).exists());
     assert_eq!(there, [false, true, false]);
-    assert_eq!(service.file(FileKind::Table, tables[0]).unwrap(), None, "the cache has forgotten it");
+    assert_eq!(service.file(FileKind::Table, tables[0]).unwrap(), None, "the table is no longer cached");
     let job = service.job_of_table(tables[0]).unwrap().unwrap();
     assert!(job.recipe.contains("\"seed\":1"), "the recipe is still known: {}", job.recipe);
-    // Only the BRDF fits into the limit, but the table was just used, from disk and from memory.
+    // Only the BRDF fits into the limit, but the table stays at first, because it was just served from memory.
     assert!(service.file(FileKind::Table, tables[1]).unwrap().is_some());
     used_ago(&path(folder.path(), tables[1]), 1000);
     assert!(service.cached_file(FileKind::Table, tables[1]).is_some());
@@ -165,6 +167,24 @@ fn the_least_recently_used_tables_are_evicted_and_a_brdf_never() {
     service.state.evict_above(1, Timestamp::now() + SignedDuration::from_secs(1000)).unwrap();
     assert!(!path(folder.path(), tables[1]).exists() && path(folder.path(), stored.digest).exists());
     assert_eq!(fitted(&service, &recipe(1)), tables[0], "an evicted table is fitted again");
+}
+
+#[test]
+fn a_full_disk_evicts_tables_above_the_limit() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = {
+        let service = Service::open(config(folder.path())).unwrap();
+        fitted(&service, &recipe(1))
+    };
+    let idle = Config { workers: 0, store_bytes: Some(1), ..config(folder.path()) };
+    let service = Service::open(idle).unwrap();
+    let file = path(folder.path(), table);
+    assert!(file.exists(), "the table was used a moment ago");
+    submitted(&service, &recipe(2));
+    let task = service.state.queue.lease(NonZeroUsize::MIN).unwrap().remove(0);
+    used_ago(&file, 5000);
+    let stored = || if file.exists() { Err(StoreError::DiskFull) } else { Ok(()) };
+    assert!(service.state.retried(&task, stored).is_ok() && !file.exists());
 }
 
 #[test]
@@ -183,7 +203,7 @@ fn nothing_is_evicted_after_a_start_that_was_not_clean() {
     assert!(matches!(service.delete_brdf(stored), Err(DeleteError::Incomplete(_))));
     service.stop();
     drop(service);
-    // Listing the files has read it.
+    // The start has just read the table, which counts as a use.
     used_ago(&path(folder.path(), table), 5000);
     let service = Service::open(small).unwrap();
     assert!(service.state.is_complete && !path(folder.path(), table).exists());
@@ -226,7 +246,7 @@ fn a_brdf_that_a_recipe_names_stays_and_there_is_a_limit() {
     let service = Service::open(Config { workers: 0, ..config(folder.path()) }).unwrap();
     let [first, second] = [0.2, 0.3].map(|alpha| service.store_brdf(&brdf(alpha)).unwrap().0.digest);
     assert!(matches!(service.store_brdf(&brdf(0.4)), Err(StoreBrdfError::TooMany(2))));
-    assert!(service.store_brdf(&brdf(0.3)).unwrap().1, "one that is there needs no room");
+    assert!(service.store_brdf(&brdf(0.3)).unwrap().1, "a BRDF that is stored already does not count again");
     let recipe =
         format!(r#"{{"brdf": "tabulated", "tabulated": "{first}", "resolution": {{"alpha": 2, "theta": 3}}}}"#);
     let id = submitted(&service, &recipe);

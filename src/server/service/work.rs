@@ -31,16 +31,16 @@ const IDLE: Duration = Duration::from_millis(500);
 /// How long to wait after a temporary error, such as a lack of file descriptors.
 const RETRY: Duration = Duration::from_secs(1);
 
-/// Why a task was not delivered.
+/// Why a task has no result.
 #[derive(Debug, thiserror::Error)]
-enum TaskError {
-    /// The task was stopped, because its lease is stale or the service stops.
+pub(super) enum TaskError {
+    /// The task was stopped, because its lease is stale or the service is stopping.
     #[error("the task was stopped")]
     Stopped,
-    /// The task itself failed and is tried again.
+    /// The task itself failed. The queue tries it again.
     #[error("{0}")]
     Failed(String),
-    /// The store failed. Another attempt helps only if [`StoreError::is_passing`].
+    /// The store failed. Another attempt can succeed only if [`StoreError::is_passing`] is true.
     #[error(transparent)]
     Store(#[from] StoreError),
 }
@@ -193,8 +193,8 @@ impl State {
         Ok(())
     }
 
-    /// Stores a result that may have taken minutes to compute. Tries again after temporary errors.
-    fn retried<T, E: Into<TaskError>>(
+    /// Stores a result, and tries again after temporary errors, because the result may have taken minutes to compute.
+    pub(super) fn retried<T, E: Into<TaskError>>(
         &self,
         task: &LeasedTask,
         store: impl Fn() -> Result<T, E>,
@@ -205,6 +205,10 @@ impl State {
                 Err(TaskError::Store(error)) if error.is_passing() && !self.is_stopping() => {
                     if !std::mem::replace(&mut is_logged, true) {
                         tracing::warn!(job = %task.job, task = ?task.kind, %error, "the result could not be stored; trying again");
+                    }
+                    // On a full disk, deleting tables above `--store-bytes` makes room.
+                    if matches!(error, StoreError::DiskFull) {
+                        self.evict();
                     }
                     thread::park_timeout(RETRY);
                 }
