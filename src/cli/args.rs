@@ -1,5 +1,5 @@
-//! The arguments of the command line. A flag goes before its environment variable, that before the configuration
-//! file, that before the default.
+//! The command-line arguments. A flag overrides its environment variable, a variable overrides the configuration file,
+//! and the file overrides the default.
 
 use std::{ffi::OsString, path::PathBuf};
 
@@ -44,23 +44,32 @@ const GROUPS: [(&str, &[&str]); 6] = [
 ];
 
 impl Cli {
-    /// Parses the arguments of the process, the first of which is its name.
+    /// Parses the arguments of the process. The first argument is the program's name.
     ///
     /// # Errors
-    /// The fault of the arguments, or the help that they request.
+    /// When the arguments are invalid, or request the help or the version.
     pub fn from_args(arguments: impl Iterator<Item = OsString>) -> Result<Self, clap::Error> {
         Self::from_arg_matches(&grouped().try_get_matches_from(arguments)?)
     }
 }
 
-/// The command line, whose help lists the commands by subject.
+/// The commands that use the configuration file.
+const CONFIGURED: [&str; 5] = ["serve", "work", "jobs", "lock", "pull"];
+
+/// The command, with `--config` left out of its help.
+fn without_config(command: clap::Command) -> clap::Command {
+    let hide = |arg: clap::Arg| if arg.get_id() == "config" { arg.hide(true) } else { arg };
+    command.mut_args(hide).mut_subcommands(without_config)
+}
+
+/// The command-line parser. Its help lists the commands by subject, and `--config` only for commands that use it.
 fn grouped() -> clap::Command {
     let mut command = Cli::command();
     command.build();
-    let line = |name: &&str| {
-        let about = command.find_subcommand(name)?.get_about()?;
-        Some(format!("  {name:15}{about}\n"))
-    };
+    let below = |of: clap::Command| if CONFIGURED.contains(&of.get_name()) { of } else { without_config(of) };
+    let command = command.mut_subcommands(below);
+    let about = |name: &str| command.find_subcommand(name)?.get_about();
+    let line = |name: &&str| about(name).map(|about| format!("  {name:15}{about}\n"));
     let group =
         |(title, names): (&str, &[&str])| format!("{title}:\n{}\n", names.iter().filter_map(line).collect::<String>());
     let groups: String = GROUPS.into_iter().map(group).collect();
@@ -175,21 +184,18 @@ mod tests {
         Cli::command().debug_assert();
     }
 
-    /// Checks the help of a command and of the commands below it.
+    /// Checks the help of a command and of its subcommands.
     fn check_help(command: &clap::Command, path: &str) {
         let path = format!("{path} {}", command.get_name());
         let check = |of: &str, help: Option<&clap::builder::StyledStr>| {
             let help = help.map(ToString::to_string).unwrap_or_default();
-            // The default follows the sentence.
+            // `[default: ...]` follows the sentence.
             let line = help.split(" [default").next().unwrap_or_default();
             assert!(!line.is_empty() && line.chars().count() <= 70, "{path} {of}: {} characters: {line}", line.len());
         };
         check("", command.get_about());
         for argument in command.get_arguments() {
-            // The parameters of a preview have lines of their own, which the service shows too.
-            if !path.ends_with(" preview") {
-                check(argument.get_id().as_str(), argument.get_help());
-            }
+            check(argument.get_id().as_str(), argument.get_help());
         }
         for below in command.get_subcommands() {
             check_help(below, &path);
@@ -211,12 +217,14 @@ mod tests {
     }
 
     #[test]
-    fn only_commands_that_call_a_service_have_its_options() {
-        for command in Cli::command().get_subcommands() {
-            let has = |name: &str| command.get_arguments().any(|argument| argument.get_id() == name);
+    fn global_options_are_listed_where_they_are_used() {
+        for command in grouped().get_subcommands_mut() {
+            let help = command.clone().render_help().to_string();
+            let has = |name: &str| help.contains(&format!(" --{name} <"));
             let name = command.get_name();
+            assert_eq!(has("config"), CONFIGURED.contains(&name), "{name}");
             assert_eq!(has("server"), ["jobs", "lock", "pull"].contains(&name), "{name}");
-            assert_eq!(has("token") && name != "token", ["jobs", "lock", "pull", "verify"].contains(&name), "{name}");
+            assert_eq!(has("token"), ["jobs", "lock", "pull", "verify"].contains(&name), "{name}");
         }
     }
 
