@@ -11,6 +11,9 @@ const LIST: &str = r#"{"materials": [
     {"name": "steel", "alpha_x": 0.2, "alpha_y": 0.2, "weight": 3}, {"name": "lacquer", "alpha_x": 0.05, "alpha_y": 0.05, "f0": 0.04}
 ]}"#;
 
+/// One isotropic metal, whose plan takes a third of the time.
+const STEEL: &str = r#"{"materials": [{"name": "steel", "alpha_x": 0.2, "alpha_y": 0.2}]}"#;
+
 fn json_of(text: &[u8]) -> Value {
     serde_json::from_slice(text).expect("JSON")
 }
@@ -42,10 +45,6 @@ fn a_plan_is_fitted_pinned_and_checked() {
     let recipe = fs::read(here.join("ltc/recipe.json")).expect("a recipe");
     assert_eq!(json!(Digest::of(recipe.trim_ascii()).to_string()), table["recipe_digest"]);
 
-    // The same scene and budget give the same recipe.
-    run(here, ["plan", "scene.json", "--bytes", "2000", "-o", "again"]).exited(0);
-    assert_eq!(fs::read(here.join("again/recipe.json")).expect("a recipe"), recipe);
-
     run(here, ["lock", "ltc", "--plan", "ltc"]).exited(0);
     let told = run(here, ["plan", "scene.json", "ltc.safetensors", "--check"]).exited(0).stdout;
     assert!(!told.contains("reflectance"), "{told}");
@@ -63,9 +62,9 @@ fn a_plan_is_fitted_pinned_and_checked() {
 fn a_budget_that_cannot_be_met_names_the_nearest_table() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
-    fs::write(here.join("scene.json"), LIST).expect("a list");
-    let told = run(here, ["plan", "scene.json", "--bytes", "50"]).exited(1).stdout;
-    assert!(told.contains("50 bytes are too few: the smallest table has 88"), "{told}");
+    fs::write(here.join("scene.json"), STEEL).expect("a list");
+    let told = run(here, ["plan", "scene.json", "--bytes", "20"]).exited(1).stdout;
+    assert!(told.contains("20 bytes are too few: the smallest table has 44"), "{told}");
     let told = run(here, ["plan", "scene.json", "--error", "0.001"]).exited(1).stdout;
     assert!(told.contains("no table has an error of 0.001 or less: the nearest table has"), "{told}");
 }
@@ -102,25 +101,24 @@ fn scenes_that_are_none_are_usage_errors() {
 fn a_plan_for_an_engine_has_its_layout_and_its_files() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
-    fs::write(here.join("scene.json"), LIST).expect("a list");
-    let told = run(here, ["--json", "plan", "scene.json", "--bytes", "100000", "--fit", "--for", "three", "-o", "ltc"]);
-    let told = json_of(told.exited(0).stdout.as_bytes());
-    let table = &told["plan"]["tables"][0];
-    assert_eq!(table["recipe"]["layout"], json!("ltc2017"));
-    assert_eq!(table["measured"]["bytes"], json!(90_112));
-    let files: Vec<&str> = told["files"].as_array().expect("files").iter().filter_map(Value::as_str).collect();
+    fs::write(here.join("scene.json"), STEEL).expect("a list");
+    let plan = ["--json", "plan", "scene.json", "--bytes", "2000", "--fit", "--for", "wgpu", "-o", "ltc"];
+    let report = json_of(run(here, plan).exited(0).stdout.as_bytes());
+    let files: Vec<&str> = report["files"].as_array().expect("files").iter().filter_map(Value::as_str).collect();
     assert!(files.iter().all(|file| here.join(file).exists()), "{files:?}");
-    assert!(files.iter().any(|file| file.ends_with("ltc.js")), "{files:?}");
-    let told = run(here, ["plan", "scene.json", "--bytes", "20000", "--for", "three", "-o", "small"]).exited(1).stdout;
-    assert!(told.contains("20000 bytes are too few: the smallest table has 90112"), "{told}");
-    assert!(here.join("small/recipe.json").exists());
+    assert!(files.iter().any(|file| file.ends_with("ltc_terms.ktx2")), "{files:?}");
+    let report =
+        run(here, ["plan", "scene.json", "--bytes", "20000", "--for", "three", "-o", "small"]).exited(1).stdout;
+    assert!(report.contains("20000 bytes are too few: the smallest table has 90112"), "{report}");
+    let recipe = json_of(&fs::read(here.join("small/recipe.json")).expect("a recipe"));
+    assert_eq!(recipe["layout"], json!("ltc2017"));
 }
 
 #[test]
 fn seconds_are_a_budget_and_take_less_effort() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
-    fs::write(here.join("scene.json"), LIST).expect("a list");
+    fs::write(here.join("scene.json"), STEEL).expect("a list");
     let plan = |seconds: &str| {
         let told = run(here, ["--json", "plan", "scene.json", "--seconds", seconds]).exited(0).stdout;
         json_of(told.as_bytes())["plan"]["tables"][0]["predicted"].clone()
@@ -138,15 +136,16 @@ fn limits_of_a_gpu_and_tables_without_terms_are_planned() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     fs::write(here.join("scene.json"), LIST).expect("a list");
+    fs::write(here.join("steel.json"), STEEL).expect("a list");
     let two = run(here, ["plan", "scene.json"]).exited(0).stdout;
-    assert!(two.contains("two lobes an entry, blended") && two.contains("rule balanced, 72 registers"), "{two}");
+    assert!(two.contains("two lobes per entry, blended") && two.contains("rule balanced, 72 registers"), "{two}");
     let one = run(here, ["plan", "scene.json", "--registers", "64", "--instructions", "800"]).exited(0).stdout;
     assert!(one.contains("one lobe serves metal and dielectrics"), "{one}");
-    assert!(one.contains("no rule of model normals; the shortest, fast, takes more than the GPU may spend"), "{one}");
-    let bare = run(here, ["plan", "scene.json", "--no-terms"]).exited(0).stdout;
+    assert!(one.contains("no rule of model normals is within the limits; the shortest, fast, needs"), "{one}");
+    let bare = run(here, ["plan", "steel.json", "--no-terms"]).exited(0).stdout;
     assert!(bare.contains("the table has no terms"), "{bare}");
-    let none = run(here, ["plan", "scene.json", "--registers", "8"]).exited(1).stdout;
-    assert!(none.contains("the table's shader takes more than the GPU may spend"), "{none}");
+    let none = run(here, ["plan", "steel.json", "--registers", "8"]).exited(1).stdout;
+    assert!(none.contains("the table's shader exceeds the GPU limits"), "{none}");
 }
 
 /// A scene with cloth has two tables, and both are pinned.
@@ -174,7 +173,7 @@ fn recipes_of_sheen_are_pinned_beside_the_others() {
     let refused = run(here, ["plan", "fibres.json", "--for", "three", "-o", "none"]).exited(2).stderr;
     assert!(refused.contains("all materials are sheen"), "{refused}");
     // A plan of a scene without cloth leaves no recipe of one behind.
-    fs::write(here.join("scene.json"), LIST).expect("a list");
+    fs::write(here.join("scene.json"), STEEL).expect("a list");
     run(here, ["plan", "scene.json", "--bytes", "1000", "-o", "plans"]).exited(0);
     assert!(!here.join("plans/recipe-sheen.json").exists());
 }
@@ -183,7 +182,7 @@ fn recipes_of_sheen_are_pinned_beside_the_others() {
 fn a_table_to_ship_is_written_in_its_compact_form() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
-    fs::write(here.join("scene.json"), LIST.replace(", \"f0\": 0.04", "")).expect("a list");
+    fs::write(here.join("scene.json"), STEEL).expect("a list");
     let told = run(here, ["--json", "plan", "scene.json", "--ship", "--bytes", "400", "--fit", "-o", "ltc"]).exited(0);
     let told = json_of(told.stdout.as_bytes());
     let rows = told["plan"]["tables"][0]["candidates"].as_array().expect("rows").clone();
@@ -192,6 +191,13 @@ fn a_table_to_ship_is_written_in_its_compact_form() {
     assert_eq!(fs::metadata(here.join("ltc/ltc.compact")).expect("a file").len(), shipped);
     assert!(shipped <= 400 && chosen["bytes"].as_u64().is_some_and(|bytes| bytes > shipped), "{chosen}");
     run(here, ["report", "ltc/ltc.compact"]).exited(0);
+}
+
+#[test]
+#[ignore = "make test-all runs it"]
+fn a_table_to_ship_is_corrected_until_it_fits() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
     // Where the first correction is not enough, there are more.
     let list = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/plan/brushed.json");
     for bytes in ["2000", "2050"] {

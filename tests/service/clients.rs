@@ -1,4 +1,4 @@
-//! Pages of other sites, unknown host names, slow requests, too many requests.
+//! Pages from other sites, unknown host names, slow requests, and too many requests.
 
 use std::{
     fmt::Write as _,
@@ -23,13 +23,13 @@ pub(super) fn send(server: &Server, request: &str) -> TcpStream {
     tcp
 }
 
-/// Status, head and body of the response, until the service closes the connection.
+/// Status, head and body of the response. The service must close the connection.
 #[track_caller]
 pub(super) fn answer(tcp: TcpStream) -> (u16, String, String) {
     try_answer(tcp).expect("an answer")
 }
 
-/// As [`answer`]; `None` if the connection is closed without a response.
+/// Like [`answer`], but `None` if the connection is closed without a response.
 pub(super) fn try_answer(mut tcp: TcpStream) -> Option<(u16, String, String)> {
     let mut all = String::new();
     tcp.read_to_string(&mut all).ok()?;
@@ -38,7 +38,7 @@ pub(super) fn try_answer(mut tcp: TcpStream) -> Option<(u16, String, String)> {
     Some((status, head.to_owned(), body.to_owned()))
 }
 
-/// The problem that `request` gets. `openapi.yaml` must contain it.
+/// The problem document in the response to `request`. `openapi.yaml` must contain it.
 #[track_caller]
 fn problem(server: &Server, request: &str, status: u16, kind: &str) -> Value {
     let (answered, head, body) = answer(send(server, request));
@@ -51,7 +51,7 @@ fn problem(server: &Server, request: &str, status: u16, kind: &str) -> Value {
     problem
 }
 
-/// The head of a request with more fields. It asks to close the connection.
+/// The head of a request with additional fields. It asks the service to close the connection.
 pub(super) fn request(line: &str, fields: &[(&str, &str)]) -> String {
     let mut head = format!("{line} HTTP/1.1\r\nconnection: close\r\n");
     for (name, value) in fields {
@@ -104,7 +104,7 @@ fn a_foreign_page_is_refused_unless_it_is_allowed() {
 }
 
 #[test]
-fn a_slow_body_is_told_so_and_a_slow_head_is_cut() {
+fn a_slow_body_gets_a_response_and_a_slow_head_is_cut() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &["--client-seconds", "1"]);
     let fields = [("host", host(&server)), ("content-length", "100")];
@@ -119,7 +119,7 @@ fn a_slow_body_is_told_so_and_a_slow_head_is_cut() {
 #[test]
 fn a_busy_service_refuses_requests_and_answers_probes() {
     let folder = tempfile::tempdir().expect("a folder");
-    let server = Server::start(folder.path(), &["--requests", "2", "--client-seconds", "10"]);
+    let server = Server::start(folder.path(), &["--requests", "2", "--client-seconds", "600"]);
     let fields = [("host", host(&server)), ("content-length", "100")];
     let slow = request("POST /v1/jobs", &fields) + "{";
     let open = [(); 2].map(|()| send(&server, &slow));
@@ -132,7 +132,7 @@ fn a_busy_service_refuses_requests_and_answers_probes() {
 }
 
 #[test]
-fn a_body_that_says_it_is_too_long_is_refused_before_it_is_sent() {
+fn a_body_with_a_large_content_length_is_rejected_before_it_is_sent() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let post = |length: &str| {
@@ -150,7 +150,7 @@ fn a_body_that_says_it_is_too_long_is_refused_before_it_is_sent() {
 }
 
 #[test]
-fn the_log_says_nothing_of_a_request() {
+fn the_log_does_not_repeat_requests() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     for path in ["/healthz", "/v1/jobs", "/v1/jobs/xyz", "/nothing"] {

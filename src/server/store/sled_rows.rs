@@ -1,14 +1,17 @@
 //! [`Rows`] in sled.
 //!
 //! This module works around these properties of sled 0.34.7:
-//! - `flush` calls `sync_file_range`, which does not survive a power cut. So every commit ends with an fsync of the
-//!   database file.
-//! - sled does not fsync its settings, and does not open without them. So opening ends with an fsync of every file.
-//! - Truncated files can cause a panic inside sled. So it is opened on a separate thread, whose panic is caught.
-//! - After a write error, such as a full disk, an open database refuses every operation. So commits leave room on the
-//!   disk. After an error the process must be restarted.
-//! - sled does not detect damaged values. So each value has a hash in front of it, and every row is read at the start.
-//! - Threads of sled may keep the file locked for a moment after the database is dropped. Opening waits for its release.
+//! - `flush` calls `sync_file_range`, which does not protect against a power cut. Every commit therefore ends with an
+//!   fsync of the database file.
+//! - sled does not fsync its settings, but cannot open without them. Opening therefore ends with an fsync of every
+//!   file.
+//! - Truncated files can cause a panic inside sled. It is therefore opened on a separate thread, and the panic is
+//!   caught.
+//! - After a write error, such as a full disk, an open database refuses every operation. Commits therefore leave some
+//!   space on the disk. After an error the process must be restarted.
+//! - sled does not detect damaged values. Each value therefore has a hash in front of it, and opening reads every row.
+//! - sled's threads may keep the file locked for a moment after the database is dropped. Opening waits until the file
+//!   is unlocked.
 
 use std::{
     collections::BTreeSet,
@@ -30,17 +33,17 @@ use super::{
 };
 use ltcforge_files::replace::sync_folder;
 
-/// Size of sled's page cache. The rows of all unfinished jobs fit into it.
+/// Size of sled's page cache. The rows of all unfinished jobs fit into the cache.
 const CACHE_BYTES: u64 = 16 << 20;
 
-/// Space that a commit leaves on the disk. The log of sled grows by segments of 512 KiB, and two may be open. sled must
-/// not find a full disk while it writes in the background.
+/// Space that a commit leaves on the disk. sled's log grows by segments of 512 KiB, and two segments may be open. The
+/// disk must not be full when sled writes in the background.
 pub(super) const HEADROOM_BYTES: u64 = 2 << 20;
 
-/// Additional space for a job with many shards.
+/// Additional free space that a job with many shards needs.
 const JOB_BYTES: u64 = 1 << 20;
 
-/// Maximum time for which a closed database stays locked.
+/// Maximum time to wait until a closed database is unlocked.
 const RELEASE: Duration = Duration::from_secs(2);
 
 /// Rows in a sled database.
@@ -49,7 +52,7 @@ pub struct SledRows {
     folder: PathBuf,
     db: sled::Db,
     trees: [sled::Tree; Tree::ALL.len()],
-    /// sled's data file, for the fsync.
+    /// sled's data file, which commits fsync.
     file: File,
     /// The error that closed the database.
     failure: OnceLock<String>,
@@ -60,7 +63,7 @@ impl SledRows {
     /// thread, so a panic inside sled becomes an error.
     pub(super) fn open(folder: &Path) -> Result<Self, OpenError> {
         if SystemTime::UNIX_EPOCH.elapsed().is_err() {
-            // sled would panic, which would look like damage.
+            // sled would panic, and the database would look damaged.
             let error = io::Error::other("the clock of this machine is before 1970; set the clock");
             return Err(OpenError::Unusable(error));
         }
@@ -75,7 +78,7 @@ impl SledRows {
         }
         let is_new = folder.read_dir()?.next().is_none();
         for name in ["db", "conf"].map(|name| folder.join(name)) {
-            // Opening a FIFO would block for ever.
+            // Opening a FIFO would block forever.
             if name.symlink_metadata().is_ok_and(|metadata| !metadata.is_file()) {
                 return Err(OpenError::Damaged(format!("{} is not a regular file", name.display())));
             }
@@ -117,8 +120,8 @@ impl SledRows {
             return Err(StoreError::Database(failure.clone()));
         }
         operation().map_err(|error| {
-            let failure = format!("it is closed after an error ({error}); start the service again");
-            tracing::error!(%error, "the database is closed; start the service again");
+            let failure = format!("it is closed after an error ({error}); restart the service");
+            tracing::error!(%error, "the database is closed after an error; restart the service");
             // Later errors do not replace the first one.
             let _ = self.failure.set(failure.clone());
             match error {
@@ -128,7 +131,7 @@ impl SledRows {
         })
     }
 
-    /// The rows that `found` returns, checked and without their hashes.
+    /// Checks the rows in `found`, and removes their hashes.
     fn opened(
         &self,
         tree: Tree,
@@ -146,7 +149,7 @@ impl SledRows {
         }
         let result = trees.as_slice().transaction(|views| {
             for (tree, key, value) in &batch.changes {
-                // `touched` has every tree of the changes.
+                // `touched` contains the trees of all changes.
                 let Some((_, view)) = touched.iter().zip(views).find(|(name, _)| *name == tree) else { continue };
                 match value {
                     Some(value) => view.insert(key.as_slice(), seal(tree.name(), key, value))?,
@@ -198,8 +201,8 @@ impl Rows for SledRows {
     }
 }
 
-/// Waits until no other database has locked `file`.
-fn wait_for_release(file: &Path) {
+/// Waits up to [`RELEASE`] until `file` is unlocked.
+pub(super) fn wait_for_release(file: &Path) {
     let Ok(file) = File::options().write(true).open(file) else { return };
     let end = Instant::now() + RELEASE;
     while matches!(file.try_lock(), Err(TryLockError::WouldBlock)) && Instant::now() < end {

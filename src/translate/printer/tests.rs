@@ -1,4 +1,5 @@
-//! Printed texts keep the names, the comments and the meaning of their source. `ltcforge-view` runs them.
+//! Checks that printed texts keep the names, the comments and the meaning of their source. `ltcforge-view` runs the
+//! texts.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +13,7 @@ use ltcforge_shaders::{Additions, Filter, Lights, LitBy, Reading, SHADERS, funct
 
 const TEXTS: [Language; 5] = [Language::Glsl, Language::Glsl330, Language::GlslEs, Language::Hlsl, Language::Msl];
 
-/// The functions that `main` calls.
+/// The printed functions that `main` calls.
 fn translated(language: Language, source: &str) -> String {
     printed(language, source, "main", Form::Include).unwrap_or_else(|error| panic!("{error}\n{source}"))
 }
@@ -40,13 +41,13 @@ fn words(text: &str) -> BTreeSet<&str> {
     words.filter(|word| word.starts_with(|c: char| c.is_ascii_alphabetic())).collect()
 }
 
-/// The comments, without the slashes.
+/// The comments of a text, without the slashes.
 fn comments(text: &str) -> BTreeSet<&str> {
     let comment = |line: &'_ str| line.find("//").map(|at| at + 2);
     text.lines().filter_map(|line| Some(line[comment(line)?..].trim_start_matches('/').trim())).collect()
 }
 
-/// Words of WGSL that other languages write differently.
+/// WGSL words that other languages write differently.
 const OF_WGSL: [&str; 35] = [
     "fn",
     "let",
@@ -85,7 +86,7 @@ const OF_WGSL: [&str; 35] = [
     "u",
 ];
 
-/// Every text to include as WGSL with its entry point and the filter constant replaced.
+/// Every shader text in WGSL, with its entry point and with the filter constant replaced.
 fn sources() -> Vec<(LitBy, String)> {
     let rules = NormalsRule::SHADED.map(|rule| lit_by(LightModel::Normals, None).by_rule(Some(rule)).expect("a rule"));
     let models =
@@ -122,29 +123,30 @@ fn every_name_and_comment_of_the_source_is_printed() {
         let reached: String = reached
             .map(|(number, lead)| lead.free + &lead.own + &source[parsed.items[number].span.clone()] + "\n")
             .collect();
+        let (wanted_words, wanted_comments) = (words(&reached), comments(&reached));
         if lit_by.model() == LightModel::Normals {
-            // The caller of this model calls every function.
-            assert_eq!(comments(&reached), comments(&source));
+            // The caller for this model calls every function.
+            assert_eq!(wanted_comments, comments(&source));
         }
         for language in TEXTS {
             let text = printed(language, &source, "ltc_included", Form::Include).expect("a text");
             let (name, found) = (language.name(), words(&text));
-            for word in words(&reached) {
-                let is_there = found.contains(word) || found.contains(format!("{word}_").as_str());
-                assert!(is_there || OF_WGSL.contains(&word), "{name}, {lit_by:?}: no {word}");
+            for word in &wanted_words {
+                let is_there = found.contains(*word) || found.contains(format!("{word}_").as_str());
+                assert!(is_there || OF_WGSL.contains(word), "{name}, {lit_by:?}: {word} is missing");
             }
-            let missing: Vec<_> = comments(&reached).difference(&comments(&text)).copied().collect();
+            let missing: Vec<_> = wanted_comments.difference(&comments(&text)).copied().collect();
             assert_eq!(missing, [""; 0], "{name}, {lit_by:?}");
             let is_numbered = |word: &&str| word.strip_prefix("_e").is_some_and(|rest| rest.parse::<u32>().is_ok());
             assert!(!text.contains("__") && !found.iter().any(is_numbered), "{name}, {lit_by:?}");
-            compared += comments(&reached).len();
+            compared += wanted_comments.len();
         }
     }
     assert!(compared > 5000, "{compared}");
 }
 
 #[test]
-fn what_languages_write_otherwise() {
+fn differences_between_languages_are_translated() {
     use Language::{Glsl, Hlsl, Msl};
     assert_lines(
         &called("m: mat4x3<f32>, v: vec4<f32>, r: mat3x3<f32>", "let a = r * (m * v); // product\n    return a.x;"),
@@ -183,7 +185,7 @@ fn what_languages_write_otherwise() {
             ),
         ],
     );
-    // Reserved words, including a member; zeros; a variable that hides another of its name.
+    // Reserved words, also as a member; zeros; and a variable that hides another with the same name.
     assert_lines(
         &called(
             "half: f32",
@@ -217,7 +219,7 @@ fn what_languages_write_otherwise() {
 
 /// A function writes to a pointer if it passes the pointer to a function that writes to it.
 #[test]
-fn a_pointer_that_is_passed_on_is_written_to() {
+fn a_pointer_passed_to_a_writing_function_is_written_to() {
     let source = "fn g(p: ptr<function, f32>) { *p = 1.0; }\nfn f(p: ptr<function, f32>) { g(p); }\n\
         fn h(p: ptr<function, f32>) -> f32 { return 2.0 * *p; }\n\
         @fragment\nfn main() { var x = 0.0; f(&x); h(&x); }\n";
@@ -232,7 +234,7 @@ fn a_pointer_that_is_passed_on_is_written_to() {
 }
 
 #[test]
-fn a_variable_that_is_set_at_once_has_no_zeros() {
+fn a_variable_that_is_set_at_once_has_no_initial_zero() {
     let source = called("x: f32", "var y: f32;\n    y = x + 1.0;\n    var z: f32;\n    z += y;\n    return z;");
     let text = translated(Language::Glsl, &source);
     assert!(text.contains("    float y = x + 1.0;\n    float z = 0.0;\n    z += y;\n"), "{text}");
@@ -244,7 +246,7 @@ fn errors_have_line_and_column() {
         ("return g(1.0);", "line 3, column 12: «g» is not known for these types"),
         ("return x;", "line 3, column 12: «x» is not declared"),
         ("let a = 1.0 +;\n    return a;", "line 3, column 18: expected a name, found «;»"),
-        ("let /* why */ a = 1.0;\n    return a;", "line 3, column 9: a comment here has no place in other languages"),
+        ("let /* why */ a = 1.0;\n    return a;", "line 3, column 9: a comment here would be lost in the output"),
         ("switch 1 { }", "line 3, column 12: expected an assignment or a call, found «1»"),
         ("return 1.0 # 2.0;", "line 3, column 16: unexpected character '#'"),
         ("return vec2(1.0).q;", "line 3, column 12: this value has no member «q»"),
@@ -264,7 +266,7 @@ fn errors_have_line_and_column() {
 
 /// Expressions nested thousands deep.
 #[test]
-fn depth_is_refused() {
+fn deep_nesting_is_rejected() {
     let deep = |open: &str, middle: &str, close: &str| open.repeat(9000) + middle + &close.repeat(9000);
     for expression in [
         deep("(", "1.0", ")"),
@@ -292,9 +294,9 @@ fn depth_is_refused() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Sources with a part removed, moved or doubled.
+    /// Sources in which a part is removed, moved or doubled.
     #[test]
-    fn damaged_sources_give_a_text_or_an_error_with_a_line(
+    fn damaged_sources_give_text_or_an_error_with_a_line(
         which in 0_usize..30, from in 0.0..1.0_f64, length in 0_usize..40, to in 0.0..1.0_f64, keeps in any::<bool>()
     ) {
         let source = &SHADERS[which % SHADERS.len()].source;

@@ -4,7 +4,7 @@ use ltcforge_fit::{BrdfKind, Layout, LobeModel, PerAxis, Table, Terms};
 
 const DIGEST: &str = "0a1b2c3d4e5f";
 
-/// A table of twelve entries. All are the identity, except entry `bad`.
+/// A table of twelve entries. All entries are the identity, except entry `bad`.
 fn table(bad: usize) -> Table {
     let mut matrix = vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]; 12];
     matrix[bad] = [0.2, 0.0, 0.5, 0.0, 0.7, 0.0, 0.0, 0.0, 1.0];
@@ -25,20 +25,17 @@ fn pixel(picture: &Picture, x: u32, y: u32) -> [u8; 3] {
 }
 
 #[test]
-fn every_name_draws_a_png_and_equal_calls_give_equal_bytes() {
-    for plot in [Plot::Matrix, Plot::Error(ErrorSlice::default())] {
-        // Entries at the ratio that is shown.
-        let [first, second] = [plot.draw(&table(1), DIGEST), plot.draw(&table(1), DIGEST)];
-        assert!(first == second, "{plot:?}");
-        assert!(first.png().expect("a PNG").starts_with(b"\x89PNG"));
-        assert!(plot.draw(&table(2), DIGEST) != first, "{plot:?} does not show the bad entry");
-    }
-    let [one, other] = [DIGEST, "4e5f"].map(|digest| Plot::Matrix.draw(&table(1), digest));
-    assert!(one != other, "the plot does not name the table");
+fn a_plot_of_the_entries_is_a_png_and_equal_calls_give_equal_bytes() {
+    let draw = |bad, digest| Plot::Matrix.draw(&table(bad), digest);
+    let first = draw(1, DIGEST);
+    assert!(first.png().expect("a PNG").starts_with(b"\x89PNG"));
+    assert!(first == draw(1, DIGEST));
+    assert!(first != draw(2, DIGEST), "the plot does not show the bad entry");
+    assert!(first != draw(1, "4e5f"), "the plot does not name the table");
 }
 
 #[test]
-fn what_a_table_lacks_is_left_empty() {
+fn numbers_that_a_table_lacks_are_left_empty() {
     let mut bare = table(0);
     bare.terms = None;
     bare.node_error.fill(f32::NAN);
@@ -52,9 +49,12 @@ fn what_a_table_lacks_is_left_empty() {
 }
 
 #[test]
-fn a_slice_lies_within_what_the_table_covers() {
-    let draw = |ratio, phi| Plot::Error(ErrorSlice { ratio, phi }).draw(&table(1), DIGEST);
-    let nearest = draw(0.5, 0.0);
-    assert!(draw(0.1, 3.0) == nearest);
-    assert!(draw(1.0, 0.0) != nearest);
+fn a_slice_is_within_the_range_of_the_table() {
+    let draw = |bad, ratio, phi| Plot::Error(ErrorSlice { ratio, phi }).draw(&table(bad), DIGEST);
+    let nearest = draw(1, 0.5, 0.0);
+    assert!(nearest.png().expect("a PNG").starts_with(b"\x89PNG"));
+    assert!(draw(1, 0.1, 3.0) == nearest);
+    assert!(draw(1, 1.0, 0.0) != nearest);
+    // This entry is at the ratio that the plot shows.
+    assert!(draw(2, 0.5, 0.0) != nearest, "the plot does not show the bad entry");
 }

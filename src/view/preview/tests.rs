@@ -1,4 +1,4 @@
-//! The two renderers against each other and against independent references.
+//! Compares the two renderers with each other and with independent references.
 
 mod closed_form;
 mod cut;
@@ -21,19 +21,20 @@ mod without_textures;
 
 use std::{
     io::{Write as _, stderr},
-    sync::Arc,
+    ops::{Deref, DerefMut},
+    sync::{Arc, Mutex},
 };
 
 pub(super) use planted::{isotropic, planted, reflected};
 
 use super::{Adapter, Preview, PreviewError, ShaderTable, TexelFormat};
 
-/// A table as shaders read it.
+/// A table in the form that shaders read.
 fn shader_table(format: TexelFormat) -> Arc<ShaderTable> {
     Arc::new(ShaderTable::new(&planted(), format))
 }
 
-/// Tables of both layouts and both formats, and a table of isotropic surfaces, as shaders read them.
+/// Tables in the form that shaders read: both layouts, both formats, and a table of isotropic surfaces.
 fn shader_tables() -> [Arc<ShaderTable>; 4] {
     let tables = [
         (planted(), TexelFormat::F32),
@@ -44,18 +45,47 @@ fn shader_tables() -> [Arc<ShaderTable>; 4] {
     tables.map(|(table, format)| Arc::new(ShaderTable::new(&table, format)))
 }
 
-/// The renderers of this machine. Without a Vulkan adapter the tests only use the CPU, and report it on standard error
-/// directly, because the harness would capture a print.
-fn renderers() -> Vec<Preview> {
-    let mut gpu = Preview::new(Adapter::Gpu);
+/// The renderers of this machine. Without a Vulkan adapter, tests only use the CPU. They report this directly on
+/// standard error, because the test harness would capture a print.
+fn renderers() -> Renderers {
+    let idle = IDLE.lock().expect("no test panics here").pop();
+    let mut gpu = idle.unwrap_or_else(|| Preview::new(Adapter::Gpu));
     let cpu = Preview::new(Adapter::Cpu);
     match gpu.adapter_name() {
-        Ok(_) => vec![gpu, cpu],
+        Ok(_) => Renderers(vec![gpu, cpu]),
         Err(PreviewError::NoAdapter(reason)) => {
             report_skipped(&reason);
-            vec![cpu]
+            Renderers(vec![cpu])
         }
         Err(error) => panic!("{error}"),
+    }
+}
+
+/// GPU renderers that no test uses now. Tests share them, so that each pipeline is compiled once per test thread.
+static IDLE: Mutex<Vec<Preview>> = Mutex::new(Vec::new());
+
+/// A GPU renderer, which returns to [`IDLE`], and a CPU renderer.
+struct Renderers(Vec<Preview>);
+
+impl Drop for Renderers {
+    fn drop(&mut self) {
+        if self.0.len() > 1 {
+            IDLE.lock().expect("no test panics here").push(self.0.swap_remove(0));
+        }
+    }
+}
+
+impl Deref for Renderers {
+    type Target = [Preview];
+
+    fn deref(&self) -> &[Preview] {
+        &self.0
+    }
+}
+
+impl DerefMut for Renderers {
+    fn deref_mut(&mut self) -> &mut [Preview] {
+        &mut self.0
     }
 }
 
@@ -65,6 +95,6 @@ pub(crate) fn report_skipped(reason: &str) {
     let line = format!(
         "\n*** SKIPPED ON THE GPU: {name}: {reason}\n*** Install a Vulkan driver (Debian: mesa-vulkan-drivers).\n\n"
     );
-    // A failed print does not fail the test.
+    // A failed print should not fail the test.
     let _ = stderr().write_all(line.as_bytes());
 }

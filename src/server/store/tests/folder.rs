@@ -4,13 +4,26 @@ use std::{
     fs::{self, File},
     os::unix::fs::FileExt as _,
     path::Path,
+    thread,
+    time::{Duration, Instant},
 };
 
 use super::small_disk::SmallDisk;
-use crate::store::{Batch, OpenError, Store, StoreError, Tree, migrations, open};
+use crate::store::{self, Batch, OpenError, Store, StoreError, Tree, migrations, sled_rows::wait_for_release};
 use ltcforge_files::digest::Digest;
 
 const BLOB: &[u8] = b"table";
+
+/// Opens a folder. Other tests start processes, and a new process keeps the lock of a closed store for a moment.
+fn open(dir: &Path) -> Result<Store, OpenError> {
+    let end = Instant::now() + Duration::from_secs(10);
+    loop {
+        match store::open(dir) {
+            Err(OpenError::Locked) if Instant::now() < end => thread::yield_now(),
+            opened => return opened,
+        }
+    }
+}
 
 fn batch(tree: Tree, key: &str, value: &[u8]) -> Batch {
     let mut batch = Batch::default();
@@ -41,7 +54,7 @@ fn moved(dir: &Path) -> usize {
 fn a_folder_has_one_user_at_a_time() {
     let dir = tempfile::tempdir().unwrap();
     let store = open(dir.path()).unwrap();
-    assert!(matches!(open(dir.path()), Err(OpenError::Locked)));
+    assert!(matches!(store::open(dir.path()), Err(OpenError::Locked)));
     drop(store);
     assert!(open(dir.path()).unwrap().is_clean);
 }
@@ -72,7 +85,7 @@ fn flipped_bits_move_the_database_aside_or_change_no_value_and_lose_no_blob() {
         }
         store.rows.commit(&batch(Tree::Jobs, "new", b"job")).unwrap();
     }
-    // sled takes some damage for the end of its log. Then rows are missing.
+    // sled takes some damage for the end of its log. Rows are then missing.
     assert!(replaced > 0);
 }
 
@@ -108,6 +121,7 @@ fn a_truncated_or_strange_database_is_moved_aside() {
 fn a_newer_schema_is_refused_and_stays() {
     let dir = tempfile::tempdir().unwrap();
     fill(dir.path());
+    wait_for_release(&dir.path().join("db/db"));
     let db = sled::open(dir.path().join("db")).unwrap();
     let next = [migrations::ALL, &[r#"{"about": "x", "steps": []}"#]].concat();
     migrations::apply(&db, false, &next).unwrap();
